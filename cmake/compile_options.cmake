@@ -1,0 +1,19 @@
+# Flags every target of this project is built with.
+
+# A force is the same bits on every compiler and optimisation level (docs/architecture.md, decision 3):
+# no fused multiply-add where the source has a product and a sum.
+add_compile_options(-ffp-contract=off)
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wfloat-conversion)
+if(TOUCHABLE_WERROR)
+  add_compile_options(-Werror)
+endif()
+if(TOUCHABLE_SANITIZE)
+  add_compile_options(-fsanitize=${TOUCHABLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${TOUCHABLE_SANITIZE})
+endif()
+
+# One room of the house: a static library `touchable_<name>`, reached by includes written from the root.
+function(touchable_room name)
+  add_library(touchable_${name} STATIC ${ARGN})
+  target_include_directories(touchable_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+endfunction()

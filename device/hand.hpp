@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "device/surface_probe.hpp"
+#include "device/workspace.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Where goals come from: one per finger and tick. Deterministic: the same options, probe and ticks give the same
+/// bits.
+class Hand {
+public:
+    virtual ~Hand() = default;
+    virtual int fingers() const = 0;
+    /// Goals of tick `tick` (at `tick` ms), world, scene units. Ticks are asked for in order, from 0.
+    virtual void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) = 0;
+};
+
+/// Makes a hand from its description: "wander|stroke|press|poke[:key=value,...]" or "csv:FILE[:key=value,...]".
+/// An unknown name, key or an impossible value is refused with the legal ones. `probe` shows frame 0.
+Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers, const Workspace& workspace,
+                                        const SurfaceProbe& probe);
+
+}  // namespace touchable

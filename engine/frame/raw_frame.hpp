@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "engine/frame/plane_view.hpp"
+
+namespace touchable {
+
+/// The planes of one moment as stored, all of the scene's width and height. Only depth is always there.
+struct RawFrame {
+    std::int64_t number = 0;   ///< from 0
+    std::int64_t time_ns = 0;  ///< presentation timestamp
+    PlaneView depth;           ///< 1 channel, stored values
+    PlaneView colour;          ///< 3 channels, 8 bits
+    PlaneView haptic;          ///< 3 channels, 8 bits: stiffness, static friction, dynamic friction
+    PlaneView height;          ///< 1 channel
+    std::shared_ptr<const void> storage;  ///< keeps the planes alive
+};
+
+}  // namespace touchable

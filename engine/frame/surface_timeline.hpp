@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/frame/surface_frame.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A published frame and its moment.
+struct TimedFrame {
+    std::int64_t number = -1;  ///< of the clip's frame
+    std::int64_t time_ns = 0;
+    const SurfaceFrame* frame = nullptr;
+};
+
+/// The frames around a moment. `next` equals `prev` before the first, after the last, and while the producer is
+/// late; then blend is 0.
+struct FramePair {
+    TimedFrame prev, next;
+    double blend = 0;  ///< 0 at prev's time, towards 1 at next's
+};
+
+/// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic thread).
+/// The reader never waits; the writer's slots are recycled only once the reader has moved past them.
+class SurfaceTimeline {
+public:
+    /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built).
+    explicit SurfaceTimeline(int slots);
+    SurfaceTimeline(const SurfaceTimeline&) = delete;
+    SurfaceTimeline& operator=(const SurfaceTimeline&) = delete;
+
+    /// Writer. A slot to build into, or nullptr while the reader still needs all of them. The slot stays the
+    /// writer's until it is published; asking again returns the same one. Wait-free.
+    SurfaceFrame* acquire();
+    /// Writer. Publishes the acquired slot. A time not later than the newest one's is refused, and the slot kept.
+    Result<void> publish(std::int64_t number, std::int64_t time_ns);
+    /// Writer. Publishes the newest frame once more, at a later time: nothing changed. Refused while the ring of
+    /// entries is full (false) or with a time not later (error).
+    Result<bool> republish(std::int64_t number, std::int64_t time_ns);
+
+    /// Any thread. Time of the newest frame; INT64_MIN before the first. Wait-free.
+    std::int64_t newest_time() const;
+
+    /// Reader. The pair around a time; false while nothing has been published. Times should not go backward: an
+    /// earlier time than before gives the earliest frame still held, at blend 0. Frames before `pair.prev` may be
+    /// recycled from here on. Wait-free, no allocation.
+    bool pair_at(std::int64_t time_ns, FramePair& pair);
+
+private:
+    struct Entry {
+        std::int64_t number = 0, time_ns = 0;
+        int slot = -1;
+    };
+    const Entry& entry(std::uint64_t sequence) const { return entries_[sequence % entries_.size()]; }
+
+    std::vector<std::unique_ptr<SurfaceFrame>> slots_;
+    std::vector<Entry> entries_;
+    int acquired_ = -1;                                        // writer only
+    alignas(64) std::atomic<std::uint64_t> published_{0};      // entries written so far
+    alignas(64) std::atomic<std::uint64_t> reader_oldest_{0};  // first entry the reader may still use
+    alignas(64) std::atomic<std::int64_t> newest_time_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/scene/depth_coding.hpp"
+
+namespace touchable {
+
+struct SurfaceFrame;
+
+/// Depth of one pixel, before height is taken off. Where it is not valid, depth means nothing.
+struct DepthSample {
+    double depth = 0;  ///< scene units, of the coding's semantics
+    bool valid = false;
+};
+
+/// Bounds on the valid depths of a tile's 17x17 vertices; may be wider than they need to be.
+struct TileDepths {
+    double nearest = 0, farthest = 0;  ///< scene units; nearest > farthest: no pixel is valid
+    bool any_invalid = false;
+};
+
+/// Depth and validity at a pixel, wherever they come from. Wait-free, no allocation; safe to call from one haptic
+/// thread while others read too.
+class VertexSource {
+public:
+    virtual ~VertexSource() = default;
+    /// 0 <= x < width, 0 <= y < height.
+    virtual DepthSample at(int x, int y) const = 0;
+    /// 0 <= tx < tiles_x, 0 <= ty < tiles_y of the frame (see TileGrid).
+    virtual TileDepths tile(int tx, int ty) const = 0;
+};
+
+/// Reads the filtered codes, validity and bounds of a SurfaceFrame, which must outlive it.
+class FilteredVertices final : public VertexSource {
+public:
+    explicit FilteredVertices(const SurfaceFrame& frame) : frame_(frame) {}
+    DepthSample at(int x, int y) const override;
+    TileDepths tile(int tx, int ty) const override;
+
+private:
+    const SurfaceFrame& frame_;
+};
+
+/// Unquantised depths, for scenes whose truth is known. No depth is invalid unless it is not finite.
+class ExactVertices final : public VertexSource {
+public:
+    /// `depths`: width x height, row-major, scene units.
+    ExactVertices(int width, int height, std::vector<double> depths);
+    DepthSample at(int x, int y) const override;
+    TileDepths tile(int tx, int ty) const override;
+
+private:
+    int width_, height_;
+    std::vector<double> depths_;
+    std::vector<TileDepths> tiles_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+inline constexpr int clip_format_version = 1;
+
+struct TrackInfo {
+    std::string role;        ///< "depth", "colour", "haptic", "height"
+    std::string codec;       ///< as FFmpeg names it
+    std::string pixel_format;
+    int width = 0, height = 0;  ///< as stored, before resampling to the depth plane's size
+};
+
+/// Reads a touchable clip frame by frame. One thread at a time.
+class ClipReader {
+public:
+    virtual ~ClipReader() = default;
+    virtual const Scene& scene() const = 0;
+    virtual const std::vector<TrackInfo>& tracks() const = 0;
+    /// As the container says; nullopt where only reading would tell.
+    virtual std::optional<std::int64_t> frame_count() const = 0;
+    /// What a person should know: planes resampled, far plane found in the frames, defaults assumed.
+    virtual const std::vector<std::string>& notes() const = 0;
+    /// The next frame; nullopt after the last. An error names file, track and frame.
+    virtual Result<std::optional<RawFrame>> next() = 0;
+    /// Back to the first frame.
+    virtual Result<void> rewind() = 0;
+};
+
+/// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file` required), or a scene file
+/// that describes a folder (patterns relative to the scene file). With `scene_file` and a clip, the file's
+/// description replaces the attached one.
+Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
+                                              const std::optional<std::filesystem::path>& scene_file = {});
+
+/// Writes a touchable clip: Matroska, one FFV1 track per plane tagged with its role, the scene attached as JSON.
+class ClipWriter {
+public:
+    virtual ~ClipWriter() = default;
+    /// Every frame has the planes of the first one, and the next number. Times come from the scene's rate.
+    virtual Result<void> write(const RawFrame& frame) = 0;
+    /// Completes the file and gives it its name; without this nothing is left behind.
+    virtual Result<void> finish() = 0;
+};
+Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene);
+
+}  // namespace touchable

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "engine/frame/plane_view.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A picture with its own memory, rows packed.
+struct Image {
+    int width = 0, height = 0;
+    int bytes_per_sample = 1;  ///< 1 or 2 (host order)
+    int channels = 1;          ///< 1 or 3
+    std::vector<std::uint8_t> samples;
+
+    PlaneView view() const {
+        return {samples.data(), static_cast<std::ptrdiff_t>(width) * channels * bytes_per_sample, width, height,
+                bytes_per_sample, channels};
+    }
+};
+
+/// PNG or JPEG as stored: grey of 8 or 16 bits, or RGB of 8; palettes become RGB, alpha is dropped.
+Result<Image> read_image(const std::filesystem::path& file);
+/// Lossless. Grey of 8 or 16 bits, or RGB of 8. The file appears whole or not at all.
+Result<void> write_png(const std::filesystem::path& file, const PlaneView& image);
+
+}  // namespace touchable

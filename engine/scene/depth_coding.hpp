@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "engine/scene/camera.hpp"
+
+namespace touchable {
+
+/// How a code becomes a depth in scene units.
+/// linear:  far + (near - far) code / code_max      (Eq. 3, near_is_high), or the other polarity
+/// inverse: 1 / (1/far + (1/near - 1/far) code / code_max)                 (near_is_high), or the other polarity
+/// metric:  scale * code
+enum class DepthCodingKind { linear, inverse, metric };
+
+struct DepthCoding {
+    static constexpr int max_invalid_codes = 4;
+
+    DepthCodingKind kind = DepthCodingKind::linear;
+    DepthSemantics semantics = DepthSemantics::range;
+    bool near_is_high = true;      ///< linear and inverse: the largest code is the near plane
+    double near = 0;               ///< scene units; for metric the smallest depth that is valid (0: any)
+    double far = 0;                ///< scene units, finite; deeper codes are invalid
+    double scale = 0;              ///< metric: scene units per code
+    std::uint16_t code_max = 255;  ///< largest native code
+    std::array<std::uint16_t, max_invalid_codes> invalid_codes{};
+    int invalid_code_count = 0;
+    /// Codes outside this range are invalid; derived by `derive_valid_range` from the members above.
+    std::uint16_t valid_min = 0, valid_max = 255;
+
+    bool is_valid(std::uint16_t code) const {
+        if (code < valid_min || code > valid_max) return false;
+        for (int k = 0; k < invalid_code_count; ++k)
+            if (code == invalid_codes[static_cast<std::size_t>(k)]) return false;
+        return true;
+    }
+    /// Depth of a valid code, in scene units, of the coding's own semantics; > 0 and <= far.
+    double depth(std::uint16_t code) const;
+    /// The valid code whose depth is nearest to `depth` (ties: the lower code).
+    std::uint16_t code(double depth) const;
+    /// True where a larger code is a larger depth.
+    bool deeper_is_higher() const { return kind == DepthCodingKind::metric || !near_is_high; }
+    /// One *level*: (far - near)/255, the paper's grey level as a length.
+    double level() const { return (far - near) / 255.0; }
+
+    bool operator==(const DepthCoding&) const = default;
+};
+
+/// Sets valid_min and valid_max so that exactly the codes with 0 < depth, near <= depth <= far and
+/// code <= code_max remain.
+void derive_valid_range(DepthCoding& coding);
+
+}  // namespace touchable

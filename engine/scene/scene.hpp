@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "engine/result.hpp"
+#include "engine/scene/camera.hpp"
+#include "engine/scene/depth_coding.hpp"
+
+namespace touchable {
+
+/// What a finger feels at a pixel.
+struct HapticProperties {
+    double stiffness = 600.0;   ///< N/m
+    double static_friction = 0.4;
+    double dynamic_friction = 0.3;
+};
+
+/// Range of one haptic channel; P = min + (max - min) p / 255 (Eq. 1).
+struct PropertyRange {
+    double min = 0, max = 0;
+    double at(std::uint8_t p) const { return min + (max - min) * p / 255.0; }
+};
+
+/// The haptic image's three channels; stiffness in N/mm as the paper's metadata has it.
+struct HapticRanges {
+    PropertyRange stiffness{0.1, 10.0};
+    PropertyRange static_friction{0.1, 1.0};
+    PropertyRange dynamic_friction{0.1, 1.0};
+
+    /// Properties of a haptic pixel, stiffness converted to N/m.
+    HapticProperties at(std::uint8_t r, std::uint8_t g, std::uint8_t b) const {
+        return {stiffness.at(r) * 1000.0, static_friction.at(g), dynamic_friction.at(b)};
+    }
+};
+
+enum class HeightUnits { levels, world };
+
+/// Height (Eq. 2) is a length taken off the depth: depth' = depth - max_height h / code_max, in levels of the
+/// depth coding or in scene units.
+struct HeightCoding {
+    double max_height = 0;
+    HeightUnits units = HeightUnits::levels;
+    std::uint16_t code_max = 255;
+};
+
+/// Length in scene units of the largest height code.
+double largest_height(const HeightCoding& height, const DepthCoding& depth);
+
+/// How the surface is found between two frames.
+enum class FrameInterpolation { hold, linear };
+
+/// Integer filters between stored values and codes; see engine/surface.
+struct FilterSettings {
+    int median = 0;      ///< window side: 0 (off), 3 or 5
+    int fill_holes = 0;  ///< passes, 0 to 16
+    bool operator==(const FilterSettings&) const = default;
+};
+
+/// Frame n is at floor(n 1e9 den / num) ns.
+struct FrameRate {
+    std::int64_t num = 30, den = 1;
+    std::int64_t time_ns(std::int64_t frame) const;  ///< exact; no overflow for frame < 2^40
+};
+
+/// Files of a folder of images; patterns have one printf-like field of digits: "depth_%04d.png".
+struct FolderSource {
+    std::string depth, colour, haptic, height;  ///< empty: no such plane; depth is required
+    int first = 0;                              ///< number of the first image
+    int count = 0;                              ///< 0: as many as there are without a gap
+};
+
+/// What a clip means. Everything but the pictures.
+struct Scene {
+    std::string name;
+    int width = 0, height = 0;  ///< of the depth plane, 1 to 16384 pixels
+    FrameRate rate;
+    double metres_per_unit = 0.001;
+    Camera camera;
+    DepthCoding depth;
+    int depth_bits = 8;  ///< bits of a stored depth value, 8 to 16
+    HeightCoding height_coding;
+    HapticRanges haptic;
+    HapticProperties default_properties;  ///< where there is no haptic image
+    FilterSettings filter;
+    FrameInterpolation interpolation = FrameInterpolation::linear;
+    /// Device metres per scene unit (S of F = k S (P - G)); without it the Workspace's default.
+    std::optional<double> device_metres_per_unit;
+    std::optional<FolderSource> folder;
+    /// Metric coding without `far`: the reader finds it in the frames (largest valid depth plus 5 %).
+    bool far_from_frames = false;
+};
+
+/// Everything that cannot be is refused here by a message that names the member and its number: sizes, planes,
+/// ranges, scales, non-finite numbers, and a height that could bring a depth to zero or below.
+Result<void> validate(const Scene& scene);
+
+}  // namespace touchable
