@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
@@ -17,15 +18,15 @@ struct TimedFrame {
     const SurfaceFrame* frame = nullptr;
 };
 
-/// The frames around a moment. `next` equals `prev` before the first, after the last, and while the producer is
-/// late; then blend is 0.
+/// The frames around a moment. `next` equals `prev` before the first, after the last, and while the producer
+/// is late; then blend is 0.
 struct FramePair {
     TimedFrame prev, next;
     double blend = 0;  ///< 0 at prev's time, towards 1 at next's
 };
 
-/// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic thread).
-/// The reader never waits; the writer's slots are recycled only once the reader has moved past them.
+/// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic
+/// thread). The reader never waits; the writer's slots are recycled only once the reader has moved past them.
 class SurfaceTimeline {
 public:
     /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built).
@@ -36,32 +37,42 @@ public:
     /// Writer. A slot to build into, or nullptr while the reader still needs all of them. The slot stays the
     /// writer's until it is published; asking again returns the same one. Wait-free.
     SurfaceFrame* acquire();
-    /// Writer. Publishes the acquired slot. A time not later than the newest one's is refused, and the slot kept.
+    /// Writer. Publishes the acquired slot. A time not later than the newest one's is refused, and the slot
+    /// kept.
     Result<void> publish(std::int64_t number, std::int64_t time_ns);
-    /// Writer. Publishes the newest frame once more, at a later time: nothing changed. Refused while the ring of
-    /// entries is full (false) or with a time not later (error).
+    /// Writer. Publishes the newest frame once more, at a later time: nothing changed. Refused while the ring
+    /// of entries is full (false) or with a time not later (error).
     Result<bool> republish(std::int64_t number, std::int64_t time_ns);
 
     /// Any thread. Time of the newest frame; INT64_MIN before the first. Wait-free.
     std::int64_t newest_time() const;
 
-    /// Reader. The pair around a time; false while nothing has been published. Times should not go backward: an
-    /// earlier time than before gives the earliest frame still held, at blend 0. Frames before `pair.prev` may be
-    /// recycled from here on. Wait-free, no allocation.
+    /// Reader. The pair around a time; false while nothing has been published. Times should not go backward:
+    /// an earlier time than before gives the earliest frame still held, at blend 0. Frames before `pair.prev`
+    /// may be recycled from here on. Wait-free, no allocation.
     bool pair_at(std::int64_t time_ns, FramePair& pair);
 
 private:
     struct Entry {
         std::int64_t number = 0, time_ns = 0;
-        int slot = -1;
+        std::size_t slot = 0;
     };
+    // Entries [reader_oldest_, published_) and the slots they name are the reader's: it may be anywhere in
+    // them.
     const Entry& entry(std::uint64_t sequence) const { return entries_[sequence % entries_.size()]; }
+    TimedFrame timed_frame(std::uint64_t sequence) const;
+    std::size_t entries_held() const;  // writer only, as are the two below
+    Result<void> check_later(std::int64_t number, std::int64_t time_ns) const;
+    void append(std::int64_t number, std::int64_t time_ns, std::size_t slot);
 
     std::vector<std::unique_ptr<SurfaceFrame>> slots_;
     std::vector<Entry> entries_;
-    int acquired_ = -1;                                        // writer only
-    alignas(64) std::atomic<std::uint64_t> published_{0};      // entries written so far
-    alignas(64) std::atomic<std::uint64_t> reader_oldest_{0};  // first entry the reader may still use
+    std::vector<std::uint64_t>
+        free_from_;  // writer only: per slot, the oldest that must be reached to recycle it
+    std::optional<std::size_t> acquired_;                  // writer only
+    alignas(64) std::atomic<std::uint64_t> published_{0};  // entries written so far
+    alignas(64) std::atomic<std::uint64_t> reader_oldest_{
+        0};  // sequence of the entry of the reader's pair.prev
     alignas(64) std::atomic<std::int64_t> newest_time_;
 };
 

@@ -21,8 +21,8 @@ struct TileDepths {
     bool any_invalid = false;
 };
 
-/// Depth and validity at a pixel, wherever they come from. Wait-free, no allocation; safe to call from one haptic
-/// thread while others read too.
+/// Depth and validity at a pixel, wherever they come from. Wait-free, no allocation; safe to call from one
+/// haptic thread while others read too.
 class VertexSource {
 public:
     virtual ~VertexSource() = default;
@@ -52,6 +52,8 @@ public:
     TileDepths tile(int tx, int ty) const override;
 
 private:
+    TileDepths bound(int tx, int ty) const;
+
     int width_, height_;
     std::vector<double> depths_;
     std::vector<TileDepths> tiles_;
