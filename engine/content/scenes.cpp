@@ -1,0 +1,130 @@
+#include "engine/content/scenes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "engine/content/families.hpp"
+#include "engine/content/quantise.hpp"
+
+namespace touchable {
+namespace {
+
+struct Family {
+    std::string_view name;
+    MadeScene (*make)(std::string_view, const SceneOptions&);
+};
+
+constexpr std::array families{
+    Family{"globe", make_globe},        Family{"bumps", make_height_field},
+    Family{"rough", make_height_field}, Family{"moving", make_height_field},
+    Family{"plane", make_primitive},    Family{"spheres", make_primitive},
+    Family{"step", make_primitive},     Family{"noise", make_noise},
+    Family{"cliffs", make_noise},       Family{"grain", make_noise},
+};
+
+Error unknown(std::string_view name) {
+    std::string known;
+    for (const Family& family : families) known.append(known.empty() ? "" : ", ").append(family.name);
+    return usage_error("scene '" + std::string(name) + "' is not known; known are " + known);
+}
+
+Result<void> check(std::string_view name, const SceneOptions& options) {
+    const auto refuse = [&](std::string what) {
+        return usage_error("scene '" + std::string(name) + "': " + what);
+    };
+    if (options.width < 2 || options.width > 16384 || options.height < 2 || options.height > 16384)
+        return refuse("size " + std::to_string(options.width) + "x" + std::to_string(options.height) +
+                      " is impossible; each side must be 2 to 16384 pixels");
+    if (options.bits < 8 || options.bits > 16)
+        return refuse("depth of " + std::to_string(options.bits) + " bits is impossible; it must be 8 to 16");
+    if (options.properties && name != "globe")
+        return refuse("only 'globe' has haptic properties and heights");
+    return {};
+}
+
+}  // namespace
+
+double AnalyticScene::time_of(std::int64_t n) const {
+    return static_cast<double>(scene_.rate.time_ns(n)) / 1e9;
+}
+
+std::shared_ptr<const FramePlanes> AnalyticScene::planes(double t) const {
+    auto made = std::make_shared<FramePlanes>();
+    quantise(scene_, sample_depths(*this, t), *made);
+    paint(t, *made);
+    return made;
+}
+
+RawFrame AnalyticScene::frame(std::int64_t n) const {
+    if (moves()) return view_of(planes(time_of(n)), scene_, n);
+    std::call_once(still_once_, [this] { still_ = planes(0); });
+    return view_of(still_, scene_, n);
+}
+
+void AnalyticScene::exact_frame(std::int64_t n, SurfaceFrame& out) const {
+    const double t = time_of(n);
+    out.width = scene_.width;
+    out.height = scene_.height;
+    out.coding = scene_.depth;
+    out.codes.clear();
+    out.tiles.clear();
+    out.validity.assign(
+        static_cast<std::size_t>(out.validity_words_per_row()) * static_cast<std::size_t>(out.height), 0);
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) {
+            const int word = y * out.validity_words_per_row() + (x >> 5);
+            out.validity[static_cast<std::size_t>(word)] |= std::uint32_t{1} << (x & 31);
+        }
+    auto touch = std::make_shared<FramePlanes>();
+    paint(t, *touch);
+    copy_touch_planes(view_of(std::move(touch), scene_, n), out);
+    out.raw = {};
+    out.vertices = std::make_unique<ExactVertices>(out.width, out.height, sample_depths(*this, t));
+}
+
+Scene blank_scene(std::string_view name, const SceneOptions& options) {
+    Scene scene;
+    scene.name = name;
+    scene.width = options.width;
+    scene.height = options.height;
+    scene.depth_bits = options.bits;
+    scene.depth.code_max = static_cast<std::uint16_t>((1 << options.bits) - 1);
+    return scene;
+}
+
+Scene tabletop_scene(std::string_view name, const SceneOptions& options, double near, double far) {
+    Scene scene = blank_scene(name, options);
+    const double focal = (options.width - 1) * tabletop_distance / tabletop_width;
+    scene.camera = {focal, focal, (options.width - 1) / 2.0, (options.height - 1) / 2.0};
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.near = near;
+    scene.depth.far = far;
+    derive_valid_range(scene.depth);
+    scene.metres_per_unit = 0.001;
+    scene.device_metres_per_unit = 0.001;
+    scene.default_properties = {600, 0.6, 0.4};
+    return scene;
+}
+
+const std::vector<std::string_view>& scene_names() {
+    static const std::vector<std::string_view> names = [] {
+        std::vector<std::string_view> list;
+        for (const Family& family : families) list.push_back(family.name);
+        return list;
+    }();
+    return names;
+}
+
+Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const SceneOptions& options) {
+    const auto family = std::find_if(families.begin(), families.end(),
+                                     [&](const Family& candidate) { return candidate.name == name; });
+    if (family == families.end()) return unknown(name);
+    if (auto checked = check(name, options); !checked) return checked.error();
+    auto made = family->make(name, options);
+    if (!made) return made;
+    if (auto valid = validate((*made)->scene()); !valid) return valid.error();
+    return made;
+}
+
+}  // namespace touchable

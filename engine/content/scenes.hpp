@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <mutex>
 #include <optional>
-#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/frame/raw_frame.hpp"
@@ -18,36 +20,68 @@ enum class CameraPreset { a, a_prime, b };
 
 /// Size, depth and look of a generated scene.
 struct SceneOptions {
-    int width = 720, height = 480;
-    int bits = 16;  ///< of the stored depth, 8 to 16
+    int width = 720, height = 480;          ///< pixels; noise, cliffs and grain are 128x128 as published
+    int bits = 16;                          ///< of the stored depth, 8 to 16
     CameraPreset preset = CameraPreset::b;  ///< globe only
-    double tilt_degrees = 20;               ///< plane: tilt away from the viewer, 0 to 60
-    double tilt_direction_degrees = 0;      ///< plane: direction of the tilt in the picture
-    std::uint64_t seed = 1;                 ///< noise and cliffs
-    bool properties = false;  ///< globe: rotating planet with land and ocean, heights, friction
+    double tilt_degrees = 20;               ///< plane: angle between its normal and the optical axis, 0 to 60
+    double tilt_direction_degrees = 0;      ///< plane: where it recedes to in the picture; 0 right, 90 up
+    std::uint64_t seed = 1;                 ///< noise, cliffs, grain, and the planet of globe
+    bool properties = false;                ///< globe: rotating planet with land and ocean, heights, friction
 };
 
-/// The analytic surface's nearest point to a goal under it, and the outward normal there.
+/// The analytic surface's nearest point to a goal under it, and the outward unit normal there.
 struct SurfaceTruth {
     glm::dvec3 point, normal;
+};
+
+/// The planes of one generated frame, row-major; colour and haptic interleaved by three. Empty: no such
+/// plane.
+struct FramePlanes {
+    std::vector<std::uint8_t> depth8;    ///< 8-bit codes
+    std::vector<std::uint16_t> depth16;  ///< codes of 9 to 16 bits
+    std::vector<std::uint8_t> colour, haptic, height;
 };
 
 /// A scene whose surface is known in closed form (docs/scenes.md). Everything is the same bits everywhere.
 class AnalyticScene {
 public:
     virtual ~AnalyticScene() = default;
-    virtual const Scene& scene() const = 0;
+    const Scene& scene() const { return scene_; }
+    /// Time of frame n in seconds: the scene's integer nanoseconds, divided once.
+    double time_of(std::int64_t n) const;
+
     /// Depth at pixel (x, y) at time t (seconds), of the scene's semantics, scene units, before height.
     virtual double depth(double x, double y, double t) const = 0;
-    /// Nearest surface point to `goal`, searched by descent from `start` (a point on or near the surface).
-    virtual SurfaceTruth closest(const glm::dvec3& goal, const glm::dvec3& start, double t) const = 0;
+    /// Nearest surface point to `goal`, searched by descent from `start` (a point on or near the surface)
+    /// where the surface has several. Nothing for scenes without a truth: noise, cliffs, grain, and the
+    /// planet's relief.
+    virtual std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3& start,
+                                                double t) const = 0;
+
     /// All planes of frame n, quantised.
-    virtual RawFrame frame(std::int64_t n) const = 0;
-    /// Frame n with unquantised depth, for the solver (`vertices` is an ExactVertices).
+    RawFrame frame(std::int64_t n) const;
+    /// Frame n with unquantised depth, for the solver: `vertices` is an ExactVertices; codes and tiles are
+    /// empty.
     void exact_frame(std::int64_t n, SurfaceFrame& out) const;
+
+protected:
+    explicit AnalyticScene(Scene scene) : scene_(std::move(scene)) {}
+    AnalyticScene(const AnalyticScene&) = delete;
+    AnalyticScene& operator=(const AnalyticScene&) = delete;
+
+private:
+    /// Adds colour, haptic and height planes at time t, where the scene has them.
+    virtual void paint(double /*t*/, FramePlanes& /*planes*/) const {}
+    /// False where every frame is the same picture.
+    virtual bool moves() const { return false; }
+    std::shared_ptr<const FramePlanes> planes(double t) const;
+
+    Scene scene_;
+    mutable std::once_flag still_once_;  // a picture that never changes is made once
+    mutable std::shared_ptr<const FramePlanes> still_;
 };
 
-/// "globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs".
+/// "globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs", "grain".
 const std::vector<std::string_view>& scene_names();
 /// Refuses an unknown name (listing the known) and impossible options.
 Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const SceneOptions& options);

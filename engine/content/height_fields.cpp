@@ -1,0 +1,161 @@
+#include "engine/content/height_fields.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "engine/content/families.hpp"
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+/// amplitude sin(2 pi (kx x + ky y)/period + phase); lengths in scene units (millimetres).
+struct Wave {
+    double amplitude, period, kx, ky, phase;
+};
+using Waves = std::array<Wave, 4>;
+
+constexpr Waves bumps{{{5, 100, 1, 0, 0}, {4, 80, 0, 1, 0.7}, {0.8, 30, 1, 1, 1.3}, {0.015, 6, 1, -2, 0.2}}};
+constexpr Waves rough{{{4, 60, 1, 0, 0}, {3, 45, 0, 1, 0.7}, {1.5, 20, 1, 1, 1.3}, {0.4, 7, 1, -2, 0.2}}};
+
+const Waves& waves_of(Relief relief) {
+    return relief == Relief::rough ? rough : bumps;
+}
+
+double lift(Relief relief, double t) {
+    return relief == Relief::moving ? 20 * sine(2 * pi * 0.5 * t) : 0;
+}
+
+double angle(const Wave& wave, double x, double y) {
+    return 2 * pi * (wave.kx * x + wave.ky * y) / wave.period + wave.phase;
+}
+
+/// Height over the plane at 1000 and its slopes; a pixel's Newton needs no more.
+struct Slope {
+    double b, bx, by;
+};
+Slope slope_at(const Waves& waves, double x, double y) {
+    Slope sum{0, 0, 0};
+    for (const Wave& wave : waves) {
+        const double phi = angle(wave, x, y), k = 2 * pi / wave.period;
+        const double slope = wave.amplitude * k * cosine(phi);
+        sum.b += wave.amplitude * sine(phi);
+        sum.bx += slope * wave.kx;
+        sum.by += slope * wave.ky;
+    }
+    return sum;
+}
+
+class HeightFieldScene final : public AnalyticScene {
+public:
+    HeightFieldScene(Scene scene, Relief relief) : AnalyticScene(std::move(scene)), relief_(relief) {}
+
+    double depth(double x, double y, double t) const override;
+    std::optional<SurfaceTruth> closest(const glm::dvec3& goal, const glm::dvec3& start,
+                                        double t) const override;
+
+private:
+    bool moves() const override { return relief_ == Relief::moving; }
+    Relief relief_;
+};
+
+/// d = 1000 - b(d u, d v): the left side less the right grows with d as long as |slope| |(u, v)| < 1, so
+/// there is one root and Newton finds it.
+double HeightFieldScene::depth(double x, double y, double t) const {
+    const Waves& waves = waves_of(relief_);
+    const double u = scene().camera.u(x), v = scene().camera.v(y),
+                 base = tabletop_distance - lift(relief_, t);
+    double d = base;
+    for (int round = 0; round < 32; ++round) {
+        const Slope s = slope_at(waves, d * u, d * v);
+        const double step = (d - base + s.b) / (1 + u * s.bx + v * s.by);
+        d -= step;
+        if (std::fabs(step) <= 1e-12) break;
+    }
+    return d;
+}
+
+struct Step {
+    double x, y;
+};
+
+/// Newton's step for half the squared distance to the goal where its Hessian is positive definite, else
+/// straight down the gradient; never longer than 0.1 mm, so that the descent stays in the basin it began in.
+Step descent_step(const ReliefPoint& s, double dx, double dy, double dz) {
+    const double gx = dx + dz * s.zx, gy = dy + dz * s.zy;
+    const double hxx = 1 + s.zx * s.zx + dz * s.zxx, hyy = 1 + s.zy * s.zy + dz * s.zyy;
+    const double hxy = s.zx * s.zy + dz * s.zxy, det = hxx * hyy - hxy * hxy;
+    Step step{-gx, -gy};
+    if (hxx > 0 && det > 0) step = {(-gx * hyy + gy * hxy) / det, (-gy * hxx + gx * hxy) / det};
+    const double length = std::sqrt(step.x * step.x + step.y * step.y), longest = 0.1;
+    return length <= longest ? step : Step{step.x / length * longest, step.y / length * longest};
+}
+
+std::optional<SurfaceTruth> HeightFieldScene::closest(const glm::dvec3& goal, const glm::dvec3& start,
+                                                      double t) const {
+    const auto half_square = [&](double x, double y, double z) {
+        const double dx = x - goal.x, dy = y - goal.y, dz = z - goal.z;
+        return 0.5 * (dx * dx + dy * dy + dz * dz);
+    };
+    double x = start.x, y = start.y;
+    ReliefPoint s = relief_at(relief_, x, y, t);
+    double value = half_square(x, y, s.z);
+    for (int round = 0; round < 20000; ++round) {
+        Step step = descent_step(s, x - goal.x, y - goal.y, s.z - goal.z);
+        bool lower = false;
+        for (int halving = 0; halving < 40 && !lower; ++halving) {
+            const ReliefPoint next = relief_at(relief_, x + step.x, y + step.y, t);
+            const double next_value = half_square(x + step.x, y + step.y, next.z);
+            lower = next_value < value;
+            if (lower) {
+                x += step.x;
+                y += step.y;
+                s = next;
+                value = next_value;
+            } else {
+                step = {0.5 * step.x, 0.5 * step.y};
+            }
+        }
+        if (!lower || step.x * step.x + step.y * step.y < 1e-24) break;
+    }
+    const double length = std::sqrt(s.zx * s.zx + s.zy * s.zy + 1);
+    return SurfaceTruth{{x, y, s.z}, {-s.zx / length, -s.zy / length, 1 / length}};
+}
+
+}  // namespace
+
+double relief_z(Relief relief, double x, double y, double t) {
+    double z = lift(relief, t) - tabletop_distance;
+    for (const Wave& wave : waves_of(relief)) z += wave.amplitude * sine(angle(wave, x, y));
+    return z;
+}
+
+ReliefPoint relief_at(Relief relief, double x, double y, double t) {
+    ReliefPoint sum{lift(relief, t) - tabletop_distance, 0, 0, 0, 0, 0};
+    for (const Wave& wave : waves_of(relief)) {
+        const double phi = angle(wave, x, y), k = 2 * pi / wave.period, s = sine(phi);
+        const double slope = wave.amplitude * k * cosine(phi), bend = -wave.amplitude * k * k * s;
+        sum.z += wave.amplitude * s;
+        sum.zx += slope * wave.kx;
+        sum.zy += slope * wave.ky;
+        sum.zxx += bend * wave.kx * wave.kx;
+        sum.zxy += bend * wave.kx * wave.ky;
+        sum.zyy += bend * wave.ky * wave.ky;
+    }
+    return sum;
+}
+
+MadeScene make_height_field(std::string_view name, const SceneOptions& options) {
+    // The roughest slope is 1.6 along Y: beyond four times as high as wide a ray could meet the surface
+    // twice.
+    if (options.height > 4 * options.width)
+        return usage_error("scene '" + std::string(name) + "': a picture of " +
+                           std::to_string(options.width) + "x" + std::to_string(options.height) +
+                           " is too tall; its height must be at most 4 widths");
+    const Relief relief = name == "rough" ? Relief::rough : name == "moving" ? Relief::moving : Relief::bumps;
+    const double reach = relief == Relief::moving ? 40 : 20;
+    Scene scene = tabletop_scene(name, options, tabletop_distance - reach, tabletop_distance + reach);
+    return std::unique_ptr<AnalyticScene>(std::make_unique<HeightFieldScene>(std::move(scene), relief));
+}
+
+}  // namespace touchable
