@@ -13,6 +13,9 @@ namespace {
 /// one look can walk over.
 constexpr std::size_t entries_per_slot = 4;
 
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
+              std::atomic<std::int64_t>::is_always_lock_free);
+
 /// later - earlier, exact for any two times.
 double nanoseconds_between(std::int64_t earlier, std::int64_t later) {
     return static_cast<double>(static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier));
@@ -28,16 +31,11 @@ SurfaceTimeline::SurfaceTimeline(int slots) : newest_time_(std::numeric_limits<s
     entries_.resize(count * entries_per_slot);
 }
 
-std::size_t SurfaceTimeline::entries_held() const {
-    return static_cast<std::size_t>(published_.load(std::memory_order_relaxed) -
-                                    reader_oldest_.load(std::memory_order_acquire));
-}
-
 SurfaceFrame* SurfaceTimeline::acquire() {
     if (acquired_) return slots_[*acquired_].get();
-    if (entries_held() == entries_.size()) return nullptr;
-    // Of the free slots the one used last: the least has changed since the frame it holds.
     const std::uint64_t oldest = reader_oldest_.load(std::memory_order_acquire);
+    if (published_.load(std::memory_order_relaxed) - oldest == entries_.size()) return nullptr;
+    // Of the free slots the one used last: the least has changed since the frame it holds.
     for (std::size_t slot = 0; slot < slots_.size(); ++slot)
         if (free_from_[slot] <= oldest && (!acquired_ || free_from_[slot] > free_from_[*acquired_]))
             acquired_ = slot;
@@ -57,7 +55,8 @@ Result<bool> SurfaceTimeline::republish(std::int64_t number, std::int64_t time_n
     if (published == 0) return Error{ErrorKind::internal, "timeline: republish before the first frame"};
     if (auto later = check_later(number, time_ns); !later) return later.error();
     // One entry stays free, so that publishing an acquired slot never meets a full ring.
-    if (entries_held() + 1 >= entries_.size()) return false;
+    const std::uint64_t held = published - reader_oldest_.load(std::memory_order_acquire);
+    if (held + 1 >= entries_.size()) return false;
     append(number, time_ns, entry(published - 1).slot);
     return true;
 }

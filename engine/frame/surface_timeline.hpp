@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -18,8 +19,8 @@ struct TimedFrame {
     const SurfaceFrame* frame = nullptr;
 };
 
-/// The frames around a moment. `next` equals `prev` before the first, after the last, and while the producer
-/// is late; then blend is 0.
+/// The frames around a moment. `next` equals `prev` before the first, from the last on, and while the
+/// producer is late; then blend is 0.
 struct FramePair {
     TimedFrame prev, next;
     double blend = 0;  ///< 0 at prev's time, towards 1 at next's
@@ -27,6 +28,7 @@ struct FramePair {
 
 /// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic
 /// thread). The reader never waits; the writer's slots are recycled only once the reader has moved past them.
+/// Nothing here locks, waits or retries: each side reads what the other last stored and works with that.
 class SurfaceTimeline {
 public:
     /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built).
@@ -34,22 +36,25 @@ public:
     SurfaceTimeline(const SurfaceTimeline&) = delete;
     SurfaceTimeline& operator=(const SurfaceTimeline&) = delete;
 
-    /// Writer. A slot to build into, or nullptr while the reader still needs all of them. The slot stays the
-    /// writer's until it is published; asking again returns the same one. Wait-free.
+    /// Writer. A slot to build into, or nullptr while the reader still needs all of them (or all entries).
+    /// The slot stays the writer's until it is published; asking again returns the same one. It still holds
+    /// the frame it was last published with. Wait-free: one look at each slot.
     SurfaceFrame* acquire();
-    /// Writer. Publishes the acquired slot. A time not later than the newest one's is refused, and the slot
-    /// kept.
+    /// Writer. Publishes the acquired slot; there is always an entry for it. A time not later than the newest
+    /// one's is refused, and the slot kept. Wait-free.
     Result<void> publish(std::int64_t number, std::int64_t time_ns);
     /// Writer. Publishes the newest frame once more, at a later time: nothing changed. Refused while the ring
-    /// of entries is full (false) or with a time not later (error).
+    /// of entries is full (false), with a time not later, or before the first frame (errors). Wait-free.
     Result<bool> republish(std::int64_t number, std::int64_t time_ns);
 
-    /// Any thread. Time of the newest frame; INT64_MIN before the first. Wait-free.
+    /// Any thread. Time of the newest frame; INT64_MIN before the first. A reader that has seen it finds that
+    /// frame. Wait-free.
     std::int64_t newest_time() const;
 
     /// Reader. The pair around a time; false while nothing has been published. Times should not go backward:
-    /// an earlier time than before gives the earliest frame still held, at blend 0. Frames before `pair.prev`
-    /// may be recycled from here on. Wait-free, no allocation.
+    /// an earlier time than before gives the earliest frame still held, at blend 0. The pair stays readable
+    /// until the next call; frames before `pair.prev` may be recycled from here on. Wait-free: at most one
+    /// walk over the ring (4 entries per slot); no allocation.
     bool pair_at(std::int64_t time_ns, FramePair& pair);
 
 private:
@@ -57,23 +62,22 @@ private:
         std::int64_t number = 0, time_ns = 0;
         std::size_t slot = 0;
     };
-    // Entries [reader_oldest_, published_) and the slots they name are the reader's: it may be anywhere in
-    // them.
     const Entry& entry(std::uint64_t sequence) const { return entries_[sequence % entries_.size()]; }
     TimedFrame timed_frame(std::uint64_t sequence) const;
-    std::size_t entries_held() const;  // writer only, as are the two below
     Result<void> check_later(std::int64_t number, std::int64_t time_ns) const;
     void append(std::int64_t number, std::int64_t time_ns, std::size_t slot);
 
+    // Entries are numbered from 0 without end; the ring holds entry n at n modulo its size. Those in
+    // [reader_oldest_, published_) and the slots they name are the reader's, all else is the writer's.
     std::vector<std::unique_ptr<SurfaceFrame>> slots_;
     std::vector<Entry> entries_;
-    std::vector<std::uint64_t>
-        free_from_;  // writer only: per slot, the oldest that must be reached to recycle it
-    std::optional<std::size_t> acquired_;                  // writer only
-    alignas(64) std::atomic<std::uint64_t> published_{0};  // entries written so far
-    alignas(64) std::atomic<std::uint64_t> reader_oldest_{
-        0};  // sequence of the entry of the reader's pair.prev
-    alignas(64) std::atomic<std::int64_t> newest_time_;
+    // Writer only: the slot being built, and for each slot where reader_oldest_ must be to recycle it.
+    std::optional<std::size_t> acquired_;
+    std::vector<std::uint64_t> free_from_;
+    // Each on its own cache line, so that the sides do not slow each other.
+    alignas(64) std::atomic<std::uint64_t> published_{0};      // stored by the writer
+    alignas(64) std::atomic<std::uint64_t> reader_oldest_{0};  // stored by the reader: its pair.prev
+    alignas(64) std::atomic<std::int64_t> newest_time_;        // stored by the writer
 };
 
 }  // namespace touchable
