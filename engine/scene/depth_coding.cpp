@@ -1,0 +1,73 @@
+#include "engine/scene/depth_coding.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchable {
+namespace {
+
+/// Share of the way from the far plane (0) to the near plane (1).
+double nearness(const DepthCoding& coding, std::uint16_t code) {
+    const double share = static_cast<double>(code) / coding.code_max;
+    return coding.near_is_high ? share : (coding.code_max - static_cast<double>(code)) / coding.code_max;
+}
+
+/// The code, as a real number, that would stand for `depth`; any number where there is none.
+double real_code(const DepthCoding& coding, double depth) {
+    if (coding.kind == DepthCodingKind::metric) return depth / coding.scale;
+    const double from_far = coding.kind == DepthCodingKind::linear
+                                ? (coding.far - depth) / (coding.far - coding.near)
+                                : (1.0 / depth - 1.0 / coding.far) / (1.0 / coding.near - 1.0 / coding.far);
+    return coding.code_max * (coding.near_is_high ? from_far : 1.0 - from_far);
+}
+
+}  // namespace
+
+double DepthCoding::depth(std::uint16_t code) const {
+    if (kind == DepthCodingKind::metric) return scale * code;
+    const double w = nearness(*this, code);
+    if (w == 0.0) return far;  // the planes exactly, whatever rounding does between them
+    if (w == 1.0) return near;
+    const double depth = kind == DepthCodingKind::linear ? far + (near - far) * w
+                                                         : 1.0 / (1.0 / far + (1.0 / near - 1.0 / far) * w);
+    return std::clamp(depth, near, far);
+}
+
+std::uint16_t DepthCoding::code(double depth) const {
+    // The nearest code is one of the two around the real-valued one, or, where those are marked invalid, a
+    // few on.
+    constexpr int reach = max_invalid_codes + 2;
+    const double estimate = std::floor(real_code(*this, std::clamp(depth, near, far)));
+    int around = valid_min;
+    if (estimate >= valid_max)
+        around = valid_max;
+    else if (estimate > valid_min)
+        around = static_cast<int>(estimate);
+    std::uint16_t best = valid_min;
+    double best_distance = HUGE_VAL;
+    for (int c = std::max<int>(valid_min, around - reach); c <= std::min<int>(valid_max, around + reach);
+         ++c) {
+        const auto candidate = static_cast<std::uint16_t>(c);
+        const double distance = std::fabs(this->depth(candidate) - depth);
+        if (is_valid(candidate) && distance < best_distance) {
+            best = candidate;
+            best_distance = distance;
+        }
+    }
+    return best;
+}
+
+void derive_valid_range(DepthCoding& coding) {
+    const auto fits = [&](int code) {
+        const double depth = coding.depth(static_cast<std::uint16_t>(code));
+        return depth > 0.0 && depth >= coding.near && depth <= coding.far;
+    };
+    int low = 0, high = coding.code_max;
+    while (low <= high && !fits(low)) ++low;
+    while (high >= low && !fits(high)) --high;
+    if (low > high) low = 1, high = 0;  // no code at all
+    coding.valid_min = static_cast<std::uint16_t>(low);
+    coding.valid_max = static_cast<std::uint16_t>(high);
+}
+
+}  // namespace touchable

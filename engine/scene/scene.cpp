@@ -1,0 +1,223 @@
+#include "engine/scene/scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace touchable {
+namespace {
+
+constexpr int max_side = 16384;
+constexpr std::int64_t max_rate_term = 1'000'000'000;
+/// Lengths and focal lengths beyond these are slips of a decimal point, and their squares would leave the
+/// doubles.
+constexpr double longest = 1e12, shortest = 1e-12;
+
+std::string text(double number) {
+    std::array<char, 32> digits{};
+    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
+}
+std::string text(int number) {
+    return std::to_string(number);
+}
+std::string text(std::int64_t number) {
+    return std::to_string(number);
+}
+
+template <class Number>
+Error refuse(const std::string& member, Number value, const std::string& right) {
+    return input_error(member + " is " + text(value) + ": must be " + right);
+}
+
+template <class Number>
+Result<void> check_within(const std::string& member, Number value, Number least, Number most) {
+    if (value >= least && value <= most) return {};  // refuses NaN too
+    return refuse(member, value, "from " + text(least) + " to " + text(most));
+}
+
+/// A length, a focal length or a scale.
+Result<void> check_length(const std::string& member, double value) {
+    if (value > 0.0) return check_within(member, value, shortest, longest);
+    return refuse(member, value, "greater than 0");
+}
+
+Result<void> check_not_negative(const std::string& member, double value) {
+    return check_within(member, value, 0.0, longest);
+}
+
+/// The first refusal among checks, which are made in order only as far as needed.
+template <class... Checks>
+Result<void> first_refusal(Checks... checks) {
+    Result<void> result;
+    ((result = checks(), result.ok()) && ...);
+    return result;
+}
+
+Result<void> check_camera(const Camera& camera) {
+    return first_refusal([&] { return check_length("camera.fx", camera.fx); },
+                         [&] { return check_length("camera.fy", camera.fy); },
+                         [&] { return check_within("camera.cx", camera.cx, -longest, longest); },
+                         [&] { return check_within("camera.cy", camera.cy, -longest, longest); });
+}
+
+Result<void> check_planes(const DepthCoding& depth) {
+    if (depth.kind == DepthCodingKind::metric)
+        return first_refusal([&] { return check_length("depth.scale", depth.scale); },
+                             [&] { return check_not_negative("depth.near", depth.near); },
+                             [&] { return check_length("depth.far", depth.far); });
+    return first_refusal([&] { return check_length("depth.near", depth.near); },
+                         [&] { return check_length("depth.far", depth.far); });
+}
+
+/// The smallest depth a valid code can stand for; nothing where no code is valid. Codes of a valid range are
+/// monotone in depth, so it is the one nearest to the shallow end that is not marked invalid.
+std::optional<double> smallest_valid_depth(DepthCoding depth) {
+    derive_valid_range(depth);
+    const int count = depth.valid_max - depth.valid_min + 1;
+    for (int k = 0; k < count; ++k) {
+        const int code = depth.deeper_is_higher() ? depth.valid_min + k : depth.valid_max - k;
+        if (depth.is_valid(static_cast<std::uint16_t>(code)))
+            return depth.depth(static_cast<std::uint16_t>(code));
+    }
+    return std::nullopt;
+}
+
+Result<void> check_depth(const Scene& scene) {
+    const DepthCoding& depth = scene.depth;
+    if (auto bits = check_within("depth.bits", scene.depth_bits, 8, 16); !bits) return bits;
+    const int largest_code = (1 << scene.depth_bits) - 1;
+    if (auto top = check_within("depth.code_max", int{depth.code_max}, 1, largest_code); !top) return top;
+    if (auto planes = check_planes(depth); !planes) return planes;
+    if (!(depth.near < depth.far))
+        return refuse("depth.near", depth.near, "less than depth.far, which is " + text(depth.far));
+    if (auto count = check_within("depth.invalid's number of codes", depth.invalid_code_count, 0,
+                                  DepthCoding::max_invalid_codes);
+        !count)
+        return count;
+    if (!smallest_valid_depth(depth))
+        return refuse("depth.far", depth.far,
+                      "the depth of at least one code; no code lies between depth.near, which is " +
+                          text(depth.near) + ", and depth.far that is not in depth.invalid");
+    return {};
+}
+
+/// Needs a depth coding that passed check_depth.
+Result<void> check_height(const Scene& scene) {
+    const HeightCoding& height = scene.height_coding;
+    if (auto maximum = check_not_negative("height_map.max", height.max_height); !maximum) return maximum;
+    const int steps = height.code_max + 1;
+    if (height.code_max < 255 || (steps & (steps - 1)) != 0)
+        return refuse("the largest height code", int{height.code_max},
+                      "2^height_map.bits - 1, bits from 8 to 16");
+    if (height.max_height == 0.0) return {};
+    if (height.units == HeightUnits::levels && scene.depth.kind != DepthCodingKind::linear)
+        return input_error("height_map.units is levels: must be world, because depth.coding is not linear");
+    const double nearest = *smallest_valid_depth(scene.depth);
+    if (nearest - largest_height(height, scene.depth) > 0.0) return {};
+    const bool in_levels = height.units == HeightUnits::levels;
+    return refuse("height_map.max", height.max_height,
+                  "less than " + text(in_levels ? nearest / scene.depth.level() : nearest) +
+                      (in_levels ? " levels" : " scene units") +
+                      ", because it is taken off depths as small as " + text(nearest));
+}
+
+Result<void> check_range(const std::string& member, const PropertyRange& range) {
+    if (auto least = check_not_negative(member + "'s minimum", range.min); !least) return least;
+    if (range.max >= range.min) return check_not_negative(member + "'s maximum", range.max);
+    return refuse(member + "'s maximum", range.max, "at least its minimum, which is " + text(range.min));
+}
+
+Result<void> check_properties(const HapticProperties& properties) {
+    const double static_friction = properties.static_friction, dynamic_friction = properties.dynamic_friction;
+    if (!(properties.stiffness > 0.0 && properties.stiffness <= longest))
+        return refuse("default_properties.stiffness (in N/m)", properties.stiffness,
+                      "greater than 0 and at most " + text(longest));
+    if (auto check = check_not_negative("default_properties.static_friction", static_friction); !check)
+        return check;
+    if (auto check = check_not_negative("default_properties.dynamic_friction", dynamic_friction); !check)
+        return check;
+    if (dynamic_friction <= static_friction) return {};
+    return refuse("default_properties.dynamic_friction", dynamic_friction,
+                  "at most static_friction, which is " + text(static_friction));
+}
+
+Result<void> check_filter(const FilterSettings& filter) {
+    if (filter.median != 0 && filter.median != 3 && filter.median != 5)
+        return refuse("filter.median", filter.median, "0 (off), 3 or 5");
+    return check_within("filter.fill_holes", filter.fill_holes, 0, 16);
+}
+
+/// One field %d or %0Nd (N from 1 to 9), and no other percent sign: such a pattern is safe to fill in.
+bool is_file_pattern(const std::string& pattern) {
+    const std::size_t percent = pattern.find('%');
+    if (percent == std::string::npos || pattern.find('%', percent + 1) != std::string::npos) return false;
+    const std::string field = pattern.substr(percent + 1, 3);
+    const bool plain = field.starts_with('d');
+    const bool padded =
+        field.size() == 3 && field[0] == '0' && field[1] >= '1' && field[1] <= '9' && field[2] == 'd';
+    return plain || padded;
+}
+
+Result<void> check_pattern(const std::string& member, const std::string& pattern) {
+    const bool printable =
+        std::none_of(pattern.begin(), pattern.end(), [](char c) { return c >= 0 && c < 0x20; });
+    if (printable && is_file_pattern(pattern)) return {};
+    return input_error(
+        member + " is \"" + (printable ? pattern : "(control characters)") +
+        "\": must be a file name with one field of digits, %d or %0Nd with N from 1 to 9, and no "
+        "other %, such as \"depth_%04d.png\"");
+}
+
+Result<void> check_folder(const FolderSource& folder) {
+    if (auto depth = check_pattern("folder.depth", folder.depth); !depth) return depth;
+    const std::pair<const char*, const std::string&> optional_planes[] = {
+        {"folder.colour", folder.colour}, {"folder.haptic", folder.haptic}, {"folder.height", folder.height}};
+    for (const auto& [member, pattern] : optional_planes) {
+        if (pattern.empty()) continue;
+        if (auto check = check_pattern(member, pattern); !check) return check;
+    }
+    constexpr int largest_number = 999'999'999;
+    if (auto first = check_within("folder.first", folder.first, 0, largest_number); !first) return first;
+    return check_within("folder.count", folder.count, 0, largest_number - folder.first);
+}
+
+}  // namespace
+
+double largest_height(const HeightCoding& height, const DepthCoding& depth) {
+    return height.units == HeightUnits::levels ? height.max_height * depth.level() : height.max_height;
+}
+
+std::int64_t FrameRate::time_ns(std::int64_t frame) const {
+    __extension__ using Wide = __int128;
+    const Wide numerator = Wide{frame} * den * 1'000'000'000;
+    Wide quotient = numerator / num;
+    if (numerator % num < 0) --quotient;  // division truncates; a time before 0 is floored too
+    constexpr Wide most = std::numeric_limits<std::int64_t>::max();
+    return static_cast<std::int64_t>(std::clamp(quotient, -most, most));
+}
+
+Result<void> validate(const Scene& scene) {
+    return first_refusal(
+        [&] { return check_within("width", scene.width, 1, max_side); },
+        [&] { return check_within("height", scene.height, 1, max_side); },
+        [&] { return check_within("rate's numerator", scene.rate.num, std::int64_t{1}, max_rate_term); },
+        [&] { return check_within("rate's denominator", scene.rate.den, std::int64_t{1}, max_rate_term); },
+        [&] { return check_length("metres_per_unit", scene.metres_per_unit); },
+        [&] { return check_camera(scene.camera); }, [&] { return check_depth(scene); },
+        [&] { return check_height(scene); },
+        [&] { return check_range("haptic.stiffness", scene.haptic.stiffness); },
+        [&] { return check_range("haptic.static_friction", scene.haptic.static_friction); },
+        [&] { return check_range("haptic.dynamic_friction", scene.haptic.dynamic_friction); },
+        [&] { return check_properties(scene.default_properties); },
+        [&] { return check_filter(scene.filter); },
+        [&] {
+            return scene.device_metres_per_unit
+                       ? check_length("device_metres_per_unit", *scene.device_metres_per_unit)
+                       : Result<void>{};
+        },
+        [&] { return scene.folder ? check_folder(*scene.folder) : Result<void>{}; });
+}
+
+}  // namespace touchable

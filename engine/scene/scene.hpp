@@ -88,7 +88,8 @@ struct Scene {
     /// Device metres per scene unit (S of F = k S (P - G)); without it the Workspace's default.
     std::optional<double> device_metres_per_unit;
     std::optional<FolderSource> folder;
-    /// Metric coding without `far`: the reader finds it in the frames (largest valid depth plus 5 %).
+    /// Metric coding without `far`: the reader finds it in the frames (largest valid depth plus 5 %), derives the
+    /// valid range anew and clears this. Until then depth.far is the depth of code_max.
     bool far_from_frames = false;
 };
 
