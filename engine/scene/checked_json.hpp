@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+/// JSON from outside, for the readers of this room: every question about a value answers or throws `Refusal`,
+/// which the reader turns into an Error before it leaves the room.
+namespace touchable::checked_json {
+
+using Json = nlohmann::json;
+
+/// Larger than any text of ours could be.
+inline constexpr std::size_t largest_text = 1 << 20;
+
+/// What is wrong, at which member or byte, and what would be right.
+struct Refusal {
+    std::string message;
+};
+
+/// One value per text and no member twice; refused by line and byte (from the start) otherwise.
+Json parse(std::string_view text);
+
+/// A value and its path, such as depth.invalid[1]; the empty path is the whole text. Refers to the Json
+/// given.
+class Node {
+public:
+    Node(const Json& value, std::string path) : value_(value), path_(std::move(path)) {}
+
+    /// Throws "<path> is <value>: must be <right>".
+    [[noreturn]] void refuse(const std::string& right) const;
+
+    /// Refuses what is not an object, and members other than these.
+    void allow_only(const std::vector<std::string>& legal) const;
+    bool has(const char* member) const { return value_.contains(member); }  ///< false where this is no object
+    Node operator[](const char* member) const;                              ///< a member that must be there
+
+    double number() const;
+    std::int64_t integer(std::int64_t least, std::int64_t most) const;
+    int whole() const;  ///< not negative
+    std::string text() const;
+    std::vector<Node> elements(std::size_t least, std::size_t most, const std::string& right) const;
+
+    /// The choice whose name this string is.
+    template <class Choice, std::size_t n>
+    Choice one_of(const std::pair<const char*, Choice> (&choices)[n]) const {
+        std::string names;
+        for (const auto& [name, choice] : choices) {
+            if (value_ == name) return choice;
+            names += (names.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+        }
+        refuse("one of " + names);
+    }
+
+private:
+    std::string path_of(const std::string& member) const;
+
+    const Json& value_;
+    std::string path_;
+};
+
+}  // namespace touchable::checked_json
