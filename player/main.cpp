@@ -1,1 +1,84 @@
-int main() { return 0; }
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "player/check_command.hpp"
+#include "player/command.hpp"
+#include "player/export_command.hpp"
+#include "player/info_command.hpp"
+#include "player/interrupt.hpp"
+#include "player/make_command.hpp"
+
+namespace touchable {
+namespace {
+
+int fail(const Error& error) {
+    std::cout.flush();
+    std::cerr << "touchable: " << error.message << '\n';
+    return exit_code(error.kind);
+}
+
+/// What the program can do, on one screen.
+void print_overview(const CLI::App& app) {
+    std::cout << "touchable " << TOUCHABLE_VERSION << ": touch a depth video and feel its forces.\n\n";
+    for (const CLI::App* command : app.get_subcommands({}))
+        std::printf("  %-8s%s\n", command->get_name().c_str(), command->get_description().c_str());
+    std::cout << "\nOptions of a command: touchable COMMAND -h\n";
+}
+
+/// CLI11's words for what is wrong, on one line, with the way to the right ones.
+Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
+    std::string message = error.what();
+    for (char& c : message)
+        if (c == '\n') c = ' ';
+    const auto chosen = app.get_subcommands();
+    return usage_error(message + "; see touchable " +
+                       (chosen.empty() ? "-h" : chosen[0]->get_name() + " -h"));
+}
+
+int run(int argc, char** argv) {
+    CLI::App app{"Touch a depth video and feel its forces.", "touchable"};
+    app.set_version_flag("--version", "touchable " TOUCHABLE_VERSION, "Print the version and end");
+    app.require_subcommand(0, 1);
+    Command command;
+    add_make_command(app, command);
+    add_info_command(app, command);
+    add_export_command(app, command);
+    add_check_command(app, command);
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& success) {
+        return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+        return fail(bad_usage(app, error));
+    }
+    if (!command) {
+        print_overview(app);
+        return 0;
+    }
+
+    catch_interrupts();
+    const Result<void> result = command();
+    if (!result.ok()) {
+        const int code = fail(result.error());
+        return interrupted() ? interrupted_exit_code : code;
+    }
+    std::cout.flush();
+    if (!std::cout) return fail({ErrorKind::input, "standard output cannot be written"});
+    return 0;
+}
+
+}  // namespace
+}  // namespace touchable
+
+int main(int argc, char** argv) {
+    try {
+        return touchable::run(argc, argv);
+    } catch (const std::exception& fault) {
+        std::cerr << "touchable: internal fault: " << fault.what() << '\n';
+        return touchable::exit_code(touchable::ErrorKind::internal);
+    }
+}

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "engine/result.hpp"
+#include "player/command.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace touchable {
+
+struct CheckOptions {
+    bool json = false;
+};
+
+/// Prints what this machine is and whether it can do the work: CPU, timers, codecs, and the builders compared
+/// bit for bit. Fails (ErrorKind::check) where a clip could not be read or written, or where builders differ.
+Result<void> run_check(const CheckOptions& options);
+
+void add_check_command(CLI::App& app, Command& command);
+
+}  // namespace touchable

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/media/clip.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// How steep one step of the depth staircase feels: depth step of one code / width of one pixel, at that
+/// depth.
+struct Kappa {
+    double depth = 0;  ///< scene units
+    double kappa = 0;
+};
+
+/// All that `info` says of a clip.
+struct ClipFacts {
+    std::string clip;
+    Scene scene;
+    std::vector<TrackInfo> tracks;
+    std::optional<std::int64_t> frames;
+    std::vector<std::string> notes;
+    double fov_x_degrees = 0, fov_y_degrees = 0;
+    double invalid_pct = 0;  ///< of the first frame's stored values
+    double nearest = 0,
+           farthest = 0;   ///< valid depths of the first frame, scene units; both 0: none is valid
+    Kappa near, mid, far;  ///< at the near plane (metric without one: at `nearest`), between, at far
+
+    bool has_track(const std::string& role) const;
+};
+
+/// Reads the description and the first frame; both can fail.
+Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
+                             const std::optional<std::filesystem::path>& scene);
+
+nlohmann::ordered_json to_json(const ClipFacts& facts);
+/// The same for a person, one fact a line.
+std::string to_text(const ClipFacts& facts);
+
+}  // namespace touchable

@@ -1,0 +1,65 @@
+#include "player/frame_files.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <vector>
+
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/surface/mesh.hpp"
+#include "engine/surface/mesh_file.hpp"
+
+namespace touchable {
+namespace {
+
+/// Codes as they lie in memory: two bytes each, host order.
+PlaneView codes_view(const SurfaceFrame& surface) {
+    return {reinterpret_cast<const std::uint8_t*>(surface.codes.data()),
+            static_cast<std::ptrdiff_t>(surface.width) * 2,
+            surface.width,
+            surface.height,
+            2,
+            1};
+}
+
+Image validity_image(const SurfaceFrame& surface) {
+    Image image{surface.width, surface.height, 1, 1, {}};
+    image.samples.reserve(surface.codes.size());
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < surface.width; ++x)
+            image.samples.push_back(surface.is_valid(x, y) ? std::uint8_t{255} : std::uint8_t{0});
+    return image;
+}
+
+Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream out(file, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) return input_error(file.string() + " cannot be written; is there room on the disk?");
+    return {};
+}
+
+}  // namespace
+
+Result<void> write_frame_files(const std::filesystem::path& folder, const RawFrame& raw,
+                               const SurfaceFrame& surface, const Scene& scene, bool with_mesh) {
+    const Image validity = validity_image(surface);
+    const struct {
+        const char* name;
+        PlaneView plane;
+    } pictures[] = {{"colour.png", raw.colour},         {"depth.png", raw.depth},
+                    {"codes.png", codes_view(surface)}, {"valid.png", validity.view()},
+                    {"haptic.png", raw.haptic},         {"height.png", raw.height}};
+    for (const auto& [name, plane] : pictures) {
+        if (plane.empty()) continue;
+        if (auto written = write_png(folder / name, plane); !written.ok()) return written;
+    }
+    if (with_mesh) {
+        if (auto written = write_ply(folder / "mesh.ply", make_mesh(surface, scene), raw.colour); !written.ok())
+            return written;
+    }
+    return write_text(folder / "scene.json", scene_to_json(scene) + "\n");
+}
+
+}  // namespace touchable

@@ -1,0 +1,30 @@
+#include "player/info_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "player/clip_facts.hpp"
+
+namespace touchable {
+
+Result<void> run_info(const InfoOptions& options) {
+    const auto facts = clip_facts(options.clip, options.scene);
+    if (!facts.ok()) return facts.error();
+    if (options.json)  // names of files need not be UTF-8
+        std::cout << to_json(*facts).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    else
+        std::cout << to_text(*facts);
+    return {};
+}
+
+void add_info_command(CLI::App& app, Command& command) {
+    auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch");
+    auto options = std::make_shared<InfoOptions>();
+    info->add_option("CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
+    info->add_option("--scene", options->scene, "scene file that describes the clip instead of its own");
+    info->add_flag("--json", options->json, "the same facts as JSON");
+    info->callback([options, &command] { command = [options] { return run_info(*options); }; });
+}
+
+}  // namespace touchable

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Exit code of a program that was asked to stop (Ctrl-C) and did so cleanly.
+inline constexpr int interrupted_exit_code = 130;
+
+/// From here on the first SIGINT or SIGTERM only sets a flag; a second one ends the program at once.
+void catch_interrupts();
+
+/// True once the person asked to stop. Long work looks here between frames.
+bool interrupted();
+
+/// What work that stopped for that reason returns; the program exits with `interrupted_exit_code`.
+Error interrupted_error();
+
+}  // namespace touchable

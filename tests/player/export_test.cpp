@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "engine/content/scenes.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::testing {
+namespace {
+
+Image image_of(const std::string& file) {
+    auto image = read_image(file);
+    EXPECT_TRUE(image.ok()) << file;
+    return image.ok() ? *image : Image{};
+}
+
+int differing(const PlaneView& a, const PlaneView& b) {
+    if (a.width != b.width || a.height != b.height || a.channels != b.channels) return a.width * a.height + 1;
+    int count = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x)
+            for (int c = 0; c < a.channels; ++c) count += a.sample(x, y, c) != b.sample(x, y, c);
+    return count;
+}
+
+class Export : public ::testing::Test {
+protected:
+    void make(const std::string& scene, int frames, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words{
+            "make", scene, clip(), "--size", "72x48", "--frames", std::to_string(frames)};
+        words.insert(words.end(), more.begin(), more.end());
+        ASSERT_EQ(touchable(words).code, 0);
+    }
+    std::string clip() const { return folder / "clip.mkv"; }
+    std::string out(const std::string& name = "") const { return folder / ("out/" + name); }
+    RawFrame frame(int number) const {
+        auto reader = open_clip(clip());
+        for (int n = 0; n < number; ++n) EXPECT_TRUE((*reader)->next().ok());
+        return (*reader)->next()->value();
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(Export, WritesEveryPlaneExactly) {
+    make("globe", 3);
+    ASSERT_EQ(touchable({"export", clip(), "--frame", "2", "--out", out()}).code, 0);
+    EXPECT_EQ(names_in(out()),
+              (std::vector<std::string>{"codes.png", "colour.png", "depth.png", "haptic.png", "height.png",
+                                        "mesh.ply", "scene.json", "valid.png"}));
+    const RawFrame raw = frame(2);
+    EXPECT_EQ(differing(image_of(out("depth.png")).view(), raw.depth), 0);
+    EXPECT_EQ(differing(image_of(out("colour.png")).view(), raw.colour), 0);
+    EXPECT_EQ(differing(image_of(out("haptic.png")).view(), raw.haptic), 0);
+    EXPECT_EQ(differing(image_of(out("height.png")).view(), raw.height), 0);
+    EXPECT_EQ(image_of(out("codes.png")).bytes_per_sample, 2);
+}
+
+TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
+    make("noise", 1, {"--bits", "8"});
+    ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
+    EXPECT_EQ(differing(image_of(out("codes.png")).view(), frame(0).depth), 0);
+    EXPECT_EQ(image_of(out("depth.png")).bytes_per_sample, 1);
+    const Image valid = image_of(out("valid.png"));
+    for (const std::uint8_t sample : valid.samples) ASSERT_EQ(sample, 255);
+    EXPECT_EQ(names_in(out()),
+              (std::vector<std::string>{"codes.png", "depth.png", "mesh.ply", "scene.json", "valid.png"}));
+}
+
+TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
+    make("noise", 1);
+    for (const char* builder : {"cpu", "reference"}) {
+        ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "5",
+                             "--fill-holes", "2", "--builder", builder})
+                      .code,
+                  0);
+        const auto scene = read_scene_file(out("scene.json"));
+        ASSERT_TRUE(scene.ok()) << scene.error().message;
+        EXPECT_EQ(scene->filter, (FilterSettings{5, 2}));
+        SurfaceFrame built;
+        ASSERT_TRUE(make_reference_builder(*scene)->build(frame(0), built).ok());
+        const Image codes = image_of(out("codes.png"));
+        int different = 0;
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 72; ++x)
+                different += codes.view().sample(x, y) != built.codes[built.index(x, y)];
+        EXPECT_EQ(different, 0) << builder;
+        EXPECT_GT(differing(codes.view(), frame(0).depth), 1000);
+    }
+}
+
+TEST_F(Export, RangeWritesAFolderPerFrame) {
+    make("moving", 4);
+    ASSERT_EQ(touchable({"export", clip(), "--frames", "1-2", "--out", out()}).code, 0);
+    EXPECT_EQ(names_in(out()), (std::vector<std::string>{"1", "2"}));
+    EXPECT_EQ(differing(image_of(out("2/depth.png")).view(), frame(2).depth), 0);
+    EXPECT_FALSE(std::filesystem::exists(out("2/mesh.ply")));
+    ASSERT_EQ(touchable({"export", clip(), "--frames", "all", "--out", out(), "--mesh"}).code, 0);
+    EXPECT_EQ(names_in(out()), (std::vector<std::string>{"0", "1", "2", "3"}));
+    EXPECT_TRUE(std::filesystem::exists(out("3/mesh.ply")));
+}
+
+TEST_F(Export, FrameBeyondTheEndIsCode2AndSaysHowManyThereAre) {
+    make("plane", 3);
+    for (const auto& words :
+         {std::vector<std::string>{"export", clip(), "--frame", "3", "--out", out()},
+          std::vector<std::string>{"export", clip(), "--frames", "1-3", "--out", out()}}) {
+        const Run run = touchable(words);
+        EXPECT_EQ(run.code, 2);
+        EXPECT_NE(run.err.find("3 frames"), std::string::npos) << run.err;
+        EXPECT_FALSE(std::filesystem::exists(out()));
+    }
+}
+
+TEST_F(Export, ImpossibleSettingsAreCode2AndLeaveNothing) {
+    make("plane", 1);
+    for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{
+             {"--median", "4"}, {"--fill-holes", "17"}, {"--fill-holes", "-1"}, {"--builder", "fast"}}) {
+        const Run run = touchable({"export", clip(), "--frame", "0", "--out", out(), option, value});
+        EXPECT_EQ(run.code, 2) << option << ' ' << value;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_FALSE(std::filesystem::exists(out()));
+    }
+    for (const char* range : {"", "2-1", "a-b", "1-", "-1"})
+        EXPECT_EQ(touchable({"export", clip(), "--frames", range, "--out", out()}).code, 2) << range;
+}
+
+TEST_F(Export, PlaceThatIsAFileIsCode3AndStaysAsItWas) {
+    make("plane", 1);
+    const std::string before = file_contents(clip());
+    for (const std::string& place : {clip(), clip() + "/deeper"}) {
+        const Run run = touchable({"export", clip(), "--frame", "0", "--out", place});
+        EXPECT_EQ(run.code, 3);
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    }
+    EXPECT_EQ(file_contents(clip()), before);
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"clip.mkv"});
+}
+
+TEST_F(Export, FolderWithoutPermissionIsCode3AndStaysEmpty) {
+    if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+    make("plane", 1);
+    std::filesystem::create_directory(out());
+    ASSERT_EQ(chmod(out().c_str(), 0500), 0);
+    EXPECT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 3);
+    EXPECT_TRUE(names_in(out()).empty());
+}
+
+TEST_F(Export, PlanesOfAnEarlierClipDoNotStayBehind) {
+    make("globe", 1);
+    ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
+    make("noise", 1);
+    ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
+    EXPECT_FALSE(std::filesystem::exists(out("haptic.png")));
+    EXPECT_TRUE(std::filesystem::exists(out("depth.png")));
+}
+
+}  // namespace
+}  // namespace touchable::testing

@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/player/program.hpp"
+
+namespace touchable::testing {
+namespace {
+
+nlohmann::json facts_of(const std::vector<std::string>& words) {
+    const Run run = touchable(words);
+    EXPECT_EQ(run.code, 0) << run.err;
+    return nlohmann::json::parse(run.out, nullptr, false);
+}
+
+TEST(Info, GlobeOfPresetBHasThePapersFieldsOfView) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv";
+    ASSERT_EQ(touchable({"make", "globe", clip, "--frames", "2"}).code, 0);
+    const auto facts = facts_of({"info", clip, "--json"});
+    ASSERT_TRUE(facts.is_object());
+    EXPECT_EQ(facts["width"], 720);
+    EXPECT_EQ(facts["height"], 480);
+    EXPECT_EQ(facts["frames"], 2);
+    EXPECT_EQ(facts["rate"]["num"], 30);
+    EXPECT_NEAR(facts["camera"]["fov_x_degrees"].get<double>(), 81.3, 0.05);
+    EXPECT_NEAR(facts["camera"]["fov_y_degrees"].get<double>(), 59.5, 0.05);
+    EXPECT_EQ(facts["depth"]["kind"], "linear");
+    EXPECT_EQ(facts["depth"]["semantics"], "range");
+    EXPECT_EQ(facts["depth"]["bits"], 16);
+    EXPECT_EQ(facts["depth"]["code_max"], 65535);
+    EXPECT_DOUBLE_EQ(facts["depth"]["near"].get<double>(), 40);
+    EXPECT_DOUBLE_EQ(facts["depth"]["far"].get<double>(), 180);
+    EXPECT_NEAR(facts["depth"]["far_mm"].get<double>(), 180 * facts["metres_per_unit"].get<double>() * 1000,
+                1e-9);
+    EXPECT_EQ(facts["tracks"].size(), 4U);
+    EXPECT_TRUE(facts.contains("haptic"));
+    EXPECT_TRUE(facts.contains("height_coding"));
+}
+
+// Preset B at 720x480: fx = 4.7/0.0112, so one pixel at depth d is d 0.0112/4.7 wide; one code is 140/255
+// deep.
+TEST(Info, KappaIsTheStepOfOneCodeOverTheWidthOfAPixel) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv";
+    ASSERT_EQ(touchable({"make", "globe", clip, "--frames", "1", "--bits", "8", "--plain"}).code, 0);
+    const auto kappa = facts_of({"info", clip, "--json"})["kappa"];
+    for (const auto& [where, depth] :
+         {std::pair{"near", 40.0}, std::pair{"mid", 110.0}, std::pair{"far", 180.0}}) {
+        EXPECT_DOUBLE_EQ(kappa[where]["depth"].get<double>(), depth);
+        EXPECT_NEAR(kappa[where]["kappa"].get<double>(), 140.0 / 255.0 / (depth * 0.0112 / 4.7), 1e-9)
+            << where;
+    }
+}
+
+TEST(Info, TellsAPersonTheSame) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "plane.mkv";
+    ASSERT_EQ(touchable({"make", "plane", clip, "--size", "64x48", "--frames", "3"}).code, 0);
+    const Run run = touchable({"info", clip});
+    EXPECT_EQ(run.code, 0);
+    for (const char* fact :
+         {"64x48", "3 frames", "30 frames/s", "field of view", "16 bits", "kappa", "ffv1", "median off"})
+        EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
+}
+
+TEST(Info, ReadsEveryScene) {
+    const TemporaryFolder folder;
+    for (const char* scene :
+         {"globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs"}) {
+        const std::string clip = folder / (std::string(scene) + ".mkv");
+        ASSERT_EQ(touchable({"make", scene, clip, "--size", "64x48", "--frames", "1", "--bits", "12"}).code,
+                  0)
+            << scene;
+        const auto facts = facts_of({"info", clip, "--json"});
+        EXPECT_EQ(facts["depth"]["bits"], 12) << scene;
+        EXPECT_LE(facts["first_frame"]["nearest"], facts["first_frame"]["farthest"]) << scene;
+    }
+}
+
+TEST(Info, DamagedClipIsCode3) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", half = folder / "half.mkv", text = folder / "text.mkv";
+    ASSERT_EQ(touchable({"make", "globe", clip, "--size", "72x48", "--frames", "2"}).code, 0);
+    std::filesystem::copy_file(clip, half);
+    std::filesystem::resize_file(half, 600);
+    std::filesystem::copy_file(TOUCHABLE_SOURCE_DIR "/CMakeLists.txt", text);
+    for (const std::string& damaged : {half, text, folder.path().string()}) {
+        const Run run = touchable({"info", damaged});
+        EXPECT_EQ(run.code, 3) << damaged;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(damaged), std::string::npos) << run.err;
+    }
+}
+
+}  // namespace
+}  // namespace touchable::testing

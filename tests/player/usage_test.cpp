@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/player/program.hpp"
+
+namespace touchable::testing {
+namespace {
+
+TEST(Usage, WithoutArgumentsSaysWhatItCanDoInTenLines) {
+    const Run run = touchable({});
+    EXPECT_EQ(run.code, 0);
+    for (const char* command : {"make", "info", "export", "check"})
+        EXPECT_NE(run.out.find(command), std::string::npos) << command;
+    EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 10);
+    EXPECT_EQ(run.err, "");
+}
+
+TEST(Usage, HelpAndVersionAreNoErrors) {
+    EXPECT_EQ(touchable({"-h"}).code, 0);
+    EXPECT_EQ(touchable({"--version"}).code, 0);
+    for (const char* command : {"make", "info", "export", "check"}) {
+        const Run run = touchable({command, "-h"});
+        EXPECT_EQ(run.code, 0) << command;
+        EXPECT_NE(run.out.find(command), std::string::npos);
+    }
+}
+
+TEST(Usage, WrongWordsAreCode2AndOneLineThatNamesThem) {
+    const std::vector<std::vector<std::string>> wrong{{"paint"},
+                                                      {"info"},
+                                                      {"info", "clip.mkv", "--colour"},
+                                                      {"make", "globe"},
+                                                      {"make", "globe", "out.mkv", "--frames", "many"},
+                                                      {"export", "clip.mkv", "--out", "out"},
+                                                      {"export", "clip.mkv", "--frame", "-1", "--out", "out"},
+                                                      {"--nothing"}};
+    for (const auto& words : wrong) {
+        const Run run = touchable(words);
+        EXPECT_EQ(run.code, 2) << words[0] << ": " << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_EQ(run.out, "");
+    }
+    EXPECT_NE(touchable({"paint"}).err.find("paint"), std::string::npos);
+}
+
+TEST(Usage, MissingFileIsCode3AndNamesTheFile) {
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"info", "no-such-clip.mkv"},
+          std::vector<std::string>{"export", "no-such-clip.mkv", "--frame", "0", "--out", "never"}}) {
+        const Run run = touchable(words);
+        EXPECT_EQ(run.code, 3);
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find("no-such-clip.mkv"), std::string::npos) << run.err;
+    }
+}
+
+TEST(Usage, OutputThatCannotBeWrittenIsNoSuccess) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "plane.mkv";
+    ASSERT_EQ(touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1"}).code, 0);
+    EXPECT_EQ(touchable({"info", clip}).code, 0);
+    const std::string full = std::string(TOUCHABLE_PROGRAM) + " info " + clip + " >/dev/full 2>/dev/null";
+    EXPECT_NE(std::system(full.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace touchable::testing
