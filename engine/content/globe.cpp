@@ -1,8 +1,12 @@
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "engine/content/families.hpp"
+#include "engine/content/planet_look.hpp"
 #include "engine/content/presets.hpp"
+#include "engine/content/smooth.hpp"
+#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {
@@ -34,6 +38,135 @@ protected:
     GlobeSphere sphere_;
 };
 
+/// Axes of the turning planet in the world: the pole leans to the right and a little toward the camera, and
+/// what faces the camera moves to the right.
+class Turn {
+public:
+    explicit Turn(double angle) {
+        const double c = cosine(angle), s = sine(angle);
+        x_ = c * east_ - s * toward_;
+        z_ = s * east_ + c * toward_;
+    }
+    /// A world direction in the planet's own frame.
+    glm::dvec3 place(const glm::dvec3& normal) const {
+        return {glm::dot(normal, x_), glm::dot(normal, pole_), glm::dot(normal, z_)};
+    }
+
+private:
+    const glm::dvec3 pole_ = glm::normalize(glm::dvec3(0.36, 0.90, 0.25));
+    const glm::dvec3 east_ = glm::normalize(glm::cross(pole_, glm::dvec3(0, 0, 1)));
+    const glm::dvec3 toward_ = glm::cross(east_, pole_);
+    glm::dvec3 x_, z_;
+};
+
+/// The globe with the procedural planet on it.
+class PlanetGlobe final : public Globe {
+public:
+    PlanetGlobe(Scene scene, const GlobeSphere& sphere, std::uint64_t seed)
+        : Globe(std::move(scene), sphere), planet_(seed) {}
+
+    /// The relief on the sphere has no closed form.
+    std::optional<SurfaceTruth> closest(const glm::dvec3&, const glm::dvec3&, double) const override {
+        return {};
+    }
+
+private:
+    static constexpr double seconds_per_turn = 12, first_turn = 0.2;
+
+    /// One line of sight: how much of the pixel the disc covers, and what it meets there (or at the limb).
+    struct Sight {
+        double coverage, altitude;
+        glm::dvec3 normal, to_eye;
+        Ground ground;
+    };
+
+    bool moves() const override { return true; }
+    void paint(double t, FramePlanes& planes) const override;
+    Sight look(int x, int y, const Turn& turn) const;
+    glm::dvec3 colour(const std::vector<Sight>& sights, int x, int y) const;
+    void touch(const Sight& sight, FramePlanes& planes) const;
+
+    Planet planet_;
+};
+
+PlanetGlobe::Sight PlanetGlobe::look(int x, int y, const Turn& turn) const {
+    const Camera& camera = scene().camera;
+    const glm::dvec3 ray = glm::dvec3(camera.u(x), camera.v(y), -1) / camera.ray_length(x, y);
+    const double distance = -sphere_.centre.z, b = glm::dot(ray, sphere_.centre);
+    const double passing = std::sqrt(std::max(0.0, distance * distance - b * b));  // of the centre
+    const double pixel = distance / camera.fx;
+    const double depth = std::max(0.0, sphere_.radius * sphere_.radius - passing * passing);
+    const glm::dvec3 outward = (b - std::sqrt(depth)) * ray - sphere_.centre;
+    Sight sight{};
+    sight.coverage = std::clamp(0.5 + (sphere_.radius - passing) / pixel, 0.0, 1.0);
+    sight.altitude = passing / sphere_.radius - 1;
+    sight.normal = outward / std::sqrt(glm::dot(outward, outward));
+    sight.to_eye = -ray;
+    if (sight.coverage > 0) sight.ground = planet_.ground(turn.place(sight.normal));
+    return sight;
+}
+
+glm::dvec3 PlanetGlobe::colour(const std::vector<Sight>& sights, int x, int y) const {
+    const int width = scene().width, height = scene().height;
+    const auto at = [&](int i, int j) -> const Sight& {
+        return sights[static_cast<std::size_t>(std::clamp(j, 0, height - 1)) *
+                          static_cast<std::size_t>(width) +
+                      static_cast<std::size_t>(std::clamp(i, 0, width - 1))];
+    };
+    const Sight& sight = at(x, y);
+    const glm::dvec3 sky = sky_colour(x, y, width, sight.normal, std::max(0.0, sight.altitude));
+    if (sight.coverage == 0) return sky;
+    // The ground's rise per radius across the picture, foreshortened back, toward the sun.
+    const double radius_pixels = scene().camera.fx * sphere_.radius / -sphere_.centre.z;
+    const double rise_x = 0.5 * (at(x + 1, y).ground.relief - at(x - 1, y).ground.relief);
+    const double rise_y = 0.5 * (at(x, y - 1).ground.relief - at(x, y + 1).ground.relief);
+    const double facing = std::max(0.0, glm::dot(sight.normal, sight.to_eye));
+    const double slope = -(rise_x * sunward.x + rise_y * sunward.y) * radius_pixels * facing;
+    const glm::dvec3 surface = planet_colour(sight.ground, sight.normal, sight.to_eye, 0.16 * slope);
+    return sky + sight.coverage * (surface - sky);
+}
+
+/// Code of a property value in its range (Eq. 1 turned round).
+std::uint8_t property_code(const PropertyRange& range, double value) {
+    return static_cast<std::uint8_t>(std::floor(255 * (value - range.min) / (range.max - range.min) + 0.5));
+}
+
+/// Land is stiffer and rougher than the sea; a narrow coast leads from one to the other.
+void PlanetGlobe::touch(const Sight& sight, FramePlanes& planes) const {
+    const HapticProperties sea{400, 0.15, 0.10}, land{1200, 0.60, 0.45}, beyond{800, 0.30, 0.20};
+    const bool ball = sight.altitude < 0;
+    HapticProperties felt = beyond;
+    if (ball) {
+        const double dry = smooth_step(-0.012, 0.012, sight.ground.elevation);
+        felt.stiffness = sea.stiffness + dry * (land.stiffness - sea.stiffness);
+        felt.static_friction = sea.static_friction + dry * (land.static_friction - sea.static_friction);
+        felt.dynamic_friction = sea.dynamic_friction + dry * (land.dynamic_friction - sea.dynamic_friction);
+    }
+    const HapticRanges& ranges = scene().haptic;
+    planes.haptic.push_back(property_code(ranges.stiffness, felt.stiffness / 1000));
+    planes.haptic.push_back(property_code(ranges.static_friction, felt.static_friction));
+    planes.haptic.push_back(property_code(ranges.dynamic_friction, felt.dynamic_friction));
+    planes.height.push_back(ball ? static_cast<std::uint8_t>(std::floor(255 * sight.ground.relief + 0.5))
+                                 : 0);
+}
+
+void PlanetGlobe::paint(double t, FramePlanes& planes) const {
+    const double turns = first_turn + t / seconds_per_turn;
+    const Turn turn(2 * pi * (turns - std::floor(turns)));
+    const auto pixels = static_cast<std::size_t>(scene().width) * static_cast<std::size_t>(scene().height);
+    std::vector<Sight> sights;
+    sights.reserve(pixels);
+    for (int y = 0; y < scene().height; ++y)
+        for (int x = 0; x < scene().width; ++x) sights.push_back(look(x, y, turn));
+    planes.colour.reserve(3 * pixels);
+    planes.haptic.reserve(3 * pixels);
+    planes.height.reserve(pixels);
+    for (int y = 0; y < scene().height; ++y)
+        for (int x = 0; x < scene().width; ++x)
+            for (const std::uint8_t byte : to_bytes(colour(sights, x, y))) planes.colour.push_back(byte);
+    for (const Sight& sight : sights) touch(sight, planes);
+}
+
 }  // namespace
 
 MadeScene make_globe(std::string_view name, const SceneOptions& options) {
@@ -46,7 +179,12 @@ MadeScene make_globe(std::string_view name, const SceneOptions& options) {
                            " is too tall: a globe of 80 % of its height would reach before the near plane");
     scene.device_metres_per_unit = globe_device_radius / sphere.radius;
     scene.default_properties = {1000, 0, 0};
-    return std::unique_ptr<AnalyticScene>(std::make_unique<Globe>(std::move(scene), sphere));
+    if (!options.properties)
+        return std::unique_ptr<AnalyticScene>(std::make_unique<Globe>(std::move(scene), sphere));
+    scene.height_coding = {1, HeightUnits::levels, 255};
+    scene.haptic = {{0.1, 2}, {0, 1}, {0, 1}};
+    return std::unique_ptr<AnalyticScene>(
+        std::make_unique<PlanetGlobe>(std::move(scene), sphere, options.seed));
 }
 
 }  // namespace touchable
