@@ -18,6 +18,17 @@ constexpr TileDepths no_depths{std::numeric_limits<double>::infinity(),
 
 }  // namespace
 
+TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
+    TileDepths depths = no_depths;
+    depths.any_invalid = bounds.any_invalid;
+    if (bounds.least > bounds.greatest) return depths;
+    // Depth is monotone in the code, in floating point too, so the extreme codes enclose the rest.
+    depths.nearest = coding.depth(bounds.least);
+    depths.farthest = coding.depth(bounds.greatest);
+    if (!coding.deeper_is_higher()) std::swap(depths.nearest, depths.farthest);
+    return depths;
+}
+
 DepthSample FilteredVertices::at(int x, int y) const {
     if (!frame_.is_valid(x, y)) return {};
     return {frame_.coding.depth(frame_.codes[frame_.index(x, y)]), true};
@@ -28,14 +39,7 @@ TileDepths FilteredVertices::tile(int tx, int ty) const {
     const TileBounds& bounds =
         frame_.tiles[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
                      static_cast<std::size_t>(tx)];
-    TileDepths depths = no_depths;
-    depths.any_invalid = bounds.any_invalid;
-    if (bounds.least > bounds.greatest) return depths;
-    // Depth is monotone in the code, in floating point too, so the extreme codes enclose the rest.
-    depths.nearest = frame_.coding.depth(bounds.least);
-    depths.farthest = frame_.coding.depth(bounds.greatest);
-    if (!frame_.coding.deeper_is_higher()) std::swap(depths.nearest, depths.farthest);
-    return depths;
+    return depths_of(bounds, frame_.coding);
 }
 
 ExactVertices::ExactVertices(int width, int height, std::vector<double> depths)

@@ -8,6 +8,7 @@
 namespace touchable {
 
 struct SurfaceFrame;
+struct TileBounds;
 
 /// Depth of one pixel, before height is taken off. Where it is not valid, depth means nothing.
 struct DepthSample {
@@ -20,6 +21,9 @@ struct TileDepths {
     double nearest = 0, farthest = 0;  ///< scene units; nearest > farthest: no pixel is valid
     bool any_invalid = false;
 };
+
+/// Bounds of codes as bounds of depths.
+TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding);
 
 /// Depth and validity at a pixel, wherever they come from. Wait-free, no allocation; safe to call from one
 /// haptic thread while others read too.

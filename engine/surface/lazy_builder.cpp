@@ -1,0 +1,41 @@
+#include "engine/surface/lazy_vertices.hpp"
+#include "engine/surface/raw_check.hpp"
+#include "engine/surface/surface_builder.hpp"
+
+namespace touchable {
+namespace {
+
+class LazyBuilder final : public SurfaceBuilder {
+public:
+    explicit LazyBuilder(const Scene& scene) : scene_(scene) {}
+    std::string_view name() const override { return "lazy"; }
+
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+        out.width = scene_.width;
+        out.height = scene_.height;
+        out.coding = scene_.depth;
+        out.codes.clear();
+        out.validity.clear();
+        out.tiles.clear();
+        copy_touch_planes(raw, out);
+        out.raw = raw;
+        auto* vertices = dynamic_cast<LazyVertices*>(out.vertices.get());
+        if (vertices != nullptr && vertices->filter() == scene_.filter)
+            vertices->restart();
+        else
+            out.vertices = std::make_unique<LazyVertices>(out, scene_.filter);
+        return {};
+    }
+
+private:
+    Scene scene_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfaceBuilder> make_lazy_builder(const Scene& scene) {
+    return std::make_unique<LazyBuilder>(scene);
+}
+
+}  // namespace touchable

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <cassert>
+
+#include "engine/surface/raw_check.hpp"
+#include "engine/surface/surface_builder.hpp"
+
+namespace touchable {
+namespace {
+
+struct Pixel {
+    std::uint16_t code = 0;
+    bool valid = false;
+};
+
+/// A picture that is copied whenever a stage needs the state before it.
+struct Picture {
+    int width, height;
+    std::vector<Pixel> pixels;
+
+    bool inside(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
+    Pixel& at(int x, int y) { return pixels[static_cast<std::size_t>(y * width + x)]; }
+    const Pixel& at(int x, int y) const { return pixels[static_cast<std::size_t>(y * width + x)]; }
+};
+
+std::uint16_t lower_median_of(std::vector<std::uint16_t> codes) {
+    std::sort(codes.begin(), codes.end());
+    return codes[(codes.size() - 1) / 2];
+}
+
+Picture decoded(const PlaneView& depth, const DepthCoding& coding) {
+    Picture picture{depth.width, depth.height, {}};
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) {
+            const std::uint16_t code = depth.sample(x, y);
+            picture.pixels.push_back(coding.is_valid(code) ? Pixel{code, true} : Pixel{});
+        }
+    return picture;
+}
+
+Picture holes_filled_once(const Picture& before) {
+    Picture after = before;
+    for (int y = 0; y < before.height; ++y)
+        for (int x = 0; x < before.width; ++x) {
+            if (before.at(x, y).valid) continue;
+            std::vector<std::uint16_t> neighbours;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx)
+                    if ((dx != 0 || dy != 0) && before.inside(x + dx, y + dy) &&
+                        before.at(x + dx, y + dy).valid)
+                        neighbours.push_back(before.at(x + dx, y + dy).code);
+            if (neighbours.size() >= 3) after.at(x, y) = {lower_median_of(neighbours), true};
+        }
+    return after;
+}
+
+Picture median_filtered(const Picture& before, int side) {
+    const int radius = side / 2;
+    Picture after = before;
+    for (int y = 0; y < before.height; ++y)
+        for (int x = 0; x < before.width; ++x) {
+            if (!before.at(x, y).valid) continue;
+            std::vector<std::uint16_t> window;
+            for (int dy = -radius; dy <= radius; ++dy)
+                for (int dx = -radius; dx <= radius; ++dx) {
+                    const Pixel& pixel = before.at(std::clamp(x + dx, 0, before.width - 1),
+                                                   std::clamp(y + dy, 0, before.height - 1));
+                    if (pixel.valid) window.push_back(pixel.code);
+                }
+            after.at(x, y).code = lower_median_of(window);
+        }
+    return after;
+}
+
+TileBounds bounds_of_tile(const Picture& picture, int tx, int ty) {
+    TileBounds bounds;
+    for (int y = ty * TileGrid::cells; y <= ty * TileGrid::cells + TileGrid::cells; ++y)
+        for (int x = tx * TileGrid::cells; x <= tx * TileGrid::cells + TileGrid::cells; ++x) {
+            if (!picture.inside(x, y)) continue;
+            const Pixel& pixel = picture.at(x, y);
+            if (pixel.valid) {
+                bounds.least = std::min(bounds.least, pixel.code);
+                bounds.greatest = std::max(bounds.greatest, pixel.code);
+            } else {
+                bounds.any_invalid = true;
+            }
+        }
+    return bounds;
+}
+
+class ReferenceBuilder final : public SurfaceBuilder {
+public:
+    explicit ReferenceBuilder(const Scene& scene) : scene_(scene) {
+        assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
+    }
+    std::string_view name() const override { return "reference"; }
+
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+        Picture picture = decoded(raw.depth, scene_.depth);
+        for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) picture = holes_filled_once(picture);
+        if (scene_.filter.median > 0) picture = median_filtered(picture, scene_.filter.median);
+        store(picture, out);
+        copy_touch_planes(raw, out);
+        return {};
+    }
+
+private:
+    void store(const Picture& picture, SurfaceFrame& out) const {
+        out.width = picture.width;
+        out.height = picture.height;
+        out.coding = scene_.depth;
+        out.raw = {};
+        out.codes.clear();
+        out.validity.assign(static_cast<std::size_t>(out.validity_words_per_row() * out.height), 0);
+        for (int y = 0; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x) {
+                out.codes.push_back(picture.at(x, y).code);
+                if (picture.at(x, y).valid)
+                    out.validity[static_cast<std::size_t>(y * out.validity_words_per_row() + x / 32)] |=
+                        std::uint32_t{1} << (x % 32);
+            }
+        out.tiles.clear();
+        const TileGrid grid = TileGrid::of(picture.width, picture.height);
+        for (int ty = 0; ty < grid.tiles_y; ++ty)
+            for (int tx = 0; tx < grid.tiles_x; ++tx) out.tiles.push_back(bounds_of_tile(picture, tx, ty));
+        out.vertices = std::make_unique<FilteredVertices>(out);
+    }
+
+    Scene scene_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfaceBuilder> make_reference_builder(const Scene& scene) {
+    return std::make_unique<ReferenceBuilder>(scene);
+}
+
+}  // namespace touchable

@@ -1,0 +1,73 @@
+#include "engine/surface/hole_filling.hpp"
+
+#include <bit>
+
+#include "engine/surface/lower_median.hpp"
+#include "engine/surface/validity_strip.hpp"
+
+namespace touchable {
+namespace {
+
+/// A picture's validity bits; rows and words outside it hold no valid pixel.
+struct ValidityBits {
+    const std::vector<std::uint32_t>& words;
+    int words_per_row, height;
+
+    std::uint32_t word(int w, int y) const {
+        if (w < 0 || w >= words_per_row || y < 0 || y >= height) return 0;
+        return words[static_cast<std::size_t>(y) * static_cast<std::size_t>(words_per_row) +
+                     static_cast<std::size_t>(w)];
+    }
+    bool valid(int x, int y) const { return x >= 0 && (word(x >> 5, y) >> (x & 31)) & 1U; }
+    /// The pixels of a word that have a valid one to their left or right, or are valid themselves.
+    std::uint32_t spread(int w, int y) const {
+        const std::uint32_t here = word(w, y);
+        return here | here << 1 | here >> 1 | word(w - 1, y) >> 31 | word(w + 1, y) << 31;
+    }
+};
+
+int valid_neighbours(const SurfaceFrame& frame, const ValidityBits& before, int x, int y,
+                     std::uint16_t (&neighbours)[8]) {
+    int count = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx)
+            if ((dx != 0 || dy != 0) && before.valid(x + dx, y + dy))
+                neighbours[count++] = frame.codes[frame.index(x + dx, y + dy)];
+    return count;
+}
+
+}  // namespace
+
+void HoleFiller::fill(int passes, SurfaceFrame& frame) {
+    for (int pass = 0; pass < passes; ++pass)
+        if (!fill_once(frame)) return;  // nor would any later pass
+}
+
+// Codes change in place: a pixel filled in this pass is not valid in `before_`, so nobody reads it yet.
+bool HoleFiller::fill_once(SurfaceFrame& frame) {
+    before_.assign(frame.validity.begin(), frame.validity.end());
+    const int words = frame.validity_words_per_row();
+    const ValidityBits before{before_, words, frame.height};
+    bool filled_any = false;
+    for (int y = 0; y < frame.height; ++y)
+        for (int w = 0; w < words; ++w) {
+            std::uint32_t holes = ~before.word(w, y) & inside_bits(frame.width, w);
+            if (holes == 0) continue;
+            holes &= before.spread(w, y - 1) | before.spread(w, y) | before.spread(w, y + 1);
+            std::uint32_t filled = 0;
+            for (; holes != 0; holes &= holes - 1) {
+                const int bit = std::countr_zero(holes), x = w * strip_pixels + bit;
+                std::uint16_t neighbours[8];
+                const int count = valid_neighbours(frame, before, x, y, neighbours);
+                if (count < neighbours_to_fill) continue;
+                frame.codes[frame.index(x, y)] = lower_median(neighbours, count);
+                filled |= std::uint32_t{1} << bit;
+            }
+            frame.validity[static_cast<std::size_t>(y) * static_cast<std::size_t>(words) +
+                           static_cast<std::size_t>(w)] |= filled;
+            filled_any |= filled != 0;
+        }
+    return filled_any;
+}
+
+}  // namespace touchable

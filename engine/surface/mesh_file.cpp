@@ -1,0 +1,103 @@
+#include "engine/surface/mesh_file.hpp"
+
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+namespace touchable {
+namespace {
+
+/// Appends integers and IEEE floats low byte first, whatever the machine's own order.
+class LittleEndianWriter {
+public:
+    explicit LittleEndianWriter(std::ofstream& stream) : stream_(stream) { bytes_.reserve(block + 64); }
+    void put(std::uint8_t value) { put_bytes(value, 1); }
+    void put(std::uint32_t value) { put_bytes(value, 4); }
+    void put(float value) { put_bytes(std::bit_cast<std::uint32_t>(value), 4); }
+    void put(double value) { put_bytes(std::bit_cast<std::uint64_t>(value), 8); }
+    void flush() {
+        stream_.write(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
+        bytes_.clear();
+    }
+
+private:
+    static constexpr std::size_t block = 1 << 16;
+
+    void put_bytes(std::uint64_t value, int count) {
+        for (int k = 0; k < count; ++k) bytes_.push_back(static_cast<char>(value >> (8 * k)));
+        if (bytes_.size() >= block) flush();
+    }
+
+    std::ofstream& stream_;
+    std::string bytes_;
+};
+
+std::string header(const Mesh& mesh, bool coloured, PlyCoordinates coordinates) {
+    const std::string type = coordinates == PlyCoordinates::double_precision ? "double" : "float";
+    std::string text = "ply\nformat binary_little_endian 1.0\n";
+    text += "comment scene units; X right, Y up, camera at the origin looking along -Z\n";
+    text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
+    for (const char* axis : {"x", "y", "z"}) text += "property " + type + " " + axis + "\n";
+    if (coloured)
+        for (const char* channel : {"red", "green", "blue"})
+            text += std::string("property uchar ") + channel + "\n";
+    text += "element face " + std::to_string(mesh.triangles.size()) + "\n";
+    return text + "property list uchar int vertex_indices\nend_header\n";
+}
+
+void write_body(std::ofstream& stream, const Mesh& mesh, const PlaneView& colour,
+                PlyCoordinates coordinates) {
+    LittleEndianWriter out(stream);
+    for (std::size_t n = 0; n < mesh.positions.size(); ++n) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (coordinates == PlyCoordinates::double_precision)
+                out.put(mesh.positions[n][axis]);
+            else
+                out.put(static_cast<float>(mesh.positions[n][axis]));
+        if (colour.empty()) continue;
+        const int pixel = static_cast<int>(mesh.pixels[n]);
+        for (int channel = 0; channel < 3; ++channel)
+            out.put(
+                static_cast<std::uint8_t>(colour.sample(pixel % mesh.width, pixel / mesh.width, channel)));
+    }
+    for (const auto& triangle : mesh.triangles) {
+        out.put(std::uint8_t{3});
+        for (const std::uint32_t vertex : triangle) out.put(vertex);
+    }
+    out.flush();
+}
+
+}  // namespace
+
+Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, const PlaneView& colour,
+                       PlyCoordinates coordinates) {
+    if (!colour.empty() && (colour.width != mesh.width || colour.height != mesh.height ||
+                            colour.channels != 3 || colour.bytes_per_sample != 1))
+        return input_error(file.string() +
+                           ": the colours are not three channels of 8 bits of the mesh's picture, " +
+                           std::to_string(mesh.width) + "x" + std::to_string(mesh.height));
+
+    std::filesystem::path unfinished = file;
+    unfinished += ".unfinished-" + std::to_string(getpid());
+    std::error_code failure;
+    std::ofstream stream(unfinished, std::ios::binary | std::ios::trunc);
+    if (stream) {
+        stream << header(mesh, !colour.empty(), coordinates);
+        write_body(stream, mesh, colour, coordinates);
+        stream.close();
+    }
+    if (!stream)
+        failure = std::error_code(errno, std::generic_category());
+    else
+        std::filesystem::rename(unfinished, file, failure);
+    if (!failure) return {};
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    return input_error(file.string() + ": cannot be written: " + failure.message());
+}
+
+}  // namespace touchable

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+
+#include "engine/frame/plane_view.hpp"
+#include "engine/result.hpp"
+#include "engine/surface/mesh.hpp"
+
+namespace touchable {
+
+enum class PlyCoordinates { single_precision, double_precision };
+
+/// Binary little-endian PLY: x, y, z in scene units, red, green, blue where there is a colour plane (3
+/// channels of 8 bits, of the mesh's picture), and triangles. The file appears whole or not at all.
+Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, const PlaneView& colour = {},
+                       PlyCoordinates coordinates = PlyCoordinates::single_precision);
+
+}  // namespace touchable
