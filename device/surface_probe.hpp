@@ -11,8 +11,8 @@ public:
     virtual ~SurfaceProbe() = default;
     virtual int width() const = 0;   ///< pixels
     virtual int height() const = 0;  ///< pixels
-    /// Planar depth of the surface under pixel (x, y), height taken off, scene units; nothing where a vertex of its
-    /// cell is invalid or lies outside the picture.
+    /// Planar depth of the surface under pixel (x, y), height taken off, scene units; nothing where a vertex
+    /// of its cell is invalid or lies outside the picture.
     virtual std::optional<double> depth_under(double x, double y) const = 0;
     /// World point of pixel (x, y) at a planar depth, scene units.
     virtual glm::dvec3 unproject(double x, double y, double planar_depth) const = 0;

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// What a device can exert and render stably; the force guard is configured with it.
+struct DeviceLimits {
+    double max_force = 0;      ///< newtons, length of one finger's force, > 0
+    double max_stiffness = 0;  ///< newtons per metre of device space, > 0
+};
+
+/// A force-feedback device with one or more end points (fingers). Positions are in device metres and forces
+/// in newtons, axes x right, y up, z towards the person; `Workspace` maps them to the scene.
+///
+/// Safety contract, for every backend:
+/// - No force is exerted before the first `write_forces` after `open`, nor for a finger never written.
+/// - A force longer than `limits().max_force` is shortened to it, keeping its direction.
+/// - Zero force follows `close`, destruction, any failed call, a force that is not finite, and `silence_s`
+/// without
+///   a `write_forces`: a caller that hangs or dies leaves a limp device. Where the hardware has a watchdog of
+///   its own, the backend arms it as well.
+/// - After a failure the device stays limp, and `health` names the reason, until it is opened again.
+class HapticDevice {
+public:
+    static constexpr double silence_s = 0.05;  ///< longest time a force outlives the call that wrote it
+
+    HapticDevice() = default;
+    HapticDevice(const HapticDevice&) = delete;
+    HapticDevice& operator=(const HapticDevice&) = delete;
+    virtual ~HapticDevice() = default;  ///< a backend's destructor closes it
+
+    virtual std::string name() const = 0;
+    virtual DeviceLimits limits() const = 0;
+    virtual int fingers() const = 0;
+
+    /// Takes hold of the hardware and clears an earlier fault. May wait; never called from the haptic thread.
+    virtual Result<void> open() = 0;
+    /// Leaves zero force and lets go of the hardware. Does nothing when closed.
+    virtual void close() = 0;
+
+    // The haptic thread's calls: made every millisecond, so they neither wait nor allocate. False when the
+    // device is closed or has failed; spans hold `fingers()` elements.
+    virtual bool read_positions(std::span<glm::dvec3> device_metres) = 0;
+    virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
+
+    /// Nothing wrong, or why the device is limp (ErrorKind::device). May allocate: ask from another thread,
+    /// or once a call has returned false.
+    virtual Result<void> health() const = 0;
+};
+
+}  // namespace touchable
