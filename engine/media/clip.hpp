@@ -16,8 +16,8 @@ namespace touchable {
 inline constexpr int clip_format_version = 1;
 
 struct TrackInfo {
-    std::string role;        ///< "depth", "colour", "haptic", "height"
-    std::string codec;       ///< as FFmpeg names it
+    std::string role;   ///< "depth", "colour", "haptic", "height"
+    std::string codec;  ///< as FFmpeg names it
     std::string pixel_format;
     int width = 0, height = 0;  ///< as stored, before resampling to the depth plane's size
 };
@@ -38,13 +38,14 @@ public:
     virtual Result<void> rewind() = 0;
 };
 
-/// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file` required), or a scene file
-/// that describes a folder (patterns relative to the scene file). With `scene_file` and a clip, the file's
-/// description replaces the attached one.
+/// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file` required), or a scene
+/// file that describes a folder (patterns relative to the scene file). With `scene_file` and a clip, the
+/// file's description replaces the attached one.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {});
 
-/// Writes a touchable clip: Matroska, one FFV1 track per plane tagged with its role, the scene attached as JSON.
+/// Writes a touchable clip: Matroska, one FFV1 track per plane tagged with its role, the scene attached as
+/// JSON.
 class ClipWriter {
 public:
     virtual ~ClipWriter() = default;

@@ -1,0 +1,47 @@
+#include <algorithm>
+#include <string>
+#include <system_error>
+
+#include "engine/media/clip.hpp"
+#include "engine/media/image_folder.hpp"
+#include "engine/media/matroska_reader.hpp"
+#include "engine/scene/scene_file.hpp"
+
+namespace touchable {
+namespace {
+
+bool is_scene_file(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return extension == ".json";
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
+                                              const std::optional<std::filesystem::path>& scene_file) {
+    std::error_code failure;
+    const auto status = std::filesystem::status(path, failure);
+    if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
+    const bool is_folder = std::filesystem::is_directory(status);
+    if (!is_folder && !std::filesystem::is_regular_file(status))
+        return input_error(path.string() + ": is neither a file nor a folder");
+    if (is_folder && !scene_file)
+        return input_error(path.string() + ": is a folder: describe its images with --scene FILE");
+    if (!is_folder && is_scene_file(path)) {
+        if (scene_file) return usage_error(path.string() + ": is a scene file itself: leave --scene out");
+        const auto scene = read_scene_file(path);
+        if (!scene) return scene.error();
+        return open_image_folder(path.parent_path(), *scene);
+    }
+    std::optional<Scene> scene;
+    if (scene_file) {
+        auto read = read_scene_file(*scene_file);
+        if (!read) return read.error();
+        scene = std::move(*read);
+    }
+    return is_folder ? open_image_folder(path, *scene) : open_matroska_clip(path, scene);
+}
+
+}  // namespace touchable

@@ -17,8 +17,12 @@ struct Image {
     std::vector<std::uint8_t> samples;
 
     PlaneView view() const {
-        return {samples.data(), static_cast<std::ptrdiff_t>(width) * channels * bytes_per_sample, width, height,
-                bytes_per_sample, channels};
+        return {samples.data(),
+                static_cast<std::ptrdiff_t>(width) * channels * bytes_per_sample,
+                width,
+                height,
+                bytes_per_sample,
+                channels};
     }
 };
 

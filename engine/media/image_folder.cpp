@@ -1,0 +1,204 @@
+#include "engine/media/image_folder.hpp"
+
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "engine/media/far_plane.hpp"
+#include "engine/media/plane_role.hpp"
+#include "engine/media/stored_image.hpp"
+
+namespace touchable {
+namespace {
+
+/// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
+class Pattern {
+public:
+    explicit Pattern(const std::string& text) {
+        const auto percent = text.find('%'), end = text.find('d', percent);
+        before_ = text.substr(0, percent);
+        if (end > percent + 1) digits_ = static_cast<std::size_t>(text[percent + 2] - '0');
+        after_ = text.substr(end + 1);
+    }
+    std::filesystem::path file(const std::filesystem::path& folder, std::int64_t number) const {
+        std::string field = std::to_string(number);
+        if (field.size() < digits_) field.insert(0, digits_ - field.size(), '0');
+        return folder / (before_ + field + after_);
+    }
+
+private:
+    std::string before_, after_;
+    std::size_t digits_ = 1;
+};
+
+const std::string& pattern_of(const FolderSource& source, PlaneRole role) {
+    switch (role) {
+        case PlaneRole::depth:
+            return source.depth;
+        case PlaneRole::colour:
+            return source.colour;
+        case PlaneRole::haptic:
+            return source.haptic;
+        case PlaneRole::height:
+            break;
+    }
+    return source.height;
+}
+
+bool is_file(const std::filesystem::path& file) {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(file, ignored);
+}
+
+class ImageFolderReader final : public ClipReader {
+public:
+    ImageFolderReader(std::filesystem::path folder, const Scene& scene)
+        : folder_(std::move(folder)), scene_(scene) {}
+    Result<void> open();
+
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return infos_; }
+    std::optional<std::int64_t> frame_count() const override { return count_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override {
+        number_ = 0;
+        return {};
+    }
+
+private:
+    struct Track {
+        PlaneRole role;
+        Pattern pattern;
+    };
+
+    std::filesystem::path file(const Track& track, std::int64_t frame) const {
+        return track.pattern.file(folder_, scene_.folder->first + frame);
+    }
+    std::string where(const Track& track, std::int64_t frame) const {
+        return file(track, frame).string() + " (" + std::string(role_name(track.role)) + ", frame " +
+               std::to_string(frame) + ")";
+    }
+    Result<void> count_frames();
+    Result<void> read_first();
+    Result<void> find_far_plane();
+    Result<StoredImage> read(const Track& track, std::int64_t frame) const;
+    Result<Plane> plane(const Track& track, std::int64_t frame) const;
+
+    std::filesystem::path folder_;
+    Scene scene_;
+    std::vector<Track> tracks_;  // depth is the first
+    std::vector<TrackInfo> infos_;
+    std::vector<std::string> notes_;
+    std::int64_t count_ = 0;
+    std::int64_t number_ = 0;  // of the frame that `next` gives
+};
+
+Result<void> ImageFolderReader::open() {
+    for (const PlaneRole role : all_roles) {
+        const std::string& pattern = pattern_of(*scene_.folder, role);
+        if (!pattern.empty()) tracks_.push_back({role, Pattern(pattern)});
+    }
+    if (auto counted = count_frames(); !counted) return counted;
+    if (auto read = read_first(); !read) return read;
+    if (auto note = default_touch_note(!scene_.folder->haptic.empty(), scene_))
+        notes_.push_back(std::move(*note));
+    return scene_.far_from_frames ? find_far_plane() : Result<void>{};
+}
+
+/// Every track has every frame, or the first that is missing is named.
+Result<void> ImageFolderReader::count_frames() {
+    count_ = scene_.folder->count;
+    if (count_ == 0)
+        while (is_file(file(tracks_.front(), count_))) ++count_;
+    const std::int64_t checked = count_ == 0 ? 1 : count_;
+    for (const Track& track : tracks_)
+        for (std::int64_t frame = 0; frame < checked; ++frame)
+            if (!is_file(file(track, frame))) return input_error(where(track, frame) + ": is missing");
+    if (scene_.folder->count == 0 && is_file(file(tracks_.front(), count_ + 1)))
+        notes_.push_back("ends after " + std::to_string(count_) +
+                         " frames: " + file(tracks_.front(), count_).filename().string() +
+                         " is missing, though later ones exist");
+    return {};
+}
+
+/// How frame 0 is stored stands for all.
+Result<void> ImageFolderReader::read_first() {
+    for (const Track& track : tracks_) {
+        auto stored = read(track, 0);
+        if (!stored) return stored.error();
+        const Image& image = stored->image;
+        infos_.push_back({std::string(role_name(track.role)), stored->codec, stored->pixel_format,
+                          image.width, image.height});
+        if (track.role != PlaneRole::depth && (image.width != scene_.width || image.height != scene_.height))
+            notes_.push_back(resampling_note(track.role, image.width, image.height, scene_));
+        auto fits = fit_plane(track.role, plane_from(std::move(stored->image)), scene_, where(track, 0));
+        if (!fits) return fits.error();
+    }
+    return {};
+}
+
+Result<void> ImageFolderReader::find_far_plane() {
+    FarPlaneSearch search(scene_.depth);
+    for (std::int64_t frame = 0; frame < count_; ++frame) {
+        const auto depth = plane(tracks_.front(), frame);
+        if (!depth) return depth.error();
+        search.add(depth->view);
+    }
+    auto note = search.settle(scene_);
+    if (!note) return input_error(folder_.string() + ": " + note.error().message);
+    notes_.push_back(std::move(*note));
+    return {};
+}
+
+Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t frame) const {
+    auto stored = read_stored_image(file(track, frame));
+    if (!stored)
+        return Error{stored.error().kind, stored.error().message + " (" + std::string(role_name(track.role)) +
+                                              ", frame " + std::to_string(frame) + ")"};
+    if (track.role == PlaneRole::haptic && stored->codec != "png")
+        return input_error(where(track, frame) + ": is JPEG, which mixes materials; haptic is RGB PNG");
+    return stored;
+}
+
+Result<Plane> ImageFolderReader::plane(const Track& track, std::int64_t frame) const {
+    auto stored = read(track, frame);
+    if (!stored) return stored.error();
+    const TrackInfo& info = infos_[static_cast<std::size_t>(&track - tracks_.data())];
+    const Image& image = stored->image;
+    if (image.width != info.width || image.height != info.height || stored->pixel_format != info.pixel_format)
+        return input_error(where(track, frame) + ": is " + std::to_string(image.width) + "x" +
+                           std::to_string(image.height) + " " + stored->pixel_format + ", but frame 0 is " +
+                           std::to_string(info.width) + "x" + std::to_string(info.height) + " " +
+                           info.pixel_format);
+    return fit_plane(track.role, plane_from(std::move(stored->image)), scene_, where(track, frame));
+}
+
+Result<std::optional<RawFrame>> ImageFolderReader::next() {
+    if (number_ == count_) return std::optional<RawFrame>{};
+    RawFrame frame;
+    frame.number = number_;
+    frame.time_ns = scene_.rate.time_ns(number_);
+    for (const Track& track : tracks_) {
+        auto read = plane(track, number_);
+        if (!read) return read.error();
+        add_plane(frame, track.role, std::move(*read));
+    }
+    ++number_;
+    return std::optional(std::move(frame));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder,
+                                                      const Scene& scene) {
+    if (!scene.folder)
+        return input_error(
+            folder.string() +
+            ": is a folder, but its scene file has no member \"folder\" that says which images to read");
+    auto reader = std::make_unique<ImageFolderReader>(folder, scene);
+    if (auto opened = reader->open(); !opened) return opened.error();
+    return std::unique_ptr<ClipReader>(std::move(reader));
+}
+
+}  // namespace touchable

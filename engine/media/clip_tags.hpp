@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/scene/scene.hpp"
+
+namespace touchable::clip_tags {
+
+// How a clip says what it is, in Matroska tags: T3D_VERSION and T3D_RATE of the file, T3D_ROLE of each track;
+// and the name under which the scene is attached.
+inline constexpr const char* version_tag = "T3D_VERSION";
+inline constexpr const char* rate_tag = "T3D_RATE";
+inline constexpr const char* role_tag = "T3D_ROLE";
+inline constexpr const char* scene_file = "scene.json";
+
+/// A version as its tag has it; nothing unless it is a whole number from 1.
+std::optional<std::int64_t> parse_version(std::string_view text);
+
+/// "30000/1001": exact, because Matroska rounds timestamps to milliseconds.
+std::string rate_text(const FrameRate& rate);
+std::optional<FrameRate> parse_rate(std::string_view text);
+
+/// Timestamps in milliseconds tell frames apart up to this many frames per second.
+inline constexpr int fastest_rate = 1000;
+bool is_too_fast(const FrameRate& rate);
+
+}  // namespace touchable::clip_tags

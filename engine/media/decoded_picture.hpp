@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/frame/plane_view.hpp"
+#include "engine/media/ffmpeg.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// FFmpeg's name of the format, "gray10le" for one.
+std::string format_name(const AVFrame& frame);
+
+/// True where red, green and blue are stored as 8-bit samples: packed, planar or as a palette.
+bool is_rgb8(const AVFrame& frame);
+
+/// The frame's own samples of 8 to 16 bits, host order, of a format that is only grey; nothing for other
+/// formats. Never through swscale, which squeezes grey into 16..235 where a range tag is missing.
+std::optional<PlaneView> grey_samples(const AVFrame& frame);
+/// The same, or the luma of a YUV format, which is how some decoders return what was stored as grey.
+std::optional<PlaneView> luma_samples(const AVFrame& frame);
+
+/// 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
+Image rgb_exact(const AVFrame& frame);
+/// 8-bit RGB of any colour format, rounded where the format is not RGB.
+Result<Image> rgb_converted(const AVFrame& frame);
+
+}  // namespace touchable

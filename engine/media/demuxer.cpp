@@ -1,0 +1,80 @@
+#include "engine/media/demuxer.hpp"
+
+#include <utility>
+
+#include "engine/media/matroska_check.hpp"
+
+namespace touchable {
+namespace {
+
+/// Frames one stream may run ahead of another.
+constexpr std::size_t queue_limit = 64;
+
+std::optional<std::string> entry(const AVDictionary* dictionary, const char* name) {
+    const AVDictionaryEntry* found = av_dict_get(dictionary, name, nullptr, 0);
+    if (!found) return std::nullopt;
+    return found->value;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open(const std::filesystem::path& file) {
+    silence_ffmpeg();
+    if (auto whole = check_matroska(file); !whole) return whole.error();
+    auto demuxer = std::make_unique<Demuxer>();
+    demuxer->file_ = file.string();
+    AVFormatContext* container = avformat_alloc_context();
+    if (!container) return Error{ErrorKind::internal, "out of memory"};
+    container->error_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
+    const int status =
+        avformat_open_input(&container, file_url(file).c_str(), av_find_input_format("matroska"), nullptr);
+    if (status < 0)
+        return input_error(file.string() + ": is not a readable Matroska file: " + ffmpeg_text(status));
+    demuxer->container_.reset(container);
+    return demuxer;
+}
+
+std::optional<std::string> Demuxer::tag(const char* name) const {
+    return entry(container_->metadata, name);
+}
+
+std::optional<std::string> Demuxer::attachment(const std::string& file_name) const {
+    for (unsigned k = 0; k < container_->nb_streams; ++k) {
+        const AVStream& stream = *container_->streams[k];
+        if (stream.codecpar->codec_type != AVMEDIA_TYPE_ATTACHMENT) continue;
+        if (entry(stream.metadata, "filename") != file_name) continue;
+        return std::string(reinterpret_cast<const char*>(stream.codecpar->extradata),
+                           static_cast<std::size_t>(stream.codecpar->extradata_size));
+    }
+    return std::nullopt;
+}
+
+/// Puts one packet into its queue; false at the end of the file.
+Result<bool> Demuxer::read_one() {
+    PacketPtr packet(av_packet_alloc());
+    if (!packet) return Error{ErrorKind::internal, "out of memory"};
+    const int status = av_read_frame(container_.get(), packet.get());
+    if (status == AVERROR_EOF && (!container_->pb || container_->pb->error >= 0)) return false;
+    if (status < 0) return input_error(file_ + ": cannot be read further: " + ffmpeg_text(status));
+    const auto queue = queues_.find(packet->stream_index);
+    if (queue == queues_.end()) return true;
+    if (queue->second.size() >= queue_limit)
+        return input_error(file_ + ": its tracks run apart by more than " + std::to_string(queue_limit) +
+                           " frames: interleave them");
+    queue->second.push_back(std::move(packet));
+    return true;
+}
+
+Result<PacketPtr> Demuxer::next(int stream) {
+    auto& queue = queues_.at(stream);
+    while (queue.empty()) {
+        const auto more = read_one();
+        if (!more) return more.error();
+        if (!*more) return PacketPtr{};
+    }
+    PacketPtr packet = std::move(queue.front());
+    queue.pop_front();
+    return packet;
+}
+
+}  // namespace touchable

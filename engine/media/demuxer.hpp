@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engine/media/ffmpeg.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Takes a Matroska file apart into packets, stream by stream. Interleaved streams wait in short queues.
+class Demuxer {
+public:
+    static Result<std::unique_ptr<Demuxer>> open(const std::filesystem::path& file);
+
+    const AVFormatContext& container() const { return *container_; }
+    /// A tag of the whole file.
+    std::optional<std::string> tag(const char* name) const;
+    /// The bytes of an attached file.
+    std::optional<std::string> attachment(const std::string& file_name) const;
+
+    /// Streams never selected are skipped.
+    void select(int stream) { queues_[stream]; }
+    /// The next packet of a selected stream; null after the last.
+    Result<PacketPtr> next(int stream);
+
+private:
+    struct Closer {
+        void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
+    };
+    Result<bool> read_one();
+
+    std::string file_;
+    std::unique_ptr<AVFormatContext, Closer> container_;
+    std::map<int, std::deque<PacketPtr>> queues_;
+};
+
+}  // namespace touchable

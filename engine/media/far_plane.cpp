@@ -1,0 +1,26 @@
+#include "engine/media/far_plane.hpp"
+
+#include <algorithm>
+
+namespace touchable {
+
+void FarPlaneSearch::add(const PlaneView& depth) {
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) {
+            const int code = depth.sample(x, y);
+            if (code > deepest_ && coding_.is_valid(static_cast<std::uint16_t>(code))) deepest_ = code;
+        }
+}
+
+Result<std::string> FarPlaneSearch::settle(Scene& scene) const {
+    if (deepest_ < 0) return input_error("no frame has a valid depth: give depth.far in the scene file");
+    const double deepest = coding_.depth(static_cast<std::uint16_t>(deepest_));
+    scene.depth.far = deepest * 1.05;
+    scene.far_from_frames = false;
+    derive_valid_range(scene.depth);
+    if (auto valid = validate(scene); !valid) return valid.error();
+    return "depth.far is " + std::to_string(scene.depth.far) + ": the frames' largest depth, " +
+           std::to_string(deepest) + ", plus 5 %";
+}
+
+}  // namespace touchable

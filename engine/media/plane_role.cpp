@@ -1,0 +1,184 @@
+#include "engine/media/plane_role.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+namespace touchable {
+namespace {
+
+constexpr std::array<std::string_view, all_roles.size()> names{"depth", "colour", "haptic", "height"};
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::string number_text(double number) {
+    std::array<char, 32> digits{};
+    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
+}
+
+std::string kind_text(const PlaneView& plane) {
+    return std::to_string(8 * plane.bytes_per_sample) + "-bit " + (plane.channels == 1 ? "grey" : "RGB");
+}
+
+std::uint16_t largest_sample(const PlaneView& plane) {
+    std::uint16_t largest = 0;
+    for (int y = 0; y < plane.height; ++y) {
+        const std::uint8_t* row = plane.row(y);
+        if (plane.bytes_per_sample == 1) {
+            for (int x = 0; x < plane.width; ++x) largest = std::max<std::uint16_t>(largest, row[x]);
+            continue;
+        }
+        for (int x = 0; x < plane.width; ++x) {
+            std::uint16_t sample;
+            std::memcpy(&sample, row + 2 * std::ptrdiff_t{x}, 2);
+            largest = std::max(largest, sample);
+        }
+    }
+    return largest;
+}
+
+Result<void> check_largest(const PlaneView& plane, int most, std::string_view where,
+                           std::string_view promise) {
+    const int largest = largest_sample(plane);
+    if (largest <= most) return {};
+    return input_error(std::string(where) + ": holds the value " + std::to_string(largest) + ", but " +
+                       std::string(promise) + " allows at most " + std::to_string(most));
+}
+
+Result<void> check_depth(const PlaneView& plane, const Scene& scene, std::string_view where) {
+    const int bits = scene.depth_bits, bytes = bits > 8 ? 2 : 1;
+    if (plane.channels != 1 || plane.bytes_per_sample != bytes)
+        return input_error(std::string(where) + ": is " + kind_text(plane) +
+                           ", but the scene's depth.bits, " + std::to_string(bits) + ", needs " +
+                           std::to_string(8 * bytes) + "-bit grey");
+    if (bits == 8 * bytes) return {};
+    return check_largest(plane, (1 << bits) - 1, where,
+                         "the scene's depth.bits, " + std::to_string(bits) + ",");
+}
+
+Result<void> check_height(const PlaneView& plane, const Scene& scene, std::string_view where) {
+    if (plane.channels != 1)
+        return input_error(std::string(where) + ": is " + kind_text(plane) +
+                           "; heights are 8- or 16-bit grey");
+    return check_largest(plane, scene.height_coding.code_max, where, "the scene's height.bits");
+}
+
+/// A packed picture whose pixels are made by `pixel(to, from)` from the nearest ones of the plane.
+template <class Pixel>
+Image mapped(const PlaneView& plane, int width, int height, int channels, Pixel&& pixel) {
+    const auto nearest = [](int k, int from, int to) {  // of `from` samples, for sample k of `to`
+        return static_cast<int>((2 * std::int64_t{k} + 1) * from / (2 * std::int64_t{to}));
+    };
+    const int bytes = plane.bytes_per_sample;
+    std::vector<int> columns(static_cast<std::size_t>(width));
+    for (int x = 0; x < width; ++x)
+        columns[static_cast<std::size_t>(x)] = nearest(x, plane.width, width) * bytes * plane.channels;
+    Image image{width, height, bytes, channels, {}};
+    const auto pixel_bytes = static_cast<std::size_t>(bytes * channels);
+    image.samples.resize(columns.size() * static_cast<std::size_t>(height) * pixel_bytes);
+    std::uint8_t* to = image.samples.data();
+    for (int y = 0; y < height; ++y) {
+        const std::uint8_t* row = plane.row(nearest(y, plane.height, height));
+        for (const int column : columns) {
+            pixel(to, row + column);
+            to += pixel_bytes;
+        }
+    }
+    return image;
+}
+
+Plane resampled(const PlaneView& plane, int width, int height) {
+    const auto bytes = static_cast<std::size_t>(plane.bytes_per_sample * plane.channels);
+    return plane_from(
+        mapped(plane, width, height, plane.channels,
+               [bytes](std::uint8_t* to, const std::uint8_t* from) { std::memcpy(to, from, bytes); }));
+}
+
+Plane grey_as_rgb(const PlaneView& plane, int width, int height) {
+    return plane_from(mapped(plane, width, height, 3, [](std::uint8_t* to, const std::uint8_t* from) {
+        to[0] = to[1] = to[2] = *from;
+    }));
+}
+
+}  // namespace
+
+std::string_view role_name(PlaneRole role) {
+    return names[static_cast<std::size_t>(role)];
+}
+
+std::optional<PlaneRole> role_named(std::string_view name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) return std::nullopt;
+    return all_roles[static_cast<std::size_t>(found - names.begin())];
+}
+
+const PlaneView& plane_of(const RawFrame& frame, PlaneRole role) {
+    switch (role) {
+        case PlaneRole::depth:
+            return frame.depth;
+        case PlaneRole::colour:
+            return frame.colour;
+        case PlaneRole::haptic:
+            return frame.haptic;
+        case PlaneRole::height:
+            break;
+    }
+    return frame.height;
+}
+
+PlaneView& plane_of(RawFrame& frame, PlaneRole role) {
+    return const_cast<PlaneView&>(plane_of(std::as_const(frame), role));
+}
+
+Plane plane_from(Image image) {
+    const auto owned = std::make_shared<const Image>(std::move(image));
+    return {owned->view(), owned};
+}
+
+Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where) {
+    if (role == PlaneRole::depth) return check_depth(plane, scene, where);
+    if (role == PlaneRole::height) return check_height(plane, scene, where);
+    const bool grey_colour = role == PlaneRole::colour && plane.channels == 1;
+    if (plane.bytes_per_sample == 1 && (plane.channels == 3 || grey_colour)) return {};
+    return input_error(std::string(where) + ": is " + kind_text(plane) + "; " + std::string(role_name(role)) +
+                       (role == PlaneRole::colour ? " is 8-bit RGB or grey" : " is 8-bit RGB"));
+}
+
+Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where) {
+    if (auto checked = check_plane(role, plane.view, scene, where); !checked) return checked.error();
+    const PlaneView& view = plane.view;
+    const bool same_size = view.width == scene.width && view.height == scene.height;
+    if (role == PlaneRole::depth && !same_size)
+        return input_error(std::string(where) + ": is " + size_text(view.width, view.height) +
+                           ", but the scene is " + size_text(scene.width, scene.height));
+    if (role == PlaneRole::colour && view.channels == 1) return grey_as_rgb(view, scene.width, scene.height);
+    return same_size ? std::move(plane) : resampled(view, scene.width, scene.height);
+}
+
+std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene) {
+    return std::string(role_name(role)) + " is " + size_text(width, height) +
+           ": resampled to the nearest pixel of depth's " + size_text(scene.width, scene.height);
+}
+
+std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene) {
+    if (has_haptic) return std::nullopt;
+    const HapticProperties& felt = scene.default_properties;
+    return "no haptic plane: " + number_text(felt.stiffness / 1000.0) + " N/mm everywhere, friction " +
+           number_text(felt.static_friction) + " static, " + number_text(felt.dynamic_friction) + " dynamic";
+}
+
+void add_plane(RawFrame& frame, PlaneRole role, Plane plane) {
+    plane_of(frame, role) = plane.view;
+    if (!frame.storage) {
+        frame.storage = std::move(plane.storage);
+        return;
+    }
+    using Both = std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>;
+    frame.storage = std::make_shared<const Both>(std::move(frame.storage), std::move(plane.storage));
+}
+
+}  // namespace touchable

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+enum class PlaneRole { depth, colour, haptic, height };
+
+inline constexpr std::array all_roles{PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic,
+                                      PlaneRole::height};
+
+std::string_view role_name(PlaneRole role);
+std::optional<PlaneRole> role_named(std::string_view name);
+
+PlaneView& plane_of(RawFrame& frame, PlaneRole role);
+const PlaneView& plane_of(const RawFrame& frame, PlaneRole role);
+
+/// Samples and what keeps them alive.
+struct Plane {
+    PlaneView view;
+    std::shared_ptr<const void> storage;
+};
+Plane plane_from(Image image);
+
+/// Refuses samples of a kind the role does not have, and values beyond what the scene says: depth beyond
+/// depth_bits, height beyond its code_max. Says nothing about the size. Messages begin with `where`.
+Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where);
+
+/// A checked plane of the scene's size: grey colour becomes RGB, and planes other than depth are resampled to
+/// the nearest sample; a depth plane of another size is refused.
+Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where);
+
+/// What a person should know about a plane that `fit_plane` resamples.
+std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene);
+
+/// What a person should know about touch planes a clip does not have; nothing where it has a haptic plane.
+std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene);
+
+/// Puts a plane into its place; the frame's storage keeps it alive beside those added before.
+void add_plane(RawFrame& frame, PlaneRole role, Plane plane);
+
+}  // namespace touchable

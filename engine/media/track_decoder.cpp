@@ -1,0 +1,121 @@
+#include "engine/media/track_decoder.hpp"
+
+#include <utility>
+
+#include "engine/media/decoded_picture.hpp"
+
+extern "C" {
+#include <libavutil/crc.h>
+#include <libavutil/intreadwrite.h>
+}
+
+namespace touchable {
+namespace {
+
+/// FFmpeg's FFV1 decoder conceals a slice whose checksum fails, so the checksums are verified here. A packet
+/// is a chain of slices, each ending in its size (3 bytes), an error status (1) and a CRC parity (4) that
+/// brings the CRC-32 of the whole slice to 0 (RFC 9043, 4.8 and 4.9).
+bool ffv1_slices_intact(const AVPacket& packet) {
+    constexpr int footer = 8;
+    const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE);
+    int end = packet.size;
+    while (end > 0) {
+        if (end < footer) return false;
+        const int slice = static_cast<int>(AV_RB24(packet.data + end - footer)) + footer;
+        if (slice > end || packet.data[end - footer + 3] != 0) return false;
+        if (av_crc(table, 0, packet.data + end - slice, static_cast<std::size_t>(slice)) != 0) return false;
+        end -= slice;
+    }
+    return packet.size > 0;
+}
+
+std::string size_text(const AVFrame& frame) {
+    return std::to_string(frame.width) + "x" + std::to_string(frame.height) + " " + format_name(frame);
+}
+
+}  // namespace
+
+Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, const std::string& file) {
+    TrackDecoder track;
+    track.role_ = role;
+    track.file_ = file;
+    track.info_.role = role_name(role);
+    track.info_.codec = avcodec_get_name(stream.codecpar->codec_id);
+    const std::string where = file + ": track " + track.info_.role;
+    const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
+    if (!codec)
+        return input_error(where + ": has codec " + track.info_.codec + ", which this FFmpeg cannot decode");
+    track.codec_.reset(avcodec_alloc_context3(codec));
+    if (!track.codec_) return Error{ErrorKind::internal, "out of memory"};
+    int status = avcodec_parameters_to_context(track.codec_.get(), stream.codecpar);
+    track.codec_->thread_count = 1;
+    track.codec_->pkt_timebase = stream.time_base;
+    track.codec_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
+    track.codec_->max_pixels = std::int64_t{16384} * 16384;
+    if (status >= 0) status = avcodec_open2(track.codec_.get(), codec, nullptr);
+    if (status < 0) return input_error(where + ": its header is damaged: " + ffmpeg_text(status));
+    return track;
+}
+
+std::string TrackDecoder::where() const {
+    return file_ + ": track " + info_.role + ", frame " + std::to_string(received_);
+}
+
+Result<void> TrackDecoder::send(const AVPacket* packet) {
+    const bool ffv1 = codec_->codec_id == AV_CODEC_ID_FFV1;
+    if (packet && ((packet->flags & AV_PKT_FLAG_CORRUPT) != 0 || (ffv1 && !ffv1_slices_intact(*packet))))
+        return input_error(where() + ": is damaged: its checksum is missing or wrong");
+    const int status = avcodec_send_packet(codec_.get(), packet);
+    if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
+    drained_ = packet == nullptr;
+    return {};
+}
+
+Result<std::optional<TrackDecoder::Picture>> TrackDecoder::receive() {
+    FramePtr frame(av_frame_alloc());
+    if (!frame) return Error{ErrorKind::internal, "out of memory"};
+    const int status = avcodec_receive_frame(codec_.get(), frame.get());
+    if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return std::optional<Picture>{};
+    if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+        return input_error(where() + ": is damaged");
+    if (auto same = check_format(*frame); !same) return same.error();
+    const std::int64_t timestamp = frame->best_effort_timestamp;
+    auto decoded = plane(std::move(frame));
+    if (!decoded) return decoded.error();
+    return std::optional(Picture{received_++, timestamp, std::move(*decoded)});
+}
+
+Result<void> TrackDecoder::check_format(const AVFrame& frame) {
+    if (received_ == 0) {
+        info_.width = frame.width;
+        info_.height = frame.height;
+        info_.pixel_format = format_name(frame);
+    }
+    if (frame.width == info_.width && frame.height == info_.height &&
+        format_name(frame) == info_.pixel_format)
+        return {};
+    return input_error(where() + ": is " + size_text(frame) + ", but the track began as " +
+                       std::to_string(info_.width) + "x" + std::to_string(info_.height) + " " +
+                       info_.pixel_format);
+}
+
+Result<Plane> TrackDecoder::plane(FramePtr frame) const {
+    if (role_ == PlaneRole::depth || role_ == PlaneRole::height) {
+        const auto samples = luma_samples(*frame);
+        if (!samples)
+            return input_error(where() + ": has pixel format " + info_.pixel_format + "; " + info_.role +
+                               " is grey of 8 to 16 bits");
+        return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame))};
+    }
+    if (const auto grey = grey_samples(*frame); grey && role_ == PlaneRole::colour)
+        return Plane{*grey, std::shared_ptr<const AVFrame>(std::move(frame))};
+    if (role_ == PlaneRole::haptic && !is_rgb8(*frame))
+        return input_error(where() + ": has pixel format " + info_.pixel_format +
+                           ", which mixes materials; haptic is RGB of 8 bits, such as bgr0 or gbrp");
+    auto rgb = rgb_converted(*frame);
+    if (!rgb) return input_error(where() + ": " + rgb.error().message);
+    return plane_from(std::move(*rgb));
+}
+
+}  // namespace touchable
