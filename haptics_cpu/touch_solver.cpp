@@ -1,0 +1,133 @@
+#include "haptics_cpu/touch_solver.hpp"
+
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "haptics_cpu/cast.hpp"
+#include "haptics_cpu/pixel_space.hpp"
+#include "haptics_cpu/surface_lattice.hpp"
+#include "haptics_cpu/world_space.hpp"
+
+namespace touchable {
+
+namespace {
+
+using glm::dvec3;
+
+// Far beyond any scene, and well inside what lattice coordinates can count.
+constexpr double largest_goal = 1e9;
+
+bool is_usable(const dvec3& goal) {
+    // Written so that NaN fails.
+    return std::abs(goal.x) <= largest_goal && std::abs(goal.y) <= largest_goal &&
+           std::abs(goal.z) <= largest_goal;
+}
+
+/// A surface that rose past a free proxy takes it along on its ray.
+template <class Space>
+void lift_onto_risen_surface(const Space& space, Proxy& proxy) {
+    if (!space.in_front(proxy.point)) return;
+    const ChartPoint at = space.chart(proxy.point);
+    // Beyond this a point so close to the camera's plane is seen under no pixel worth the name, and is in
+    // front.
+    if (!(std::abs(at.x) < 1e15) || !(std::abs(at.y) < 1e15)) return;
+    const Proxy under = face_under(at.x, at.y);
+    if (at.w < surface_w(space, under)) proxy = under;
+}
+
+template <class Space>
+SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit) {
+    SolveCounts counts;
+    if (!proxy.on_surface()) lift_onto_risen_surface(space, proxy);
+    if (!proxy.on_surface()) {
+        const auto hit = cast(space, proxy.point, nullptr, goal, &counts.cells);
+        if (!hit) {
+            proxy.point = goal;
+            return counts;
+        }
+        proxy = *hit;
+    }
+    const int cells = counts.cells;
+    counts = slide(space, proxy, goal, event_limit);
+    counts.cells += cells;
+    return counts;
+}
+
+void fill_contact(const HeightField& field, const Proxy& proxy, double metres_per_scene_unit,
+                  Contact& contact) {
+    contact.touching = proxy.on_surface();
+    if (contact.touching) {
+        contact.pixel_x = proxy.x();
+        contact.pixel_y = proxy.y();
+        contact.properties = field.properties(proxy.i, proxy.j, proxy.a, proxy.b);
+        contact.force = contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
+        return;
+    }
+    contact.properties = {0, 0, 0};
+    contact.force = dvec3(0.0);
+    const auto image = project(field.scene().camera, contact.proxy);
+    contact.pixel_x = image ? image->x : std::numeric_limits<double>::quiet_NaN();
+    contact.pixel_y = image ? image->y : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings& settings) {
+    if (!(settings.metres_per_scene_unit > 0) || !std::isfinite(settings.metres_per_scene_unit))
+        return usage_error("workspace: " + std::to_string(settings.metres_per_scene_unit) +
+                           " device metres per scene unit; it must be a positive number");
+    if (settings.metric == TouchMetric::pixel) {
+        if (scene.depth.kind != DepthCodingKind::linear)
+            return usage_error(
+                "metric pixel: the scene's depth is not linear; the paper's metric knows no other");
+        if (scene.camera.fx != scene.camera.fy)
+            return usage_error("metric pixel: fx " + std::to_string(scene.camera.fx) + " and fy " +
+                               std::to_string(scene.camera.fy) +
+                               " differ; the paper's metric needs square pixels");
+    }
+    return TouchSolver(settings);
+}
+
+void TouchSolver::tick(const HeightField& field, std::span<const dvec3> goals, std::span<FingerState> fingers,
+                       std::span<Contact> contacts) const {
+    assert(goals.size() == fingers.size() && goals.size() == contacts.size());
+    const WorldSpace world(field);
+    const PixelSpace pixels(field);
+    for (std::size_t k = 0; k < goals.size(); ++k) {
+        FingerState& finger = fingers[k];
+        Contact& contact = contacts[k];
+        auto in_pixels = is_usable(goals[k]) ? pixels.from_world(goals[k]) : std::nullopt;
+        contact = Contact{};
+        contact.goal_held = !is_usable(goals[k]) || (settings_.metric == TouchMetric::pixel && !in_pixels);
+        if (!contact.goal_held) finger.goal = goals[k];
+        contact.goal = finger.goal;
+        if (contact.goal_held && !finger.started) {
+            contact.proxy = contact.goal;
+            continue;
+        }
+        Proxy& proxy = finger.proxy;
+        if (settings_.metric == TouchMetric::world) {
+            if (!finger.started) proxy.point = finger.goal;
+            contact.counts = solve(world, proxy, finger.goal, settings_.event_limit);
+            contact.proxy = proxy.point;
+        } else {
+            const dvec3 goal = *pixels.from_world(finger.goal);
+            if (!finger.started) proxy.point = goal;
+            contact.counts = solve(pixels, proxy, goal, settings_.event_limit);
+            contact.proxy = proxy.on_surface() ? pixels.to_world(proxy.point) : finger.goal;
+        }
+        finger.started = true;
+        fill_contact(field, proxy, settings_.metres_per_scene_unit, contact);
+    }
+}
+
+bool is_behind_surface(const HeightField& field, const dvec3& point, double tolerance) {
+    if (!(point.z < 0)) return false;
+    const WorldSpace world(field);
+    const ChartPoint at = world.chart(point);
+    if (!(std::abs(at.x) < 1e15) || !(std::abs(at.y) < 1e15)) return false;
+    return at.w < surface_w(world, face_under(at.x, at.y)) * (1.0 - tolerance);
+}
+
+}  // namespace touchable

@@ -1,0 +1,91 @@
+#include "haptics_cpu/height_field.hpp"
+
+#include <algorithm>
+
+namespace touchable {
+
+HeightField::HeightField(const Scene& scene, const FramePair& pair)
+    : scene_(scene), prev_(pair.prev.frame), next_(nullptr), nearer_(prev_), blend_(0) {
+    const bool between = scene.interpolation == FrameInterpolation::linear && pair.blend > 0;
+    if (between && pair.next.frame != prev_) {
+        next_ = pair.next.frame;
+        blend_ = pair.blend;
+        if (blend_ >= 0.5) nearer_ = next_;
+    }
+    tiles_ = TileGrid::of(scene.width, scene.height);
+    const bool has_heights = !prev_->heights.empty() || (next_ && !next_->heights.empty());
+    largest_height_ = has_heights ? largest_height(scene.height_coding, scene.depth) : 0.0;
+    height_per_code_ = largest_height_ / scene.height_coding.code_max;
+    const DepthCoding& coding = scene.depth;
+    const double nearest = coding.kind == DepthCodingKind::metric
+                               ? std::max(coding.near, coding.scale * coding.valid_min)
+                               : coding.near;
+    nearest_anywhere_ = nearest - largest_height_;
+    has_friction_ = has_haptic_image() || scene.default_properties.static_friction > 0;
+}
+
+FieldVertex HeightField::frame_vertex(const SurfaceFrame& frame, int x, int y) const {
+    const DepthSample sample = frame.vertices->at(x, y);
+    if (!sample.valid) return {scene_.depth.far, false};
+    if (frame.heights.empty()) return {sample.depth, true};
+    // Eq. 2, as a length: height is taken off the depth.
+    return {sample.depth - height_per_code_ * frame.heights[frame.index(x, y)], true};
+}
+
+FieldVertex HeightField::vertex(std::int64_t i, std::int64_t j) const {
+    if (i < 0 || j < 0 || i >= scene_.width || j >= scene_.height) return {scene_.depth.far, false};
+    const int x = static_cast<int>(i), y = static_cast<int>(j);
+    const FieldVertex prev = frame_vertex(*prev_, x, y);
+    if (!next_) return prev;
+    const FieldVertex next = frame_vertex(*next_, x, y);
+    if (prev.valid != next.valid) return nearer_ == prev_ ? prev : next;
+    return {prev.depth + (next.depth - prev.depth) * blend_, prev.valid};
+}
+
+double HeightField::nearest_depth(int tile_x, int tile_y) const {
+    auto nearest_of = [&](const SurfaceFrame& frame) {
+        const TileDepths depths = frame.vertices->tile(tile_x, tile_y);
+        return depths.nearest <= depths.farthest ? std::min(depths.nearest, scene_.depth.far)
+                                                 : scene_.depth.far;
+    };
+    double nearest = nearest_of(*prev_);
+    if (next_) nearest = std::min(nearest, nearest_of(*next_));
+    return nearest - largest_height_;
+}
+
+HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j) const {
+    // Stiffness of the ring is the picture's edge's: what one feels there is a wall of the same stuff.
+    const int x = static_cast<int>(std::clamp<std::int64_t>(i, 0, scene_.width - 1));
+    const int y = static_cast<int>(std::clamp<std::int64_t>(j, 0, scene_.height - 1));
+    HapticProperties properties = scene_.default_properties;
+    if (has_haptic_image()) {
+        const std::uint8_t* p = &nearer_->haptic[3 * nearer_->index(x, y)];
+        properties = scene_.haptic.at(p[0], p[1], p[2]);
+    }
+    // A pixel's state between two frames is its state in the nearer one wherever validity differs.
+    if (x != i || y != j || !nearer_->vertices->at(x, y).valid) {
+        properties.static_friction = 0;
+        properties.dynamic_friction = 0;
+    }
+    return properties;
+}
+
+HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double a, double b) const {
+    const HapticProperties p00 = vertex_properties(i, j), p10 = vertex_properties(i + 1, j);
+    const HapticProperties p01 = vertex_properties(i, j + 1), p11 = vertex_properties(i + 1, j + 1);
+    auto bilinear = [a, b](double v00, double v10, double v01, double v11) {
+        const double top = v00 + (v10 - v00) * a;
+        const double bottom = v01 + (v11 - v01) * a;
+        return top + (bottom - top) * b;
+    };
+    HapticProperties out;
+    out.stiffness = bilinear(p00.stiffness, p10.stiffness, p01.stiffness, p11.stiffness);
+    out.static_friction =
+        bilinear(p00.static_friction, p10.static_friction, p01.static_friction, p11.static_friction);
+    out.dynamic_friction =
+        bilinear(p00.dynamic_friction, p10.dynamic_friction, p01.dynamic_friction, p11.dynamic_friction);
+    out.dynamic_friction = std::min(out.dynamic_friction, out.static_friction);
+    return out;
+}
+
+}  // namespace touchable

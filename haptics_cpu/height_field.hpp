@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/frame/surface_timeline.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// Depth of a lattice vertex at the moment of the field, height taken off.
+struct FieldVertex {
+    double depth;  ///< scene units, of the coding's semantics
+    bool valid;    ///< false: an invalid pixel or the ring, at the far plane
+};
+
+/// The surface under the hand at one moment: a pair of frames and a blend, seen as a lattice of vertices with
+/// one per pixel, a ring at the far plane around the picture, and flat strips beyond it, so that every
+/// integer (i, j) is a vertex. Nothing is computed but what is asked for. Cheap to make; refers to the scene
+/// and the frames.
+class HeightField {
+public:
+    HeightField(const Scene& scene, const FramePair& pair);
+
+    const Scene& scene() const { return scene_; }
+    int width() const { return scene_.width; }
+    int height() const { return scene_.height; }
+
+    /// Depth and validity at any lattice vertex; beyond the ring, of the ring vertex nearest to it.
+    FieldVertex vertex(std::int64_t i, std::int64_t j) const;
+    /// No vertex of the tile, ring included, has a smaller depth. May be smaller than any of them.
+    double nearest_depth(int tile_x, int tile_y) const;
+    /// No depth of any frame of this scene is smaller.
+    double nearest_depth_anywhere() const { return nearest_anywhere_; }
+    TileGrid tiles() const { return tiles_; }
+
+    /// True where a finger may meet friction at all.
+    bool has_friction() const { return has_friction_; }
+    /// True where properties differ from place to place.
+    bool has_haptic_image() const { return nearer_->haptic.size() > 0; }
+    /// Stiffness and friction at (i + a, j + b), 0 <= a, b <= 1: of the frame nearer in time, bilinear.
+    /// Friction is 0 at invalid and ring vertices, and dynamic friction never exceeds static.
+    HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b) const;
+
+private:
+    HapticProperties vertex_properties(std::int64_t i, std::int64_t j) const;
+    FieldVertex frame_vertex(const SurfaceFrame& frame, int x, int y) const;
+
+    const Scene& scene_;
+    const SurfaceFrame* prev_;
+    const SurfaceFrame* next_;    // nullptr where there is nothing to interpolate
+    const SurfaceFrame* nearer_;  // in time: gives haptic properties, and the state of half-valid pixels
+    double blend_;
+    TileGrid tiles_;
+    double height_per_code_;
+    double largest_height_;
+    double nearest_anywhere_;
+    bool has_friction_;
+};
+
+}  // namespace touchable

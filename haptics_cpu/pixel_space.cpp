@@ -1,0 +1,40 @@
+#include "haptics_cpu/pixel_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchable {
+
+double PixelSpace::level_of(double depth) const {
+    const DepthCoding& coding = field_.scene().depth;
+    return 255.0 * (coding.far - depth) / (coding.far - coding.near);
+}
+
+std::optional<glm::dvec3> PixelSpace::from_world(const glm::dvec3& point) const {
+    if (!(point.z < 0)) return std::nullopt;
+    const Scene& scene = field_.scene();
+    const auto image = project(scene.camera, point);
+    if (!image) return std::nullopt;
+    double depth = image->planar_depth;
+    if (scene.depth.semantics == DepthSemantics::range) depth *= scene.camera.ray_length(image->x, image->y);
+    return glm::dvec3{image->x, -image->y, level_of(depth)};
+}
+
+glm::dvec3 PixelSpace::to_world(const glm::dvec3& point) const {
+    const Scene& scene = field_.scene();
+    const double x = point.x, y = -point.y;
+    const double depth = scene.depth.far - point.z * scene.depth.level();
+    return unproject(scene.camera, x, y, planar_depth(scene.camera, scene.depth.semantics, x, y, depth));
+}
+
+SpaceVertex PixelSpace::vertex(std::int64_t i, std::int64_t j) const {
+    const double level = level_of(field_.vertex(i, j).depth);
+    return {{static_cast<double>(i), -static_cast<double>(j), level}, level};
+}
+
+double PixelSpace::largest_w(int tile_x, int tile_y) const {
+    const double level = level_of(field_.nearest_depth(tile_x, tile_y));
+    return level + 1e-12 * std::abs(level);
+}
+
+}  // namespace touchable

@@ -1,0 +1,202 @@
+#include "haptics_cpu/slide.hpp"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "haptics_cpu/cast.hpp"
+#include "haptics_cpu/friction.hpp"
+#include "haptics_cpu/pixel_space.hpp"
+#include "haptics_cpu/surface_lattice.hpp"
+#include "haptics_cpu/tangent_cone.hpp"
+#include "haptics_cpu/world_space.hpp"
+
+namespace touchable {
+
+namespace {
+
+using glm::dvec3;
+
+/// Which edges of a face a move starts on; it does not leave through them, whatever rounding says.
+struct StartEdges {
+    bool h = false, v = false, d = false;
+};
+
+StartEdges start_edges(Feature feature, Feature face, double a, double b) {
+    StartEdges on;
+    if (feature == Feature::edge_h) on.h = true;
+    if (feature == Feature::edge_v) on.v = true;
+    if (feature == Feature::edge_d) on.d = true;
+    if (feature == Feature::vertex) {
+        on.d = a == b;
+        on.h = face == Feature::face_lower ? b == 0 : b == 1;
+        on.v = face == Feature::face_lower ? a == 1 : a == 0;
+    }
+    return on;
+}
+
+struct FaceExit {
+    double length = std::numeric_limits<double>::infinity();  // in units of the image step
+    Feature edge = Feature::free;
+};
+
+/// Where the ray (a, b) + length (dx, dy) leaves a face of its cell.
+FaceExit exit_of_face(Feature face, double a, double b, double dx, double dy, const StartEdges& started) {
+    FaceExit exit;
+    auto consider = [&exit](bool start, Feature edge, double distance, double speed) {
+        if (start || !(speed > 0)) return;
+        const double length = std::max(0.0, distance / speed);
+        if (length < exit.length) exit = {length, edge};
+    };
+    if (face == Feature::face_lower) {
+        consider(started.h, Feature::edge_h, b, -dy);
+        consider(started.v, Feature::edge_v, 1.0 - a, dx);
+        consider(started.d, Feature::edge_d, a - b, dy - dx);
+    } else {
+        consider(started.h, Feature::edge_h, 1.0 - b, dy);
+        consider(started.v, Feature::edge_v, a, -dx);
+        consider(started.d, Feature::edge_d, b - a, dx - dy);
+    }
+    return exit;
+}
+
+/// A place after part of a motion; `arrived` if it went the whole share it was to go.
+struct Moved {
+    Proxy proxy;
+    bool arrived;
+};
+
+/// Over a face of cell (motion.i, motion.j), at most `length` image steps far.
+Moved move_over_face(const Proxy& from, const Motion& motion, const ImageStep& step, double length) {
+    const double a = static_cast<double>(from.i - motion.i) + from.a;
+    const double b = static_cast<double>(from.j - motion.j) + from.b;
+    const FaceExit exit =
+        exit_of_face(motion.feature, a, b, step.dx, step.dy, start_edges(from.feature, motion.feature, a, b));
+    if (length < exit.length)
+        return {face_place(motion.feature, motion.i, motion.j, a + length * step.dx, b + length * step.dy),
+                true};
+    const double end_a = a + exit.length * step.dx, end_b = b + exit.length * step.dy;
+    const bool lower = motion.feature == Feature::face_lower;
+    switch (exit.edge) {
+        case Feature::edge_h:
+            return {edge_place(exit.edge, motion.i, motion.j + (lower ? 0 : 1), end_a), false};
+        case Feature::edge_v:
+            return {edge_place(exit.edge, motion.i + (lower ? 1 : 0), motion.j, end_b), false};
+        case Feature::edge_d:
+            return {edge_place(exit.edge, motion.i, motion.j, end_a), false};
+        default:
+            return {from, true};  // no way out and none to go: a motion of no length
+    }
+}
+
+/// Along an edge, at most `length` image steps far.
+Moved move_along_edge(const Proxy& from, const Motion& motion, const ImageStep& step, double length) {
+    const bool vertical = motion.feature == Feature::edge_v;
+    const double start = vertical ? static_cast<double>(from.j - motion.j) + from.b
+                                  : static_cast<double>(from.i - motion.i) + from.a;
+    const double end = start + length * (vertical ? step.dy : step.dx);
+    const Proxy place = edge_place(motion.feature, motion.i, motion.j, end);
+    return {place, place.feature != Feature::vertex};
+}
+
+constexpr int stall_limit = 8;
+
+/// One solve: the proxy's place and point, and how far from the goal it is.
+template <class Space>
+class Slide {
+public:
+    Slide(const Space& space, Proxy& proxy, const dvec3& goal) : space_(space), proxy_(proxy), goal_(goal) {}
+
+    SolveCounts run(int event_limit) {
+        proxy_.point = surface_point(space_, proxy_);
+        bool may_leave = true;
+        int stalls = 0;
+        while (true) {
+            if (counts_.events == event_limit) {
+                counts_.capped = true;
+                return counts_;
+            }
+            ++counts_.events;
+            const dvec3 pull = goal_ - proxy_.point;
+            const Motion motion = project_on_tangent_cone(space_, proxy_, proxy_.point, pull, may_leave);
+            if (motion.kind == Motion::Kind::stay) return rest();
+            Proxy next;
+            bool arrived;
+            if (motion.kind == Motion::Kind::leave) {
+                const auto hit = cast(space_, proxy_.point, &proxy_, goal_, &counts_.cells);
+                if (!hit) return fly();
+                next = *hit;
+                arrived = false;
+            } else {
+                const FrictionCone cone = friction_cone(space_.field(), proxy_);
+                if (rests(cone, motion)) return rest();
+                const Moved moved = move(motion, sliding_share(cone, motion));
+                next = moved.proxy;
+                // Held back by friction, the place may have another cone than the start: look again.
+                arrived = moved.arrived && cone.stopping == 0;
+                next.sliding = cone.stopping > 0;
+            }
+            const Progress progress = take(next, pull);
+            if (progress == Progress::nearer) {
+                may_leave = true;
+                if (arrived) return counts_;
+                continue;
+            }
+            // Rounding can make a flight off the surface end where it began, or a step end on the other side
+            // of an edge at the same distance. Go on along the surface, a few times at most.
+            if (arrived || ++stalls > stall_limit || (progress == Progress::none && !may_leave))
+                return rest();
+            may_leave = false;
+        }
+    }
+
+private:
+    Moved move(const Motion& motion, double share) {
+        ++counts_.cells;
+        const ImageStep step = space_.image_step(proxy_.point, motion.way);
+        const double length = step.length_at(share);
+        return motion.kind == Motion::Kind::face ? move_over_face(proxy_, motion, step, length)
+                                                 : move_along_edge(proxy_, motion, step, length);
+    }
+
+    enum class Progress { nearer, same, none };
+
+    /// Takes the new place unless it is farther from the goal than rounding explains.
+    Progress take(Proxy& next, const dvec3& pull) {
+        next.point = surface_point(space_, next);
+        const dvec3 rest = goal_ - next.point;
+        const double before = glm::dot(pull, pull), after = glm::dot(rest, rest);
+        if (!(after <= before * (1.0 + 1e-13))) return Progress::none;
+        proxy_ = next;
+        return after < before ? Progress::nearer : Progress::same;
+    }
+
+    /// Stays where it is. A proxy that had not moved at all in this solve sticks from now on.
+    SolveCounts rest() {
+        if (counts_.events == 1) proxy_.sliding = false;
+        return counts_;
+    }
+
+    SolveCounts fly() {
+        proxy_ = Proxy{};
+        proxy_.point = goal_;
+        return counts_;
+    }
+
+    const Space& space_;
+    Proxy& proxy_;
+    const dvec3& goal_;
+    SolveCounts counts_;
+};
+
+}  // namespace
+
+template <class Space>
+SolveCounts slide(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit) {
+    return Slide<Space>(space, proxy, goal).run(event_limit);
+}
+
+template SolveCounts slide(const WorldSpace&, Proxy&, const dvec3&, int);
+template SolveCounts slide(const PixelSpace&, Proxy&, const dvec3&, int);
+
+}  // namespace touchable

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "haptics_cpu/proxy.hpp"
+
+namespace touchable {
+
+/// What a solve did, for figures and certificates.
+struct SolveCounts {
+    int events = 0;       ///< features passed
+    int cells = 0;        ///< lattice lines and faces looked at
+    bool capped = false;  ///< ended by the event limit: the place is on the surface, but not yet the minimum
+};
+
+/// Moves a proxy that rests on the surface to where the goal pulls it: the exact projected flow of
+/// haptics (docs/architecture.md, "the solver"), feature by feature, until it is nearest to the goal, held by
+/// friction, or off the surface and at the goal. The distance to the goal never grows.
+template <class Space>
+SolveCounts slide(const Space& space, Proxy& proxy, const glm::dvec3& goal, int event_limit);
+
+}  // namespace touchable

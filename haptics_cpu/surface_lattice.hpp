@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "haptics_cpu/proxy.hpp"
+#include "haptics_cpu/world_space.hpp"
+
+/// Places on the surface: interpolation within faces and along edges, and the normal forms of a place.
+namespace touchable {
+
+/// Exact at both ends, so that all edges meeting at a vertex see the same number there.
+inline double along_edge(double w0, double w1, double f) {
+    if (f <= 0) return w0;
+    if (f >= 1) return w1;
+    return w0 + (w1 - w0) * f;
+}
+
+/// w of the surface at a place of the lattice (any feature but free).
+template <class Space>
+double surface_w(const Space& space, const Proxy& at) {
+    auto w = [&](int di, int dj) { return space.vertex(at.i + di, at.j + dj).w; };
+    switch (at.feature) {
+        case Feature::vertex:
+            return w(0, 0);
+        case Feature::edge_h:
+            return along_edge(w(0, 0), w(1, 0), at.a);
+        case Feature::edge_v:
+            return along_edge(w(0, 0), w(0, 1), at.b);
+        case Feature::edge_d:
+            return along_edge(w(0, 0), w(1, 1), at.a);
+        case Feature::face_lower: {
+            const double w10 = w(1, 0);
+            return w(0, 0) + (w10 - w(0, 0)) * at.a + (w(1, 1) - w10) * at.b;
+        }
+        default: {
+            const double w01 = w(0, 1);
+            return w(0, 0) + (w01 - w(0, 0)) * at.b + (w(1, 1) - w01) * at.a;
+        }
+    }
+}
+
+/// The place of a face at image location (x, y) of its cell; rounding never leaves the face.
+inline Proxy face_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
+    auto unit = [](double f) { return f < 0 ? 0.0 : (f > 1 ? 1.0 : f); };
+    Proxy at;
+    at.feature = face;
+    at.i = i;
+    at.j = j;
+    at.a = unit(a);
+    at.b = unit(b);
+    if (face == Feature::face_lower && at.b > at.a) at.b = at.a;
+    if (face == Feature::face_upper && at.a > at.b) at.a = at.b;
+    return at;
+}
+
+/// The face under image location (x, y), |x| and |y| below 2^62.
+inline Proxy face_under(double x, double y) {
+    const double fx = std::floor(x), fy = std::floor(y);
+    const double a = x - fx, b = y - fy;
+    return face_place(a >= b ? Feature::face_lower : Feature::face_upper, static_cast<std::int64_t>(fx),
+                      static_cast<std::int64_t>(fy), a, b);
+}
+
+/// The place at fraction f of an edge; its ends are vertices.
+inline Proxy edge_place(Feature edge, std::int64_t i, std::int64_t j, double f) {
+    const bool along_x = edge != Feature::edge_v, along_y = edge != Feature::edge_h;
+    Proxy at;
+    at.feature = edge;
+    at.i = i;
+    at.j = j;
+    if (f <= 0 || f >= 1) {
+        at.feature = Feature::vertex;
+        if (f >= 1) {
+            at.i += along_x ? 1 : 0;
+            at.j += along_y ? 1 : 0;
+        }
+        return at;
+    }
+    at.a = along_x ? f : 0.0;
+    at.b = along_y ? f : 0.0;
+    return at;
+}
+
+template <class Space>
+glm::dvec3 surface_point(const Space& space, const Proxy& at) {
+    return space.position({at.x(), at.y(), surface_w(space, at)});
+}
+
+}  // namespace touchable

@@ -1,0 +1,230 @@
+#include "haptics_cpu/tangent_cone.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "haptics_cpu/pixel_space.hpp"
+#include "haptics_cpu/world_space.hpp"
+
+namespace touchable {
+
+namespace {
+
+using glm::cross;
+using glm::dot;
+using glm::dvec3;
+
+struct CellFace {
+    Feature feature;
+    std::int64_t i, j;
+};
+
+Motion leave() {
+    Motion motion;
+    motion.kind = Motion::Kind::leave;
+    return motion;
+}
+
+/// Along a face with the outward normal n (any length).
+Motion along_face(const CellFace& face, const dvec3& n, const dvec3& pull) {
+    Motion motion;
+    motion.kind = Motion::Kind::face;
+    motion.feature = face.feature;
+    motion.i = face.i;
+    motion.j = face.j;
+    const double vn = dot(pull, n), nn = dot(n, n);
+    motion.way = pull - n * (vn / nn);
+    motion.load = std::abs(vn) / std::sqrt(nn);
+    return motion;
+}
+
+/// Along an edge between faces with the outward normals n0 and n1. In a valley G - C = -(l0 n0 + l1 n1) for
+/// unit normals; the sum l0 + l1 needs no division by their small difference.
+Motion along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way, const dvec3& pull,
+                  const dvec3& n0, const dvec3& n1) {
+    Motion motion;
+    motion.kind = Motion::Kind::edge;
+    motion.feature = edge;
+    motion.i = i;
+    motion.j = j;
+    motion.way = way;
+    const double length0 = std::sqrt(dot(n0, n0)), length1 = std::sqrt(dot(n1, n1));
+    const double pressed = -(dot(pull, n0) / length0 + dot(pull, n1) / length1);
+    const double opening = 1.0 + dot(n0, n1) / (length0 * length1);
+    if (pressed > 0) motion.load = opening > 0 ? pressed / opening : std::numeric_limits<double>::infinity();
+    return motion;
+}
+
+template <class Space>
+Motion on_face(const Space& space, const Proxy& at, const dvec3& pull, bool may_leave) {
+    const dvec3 p00 = space.vertex(at.i, at.j).position, p11 = space.vertex(at.i + 1, at.j + 1).position;
+    const bool lower = at.feature == Feature::face_lower;
+    const dvec3 apex = space.vertex(lower ? at.i + 1 : at.i, lower ? at.j : at.j + 1).position;
+    // Clockwise in the image is 00, 10, 11 and 00, 11, 01; seen so, b x a points towards the camera.
+    const dvec3 n = lower ? cross(p11 - p00, apex - p00) : cross(apex - p00, p11 - p00);
+    if (may_leave && dot(pull, n) > 0) return leave();
+    return along_face({at.feature, at.i, at.j}, n, pull);
+}
+
+/// One face beside an edge: its place, its vertex off the edge.
+struct EdgeSide {
+    CellFace face;
+    std::int64_t apex_i, apex_j;
+};
+
+/// The faces of an edge: first the one counterclockwise of it in the image.
+std::array<EdgeSide, 2> sides_of(const Proxy& at) {
+    const std::int64_t i = at.i, j = at.j;
+    using enum Feature;
+    switch (at.feature) {
+        case edge_h:
+            return {{{{face_upper, i, j - 1}, i, j - 1}, {{face_lower, i, j}, i + 1, j + 1}}};
+        case edge_v:
+            return {{{{face_upper, i, j}, i + 1, j + 1}, {{face_lower, i - 1, j}, i - 1, j}}};
+        default:
+            return {{{{face_lower, i, j}, i + 1, j}, {{face_upper, i, j}, i, j + 1}}};
+    }
+}
+
+/// Whether an image direction points to the first of these faces.
+bool points_to_first(Feature edge, const ImageStep& step) {
+    switch (edge) {
+        case Feature::edge_h:
+            return step.dy <= 0;
+        case Feature::edge_v:
+            return step.dx >= 0;
+        default:
+            return step.dx >= step.dy;
+    }
+}
+
+template <class Space>
+Motion on_edge(const Space& space, const Proxy& at, const dvec3& point, const dvec3& pull, bool may_leave) {
+    const std::int64_t end_i = at.i + (at.feature == Feature::edge_v ? 0 : 1);
+    const std::int64_t end_j = at.j + (at.feature == Feature::edge_h ? 0 : 1);
+    const dvec3 start = space.vertex(at.i, at.j).position;
+    const dvec3 e = space.vertex(end_i, end_j).position - start;
+    const double ee = dot(e, e);
+    const auto sides = sides_of(at);
+    std::array<dvec3, 2> inward, normal;  // within the face away from the edge; towards the camera
+    for (std::size_t k = 0; k < 2; ++k) {
+        const dvec3 to_apex = space.vertex(sides[k].apex_i, sides[k].apex_j).position - start;
+        inward[k] = to_apex - e * (dot(to_apex, e) / ee);
+        normal[k] = k == 0 ? cross(e, to_apex) : cross(to_apex, e);
+    }
+    const bool first = points_to_first(at.feature, space.image_step(point, pull));
+    if (may_leave && dot(pull, normal[first ? 0 : 1]) > 0) return leave();
+    double longest = 0;
+    int chosen = -1;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double descent = dot(pull, inward[k]);
+        if (!(descent > 0)) continue;
+        const double length2 = descent * descent / dot(inward[k], inward[k]);
+        if (length2 > longest) {
+            longest = length2;
+            chosen = static_cast<int>(k);
+        }
+    }
+    if (chosen >= 0) {
+        const auto k = static_cast<std::size_t>(chosen);
+        return along_face(sides[k].face, normal[k], pull);
+    }
+    const double along = dot(pull, e);
+    if (along == 0) return {};
+    return along_edge(at.feature, at.i, at.j, e * (along / ee), pull, normal[0], normal[1]);
+}
+
+/// The six edges around a vertex, clockwise in the image from +x, and the faces between each and the next.
+struct Spoke {
+    int di, dj;
+    Feature edge;
+    int edge_di, edge_dj;  // where the edge starts
+    Feature face;          // between this spoke and the next
+    int face_di, face_dj;  // its cell
+};
+constexpr std::array<Spoke, 6> spokes{{
+    {1, 0, Feature::edge_h, 0, 0, Feature::face_lower, 0, 0},
+    {1, 1, Feature::edge_d, 0, 0, Feature::face_upper, 0, 0},
+    {0, 1, Feature::edge_v, 0, 0, Feature::face_lower, -1, 0},
+    {-1, 0, Feature::edge_h, -1, 0, Feature::face_upper, -1, -1},
+    {-1, -1, Feature::edge_d, -1, -1, Feature::face_lower, -1, -1},
+    {0, -1, Feature::edge_v, 0, -1, Feature::face_upper, 0, -1},
+}};
+
+/// Which face around a vertex an image direction falls on.
+std::size_t sector_of(const ImageStep& step) {
+    if (step.dy >= 0) {
+        if (step.dx >= step.dy) return 0;
+        return step.dx >= 0 ? 1 : 2;
+    }
+    if (step.dx <= step.dy) return 3;
+    return step.dx <= 0 ? 4 : 5;
+}
+
+template <class Space>
+Motion on_vertex(const Space& space, const Proxy& at, const dvec3& point, const dvec3& pull, bool may_leave) {
+    std::array<dvec3, 6> e, n;
+    for (std::size_t k = 0; k < 6; ++k)
+        e[k] = space.vertex(at.i + spokes[k].di, at.j + spokes[k].dj).position - point;
+    for (std::size_t k = 0; k < 6; ++k) n[k] = cross(e[(k + 1) % 6], e[k]);
+
+    if (may_leave && dot(pull, n[sector_of(space.image_step(point, pull))]) > 0) return leave();
+
+    double longest = 0;
+    int face = -1, edge = -1;
+    for (std::size_t k = 0; k < 6; ++k) {
+        const bool in_sector = dot(pull, cross(e[k], n[k])) > 0 && dot(pull, cross(n[k], e[(k + 1) % 6])) > 0;
+        if (!in_sector) continue;
+        const double vn = dot(pull, n[k]);
+        const double length2 = dot(pull, pull) - vn * vn / dot(n[k], n[k]);
+        if (length2 > longest) {
+            longest = length2;
+            face = static_cast<int>(k);
+        }
+    }
+    for (std::size_t k = 0; k < 6; ++k) {
+        const double along = dot(pull, e[k]);
+        if (!(along > 0)) continue;
+        const double length2 = along * along / dot(e[k], e[k]);
+        if (length2 > longest) {
+            longest = length2;
+            edge = static_cast<int>(k);
+        }
+    }
+    if (edge >= 0) {
+        const auto k = static_cast<std::size_t>(edge);
+        const Spoke& spoke = spokes[k];
+        const dvec3 way = e[k] * (dot(pull, e[k]) / dot(e[k], e[k]));
+        return along_edge(spoke.edge, at.i + spoke.edge_di, at.j + spoke.edge_dj, way, pull, n[(k + 5) % 6],
+                          n[k]);
+    }
+    if (face < 0) return {};
+    const auto k = static_cast<std::size_t>(face);
+    return along_face({spokes[k].face, at.i + spokes[k].face_di, at.j + spokes[k].face_dj}, n[k], pull);
+}
+
+}  // namespace
+
+template <class Space>
+Motion project_on_tangent_cone(const Space& space, const Proxy& proxy, const dvec3& point, const dvec3& pull,
+                               bool may_leave) {
+    switch (proxy.feature) {
+        case Feature::free:
+            return {};
+        case Feature::face_lower:
+        case Feature::face_upper:
+            return on_face(space, proxy, pull, may_leave);
+        case Feature::vertex:
+            return on_vertex(space, proxy, point, pull, may_leave);
+        default:
+            return on_edge(space, proxy, point, pull, may_leave);
+    }
+}
+
+template Motion project_on_tangent_cone(const WorldSpace&, const Proxy&, const dvec3&, const dvec3&, bool);
+template Motion project_on_tangent_cone(const PixelSpace&, const Proxy&, const dvec3&, const dvec3&, bool);
+
+}  // namespace touchable

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "engine/result.hpp"
+#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/proxy.hpp"
+#include "haptics_cpu/slide.hpp"
+
+namespace touchable {
+
+/// Where distances are measured: in the world (exact), or in pixels and grey levels (the paper's, for
+/// comparison).
+enum class TouchMetric { world, pixel };
+
+struct TouchSettings {
+    TouchMetric metric = TouchMetric::world;
+    double metres_per_scene_unit = 0.001;  ///< S of F = k S (P - G), from the Workspace
+    int event_limit = 256;                 ///< features a proxy may pass in a tick
+};
+
+/// What a finger carries from tick to tick.
+struct FingerState {
+    Proxy proxy;
+    bool started = false;
+    glm::dvec3 goal{0.0};  ///< the last goal that was finite
+};
+
+/// What a finger met in a tick. World, scene units, newtons.
+struct Contact {
+    glm::dvec3 goal{0.0};
+    glm::dvec3 proxy{0.0};
+    glm::dvec3 force{0.0};  ///< k S (P - G), before any guard
+    bool touching = false;
+    bool goal_held =
+        false;  ///< the goal was not finite (or no pixel sees it, pixel metric): the last one stood in
+    double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN where no pixel sees it
+    HapticProperties properties;      ///< at the proxy; zero out of contact
+    SolveCounts counts;
+};
+
+/// The touch solver: goals of N fingers in, proxies and forces out. A pure function of settings, field, goals
+/// and state; no allocation, lock or I/O. Fingers do not feel each other.
+class TouchSolver {
+public:
+    /// Refuses a pixel metric where the scene's depth is not linear or its pixels are not square, and S <= 0.
+    static Result<TouchSolver> create(const Scene& scene, const TouchSettings& settings);
+
+    /// `goals`, `fingers` and `contacts` have one element per finger. Wait-free.
+    void tick(const HeightField& field, std::span<const glm::dvec3> goals, std::span<FingerState> fingers,
+              std::span<Contact> contacts) const;
+
+    const TouchSettings& settings() const { return settings_; }
+
+private:
+    explicit TouchSolver(const TouchSettings& settings) : settings_(settings) {}
+    TouchSettings settings_;
+};
+
+/// True for a world point behind the surface: its 1 / planar depth is less than the surface's under its pixel
+/// by more than `tolerance`, relative. Points no pixel sees are not.
+bool is_behind_surface(const HeightField& field, const glm::dvec3& point, double tolerance);
+
+}  // namespace touchable

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+
+#include "haptics_cpu/height_field.hpp"
+
+namespace touchable {
+
+/// A lattice vertex where distances are measured, and its height in the chart (larger is nearer to the
+/// camera).
+struct SpaceVertex {
+    glm::dvec3 position;
+    double w;
+};
+/// A point as the image sees it: pixel coordinates and w. Straight lines and flat triangles of the space are
+/// straight and flat in (x, y, w).
+struct ChartPoint {
+    double x, y, w;
+};
+/// How a straight move p + s d runs over the picture: by (dx, dy) times s / (1 + s stretch).
+struct ImageStep {
+    double dx, dy;
+    double stretch;
+    /// Infinite where the move reaches the camera's plane before s.
+    double length_at(double s) const {
+        const double denominator = 1.0 + s * stretch;
+        return denominator > 0 ? s / denominator : std::numeric_limits<double>::infinity();
+    }
+};
+/// The part of a segment, as two parameters in [0, 1], outside which it cannot meet the surface.
+struct SegmentRange {
+    double begin, end;
+};
+
+/// The solver's metric as it should be: world space, scene units. w = q = 1 / planar depth makes (x, y, q) a
+/// projective chart of it: incidence is decided in the chart, distance in the world.
+class WorldSpace {
+public:
+    explicit WorldSpace(const HeightField& field) : field_(field) {}
+
+    const HeightField& field() const { return field_; }
+    SpaceVertex vertex(std::int64_t i, std::int64_t j) const;
+    glm::dvec3 position(const ChartPoint& at) const;
+    /// Only for points in front of the camera.
+    ChartPoint chart(const glm::dvec3& point) const;
+    bool in_front(const glm::dvec3& point) const { return point.z < 0; }
+    ImageStep image_step(const glm::dvec3& point, const glm::dvec3& direction) const;
+    /// Cuts away what is nearer to the camera than half the nearest possible surface.
+    std::optional<SegmentRange> clip(const glm::dvec3& from, const glm::dvec3& to) const;
+    /// No surface point of the tile has a larger w.
+    double largest_w(int tile_x, int tile_y) const;
+
+private:
+    const HeightField& field_;
+};
+
+}  // namespace touchable
