@@ -41,7 +41,7 @@ public:
     /// the frame it was last published with. Wait-free: one look at each slot.
     SurfaceFrame* acquire();
     /// Writer. Publishes the acquired slot; there is always an entry for it. A time not later than the newest
-    /// one's is refused, and the slot kept. Wait-free.
+    /// one's is refused, and the slot kept. Wait-free; only a refusal allocates, for its message.
     Result<void> publish(std::int64_t number, std::int64_t time_ns);
     /// Writer. Publishes the newest frame once more, at a later time: nothing changed. Refused while the ring
     /// of entries is full (false), with a time not later, or before the first frame (errors). Wait-free.
