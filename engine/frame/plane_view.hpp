@@ -6,7 +6,8 @@
 
 namespace touchable {
 
-/// Samples of one picture as they were decoded, owned by somebody else. Samples of two bytes are in host order.
+/// Samples of one picture as they were decoded, owned by somebody else. Samples of two bytes are in host
+/// order.
 struct PlaneView {
     const std::uint8_t* data = nullptr;
     std::ptrdiff_t stride = 0;  ///< bytes from one row to the next
@@ -17,7 +18,8 @@ struct PlaneView {
     bool empty() const { return data == nullptr; }
     const std::uint8_t* row(int y) const { return data + stride * y; }
     std::uint16_t sample(int x, int y, int channel = 0) const {
-        const std::uint8_t* p = row(y) + (static_cast<std::ptrdiff_t>(x) * channels + channel) * bytes_per_sample;
+        const std::uint8_t* p =
+            row(y) + (static_cast<std::ptrdiff_t>(x) * channels + channel) * bytes_per_sample;
         if (bytes_per_sample == 1) return *p;
         std::uint16_t value;
         std::memcpy(&value, p, 2);

@@ -10,8 +10,8 @@
 
 namespace touchable {
 
-/// Tiles of 16x16 cells, so of 17x17 vertices. Cell (i, j) lies between pixels (i, j) and (i+1, j+1); the cells of
-/// the ring around the picture, and everything beyond, belong to the nearest tile.
+/// Tiles of 16x16 cells, so of 17x17 vertices. Cell (i, j) lies between pixels (i, j) and (i+1, j+1); the
+/// cells of the ring around the picture, and everything beyond, belong to the nearest tile.
 struct TileGrid {
     static constexpr int cells = 16;
     int tiles_x = 1, tiles_y = 1;
@@ -35,8 +35,8 @@ struct TileBounds {
 /// lives in the SurfaceTimeline, because an unchanged frame is published again at a later one.
 struct SurfaceFrame {
     int width = 0, height = 0;
-    DepthCoding coding;  ///< of `codes`; a filter that adds precision has its own
-    std::vector<std::uint16_t> codes;     ///< width x height, row-major; empty where nobody asked (lazy, exact)
+    DepthCoding coding;                ///< of `codes`; a filter that adds precision has its own
+    std::vector<std::uint16_t> codes;  ///< width x height, row-major; empty where nobody asked (lazy, exact)
     std::vector<std::uint32_t> validity;  ///< one bit per pixel, rows padded to whole words, low bit first
     std::vector<TileBounds> tiles;        ///< tiles_x x tiles_y of TileGrid::of(width, height), row-major
     std::vector<std::uint8_t> haptic;     ///< width x height x 3, never filtered; empty: the scene's defaults
