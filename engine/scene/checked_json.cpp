@@ -8,6 +8,9 @@
 namespace touchable::checked_json {
 namespace {
 
+/// Deeper than any text of ours; the library writes values by recursion.
+constexpr int deepest_nesting = 16;
+
 /// Reads characters for the parser and leaves behind how far it has come, which the parser itself does not
 /// tell.
 struct CountingIterator {
@@ -48,7 +51,10 @@ Json parse(std::string_view text) {
         throw Refusal{"is more than " + std::to_string(largest_text) + " bytes of text: must be less"};
     const char* furthest = text.data();
     std::vector<std::set<std::string>> members;  // of each object around the place read
-    const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+    const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+        if (depth > deepest_nesting)
+            throw Refusal{position(text, furthest) + ": nested too deeply: must be at most " +
+                          std::to_string(deepest_nesting) + " deep"};
         if (event == Json::parse_event_t::object_start) members.emplace_back();
         if (event == Json::parse_event_t::object_end) members.pop_back();
         if (event == Json::parse_event_t::key && !members.back().insert(value.get<std::string>()).second)

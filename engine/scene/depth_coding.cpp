@@ -37,7 +37,8 @@ std::uint16_t DepthCoding::code(double depth) const {
     // The nearest code is one of the two around the real-valued one, or, where those are marked invalid, a
     // few on.
     constexpr int reach = max_invalid_codes + 2;
-    const double estimate = std::floor(real_code(*this, std::clamp(depth, near, far)));
+    const double target = depth > near ? std::min(depth, far) : near;  // a number even where depth is none
+    const double estimate = std::floor(real_code(*this, target));
     int around = valid_min;
     if (estimate >= valid_max)
         around = valid_max;
@@ -48,7 +49,7 @@ std::uint16_t DepthCoding::code(double depth) const {
     for (int c = std::max<int>(valid_min, around - reach); c <= std::min<int>(valid_max, around + reach);
          ++c) {
         const auto candidate = static_cast<std::uint16_t>(c);
-        const double distance = std::fabs(this->depth(candidate) - depth);
+        const double distance = std::fabs(this->depth(candidate) - target);
         if (is_valid(candidate) && distance < best_distance) {
             best = candidate;
             best_distance = distance;

@@ -17,7 +17,9 @@ constexpr double longest = 1e12, shortest = 1e-12;
 
 std::string text(double number) {
     std::array<char, 32> digits{};
-    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
+    return {
+        digits.data(),
+        std::to_chars(digits.data(), digits.data() + digits.size(), number, std::chars_format::general).ptr};
 }
 std::string text(int number) {
     return std::to_string(number);

@@ -1,0 +1,217 @@
+#include "engine/scene/depth_coding.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/scene/random.hpp"
+
+namespace touchable {
+namespace {
+
+DepthCoding between_planes(DepthCodingKind kind, double near, double far, std::uint16_t code_max,
+                           bool near_is_high) {
+    DepthCoding coding;
+    coding.kind = kind;
+    coding.near = near;
+    coding.far = far;
+    coding.code_max = code_max;
+    coding.near_is_high = near_is_high;
+    derive_valid_range(coding);
+    return coding;
+}
+
+DepthCoding metric(double scale, double near, double far, std::uint16_t code_max = 65535) {
+    DepthCoding coding;
+    coding.kind = DepthCodingKind::metric;
+    coding.scale = scale;
+    coding.near = near;
+    coding.far = far;
+    coding.code_max = code_max;
+    derive_valid_range(coding);
+    return coding;
+}
+
+/// The header's formulas, in long double.
+long double long_depth(const DepthCoding& coding, std::uint16_t code) {
+    const auto near = static_cast<long double>(coding.near), far = static_cast<long double>(coding.far);
+    if (coding.kind == DepthCodingKind::metric) return static_cast<long double>(coding.scale) * code;
+    const long double n = coding.near_is_high ? code : coding.code_max - code;
+    if (coding.kind == DepthCodingKind::linear) return far + (near - far) * n / coding.code_max;
+    return 1 / (1 / far + (1 / near - 1 / far) * n / coding.code_max);
+}
+
+DepthCoding random_coding(Random& random) {
+    const double near = random.between(0.01, 50), far = near + random.between(0.01, 200);
+    const auto code_max = static_cast<std::uint16_t>(1 + random.below(random.below(2) ? 255 : 4095));
+    DepthCoding coding;
+    switch (random.below(3)) {
+        case 0:
+            coding = between_planes(DepthCodingKind::linear, near, far, code_max, random.below(2));
+            break;
+        case 1:
+            coding = between_planes(DepthCodingKind::inverse, near, far, code_max, random.below(2));
+            break;
+        default:
+            coding = metric(random.between(0.01, 0.5), random.below(2) ? near : 0.0, far, code_max);
+    }
+    coding.invalid_code_count = static_cast<int>(random.below(DepthCoding::max_invalid_codes + 1));
+    const std::uint64_t first =
+        random.below(coding.code_max + 1u);  // neighbours, the hardest case, or anywhere
+    const bool together = random.below(2);
+    for (int k = 0; k < coding.invalid_code_count; ++k)
+        coding.invalid_codes[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(
+            together ? first + static_cast<std::uint64_t>(k) : random.below(coding.code_max + 1u));
+    return coding;
+}
+
+std::vector<std::uint16_t> valid_codes(const DepthCoding& coding) {
+    std::vector<std::uint16_t> codes;
+    for (int code = 0; code <= 65535; ++code)
+        if (coding.is_valid(static_cast<std::uint16_t>(code)))
+            codes.push_back(static_cast<std::uint16_t>(code));
+    return codes;
+}
+
+TEST(DepthCoding, BothPlanesAreExact) {
+    Random random(21);
+    for (int k = 0; k < 20000; ++k) {
+        const double near = random.between(0.01, 50), far = near + random.between(1e-3, 200);
+        const auto code_max = static_cast<std::uint16_t>(1 + random.below(65535));
+        for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse}) {
+            const DepthCoding high = between_planes(kind, near, far, code_max, true);
+            ASSERT_EQ(high.depth(code_max), near);
+            ASSERT_EQ(high.depth(0), far);
+            const DepthCoding low = between_planes(kind, near, far, code_max, false);
+            ASSERT_EQ(low.depth(code_max), far);
+            ASSERT_EQ(low.depth(0), near);
+        }
+    }
+}
+
+TEST(DepthCoding, EveryCodeAgreesWithTheFormulaInLongDouble) {
+    Random random(22);
+    for (int k = 0; k < 100; ++k) {
+        const DepthCoding coding = random_coding(random);
+        for (const std::uint16_t code : valid_codes(coding)) {
+            const long double truth = long_depth(coding, code);
+            ASSERT_NEAR(coding.depth(code), static_cast<double>(truth), 8 * 0x1p-53 * coding.far) << code;
+        }
+    }
+}
+
+TEST(DepthCoding, DepthIsStrictlyMonotoneAndWithinThePlanes) {
+    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
+        for (const bool near_is_high : {true, false}) {
+            const DepthCoding coding = between_planes(kind, 0.1, 100, 65535, near_is_high);
+            EXPECT_EQ(coding.deeper_is_higher(), !near_is_high);
+            for (int code = 1; code <= 65535; ++code) {
+                const double before = coding.depth(static_cast<std::uint16_t>(code - 1));
+                const double here = coding.depth(static_cast<std::uint16_t>(code));
+                ASSERT_EQ(here > before, !near_is_high) << code;
+                ASSERT_NE(here, before) << code;
+                ASSERT_GE(here, coding.near);
+                ASSERT_LE(here, coding.far);
+            }
+        }
+    EXPECT_TRUE(metric(0.001, 0, 10).deeper_is_higher());
+}
+
+TEST(DepthCoding, LinearCodesAreAllValidUpToCodeMax) {
+    const DepthCoding coding = between_planes(DepthCodingKind::linear, 40, 180, 1023, true);
+    EXPECT_EQ(coding.valid_min, 0);
+    EXPECT_EQ(coding.valid_max, 1023);
+    EXPECT_FALSE(coding.is_valid(1024));
+    EXPECT_FALSE(coding.is_valid(65535));
+}
+
+TEST(DepthCoding, MetricCodeZeroAndCodesBeyondTheEndsAreInvalid) {
+    const DepthCoding coding = metric(0.001, 0, 4.0);
+    EXPECT_FALSE(coding.is_valid(0));  // depth 0
+    EXPECT_TRUE(coding.is_valid(1));
+    EXPECT_TRUE(coding.is_valid(4000));
+    EXPECT_FALSE(coding.is_valid(4001));
+    const DepthCoding cut = metric(0.001, 0.5, 4.0);
+    EXPECT_FALSE(cut.is_valid(499));
+    EXPECT_TRUE(cut.is_valid(500));
+}
+
+TEST(DepthCoding, ValidRangeHoldsExactlyTheCodesWhoseDepthFits) {
+    Random random(23);
+    for (int k = 0; k < 300; ++k) {
+        DepthCoding coding = random_coding(random);
+        coding.invalid_code_count = 0;
+        for (int c = 0; c <= 65535; ++c) {
+            const auto code = static_cast<std::uint16_t>(c);
+            const bool fits = code <= coding.code_max && coding.depth(code) > 0 &&
+                              coding.depth(code) >= coding.near && coding.depth(code) <= coding.far;
+            ASSERT_EQ(coding.is_valid(code), fits) << code;
+        }
+    }
+}
+
+TEST(DepthCoding, NoCodeIsValidWhereNoneFits) {
+    const DepthCoding coding = metric(1.0, 2.25, 2.75);
+    EXPECT_TRUE(valid_codes(coding).empty());
+}
+
+TEST(DepthCoding, MarkedCodesAreInvalidWhereverTheyLie) {
+    DepthCoding coding = between_planes(DepthCodingKind::linear, 40, 180, 255, true);
+    coding.invalid_codes = {0, 255, 17, 0};
+    coding.invalid_code_count = 3;
+    EXPECT_EQ(valid_codes(coding).size(), 253u);
+    EXPECT_FALSE(coding.is_valid(17));
+}
+
+TEST(DepthCoding, CodeUndoesDepthForEveryValidCode) {
+    std::vector<DepthCoding> codings = {metric(0.001, 0, 65.535), metric(1.0 / 5000, 0.3, 12)};
+    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
+        for (const std::uint16_t code_max : {std::uint16_t{255}, std::uint16_t{1023}, std::uint16_t{65535}})
+            for (const bool near_is_high : {true, false})
+                codings.push_back(between_planes(kind, 0.3, 12, code_max, near_is_high));
+    for (const DepthCoding& coding : codings)
+        for (const std::uint16_t code : valid_codes(coding)) ASSERT_EQ(coding.code(coding.depth(code)), code);
+}
+
+TEST(DepthCoding, CodeIsTheNearestValidOneOfAll) {
+    Random random(24);
+    for (int k = 0; k < 400; ++k) {
+        const DepthCoding coding = random_coding(random);
+        const std::vector<std::uint16_t> codes = valid_codes(coding);
+        if (codes.empty()) continue;
+        for (int n = 0; n < 20; ++n) {
+            const double depth =
+                random.below(4) ? random.between(coding.near, coding.far) : random.between(-10, 400);
+            std::uint16_t nearest = codes.front();
+            for (const std::uint16_t code : codes)
+                if (std::fabs(coding.depth(code) - depth) < std::fabs(coding.depth(nearest) - depth))
+                    nearest = code;
+            ASSERT_EQ(coding.code(depth), nearest) << depth;
+        }
+    }
+}
+
+TEST(DepthCoding, TiesGoToTheLowerCode) {
+    const DepthCoding falling = between_planes(DepthCodingKind::linear, 1, 5, 4, true);
+    EXPECT_EQ(falling.code(2.5), 2);  // codes 2 and 3 stand for 3 and 2
+    const DepthCoding rising = between_planes(DepthCodingKind::linear, 1, 5, 4, false);
+    EXPECT_EQ(rising.code(2.5), 1);
+    EXPECT_EQ(metric(1, 0, 9).code(2.5), 2);
+}
+
+TEST(DepthCoding, CodeOfAnythingAtAllIsValid) {
+    for (const DepthCoding& coding :
+         {between_planes(DepthCodingKind::inverse, 0.3, 12, 255, true), metric(0.001, 0, 9)})
+        for (const double depth : {-1.0, 0.0, 1e-300, 1e300, HUGE_VAL, -HUGE_VAL, std::nan("")})
+            EXPECT_TRUE(coding.is_valid(coding.code(depth))) << depth;
+}
+
+TEST(DepthCoding, LevelIsTheRangeOver255WhateverTheBits) {
+    for (const std::uint16_t code_max : {std::uint16_t{255}, std::uint16_t{1023}, std::uint16_t{65535}})
+        EXPECT_DOUBLE_EQ(between_planes(DepthCodingKind::linear, 40, 180, code_max, true).level(),
+                         140.0 / 255);
+}
+
+}  // namespace
+}  // namespace touchable

@@ -1,0 +1,262 @@
+// What a scene file must not say, and that nothing it says can do harm.
+
+#include <gtest/gtest.h>
+
+#include <cctype>
+
+#include "engine/scene/scene_file.hpp"
+#include "tests/scene/random.hpp"
+
+namespace touchable {
+namespace {
+
+/// Every member the format knows, but for those that exclude each other.
+constexpr const char* full = R"({
+  "touchable_scene": 1, "name": "all", "width": 640, "height": 480, "rate": [30, 1], "metres_per_unit": 0.001,
+  "camera": {"fx": 476.0, "fy": 477.5, "cx": 312.25, "cy": 240.5},
+  "depth": {"coding": "linear", "semantics": "range", "near": 40, "far": 180, "bits": 10, "code_max": 1000,
+            "near_is": "high", "invalid": [0, 1023]},
+  "height_map": {"max": 2.5, "units": "levels", "bits": 8},
+  "haptic": {"stiffness": [0.1, 10], "static_friction": [0.2, 0.9], "dynamic_friction": [0.2, 0.8]},
+  "default_properties": {"stiffness": 0.6, "static_friction": 0.4, "dynamic_friction": 0.3},
+  "filter": {"median": 3, "fill_holes": 1}, "interpolation": "linear", "device_metres_per_unit": 0.0005,
+  "folder": {"depth": "d_%04d.png", "colour": "c%d.png", "haptic": "t%d.png", "height": "h%d.png",
+             "first": 0, "count": 7}
+})";
+
+std::string with(const std::string& old_text, const std::string& new_text) {
+    std::string json = full;
+    const std::size_t at = json.find(old_text);
+    EXPECT_NE(at, std::string::npos) << old_text;
+    return json.replace(at, old_text.size(), new_text);
+}
+
+void expect_refused(const std::string& json, const std::vector<std::string>& parts) {
+    const auto scene = parse_scene(json, "scene.json");
+    ASSERT_FALSE(scene.ok()) << "accepted, expected a word on " << parts.front();
+    EXPECT_EQ(scene.error().kind, ErrorKind::input);
+    const std::string& message = scene.error().message;
+    EXPECT_TRUE(message.starts_with("scene.json: ")) << message;
+    EXPECT_NE(message.find("must be"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    for (const std::string& part : parts)
+        EXPECT_NE(message.find(part), std::string::npos) << "no " << part << " in: " << message;
+}
+
+struct Change {
+    const char *old_text, *new_text;
+    std::vector<std::string> parts;
+};
+
+TEST(SceneRefusal, TheFullSceneItselfIsAccepted) {
+    const auto scene = parse_scene(full, "full");
+    EXPECT_TRUE(scene.ok()) << scene.error().message;
+}
+
+TEST(SceneRefusal, VersionIsRequiredAndANewerOneIsRefusedByName) {
+    expect_refused(with("\"touchable_scene\": 1, ", ""), {"touchable_scene is missing"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": 2"),
+                   {"touchable_scene is 2", "at most 1"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": 2, \"later\": 0"),
+                   {"touchable_scene is 2"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": 0"), {"touchable_scene is 0"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": \"1\""),
+                   {"touchable_scene is \"1\""});
+}
+
+TEST(SceneRefusal, UnknownMembersAreNamedWithTheLegalOnes) {
+    const Change changes[] = {
+        {"\"name\"", "\"nmae\"", {"\"nmae\"", "metres_per_unit", "folder"}},
+        {"\"fx\"", "\"fz\"", {"\"camera.fz\"", "fx", "focal_length"}},
+        {"\"near\"", "\"nera\"", {"\"depth.nera\"", "near", "semantics"}},
+        {"\"max\"", "\"maximum\"", {"\"height_map.maximum\"", "max, units, bits"}},
+        {"\"stiffness\": [", "\"hardness\": [", {"\"haptic.hardness\"", "static_friction"}},
+        {"\"stiffness\": 0.6", "\"hardness\": 0.6", {"\"default_properties.hardness\"", "stiffness"}},
+        {"\"median\"", "\"medain\"", {"\"filter.medain\"", "median, fill_holes"}},
+        {"\"colour\"", "\"color\"", {"\"folder.color\"", "colour"}},
+        {"\"name\"", "\"a\\nb\"", {"\"a\\nb\""}},
+    };
+    for (const Change& change : changes) {
+        SCOPED_TRACE(change.new_text);
+        expect_refused(with(change.old_text, change.new_text), change.parts);
+    }
+}
+
+TEST(SceneRefusal, MissingMembersAreNamed) {
+    const Change changes[] = {
+        {"\"width\": 640, ", "", {"width is missing"}},
+        {"\"height\": 480, ", "", {"height is missing"}},
+        {"\"fx\": 476.0, ", "", {"camera.fx is missing"}},
+        {"\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5",
+         "\"focal_length\": 4",
+         {"camera.pixel_width"}},
+        {"\"coding\": \"linear\", ", "", {"depth.coding is missing"}},
+        {"\"near\": 40, ", "", {"depth.near is missing"}},
+        {"\"far\": 180, ", "", {"depth.far is missing"}},
+        {"\"max\": 2.5, ", "", {"height_map.max is missing"}},
+        {"\"depth\": \"d_%04d.png\", ", "", {"folder.depth is missing"}},
+    };
+    for (const Change& change : changes) {
+        SCOPED_TRACE(change.old_text);
+        expect_refused(with(change.old_text, change.new_text), change.parts);
+    }
+    const std::string metric = with("\"linear\", \"semantics\"", "\"metric\", \"semantics\"");
+    std::string unscaled = metric;
+    unscaled.erase(unscaled.find("\"near_is\": \"high\", "), 19);
+    expect_refused(unscaled, {"depth.scale is missing"});
+}
+
+TEST(SceneRefusal, WrongTypesAndValuesAreNamedByTheirPath) {
+    const Change changes[] = {
+        {"\"all\"", "5", {"name is 5", "a string"}},
+        {"640", "640.0", {"width is 640.0", "a whole number"}},
+        {"640", "\"640\"", {"width is \"640\"", "a whole number"}},
+        {"640", "0", {"width is 0", "16384"}},
+        {"640", "99999999999999999999", {"width is", "a whole number"}},
+        {"640", "18446744073709551615", {"width is 18446744073709551615", "a whole number"}},
+        {"480", "16385", {"height is 16385", "16384"}},
+        {"[30, 1]", "30", {"rate is 30", "[30000, 1001]"}},
+        {"[30, 1]", "[30]", {"rate is [30]"}},
+        {"[30, 1]", "[30, 0]", {"rate", "is 0"}},
+        {"[30, 1]", "[29.97, 1]", {"rate[0] is 29.97", "a whole number"}},
+        {"\"metres_per_unit\": 0.001", "\"metres_per_unit\": true", {"metres_per_unit is true", "a number"}},
+        {"\"metres_per_unit\": 0.001",
+         "\"metres_per_unit\": -1",
+         {"metres_per_unit is -1", "greater than 0"}},
+        {"{\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5}", "7", {"camera is 7", "an object"}},
+        {"{\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5}",
+         "{\"focal_length\": 4.7, \"pixel_width\": 0}",
+         {"camera.pixel_width is 0", "greater than 0"}},
+        {"\"cy\": 240.5", "\"cy\": 240.5, \"pixel_width\": 0.01", {"camera.c", "focal_length, pixel_width"}},
+        {"476.0", "null", {"camera.fx is null", "a number"}},
+        {"476.0", "0", {"camera.fx is 0", "greater than 0"}},
+        {"477.5", "0.0", {"camera.fy is 0", "greater than 0"}},
+        {"\"coding\": \"linear\"",
+         "\"coding\": \"log\"",
+         {"depth.coding is \"log\"", "\"linear\", \"inverse\", \"metric\""}},
+        {"\"coding\": \"linear\"", "\"coding\": 1", {"depth.coding is 1", "\"inverse\""}},
+        {"\"range\"", "\"z\"", {"depth.semantics is \"z\"", "\"range\", \"planar\""}},
+        {"\"near\": 40", "\"near\": \"40\"", {"depth.near is \"40\"", "a number"}},
+        {"\"near\": 40", "\"near\": 200", {"depth.near is 200", "depth.far, which is 180"}},
+        {"\"near\": 40", "\"scale\": 1, \"near\": 40", {"depth.scale is 1", "left out"}},
+        {"\"coding\": \"linear\"", "\"coding\": \"metric\"", {"depth.near_is is \"high\"", "left out"}},
+        {"\"bits\": 10", "\"bits\": 7", {"depth.bits is 7", "8 to 16"}},
+        {"\"code_max\": 1000", "\"code_max\": 1024", {"depth.code_max is 1024", "1 to 1023"}},
+        {"\"high\"", "\"near\"", {"depth.near_is is \"near\"", "\"high\", \"low\""}},
+        {"[0, 1023]", "[0, 1024]", {"depth.invalid[1] is 1024", "0 to 1023"}},
+        {"[0, 1023]", "[0, -1]", {"depth.invalid[1] is -1"}},
+        {"[0, 1023]", "[1, 2, 3, 4, 5]", {"depth.invalid is [1,2,3,4,5]", "at most 4"}},
+        {"[0, 1023]", "0", {"depth.invalid is 0", "an array"}},
+        {"\"max\": 2.5", "\"max\": 80", {"height_map.max is 80", "less than 72.8"}},
+        {"\"levels\"", "\"mm\"", {"height_map.units is \"mm\"", "\"levels\", \"world\""}},
+        {"\"units\": \"levels\", \"bits\": 8", "\"bits\": 17", {"height_map.bits is 17", "8 to 16"}},
+        {"[0.1, 10]", "[10, 0.1]", {"haptic.stiffness", "is 0.1", "10"}},
+        {"[0.1, 10]", "[0.1]", {"haptic.stiffness is [0.1]", "[minimum, maximum]"}},
+        {"[0.1, 10]", "[0.1, \"a\"]", {"haptic.stiffness[1] is \"a\"", "a number"}},
+        {"[0.2, 0.9]", "[-0.2, 0.9]", {"haptic.static_friction", "-0.2"}},
+        {"[0.2, 0.8]", "{}", {"haptic.dynamic_friction is {}"}},
+        {"\"stiffness\": 0.6", "\"stiffness\": 0", {"default_properties.stiffness", "is 0"}},
+        {"\"stiffness\": 0.6",
+         "\"stiffness\": 0.6, \"stiffness_n_per_m\": 600",
+         {"stiffness_n_per_m", "left out"}},
+        {"\"dynamic_friction\": 0.3", "\"dynamic_friction\": 0.5", {"dynamic_friction is 0.5", "0.4"}},
+        {"\"median\": 3", "\"median\": 7", {"filter.median is 7", "0 (off), 3 or 5"}},
+        {"\"median\": 3", "\"median\": \"3x3\"", {"filter.median is \"3x3\""}},
+        {"\"fill_holes\": 1", "\"fill_holes\": 99", {"filter.fill_holes is 99", "16"}},
+        {"\"interpolation\": \"linear\"",
+         "\"interpolation\": \"cubic\"",
+         {"interpolation is \"cubic\"", "\"hold\""}},
+        {"0.0005", "0", {"device_metres_per_unit is 0", "greater than 0"}},
+        {"d_%04d.png", "depth.png", {"folder.depth", "depth.png", "%0Nd"}},
+        {"c%d.png", "%s%n", {"folder.colour", "%s%n"}},
+        {"t%d.png", "\\u0000%d", {"folder.haptic", "control"}},
+        {"\"first\": 0", "\"first\": -1", {"folder.first is -1"}},
+        {"\"count\": 7", "\"count\": 1.5", {"folder.count is 1.5", "a whole number"}},
+    };
+    for (const Change& change : changes) {
+        SCOPED_TRACE(change.new_text);
+        expect_refused(with(change.old_text, change.new_text), change.parts);
+    }
+}
+
+TEST(SceneRefusal, NumbersBeyondDoubleAreRefusedWhereTheyStand) {
+    expect_refused(with("476.0", "1e999"), {"line 3", "1e999"});
+}
+
+TEST(SceneRefusal, WhatIsNoObjectIsRefused) {
+    for (const char* json : {"[]", "1", "null", "\"touchable_scene\"", "[{\"touchable_scene\": 1}]"})
+        expect_refused(json, {"an object"});
+}
+
+TEST(SceneRefusal, AMemberGivenTwiceIsRefusedByLineAndByte) {
+    expect_refused("{\"touchable_scene\": 1,\n \"width\": 4,\n \"width\": 5}",
+                   {"line 3, byte 44", "\"width\"", "twice"});
+    expect_refused(with("\"near\": 40", "\"near\": 40, \"near\": 41"), {"line 4", "\"near\"", "twice"});
+}
+
+TEST(SceneRefusal, TheSameNameInTwoObjectsIsNoRepetition) {
+    EXPECT_TRUE(parse_scene(full, "full").ok());  // stiffness, height and depth each stand in two objects
+}
+
+TEST(SceneRefusal, BrokenJsonIsRefusedByLineAndByte) {
+    expect_refused("", {"line 1, byte 0", "JSON"});
+    expect_refused("{\n  \"width\": 4,,\n}", {"line 2, byte 16", "JSON"});
+    expect_refused(std::string(full) + "{}", {"line 12", "JSON"});
+    expect_refused(with("\"all\"", "\"\xff\xfe\""), {"line 2", "JSON"});
+    expect_refused(with("640", "NaN"), {"line 2", "JSON"});
+}
+
+TEST(SceneRefusal, NestingWithoutEndIsRefused) {
+    expect_refused(std::string(900000, '['), {"line 1, byte 18", "nested too deeply"});
+    expect_refused(std::string(500000, '[') + std::string(500000, ']'), {"nested too deeply", "16 deep"});
+    std::string objects;
+    for (int k = 0; k < 100000; ++k) objects += "{\"a\":";
+    expect_refused(objects, {"line 1", "nested too deeply"});
+}
+
+TEST(SceneRefusal, AScenePartlyWrittenIsNeverAccepted) {
+    const std::string json = full;
+    for (std::size_t length = 0; length < json.size(); ++length) {
+        const auto scene = parse_scene(std::string_view(json).substr(0, length), "part");
+        ASSERT_FALSE(scene.ok()) << "the first " << length << " bytes";
+        ASSERT_NE(scene.error().message.find("line "), std::string::npos) << scene.error().message;
+    }
+}
+
+// Whatever the bytes, the answer is a line about them or a scene that means something.
+TEST(SceneRefusal, RandomChangesNeverDoHarm) {
+    Random random(51);
+    int accepted = 0;
+    for (int k = 0; k < 20000; ++k) {
+        std::string json = full;
+        for (std::uint64_t change = 0; change <= random.below(4); ++change) {
+            const std::size_t at = random.below(json.size());
+            const auto other = static_cast<char>(random.below(3) ? 32 + random.below(96) : random.below(256));
+            switch (random.below(4)) {
+                case 0:
+                    json[at] = other;
+                    break;
+                case 1:
+                    json.insert(at, 1, other);
+                    break;
+                case 2:
+                    json.erase(at, 1 + random.below(8));
+                    break;
+                default:
+                    json.insert(random.below(json.size()), json.substr(at, random.below(40)));
+            }
+        }
+        const auto scene = parse_scene(json, "changed");
+        if (!scene.ok()) {
+            ASSERT_FALSE(scene.error().message.empty());
+            continue;
+        }
+        ++accepted;
+        ASSERT_TRUE(validate(*scene).ok()) << json;
+        ASSERT_TRUE(parse_scene(scene_to_json(*scene), "again").ok()) << scene_to_json(*scene);
+    }
+    EXPECT_GT(accepted, 100);  // else the changes are too coarse to reach what lies behind the parser
+}
+
+}  // namespace
+}  // namespace touchable
