@@ -8,7 +8,7 @@ namespace touchable::testing {
 namespace {
 
 TEST(Check, FindsThisMachineReady) {
-    const Run run = touchable({"check", "--json"});
+    const Outcome run = run_touchable({"check", "--json"});
     EXPECT_EQ(run.code, 0) << run.err;
     const auto facts = nlohmann::json::parse(run.out, nullptr, false);
     ASSERT_TRUE(facts.is_object());
@@ -24,7 +24,7 @@ TEST(Check, FindsThisMachineReady) {
 }
 
 TEST(Check, TellsAPersonTheVerdict) {
-    const Run run = touchable({"check"});
+    const Outcome run = run_touchable({"check"});
     EXPECT_EQ(run.code, 0);
     for (const char* fact : {"cpu", "SCHED_FIFO", "ffmpeg", "the same bits", "verdict   ready"})
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact;

@@ -33,7 +33,7 @@ protected:
         std::vector<std::string> words{
             "make", scene, clip(), "--size", "72x48", "--frames", std::to_string(frames)};
         words.insert(words.end(), more.begin(), more.end());
-        ASSERT_EQ(touchable(words).code, 0);
+        ASSERT_EQ(run_touchable(words).code, 0);
     }
     std::string clip() const { return folder / "clip.mkv"; }
     std::string out(const std::string& name = "") const { return folder / ("out/" + name); }
@@ -48,7 +48,7 @@ protected:
 
 TEST_F(Export, WritesEveryPlaneExactly) {
     make("globe", 3);
-    ASSERT_EQ(touchable({"export", clip(), "--frame", "2", "--out", out()}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "2", "--out", out()}).code, 0);
     EXPECT_EQ(names_in(out()),
               (std::vector<std::string>{"codes.png", "colour.png", "depth.png", "haptic.png", "height.png",
                                         "mesh.ply", "scene.json", "valid.png"}));
@@ -62,7 +62,7 @@ TEST_F(Export, WritesEveryPlaneExactly) {
 
 TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
     make("noise", 1, {"--bits", "8"});
-    ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
     EXPECT_EQ(differing(image_of(out("codes.png")).view(), frame(0).depth), 0);
     EXPECT_EQ(image_of(out("depth.png")).bytes_per_sample, 1);
     const Image valid = image_of(out("valid.png"));
@@ -74,8 +74,8 @@ TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
 TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
     make("noise", 1);
     for (const char* builder : {"cpu", "reference"}) {
-        ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "5",
-                             "--fill-holes", "2", "--builder", builder})
+        ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "5",
+                                 "--fill-holes", "2", "--builder", builder})
                       .code,
                   0);
         const auto scene = read_scene_file(out("scene.json"));
@@ -95,11 +95,11 @@ TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
 
 TEST_F(Export, RangeWritesAFolderPerFrame) {
     make("moving", 4);
-    ASSERT_EQ(touchable({"export", clip(), "--frames", "1-2", "--out", out()}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frames", "1-2", "--out", out()}).code, 0);
     EXPECT_EQ(names_in(out()), (std::vector<std::string>{"1", "2"}));
     EXPECT_EQ(differing(image_of(out("2/depth.png")).view(), frame(2).depth), 0);
     EXPECT_FALSE(std::filesystem::exists(out("2/mesh.ply")));
-    ASSERT_EQ(touchable({"export", clip(), "--frames", "all", "--out", out(), "--mesh"}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", out(), "--mesh"}).code, 0);
     EXPECT_EQ(names_in(out()), (std::vector<std::string>{"0", "1", "2", "3"}));
     EXPECT_TRUE(std::filesystem::exists(out("3/mesh.ply")));
 }
@@ -109,7 +109,7 @@ TEST_F(Export, FrameBeyondTheEndIsCode2AndSaysHowManyThereAre) {
     for (const auto& words :
          {std::vector<std::string>{"export", clip(), "--frame", "3", "--out", out()},
           std::vector<std::string>{"export", clip(), "--frames", "1-3", "--out", out()}}) {
-        const Run run = touchable(words);
+        const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
         EXPECT_NE(run.err.find("3 frames"), std::string::npos) << run.err;
         EXPECT_FALSE(std::filesystem::exists(out()));
@@ -120,20 +120,20 @@ TEST_F(Export, ImpossibleSettingsAreCode2AndLeaveNothing) {
     make("plane", 1);
     for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{
              {"--median", "4"}, {"--fill-holes", "17"}, {"--fill-holes", "-1"}, {"--builder", "fast"}}) {
-        const Run run = touchable({"export", clip(), "--frame", "0", "--out", out(), option, value});
+        const Outcome run = run_touchable({"export", clip(), "--frame", "0", "--out", out(), option, value});
         EXPECT_EQ(run.code, 2) << option << ' ' << value;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_FALSE(std::filesystem::exists(out()));
     }
     for (const char* range : {"", "2-1", "a-b", "1-", "-1"})
-        EXPECT_EQ(touchable({"export", clip(), "--frames", range, "--out", out()}).code, 2) << range;
+        EXPECT_EQ(run_touchable({"export", clip(), "--frames", range, "--out", out()}).code, 2) << range;
 }
 
 TEST_F(Export, PlaceThatIsAFileIsCode3AndStaysAsItWas) {
     make("plane", 1);
     const std::string before = file_contents(clip());
     for (const std::string& place : {clip(), clip() + "/deeper"}) {
-        const Run run = touchable({"export", clip(), "--frame", "0", "--out", place});
+        const Outcome run = run_touchable({"export", clip(), "--frame", "0", "--out", place});
         EXPECT_EQ(run.code, 3);
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
     }
@@ -146,15 +146,15 @@ TEST_F(Export, FolderWithoutPermissionIsCode3AndStaysEmpty) {
     make("plane", 1);
     std::filesystem::create_directory(out());
     ASSERT_EQ(chmod(out().c_str(), 0500), 0);
-    EXPECT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 3);
+    EXPECT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 3);
     EXPECT_TRUE(names_in(out()).empty());
 }
 
 TEST_F(Export, PlanesOfAnEarlierClipDoNotStayBehind) {
     make("globe", 1);
-    ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
     make("noise", 1);
-    ASSERT_EQ(touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
     EXPECT_FALSE(std::filesystem::exists(out("haptic.png")));
     EXPECT_TRUE(std::filesystem::exists(out("depth.png")));
 }

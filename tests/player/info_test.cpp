@@ -8,7 +8,7 @@ namespace touchable::testing {
 namespace {
 
 nlohmann::json facts_of(const std::vector<std::string>& words) {
-    const Run run = touchable(words);
+    const Outcome run = run_touchable(words);
     EXPECT_EQ(run.code, 0) << run.err;
     return nlohmann::json::parse(run.out, nullptr, false);
 }
@@ -16,7 +16,7 @@ nlohmann::json facts_of(const std::vector<std::string>& words) {
 TEST(Info, GlobeOfPresetBHasThePapersFieldsOfView) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
-    ASSERT_EQ(touchable({"make", "globe", clip, "--frames", "2"}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "2"}).code, 0);
     const auto facts = facts_of({"info", clip, "--json"});
     ASSERT_TRUE(facts.is_object());
     EXPECT_EQ(facts["width"], 720);
@@ -43,7 +43,7 @@ TEST(Info, GlobeOfPresetBHasThePapersFieldsOfView) {
 TEST(Info, KappaIsTheStepOfOneCodeOverTheWidthOfAPixel) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
-    ASSERT_EQ(touchable({"make", "globe", clip, "--frames", "1", "--bits", "8", "--plain"}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1", "--bits", "8", "--plain"}).code, 0);
     const auto kappa = facts_of({"info", clip, "--json"})["kappa"];
     for (const auto& [where, depth] :
          {std::pair{"near", 40.0}, std::pair{"mid", 110.0}, std::pair{"far", 180.0}}) {
@@ -56,8 +56,8 @@ TEST(Info, KappaIsTheStepOfOneCodeOverTheWidthOfAPixel) {
 TEST(Info, TellsAPersonTheSame) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";
-    ASSERT_EQ(touchable({"make", "plane", clip, "--size", "64x48", "--frames", "3"}).code, 0);
-    const Run run = touchable({"info", clip});
+    ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "64x48", "--frames", "3"}).code, 0);
+    const Outcome run = run_touchable({"info", clip});
     EXPECT_EQ(run.code, 0);
     for (const char* fact :
          {"64x48", "3 frames", "30 frames/s", "field of view", "16 bits", "kappa", "ffv1", "median off"})
@@ -69,8 +69,8 @@ TEST(Info, ReadsEveryScene) {
     for (const char* scene :
          {"globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs"}) {
         const std::string clip = folder / (std::string(scene) + ".mkv");
-        ASSERT_EQ(touchable({"make", scene, clip, "--size", "64x48", "--frames", "1", "--bits", "12"}).code,
-                  0)
+        ASSERT_EQ(
+            run_touchable({"make", scene, clip, "--size", "64x48", "--frames", "1", "--bits", "12"}).code, 0)
             << scene;
         const auto facts = facts_of({"info", clip, "--json"});
         EXPECT_EQ(facts["depth"]["bits"], 12) << scene;
@@ -81,12 +81,12 @@ TEST(Info, ReadsEveryScene) {
 TEST(Info, DamagedClipIsCode3) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", half = folder / "half.mkv", text = folder / "text.mkv";
-    ASSERT_EQ(touchable({"make", "globe", clip, "--size", "72x48", "--frames", "2"}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "72x48", "--frames", "2"}).code, 0);
     std::filesystem::copy_file(clip, half);
     std::filesystem::resize_file(half, 600);
     std::filesystem::copy_file(TOUCHABLE_SOURCE_DIR "/CMakeLists.txt", text);
     for (const std::string& damaged : {half, text, folder.path().string()}) {
-        const Run run = touchable({"info", damaged});
+        const Outcome run = run_touchable({"info", damaged});
         EXPECT_EQ(run.code, 3) << damaged;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_NE(run.err.find(damaged), std::string::npos) << run.err;

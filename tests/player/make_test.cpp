@@ -21,7 +21,8 @@ void expect_same_samples(const PlaneView& a, const PlaneView& b) {
 TEST(Make, SameOptionsGiveTheSameFileByteForByte) {
     const TemporaryFolder folder;
     for (const char* name : {"one.mkv", "two.mkv"})
-        ASSERT_EQ(touchable({"make", "globe", folder / name, "--size", "72x48", "--frames", "3"}).code, 0);
+        ASSERT_EQ(run_touchable({"make", "globe", folder / name, "--size", "72x48", "--frames", "3"}).code,
+                  0);
     EXPECT_FALSE(file_contents(folder / "one.mkv").empty());
     EXPECT_EQ(file_contents(folder / "one.mkv"), file_contents(folder / "two.mkv"));
 }
@@ -29,7 +30,7 @@ TEST(Make, SameOptionsGiveTheSameFileByteForByte) {
 TEST(Make, ClipHoldsTheGeneratorsFrames) {
     const TemporaryFolder folder;
     const std::string clip = folder / "noise.mkv";
-    ASSERT_EQ(touchable({"make", "noise", clip, "--frames", "3", "--bits", "10", "--seed", "7"}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "noise", clip, "--frames", "3", "--bits", "10", "--seed", "7"}).code, 0);
     SceneOptions options;
     options.width = options.height = 128;
     options.bits = 10;
@@ -49,9 +50,10 @@ TEST(Make, ClipHoldsTheGeneratorsFrames) {
 
 TEST(Make, GlobeIsAPlanetUnlessPlain) {
     const TemporaryFolder folder;
-    ASSERT_EQ(touchable({"make", "globe", folder / "show.mkv", "--size", "72x48", "--frames", "1"}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "globe", folder / "show.mkv", "--size", "72x48", "--frames", "1"}).code,
+              0);
     ASSERT_EQ(
-        touchable({"make", "globe", folder / "plain.mkv", "--size", "72x48", "--frames", "1", "--plain"})
+        run_touchable({"make", "globe", folder / "plain.mkv", "--size", "72x48", "--frames", "1", "--plain"})
             .code,
         0);
     const auto has_haptics = [&](const char* name) {
@@ -77,12 +79,12 @@ TEST(Make, ImpossibleOptionsAreCode2AndLeaveNoFile) {
                                                       {"make", "globe", out, "--preset", "C"},
                                                       {"make", "globe", out, "--plain", "--properties"}};
     for (const auto& words : wrong) {
-        const Run run = touchable(words);
+        const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2) << words.back() << ": " << run.err;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_TRUE(names_in(folder.path()).empty()) << words.back();
     }
-    EXPECT_NE(touchable({"make", "teapot", out}).err.find("globe"), std::string::npos);
+    EXPECT_NE(run_touchable({"make", "teapot", out}).err.find("globe"), std::string::npos);
 }
 
 TEST(Make, OptionThatWouldDoNothingIsRefused) {
@@ -94,22 +96,22 @@ TEST(Make, OptionThatWouldDoNothingIsRefused) {
                                                                        {"globe", {"--seed", "3"}}}) {
         std::vector<std::string> words{"make", scene, folder / "out.mkv"};
         words.insert(words.end(), option.begin(), option.end());
-        const Run run = touchable(words);
+        const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
         EXPECT_NE(run.err.find(option[0]), std::string::npos) << run.err;
     }
 }
 
 TEST(Make, UnwritableFileIsCode3) {
-    const Run run =
-        touchable({"make", "plane", "/no-such-folder/out.mkv", "--size", "16x12", "--frames", "1"});
+    const Outcome run =
+        run_touchable({"make", "plane", "/no-such-folder/out.mkv", "--size", "16x12", "--frames", "1"});
     EXPECT_EQ(run.code, 3);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
 }
 
 TEST(Make, InterruptedIsCode130AndLeavesNothing) {
     const TemporaryFolder folder;
-    const Run run = touchable_interrupted(
+    const Outcome run = run_interrupted(
         {"make", "noise", folder / "out.mkv", "--size", "640x480", "--frames", "100000"}, folder.path());
     EXPECT_EQ(run.code, 130) << run.err;
     EXPECT_TRUE(names_in(folder.path()).empty());

@@ -17,7 +17,7 @@ namespace touchable::testing {
 namespace fs = std::filesystem;
 namespace {
 
-Run run(const std::vector<std::string>& arguments, const std::function<void(pid_t)>& meanwhile) {
+Outcome run(const std::vector<std::string>& arguments, const std::function<void(pid_t)>& meanwhile) {
     const TemporaryFolder folder;
     const std::string out = folder / "out", err = folder / "err";
     std::vector<std::string> words{TOUCHABLE_PROGRAM};
@@ -42,16 +42,16 @@ Run run(const std::vector<std::string>& arguments, const std::function<void(pid_
 
 }  // namespace
 
-bool Run::one_line_of_error() const {
+bool Outcome::one_line_of_error() const {
     return err.rfind("touchable: ", 0) == 0 && std::count(err.begin(), err.end(), '\n') == 1 &&
            err.back() == '\n';
 }
 
-Run touchable(const std::vector<std::string>& arguments) {
+Outcome run_touchable(const std::vector<std::string>& arguments) {
     return run(arguments, [](pid_t) {});
 }
 
-Run touchable_interrupted(const std::vector<std::string>& arguments, const fs::path& folder) {
+Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::path& folder) {
     return run(arguments, [&](pid_t child) {
         using namespace std::chrono_literals;
         for (int tries = 0; tries < 1000 && names_in(folder).empty(); ++tries)

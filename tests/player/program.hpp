@@ -7,7 +7,7 @@
 namespace touchable::testing {
 
 /// What a run of the program `touchable` left behind.
-struct Run {
+struct Outcome {
     int code = -1;  ///< exit code; -signal where it died of one
     std::string out, err;
 
@@ -16,10 +16,10 @@ struct Run {
 };
 
 /// Runs it to its end.
-Run touchable(const std::vector<std::string>& arguments);
+Outcome run_touchable(const std::vector<std::string>& arguments);
 
 /// Starts it, sends SIGINT once there is something in `folder`, and waits for its end.
-Run touchable_interrupted(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+Outcome run_interrupted(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
 /// A folder of its own for a test, removed with everything in it.
 class TemporaryFolder {

@@ -8,7 +8,7 @@ namespace touchable::testing {
 namespace {
 
 TEST(Usage, WithoutArgumentsSaysWhatItCanDoInTenLines) {
-    const Run run = touchable({});
+    const Outcome run = run_touchable({});
     EXPECT_EQ(run.code, 0);
     for (const char* command : {"make", "info", "export", "check"})
         EXPECT_NE(run.out.find(command), std::string::npos) << command;
@@ -17,10 +17,10 @@ TEST(Usage, WithoutArgumentsSaysWhatItCanDoInTenLines) {
 }
 
 TEST(Usage, HelpAndVersionAreNoErrors) {
-    EXPECT_EQ(touchable({"-h"}).code, 0);
-    EXPECT_EQ(touchable({"--version"}).code, 0);
+    EXPECT_EQ(run_touchable({"-h"}).code, 0);
+    EXPECT_EQ(run_touchable({"--version"}).code, 0);
     for (const char* command : {"make", "info", "export", "check"}) {
-        const Run run = touchable({command, "-h"});
+        const Outcome run = run_touchable({command, "-h"});
         EXPECT_EQ(run.code, 0) << command;
         EXPECT_NE(run.out.find(command), std::string::npos);
     }
@@ -36,19 +36,19 @@ TEST(Usage, WrongWordsAreCode2AndOneLineThatNamesThem) {
                                                       {"export", "clip.mkv", "--frame", "-1", "--out", "out"},
                                                       {"--nothing"}};
     for (const auto& words : wrong) {
-        const Run run = touchable(words);
+        const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2) << words[0] << ": " << run.err;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_EQ(run.out, "");
     }
-    EXPECT_NE(touchable({"paint"}).err.find("paint"), std::string::npos);
+    EXPECT_NE(run_touchable({"paint"}).err.find("paint"), std::string::npos);
 }
 
 TEST(Usage, MissingFileIsCode3AndNamesTheFile) {
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"info", "no-such-clip.mkv"},
           std::vector<std::string>{"export", "no-such-clip.mkv", "--frame", "0", "--out", "never"}}) {
-        const Run run = touchable(words);
+        const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 3);
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_NE(run.err.find("no-such-clip.mkv"), std::string::npos) << run.err;
@@ -58,8 +58,8 @@ TEST(Usage, MissingFileIsCode3AndNamesTheFile) {
 TEST(Usage, OutputThatCannotBeWrittenIsNoSuccess) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";
-    ASSERT_EQ(touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1"}).code, 0);
-    EXPECT_EQ(touchable({"info", clip}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1"}).code, 0);
+    EXPECT_EQ(run_touchable({"info", clip}).code, 0);
     const std::string full = std::string(TOUCHABLE_PROGRAM) + " info " + clip + " >/dev/full 2>/dev/null";
     EXPECT_NE(std::system(full.c_str()), 0);
 }
