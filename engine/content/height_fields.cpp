@@ -102,21 +102,24 @@ std::optional<SurfaceTruth> HeightFieldScene::closest(const glm::dvec3& goal, co
     double value = half_square(x, y, s.z);
     for (int round = 0; round < 20000; ++round) {
         Step step = descent_step(s, x - goal.x, y - goal.y, s.z - goal.z);
-        bool lower = false;
-        for (int halving = 0; halving < 40 && !lower; ++halving) {
+        double length = std::sqrt(step.x * step.x + step.y * step.y);
+        bool taken = false;
+        for (int halving = 0; halving < 40 && !taken; ++halving) {
             const ReliefPoint next = relief_at(relief_, x + step.x, y + step.y, t);
             const double next_value = half_square(x + step.x, y + step.y, next.z);
-            lower = next_value < value;
-            if (lower) {
+            // The last, quadratic steps lower the distance by less than its own rounding.
+            taken = next_value < value || length < 1e-6;
+            if (taken) {
                 x += step.x;
                 y += step.y;
                 s = next;
                 value = next_value;
             } else {
                 step = {0.5 * step.x, 0.5 * step.y};
+                length *= 0.5;
             }
         }
-        if (!lower || step.x * step.x + step.y * step.y < 1e-24) break;
+        if (length < 1e-12) break;
     }
     const double length = std::sqrt(s.zx * s.zx + s.zy * s.zy + 1);
     return SurfaceTruth{{x, y, s.z}, {-s.zx / length, -s.zy / length, 1 / length}};
