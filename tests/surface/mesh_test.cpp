@@ -1,0 +1,126 @@
+#include "engine/surface/mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "engine/surface/surface_builder.hpp"
+#include "tests/surface/pictures.hpp"
+
+namespace touchable::test {
+namespace {
+
+struct Built {
+    Scene scene;
+    StoredPlane plane;
+    std::vector<std::uint8_t> heights;
+    SurfaceFrame frame;
+    Mesh mesh;
+};
+
+/// A noisy picture with some holes, of ranges along the rays, with a height map in levels.
+std::unique_ptr<Built> built(int width, int height, Fill fill, bool lazily = false) {
+    auto made = std::make_unique<Built>();
+    Scene& scene = made->scene = depth_scene(width, height, 16, Marking::zero, {3, 1});
+    scene.camera = {1.3 * width, 1.1 * width, 0.45 * width, 0.6 * height};
+    scene.height_coding = {20, HeightUnits::levels, 255};
+    Random random(11);
+    made->plane = store_plane(width, height, fill_picture(scene, fill, random), {});
+    for (int n = 0; n < width * height; ++n)
+        made->heights.push_back(static_cast<std::uint8_t>(random.below(256)));
+    RawFrame raw = made->plane.frame();
+    raw.height = {made->heights.data(), width, width, height, 1, 1};
+    const auto builder = lazily ? make_lazy_builder(scene) : make_cpu_builder(scene);
+    EXPECT_TRUE(builder->build(raw, made->frame));
+    made->mesh = make_mesh(made->frame, scene);
+    return made;
+}
+
+TEST(Mesh, HasEveryValidPixelAsVertexAndTwoTrianglesPerCell) {
+    const auto whole = built(21, 13, Fill::random);
+    EXPECT_EQ(whole->mesh.positions.size(), 21u * 13u);
+    EXPECT_EQ(whole->mesh.triangles.size(), 2u * 20u * 12u);
+    EXPECT_EQ(built(1, 1, Fill::random)->mesh.positions.size(), 1u);
+    EXPECT_EQ(built(1, 9, Fill::random)->mesh.triangles.size(), 0u);
+    EXPECT_EQ(built(9, 9, Fill::all_invalid)->mesh.positions.size(), 0u);
+}
+
+TEST(Mesh, IsCutByTheDiagonalFromUpperLeftToLowerRight) {
+    const auto one = built(2, 2, Fill::random);  // pixels 0 1 / 2 3
+    const std::vector<std::array<std::uint32_t, 3>> expected = {{0, 2, 3}, {0, 3, 1}};
+    EXPECT_EQ(one->mesh.triangles, expected);
+    EXPECT_EQ(one->mesh.pixels, (std::vector<std::uint32_t>{0, 1, 2, 3}));
+}
+
+TEST(Mesh, LeavesOutCellsWithAnInvalidVertex) {
+    const auto holed = built(40, 30, Fill::many_holes);
+    const SurfaceFrame& frame = holed->frame;
+    std::size_t cells = 0, valid = 0;
+    for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) {
+            valid += frame.is_valid(x, y);
+            cells += x < 39 && y < 29 && frame.is_valid(x, y) && frame.is_valid(x + 1, y) &&
+                     frame.is_valid(x, y + 1) && frame.is_valid(x + 1, y + 1);
+        }
+    ASSERT_GT(cells, 10u);
+    ASSERT_LT(cells, 900u);
+    EXPECT_EQ(holed->mesh.triangles.size(), 2 * cells);
+    EXPECT_EQ(holed->mesh.positions.size(), valid);
+    for (const auto& triangle : holed->mesh.triangles) {
+        for (const std::uint32_t vertex : triangle) {
+            ASSERT_LT(vertex, holed->mesh.positions.size());
+            const int pixel = static_cast<int>(holed->mesh.pixels[vertex]);
+            EXPECT_TRUE(frame.is_valid(pixel % 40, pixel / 40));
+        }
+        // A triangle's pixels lie in one cell.
+        const std::uint32_t first = holed->mesh.pixels[triangle[0]];
+        EXPECT_EQ(
+            holed->mesh.pixels[triangle[1]] == first + 41 || holed->mesh.pixels[triangle[2]] == first + 41,
+            true);
+    }
+}
+
+TEST(Mesh, FacesTheCamera) {
+    const auto noisy = built(40, 30, Fill::few_holes);
+    ASSERT_GT(noisy->mesh.triangles.size(), 500u);
+    for (const auto& [a, b, c] : noisy->mesh.triangles) {
+        const auto& p = noisy->mesh.positions;
+        const glm::dvec3 normal = glm::cross(p[b] - p[a], p[c] - p[a]);
+        ASSERT_LT(glm::dot(normal, p[a]), 0) << "the camera is at the origin";
+    }
+}
+
+// In long double and straight from the paper's formulas: Eq. 3 for the range, Eq. 2 for the height.
+TEST(Mesh, StandsWhereTheCodesSay) {
+    const auto noisy = built(40, 30, Fill::few_holes);
+    const Camera& camera = noisy->scene.camera;
+    long higher = 0;
+    for (std::size_t n = 0; n < noisy->mesh.positions.size(); ++n) {
+        const auto pixel = noisy->mesh.pixels[n];
+        const long double x = pixel % 40, y = pixel / 40;
+        const long double near = 500, far = 1500;
+        const long double level = (far - near) / 255;
+        long double range = far + (near - far) * noisy->frame.codes[pixel] / 65535;
+        range -= 20 * (noisy->heights[pixel] / 255.0L) * level;
+        higher += noisy->heights[pixel] > 0;
+        const long double right = (x - camera.cx) / camera.fx, up = (camera.cy - y) / camera.fy;
+        const long double planar = range / std::sqrt(right * right + up * up + 1);
+        EXPECT_NEAR(noisy->mesh.positions[n].x, static_cast<double>(planar * right), 1e-9);
+        EXPECT_NEAR(noisy->mesh.positions[n].y, static_cast<double>(planar * up), 1e-9);
+        EXPECT_NEAR(noisy->mesh.positions[n].z, static_cast<double>(-planar), 1e-9);
+    }
+    EXPECT_GT(higher, 500);
+}
+
+TEST(Mesh, IsTheSameFromALazyFrame) {
+    const auto whole = built(40, 30, Fill::half_holes), lazy = built(40, 30, Fill::half_holes, true);
+    EXPECT_TRUE(lazy->frame.codes.empty());
+    EXPECT_EQ(lazy->mesh.positions, whole->mesh.positions);
+    EXPECT_EQ(lazy->mesh.pixels, whole->mesh.pixels);
+    EXPECT_EQ(lazy->mesh.triangles, whole->mesh.triangles);
+    EXPECT_GT(whole->mesh.triangles.size(), 100u);
+}
+
+}  // namespace
+}  // namespace touchable::test

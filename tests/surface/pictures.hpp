@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/frame/surface_frame.hpp"
+#include "engine/scene/scene.hpp"
+#include "tests/frame/random.hpp"
+
+namespace touchable::test {
+
+/// A depth plane with its own memory, laid out as awkwardly as a decoder may.
+struct StoredPlane {
+    std::vector<std::uint8_t> memory;
+    PlaneView view;
+
+    RawFrame frame() const {
+        RawFrame raw;
+        raw.depth = view;
+        return raw;
+    }
+};
+
+struct Layout {
+    int bytes_per_sample = 2;
+    int padding = 0;         ///< bytes between the end of a row and the next one; odd ones misalign samples
+    bool bottom_up = false;  ///< negative stride
+};
+
+/// `values`: width x height, row-major.
+StoredPlane store_plane(int width, int height, const std::vector<std::uint16_t>& values,
+                        const Layout& layout);
+
+/// How a clip may mark its invalid pixels.
+enum class Marking {
+    zero,           ///< code 0, as depth cameras do
+    range_and_few,  ///< codes beyond near and far, and a few in between; code 0 too
+    largest,        ///< the largest code, so that 0 is a valid code
+    none,           ///< every code is valid
+};
+inline constexpr Marking all_markings[] = {Marking::zero, Marking::range_and_few, Marking::largest,
+                                           Marking::none};
+
+/// A scene of depth pictures only.
+Scene depth_scene(int width, int height, int bits, Marking marking, FilterSettings filter = {});
+
+/// What makes a filter stumble.
+enum class Fill {
+    all_least,
+    all_greatest,
+    random,
+    extremes,    ///< least and greatest valid code at random
+    few_values,  ///< many ties
+    ramp,
+    stripes,       ///< of valid and invalid columns
+    rows,          ///< of valid and invalid rows
+    checkerboard,  ///< of valid and invalid pixels
+    all_invalid,
+    single_valid,
+    single_invalid,
+    invalid_border,
+    few_holes,
+    half_holes,
+    many_holes,
+    blob,  ///< one large hole in a noisy slope
+};
+inline constexpr int fill_count = static_cast<int>(Fill::blob) + 1;
+
+std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& random);
+
+/// Where two frames differ first, bit for bit, or nothing.
+std::string first_difference(const SurfaceFrame& expected, const SurfaceFrame& actual);
+
+/// Where a frame's vertices answer otherwise than an expected frame's codes, or nothing.
+std::string first_vertex_difference(const SurfaceFrame& expected, const VertexSource& actual);
+
+/// The first tile whose bounds leave out a depth of the expected frame, or nothing.
+std::string first_tile_not_enclosed(const SurfaceFrame& expected, const VertexSource& actual);
+
+}  // namespace touchable::test
