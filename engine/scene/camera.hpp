@@ -9,8 +9,8 @@ namespace touchable {
 /// What a depth measures: the distance along the pixel's ray (Eq. 3), or along -Z.
 enum class DepthSemantics { range, planar };
 
-/// Pinhole camera at the world's origin looking along -Z (X right, Y up), in the image's pixel frame: column x to
-/// the right, row y down, pixel (i, j) at integer coordinates. Focal lengths and centre in pixels.
+/// Pinhole camera at the world's origin looking along -Z (X right, Y up), in the image's pixel frame: column
+/// x to the right, row y down, pixel (i, j) at integer coordinates. Focal lengths and centre in pixels.
 struct Camera {
     double fx = 0, fy = 0, cx = 0, cy = 0;
 
@@ -24,8 +24,8 @@ struct Camera {
     }
 };
 
-/// The paper's camera (Eq. 3): square pixels of `pixel_width`, same unit as `focal_length`; its lower-left origin
-/// with W/2, H/2 becomes cx = W/2, cy = H/2 - 1 once rows are flipped.
+/// The paper's camera (Eq. 3): square pixels of `pixel_width`, same unit as `focal_length`; its lower-left
+/// origin with W/2, H/2 becomes cx = W/2, cy = H/2 - 1 once rows are flipped.
 Camera camera_from_focal_length(double focal_length, double pixel_width, int width, int height);
 
 /// Planar depth (along -Z) of a depth of either meaning at pixel (x, y). Scene units.

@@ -12,7 +12,7 @@ namespace touchable {
 
 /// What a finger feels at a pixel.
 struct HapticProperties {
-    double stiffness = 600.0;   ///< N/m
+    double stiffness = 600.0;  ///< N/m
     double static_friction = 0.4;
     double dynamic_friction = 0.3;
 };
@@ -88,13 +88,13 @@ struct Scene {
     /// Device metres per scene unit (S of F = k S (P - G)); without it the Workspace's default.
     std::optional<double> device_metres_per_unit;
     std::optional<FolderSource> folder;
-    /// Metric coding without `far`: the reader finds it in the frames (largest valid depth plus 5 %), derives the
-    /// valid range anew and clears this. Until then depth.far is the depth of code_max.
+    /// Metric coding without `far`: the reader finds it in the frames (largest valid depth plus 5 %), derives
+    /// the valid range anew and clears this. Until then depth.far is the depth of code_max.
     bool far_from_frames = false;
 };
 
-/// Everything that cannot be is refused here by a message that names the member and its number: sizes, planes,
-/// ranges, scales, non-finite numbers, and a height that could bring a depth to zero or below.
+/// Everything that cannot be is refused here by a message that names the member and its number: sizes,
+/// planes, ranges, scales, non-finite numbers, and a height that could bring a depth to zero or below.
 Result<void> validate(const Scene& scene);
 
 }  // namespace touchable

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -13,7 +11,7 @@
 namespace touchable {
 namespace {
 
-/// A structured file recording of a structured-light sensor: metric, with holes, read from a folder.
+/// A depth camera's recording: metric, with holes, read from a folder.
 constexpr const char* recording = R"({
   "touchable_scene": 1, "name": "castle", "width": 640, "height": 480, "rate": [30, 1], "metres_per_unit": 1,
   "camera": {"fx": 476.0, "fy": -476.5, "cx": 312.2, "cy": 240.6},
@@ -254,6 +252,27 @@ TEST(SceneFile, NameThatIsNoUnicodeStillGivesJson) {
         "a\xff"
         "b";
     EXPECT_TRUE(parse_scene(scene_to_json(scene), "t").ok());
+}
+
+TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
+    std::ifstream page(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/scene_file.md");
+    std::string line, example;
+    bool inside = false;
+    int examples = 0;
+    while (std::getline(page, line)) {
+        if (inside && line == "```") {
+            const auto scene = parse_scene(example, "scene_file.md");
+            EXPECT_TRUE(scene.ok()) << scene.error().message;
+            ++examples;
+            inside = false;
+        } else if (line == "```json") {
+            inside = true;
+            example.clear();
+        } else if (inside) {
+            example += line + "\n";
+        }
+    }
+    EXPECT_EQ(examples, 2);
 }
 
 class SceneFileOnDisk : public testing::Test {
