@@ -7,10 +7,10 @@
 
 namespace touchable {
 
-/// How a code becomes a depth in scene units.
-/// linear:  far + (near - far) code / code_max      (Eq. 3, near_is_high), or the other polarity
-/// inverse: 1 / (1/far + (1/near - 1/far) code / code_max)                 (near_is_high), or the other
-/// polarity metric:  scale * code
+/// How a code becomes a depth in scene units; n = code / code_max where near_is_high, 1 - that otherwise.
+/// - linear:  far + (near - far) n                   (Eq. 3)
+/// - inverse: 1 / (1/far + (1/near - 1/far) n)
+/// - metric:  scale * code
 enum class DepthCodingKind { linear, inverse, metric };
 
 struct DepthCoding {
