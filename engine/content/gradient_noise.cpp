@@ -30,10 +30,22 @@ GradientNoise::GradientNoise(std::uint64_t seed) {
 
 /// A lattice corner's gradient, one of twelve edge directions of a cube, dotted with the offset from it.
 double GradientNoise::corner(int x, int y, int z, const glm::dvec3& offset) const {
+    static constexpr std::array<glm::dvec3, 12> edges{{{1, 1, 0},
+                                                       {-1, 1, 0},
+                                                       {1, -1, 0},
+                                                       {-1, -1, 0},
+                                                       {1, 0, 1},
+                                                       {-1, 0, 1},
+                                                       {1, 0, -1},
+                                                       {-1, 0, -1},
+                                                       {0, 1, 1},
+                                                       {0, -1, 1},
+                                                       {0, 1, -1},
+                                                       {0, -1, -1}}};
     const auto index = [](int i) { return static_cast<std::size_t>(i & 255); };
-    const int hash = permutation_[permutation_[permutation_[index(x)] + index(y)] + index(z)] % 12;
-    const double a = hash < 8 ? offset.x : offset.y, b = hash < 4 ? offset.y : offset.z;
-    return (hash & 1 ? -a : a) + (hash & 2 ? -b : b);
+    const std::size_t hash = permutation_[permutation_[permutation_[index(x)] + index(y)] + index(z)];
+    const glm::dvec3& edge = edges[hash % edges.size()];
+    return edge.x * offset.x + edge.y * offset.y + edge.z * offset.z;
 }
 
 double GradientNoise::at(const glm::dvec3& p) const {
