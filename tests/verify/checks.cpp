@@ -1,0 +1,242 @@
+#include "tests/verify/checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace touchable::verify {
+namespace {
+
+constexpr real relative = 1e-9L;
+
+template <class... Parts>
+std::string text(const Parts&... parts) {
+    std::ostringstream stream;
+    stream.precision(12);
+    (stream << ... << parts);
+    return stream.str();
+}
+
+std::string text_of(const Vec3& v) {
+    return text("(", v.x, ", ", v.y, ", ", v.z, ")");
+}
+
+bool finite(const ForceRow& r) {
+    const std::array<real, 16> numbers = {
+        r.goal.x,  r.goal.y,  r.goal.z,  r.proxy.x,   r.proxy.y,   r.proxy.z,    r.force.x,         r.force.y,
+        r.force.z, r.pixel_x, r.pixel_y, r.stiffness, r.mu_static, r.mu_dynamic, r.metres_per_unit, r.blend};
+    return std::all_of(numbers.begin(), numbers.end(), [](real v) { return std::isfinite(v); });
+}
+
+bool close(real a, real b) {
+    return std::fabs(a - b) <= relative * (1 + std::fabs(b));
+}
+
+}  // namespace
+
+void Verifier::found(Check check, const ForceRow& row, const std::string& what) {
+    Finding& finding = findings_[static_cast<std::size_t>(check)];
+    if (finding.count++ < settings_.shown)
+        finding.first.push_back(
+            text("tick ", row.tick, " finger ", row.finger, " (line ", row.line, "): ", what));
+}
+
+void Verifier::check_order(const ForceRow& row) {
+    if (last_) {
+        const bool same_tick = row.tick == last_->tick && row.finger == last_->finger + 1;
+        const bool next_tick =
+            row.tick == last_->tick + 1 && row.finger == 0 && last_->finger + 1 == coverage_.fingers;
+        const bool first_tick = last_->finger + 1 == coverage_.fingers;  // which tells how many there are
+        if (same_tick && first_tick && coverage_.rows == coverage_.fingers)
+            ++coverage_.fingers;
+        else if (!next_tick && !(same_tick && row.finger < coverage_.fingers))
+            found(Check::order, row,
+                  text("follows tick ", last_->tick, " finger ", last_->finger, " of ", coverage_.fingers));
+    } else {
+        coverage_.fingers = 1;
+        if (row.finger != 0) found(Check::order, row, "must be finger 0");
+    }
+    if (!metres_per_unit_) metres_per_unit_ = row.metres_per_unit;
+    if (!(row.metres_per_unit > 0 && row.metres_per_unit == *metres_per_unit_))
+        found(Check::order, row, text("S is ", row.metres_per_unit, ", at first ", *metres_per_unit_));
+    last_ = row;
+}
+
+void Verifier::finish() {
+    if (last_ && last_->finger + 1 != coverage_.fingers)
+        found(Check::order, *last_, text("the last tick has not all ", coverage_.fingers, " fingers"));
+}
+
+Result<void> Verifier::check(const ForceRow& row) {
+    check_order(row);
+    ++coverage_.rows;
+    if (!finite(row)) {
+        found(Check::finite, row, "a number is not finite");
+        return {};
+    }
+    auto earlier = frames_.get(row.frame_prev);
+    if (!earlier) return earlier.error();
+    auto later = frames_.get(row.frame_next);
+    if (!later) return later.error();
+    coverage_.frames.insert({row.frame_prev, row.frame_next});
+    coverage_.between += row.frame_prev != row.frame_next && row.blend > 0;
+    coverage_.guarded += row.guarded;
+    const Surface surface(**earlier, **later, row.blend);
+    if (row.contact)
+        check_contact(row, surface);
+    else
+        check_free(row, surface);
+    return {};
+}
+
+void Verifier::check_free(const ForceRow& row, const Surface& surface) {
+    rests_.erase(row.finger);
+    if (!(row.proxy == row.goal) || !(row.force == Vec3{}))
+        found(Check::free, row,
+              text("out of contact, but P - G is ", text_of(row.proxy - row.goal), " and F ",
+                   text_of(row.force)));
+    if (row.proxy.z < 0)
+        check_place(row, surface);  // what is not in front of the camera is not behind anything
+}
+
+void Verifier::check_contact(const ForceRow& row, const Surface& surface) {
+    ++coverage_.contacts;
+    if (!(row.proxy.z < 0)) {
+        rests_.erase(row.finger);
+        return found(Check::off_surface, row,
+                     text("in contact at z = ", row.proxy.z, ", not before the camera"));
+    }
+    const bool placed = check_place(row, surface);
+    const ImagePosition at = surface.project(row.proxy);
+    if (std::fabs(at.x - row.pixel_x) > 1e-6L + relative * std::fabs(at.x) ||
+        std::fabs(at.y - row.pixel_y) > 1e-6L + relative * std::fabs(at.y))
+        found(Check::pixel, row,
+              text("is seen at (", at.x, ", ", at.y, "), not (", row.pixel_x, ", ", row.pixel_y, ")"));
+    const Touch touch = surface.touch_at({row.pixel_x, row.pixel_y});
+    check_properties(row, touch);
+    check_force(row);
+    if (!placed) {
+        rests_.erase(row.finger);
+        return;
+    }
+    const Star star = star_at(surface, at);
+    const real mu = std::max(touch.mu_static, touch.mu_dynamic);
+    cover(surface, star, mu);
+    check_minimum(row, star, mu);
+    if (settings_.check_slip) check_slip(row, star, touch);
+}
+
+bool Verifier::check_place(const ForceRow& row, const Surface& surface) {
+    const real q = -1 / row.proxy.z, wanted = surface.q_at(surface.project(row.proxy));
+    coverage_.largest_deficit = std::max(coverage_.largest_deficit, 1 - q / wanted);
+    const bool behind = q < wanted * (1 - relative), before = row.contact && q > wanted * (1 + relative);
+    if (behind)
+        found(Check::behind, row,
+              text("the proxy's q is ", q, ", the surface's ", wanted, ": ",
+                   static_cast<double>(1 - q / wanted), " behind"));
+    if (before)
+        found(Check::off_surface, row,
+              text("in contact, but the proxy's q is ", q, ", the surface's ", wanted));
+    return !behind && !before;
+}
+
+void Verifier::check_properties(const ForceRow& row, const Touch& touch) {
+    const bool stiffness = row.guarded || close(row.stiffness, touch.stiffness);  // the guard may clamp it
+    if (!stiffness || !close(row.mu_static, touch.mu_static) || !close(row.mu_dynamic, touch.mu_dynamic))
+        found(Check::properties, row,
+              text("stiffness ", row.stiffness, ", friction ", row.mu_static, " and ", row.mu_dynamic,
+                   " at (", row.pixel_x, ", ", row.pixel_y, ") must be ", touch.stiffness, ", ",
+                   touch.mu_static, " and ", touch.mu_dynamic));
+}
+
+void Verifier::check_force(const ForceRow& row) {
+    const Vec3 wanted = row.stiffness * row.metres_per_unit * (row.proxy - row.goal);
+    if (row.guarded) {
+        if (length(row.force) > length(wanted) * (1 + relative))
+            found(Check::force, row, text("the guard made ", length(row.force), " N of ", length(wanted)));
+        return;
+    }
+    const real error = length(row.force - wanted);
+    if (length(wanted) > 0)
+        coverage_.largest_force_error = std::max(coverage_.largest_force_error, error / length(wanted));
+    if (!(error <= relative * length(wanted)))
+        found(Check::force, row, text("F is ", text_of(row.force), ", k S (P - G) ", text_of(wanted)));
+}
+
+void Verifier::check_minimum(const ForceRow& row, const Star& star, real mu) {
+    const Judgement j = judge(star, row.proxy, row.goal, mu);
+    const real distance = length(row.goal - row.proxy);
+    coverage_.stuck += j.verdict == Verdict::stuck;
+    if (j.holds()) {
+        if (distance > 1e-6L * length(row.proxy))  // below, it is rounding
+            coverage_.largest_residual =
+                std::max(coverage_.largest_residual, std::max<real>(0, j.tangential - j.allowed) / distance);
+        return;
+    }
+    static constexpr std::array<std::string_view, 3> places = {"a face", "an edge", "a vertex"};
+    const std::string where = text("on ", places[std::min<std::size_t>(2, star.facets.size() - 1)], " at (",
+                                   row.pixel_x, ", ", row.pixel_y, "), |P - G| ", distance, ": ");
+    if (j.verdict == Verdict::leaves)
+        found(Check::minimum, row, where + "the straight way to the goal is free");
+    else
+        found(Check::minimum, row,
+              where + text("slides ", j.tangential, " to the closest point, friction holds ", j.allowed));
+}
+
+void Verifier::check_slip(const ForceRow& row, const Star& star, const Touch& touch) {
+    const bool inside = star.facets.size() == 1;
+    const auto rest = rests_.find(row.finger);
+    if (inside && rest != rests_.end()) {
+        const Rest& old = rest->second;
+        const bool even = std::fabs(old.touch.mu_static - touch.mu_static) < 1e-12L &&
+                          std::fabs(old.touch.mu_dynamic - touch.mu_dynamic) < 1e-12L;
+        const Vec3& n = star.facets[0].normal;
+        const real pressure = dot(row.proxy - row.goal, n), slack = position_slack(row.proxy, row.goal);
+        const Vec3 closest = row.goal + pressure * n, before = old.proxy - closest;
+        const real away = length(before), held = touch.mu_static * pressure;
+        const bool sticks = away <= held * (1 - 1e-6L) - slack, slides = away >= held * (1 + 1e-6L) + slack;
+        if (old.tick + 1 == row.tick && old.facet == star.facets[0] && even && pressure > slack &&
+            (sticks || slides)) {
+            ++coverage_.slip_checked;
+            const real share = sticks ? 1 : std::min<real>(1, touch.mu_dynamic * pressure / away);
+            const real miss = length(closest + share * before - row.proxy);
+            if (miss > 1e-6L * away + slack)
+                found(Check::slip, row,
+                      text("was ", away, " from the closest point, static friction holds ", held, ": must ",
+                           sticks ? "stick" : "slide to the dynamic cone", ", and is ", miss, " from there"));
+        }
+    }
+    if (inside)
+        rests_[row.finger] = {row.tick, star.facets[0], row.proxy, touch};
+    else
+        rests_.erase(row.finger);
+}
+
+void Verifier::cover(const Surface& surface, const Star& star, real mu) {
+    const std::size_t place = std::min<std::size_t>(2, star.facets.size() - 1);
+    ++(mu > 0 ? coverage_.friction : coverage_.frictionless)[place];
+    const Meaning& m = surface.meaning();
+    const FacetId id = star.facets[0].id;
+    const bool in_picture = id.column >= 0 && id.row >= 0 && id.column < m.width - 1 && id.row < m.height - 1;
+    if (!in_picture) {
+        ++coverage_.on_ring;
+        return;
+    }
+    bool invalid = false, height = false;
+    for (int corner = 0; corner < 4; ++corner) {
+        if (corner == (id.half == 0 ? 2 : 1)) continue;  // not of this half
+        const Vertex v = surface.vertex(id.column + (corner & 1), id.row + (corner >> 1));
+        invalid |= !v.solid;
+        height |= v.height > 0;
+    }
+    coverage_.near_invalid += invalid;
+    coverage_.with_height += height;
+}
+
+std::int64_t Verifier::violations() const {
+    std::int64_t sum = 0;
+    for (const Finding& finding : findings_) sum += finding.count;
+    return sum;
+}
+
+}  // namespace touchable::verify

@@ -1,0 +1,199 @@
+#include "tests/verify/exported_frame.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "engine/media/image_file.hpp"
+
+namespace touchable::verify {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Thrown and caught within this file only.
+struct Refusal {
+    std::string message;
+};
+
+real number(const Json& object, const char* member) {
+    if (!object.contains(member) || !object.at(member).is_number())
+        throw Refusal{std::string("member ") + member + " must be there, a number"};
+    return object.at(member).get<double>();
+}
+
+const Json& object(const Json& scene, const char* member) {
+    if (!scene.contains(member) || !scene.at(member).is_object())
+        throw Refusal{std::string("member ") + member + " must be there, an object"};
+    return scene.at(member);
+}
+
+/// True for `yes`, false for `no`.
+bool either(const Json& object, const char* member, const char* yes, const char* no) {
+    const std::string word = object.value(member, std::string());
+    if (word != yes && word != no)
+        throw Refusal{std::string("member ") + member + " must be " + yes + " or " + no};
+    return word == yes;
+}
+
+void range(const Json& haptic, const char* member, real unit, real& low, real& high) {
+    const Json& ends = haptic.contains(member) ? haptic.at(member) : Json();
+    if (!ends.is_array() || ends.size() != 2 || !ends[0].is_number() || !ends[1].is_number())
+        throw Refusal{std::string("member haptic.") + member + " must be [minimum, maximum]"};
+    low = unit * ends[0].get<double>();
+    high = unit * ends[1].get<double>();
+}
+
+void read_depth(const Json& depth, Meaning& m) {
+    const std::string coding = depth.value("coding", std::string());
+    if (coding == "linear")
+        m.kind = Meaning::Kind::linear;
+    else if (coding == "inverse")
+        m.kind = Meaning::Kind::inverse;
+    else if (coding == "metric")
+        m.kind = Meaning::Kind::metric;
+    else
+        throw Refusal{"member depth.coding must be linear, inverse or metric"};
+    m.range = either(depth, "semantics", "range", "planar");
+    m.near = number(depth, "near");
+    m.far = number(depth, "far");
+    m.code_max = number(depth, "code_max");
+    if (m.kind == Meaning::Kind::metric)
+        m.scale = number(depth, "scale");
+    else
+        m.near_is_high = either(depth, "near_is", "high", "low");
+}
+
+Meaning meaning_of(const Json& scene) {
+    Meaning m;
+    m.width = static_cast<int>(number(scene, "width"));
+    m.height = static_cast<int>(number(scene, "height"));
+    if (m.width < 1 || m.height < 1 || m.width > 16384 || m.height > 16384)
+        throw Refusal{"width and height must be 1 to 16384"};
+    const Json& camera = object(scene, "camera");
+    m.fx = number(camera, "fx");
+    m.fy = number(camera, "fy");
+    m.cx = number(camera, "cx");
+    m.cy = number(camera, "cy");
+    read_depth(object(scene, "depth"), m);
+    const Json& height = object(scene, "height_map");
+    const real level = (m.far - m.near) / 255;
+    m.largest_height = number(height, "max") * (either(height, "units", "levels", "world") ? level : 1);
+    m.height_code_max = std::ldexp(1.0L, static_cast<int>(number(height, "bits"))) - 1;
+    const Json& haptic = object(scene, "haptic");
+    range(haptic, "stiffness", 1000, m.low.stiffness, m.high.stiffness);  // N/mm in the file
+    range(haptic, "static_friction", 1, m.low.mu_static, m.high.mu_static);
+    range(haptic, "dynamic_friction", 1, m.low.mu_dynamic, m.high.mu_dynamic);
+    const Json& usual = object(scene, "default_properties");
+    m.by_default = {usual.contains("stiffness_n_per_m") ? number(usual, "stiffness_n_per_m")
+                                                        : 1000 * number(usual, "stiffness"),
+                    number(usual, "static_friction"), number(usual, "dynamic_friction")};
+    m.hold = either(scene, "interpolation", "hold", "linear");
+    if (!(m.fx > 0 && m.fy > 0 && m.far > 0 && m.code_max > 0))
+        throw Refusal{"fx, fy, far and code_max must be greater than 0"};
+    return m;
+}
+
+/// A plane of the scene's size with these channels and any of these sample widths, as 16-bit numbers.
+Result<std::vector<std::uint16_t>> read_plane(const std::filesystem::path& file, const Meaning& m,
+                                              int channels, int most_bytes) {
+    auto image = read_image(file);
+    if (!image) return image.error();
+    if (image->width != m.width || image->height != m.height || image->channels != channels ||
+        image->bytes_per_sample > most_bytes)
+        return input_error(file.string() + ": must be " + std::to_string(m.width) + "x" +
+                           std::to_string(m.height) + ", " + std::to_string(channels) +
+                           " channel(s) of at most " + std::to_string(8 * most_bytes) + " bits");
+    const auto bytes = static_cast<std::size_t>(image->bytes_per_sample);
+    std::vector<std::uint16_t> samples(image->samples.size() / bytes);
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        if (bytes == 1)
+            samples[k] = image->samples[k];
+        else
+            std::memcpy(&samples[k], &image->samples[2 * k], 2);
+    }
+    return samples;
+}
+
+std::vector<std::uint8_t> narrow(const std::vector<std::uint16_t>& wide) {
+    std::vector<std::uint8_t> bytes(wide.size());
+    std::transform(wide.begin(), wide.end(), bytes.begin(),
+                   [](std::uint16_t v) { return static_cast<std::uint8_t>(v); });
+    return bytes;
+}
+
+}  // namespace
+
+real Meaning::depth(std::uint16_t code) const {
+    if (kind == Kind::metric) return scale * code;
+    const real towards_near = near_is_high ? code / code_max : 1 - code / code_max;
+    if (kind == Kind::linear) return far + (near - far) * towards_near;
+    return 1 / (1 / far + (1 / near - 1 / far) * towards_near);
+}
+
+Result<Meaning> read_meaning(const std::filesystem::path& scene_json) {
+    std::ifstream stream(scene_json);
+    if (!stream) return input_error(scene_json.string() + ": cannot be read: must be an exported scene.json");
+    try {
+        return meaning_of(Json::parse(stream));
+    } catch (const Refusal& reason) {
+        return input_error(scene_json.string() + ": " + reason.message);
+    } catch (const Json::exception& fault) {
+        return input_error(scene_json.string() + ": " + fault.what());
+    }
+}
+
+Result<ExportedFrame> read_frame(const std::filesystem::path& folder) {
+    auto meaning = read_meaning(folder / "scene.json");
+    if (!meaning) return meaning.error();
+    ExportedFrame frame;
+    frame.meaning = *meaning;
+    auto codes = read_plane(folder / "codes.png", frame.meaning, 1, 2);
+    if (!codes) return codes.error();
+    frame.codes = std::move(*codes);
+    auto valid = read_plane(folder / "valid.png", frame.meaning, 1, 1);
+    if (!valid) return valid.error();
+    frame.valid = narrow(*valid);
+    if (std::filesystem::exists(folder / "height.png")) {
+        auto heights = read_plane(folder / "height.png", frame.meaning, 1, 2);
+        if (!heights) return heights.error();
+        frame.heights = std::move(*heights);
+    }
+    if (std::filesystem::exists(folder / "haptic.png")) {
+        auto haptic = read_plane(folder / "haptic.png", frame.meaning, 3, 1);
+        if (!haptic) return haptic.error();
+        frame.haptic = narrow(*haptic);
+    }
+    for (std::size_t k = 0; k < frame.codes.size(); ++k)
+        if (frame.valid[k] != 0) {
+            const real nearest = frame.meaning.depth(frame.codes[k]) -
+                                 (frame.heights.empty() ? 0 : frame.meaning.largest_height);
+            if (!(nearest > 0) || !std::isfinite(nearest))
+                return input_error((folder / "codes.png").string() + ": code " +
+                                   std::to_string(frame.codes[k]) +
+                                   " is valid but has no depth in front of the camera");
+        }
+    return frame;
+}
+
+Result<const ExportedFrame*> FrameStore::get(std::int64_t number) {
+    if (auto known = frames_.find(number); known == frames_.end()) {
+        auto frame = read_frame(folder_ / std::to_string(number));
+        if (!frame) return frame.error();
+        if (!frames_.empty() && !(frames_.begin()->second.meaning == frame->meaning))
+            return input_error((folder_ / std::to_string(number) / "scene.json").string() +
+                               ": must describe the same clip as the other frames");
+        frames_.emplace(number, std::move(*frame));
+    }
+    std::erase(recent_, number);
+    recent_.push_back(number);
+    if (recent_.size() > kept) {
+        frames_.erase(recent_.front());
+        recent_.erase(recent_.begin());
+    }
+    return &frames_.at(number);
+}
+
+}  // namespace touchable::verify

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "engine/result.hpp"
+#include "tests/verify/geometry.hpp"
+
+namespace touchable::verify {
+
+/// One tick of one finger as `touchable touch --forces` writes it: world axes, scene units, newtons, N/m.
+struct ForceRow {
+    std::int64_t line = 0;  ///< of the file, from 1
+    std::int64_t tick = 0;
+    int finger = 0;
+    Vec3 goal, proxy, force;
+    bool contact = false;
+    real pixel_x = 0, pixel_y = 0;
+    real stiffness = 0, mu_static = 0, mu_dynamic = 0;
+    std::int64_t frame_prev = 0, frame_next = 0;
+    real blend = 0;
+    bool guarded = false;      ///< the guard changed the force
+    real metres_per_unit = 0;  ///< S
+};
+
+/// Reads a forces file row by row. Columns are found by name; all must be there, others are ignored.
+class ForcesReader {
+public:
+    static Result<ForcesReader> open(const std::filesystem::path& file);
+    /// False at the end of the file.
+    Result<bool> next(ForceRow& row);
+
+private:
+    static constexpr std::size_t column_count = 22;
+    Error fault(const std::string& what) const;
+
+    std::string name_;
+    std::ifstream stream_;
+    std::int64_t line_ = 0;
+    std::array<std::size_t, column_count> position_{};  // of each wanted column in a line
+    std::size_t width_ = 0;                             // columns of a line
+};
+
+}  // namespace touchable::verify
