@@ -73,11 +73,17 @@ std::string coding_words(const DepthCoding& coding) {
     return words.str();
 }
 
-std::string invalid_words(const DepthCoding& coding) {
+/// "400..4400 without 1000".
+std::string valid_words(const DepthCoding& coding) {
     std::ostringstream words;
-    words << "codes outside " << coding.valid_min << ".." << coding.valid_max;
-    for (int k = 0; k < coding.invalid_code_count; ++k)
-        words << (k == 0 ? ", and " : ", ") << coding.invalid_codes[static_cast<std::size_t>(k)];
+    words << coding.valid_min << ".." << coding.valid_max;
+    const char* separator = " without ";
+    for (int k = 0; k < coding.invalid_code_count; ++k) {
+        const std::uint16_t code = coding.invalid_codes[static_cast<std::size_t>(k)];
+        if (code < coding.valid_min || code > coding.valid_max) continue;
+        words << separator << code;
+        separator = ", ";
+    }
     return words.str();
 }
 
@@ -222,8 +228,8 @@ std::string to_text(const ClipFacts& facts) {
                    << ", cy " << scene.camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "
                    << facts.fov_y_degrees << " degrees\n";
     line("depth") << coding_words(coding) << '\n';
-    line("codes") << scene.depth_bits << " bits, 0.." << coding.code_max
-                  << "; invalid: " << invalid_words(coding) << '\n';
+    line("codes") << scene.depth_bits << " bits, 0.." << coding.code_max << ", of which valid "
+                  << valid_words(coding) << '\n';
     line("range") << coding.near << ".." << coding.far << " units = " << coding.near * mm << ".."
                   << coding.far * mm << " mm\n";
     line("first frame") << "depths " << facts.nearest << ".." << facts.farthest << " units, "

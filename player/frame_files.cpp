@@ -56,7 +56,8 @@ Result<void> write_frame_files(const std::filesystem::path& folder, const RawFra
         if (auto written = write_png(folder / name, plane); !written.ok()) return written;
     }
     if (with_mesh) {
-        if (auto written = write_ply(folder / "mesh.ply", make_mesh(surface, scene), raw.colour); !written.ok())
+        if (auto written = write_ply(folder / "mesh.ply", make_mesh(surface, scene), raw.colour);
+            !written.ok())
             return written;
     }
     return write_text(folder / "scene.json", scene_to_json(scene) + "\n");

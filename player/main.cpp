@@ -10,6 +10,7 @@
 #include "player/info_command.hpp"
 #include "player/interrupt.hpp"
 #include "player/make_command.hpp"
+#include "player/touch_command.hpp"
 
 namespace touchable {
 namespace {
@@ -44,6 +45,7 @@ int run(int argc, char** argv) {
     app.require_subcommand(0, 1);
     Command command;
     add_make_command(app, command);
+    add_touch_command(app, command);
     add_info_command(app, command);
     add_export_command(app, command);
     add_check_command(app, command);

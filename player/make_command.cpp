@@ -57,6 +57,11 @@ Result<void> read_preset(const std::string& text, SceneOptions& out) {
     return {};
 }
 
+/// Scenes whose pixels know nothing of each other; published at 128x128.
+bool without_shape(std::string_view scene) {
+    return scene == "noise" || scene == "cliffs" || scene == "grain";
+}
+
 /// An option that the scene would ignore is refused rather than ignored.
 Result<void> refuse_idle_options(const MakeWords& words) {
     const std::string& scene = words.options.scene;
@@ -65,14 +70,14 @@ Result<void> refuse_idle_options(const MakeWords& words) {
         return usage_error(std::string(option) + " does nothing for '" + scene + "'; it belongs to " +
                            scenes);
     };
-    const bool globe = scene == "globe", plane = scene == "plane",
-               random = scene == "noise" || scene == "cliffs";
+    const bool globe = scene == "globe", plane = scene == "plane", random = without_shape(scene);
     for (const Result<void>& checked :
          {only(!words.preset.empty(), "--preset", globe, "globe"),
           only(words.properties, "--properties", globe, "globe"),
           only(words.plain, "--plain", globe, "globe"), only(words.tilt, "--tilt", plane, "plane"),
           only(words.tilt_direction, "--tilt-direction", plane, "plane"),
-          only(words.seed, "--seed", random, "noise and cliffs")})
+          only(words.seed, "--seed", random || (globe && !words.plain),
+               "noise, cliffs, grain and the planet of globe")})
         if (!checked.ok()) return checked;
     return {};
 }
@@ -80,8 +85,7 @@ Result<void> refuse_idle_options(const MakeWords& words) {
 Result<MakeOptions> read_words(const MakeWords& words) {
     if (auto fits = refuse_idle_options(words); !fits.ok()) return fits.error();
     MakeOptions options = words.options;
-    if (options.scene == "noise" || options.scene == "cliffs")
-        options.generator.width = options.generator.height = 128;
+    if (without_shape(options.scene)) options.generator.width = options.generator.height = 128;
     if (!words.size.empty())
         if (auto size = read_size(words.size, options.generator); !size.ok()) return size.error();
     if (!words.preset.empty())
@@ -124,14 +128,16 @@ void add_make_command(CLI::App& app, Command& command) {
     SceneOptions& generator = words->options.generator;
     make->add_option("SCENE", words->options.scene, "one of " + known_scenes())->required();
     make->add_option("OUT", words->options.out, "the clip to write (.mkv)")->required();
-    make->add_option("--size", words->size, "WxH in pixels (default 720x480; noise and cliffs 128x128)");
+    make->add_option("--size", words->size,
+                     "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
     make->add_option("--frames", words->options.frames, "how many, at 30/s")->capture_default_str();
     make->add_option("--bits", generator.bits, "of a stored depth, 8 to 16")->capture_default_str();
     make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
     auto* properties = make->add_flag("--properties", words->properties,
                                       "globe: turning planet; land and ocean differ to the touch (default)");
     make->add_flag("--plain", words->plain, "globe: at rest, depth alone")->excludes(properties);
-    auto* seed = make->add_option("--seed", generator.seed, "noise, cliffs")->capture_default_str();
+    auto* seed = make->add_option("--seed", generator.seed, "noise, cliffs, grain, and the planet of globe")
+                     ->capture_default_str();
     auto* tilt =
         make->add_option("--tilt", generator.tilt_degrees, "plane: degrees, 0 to 60")->capture_default_str();
     auto* direction = make->add_option("--tilt-direction", generator.tilt_direction_degrees,

@@ -89,16 +89,16 @@ TEST(Make, ImpossibleOptionsAreCode2AndLeaveNoFile) {
 
 TEST(Make, OptionThatWouldDoNothingIsRefused) {
     const TemporaryFolder folder;
-    for (const auto& [scene, option] :
-         std::vector<std::pair<std::string, std::vector<std::string>>>{{"bumps", {"--preset", "A"}},
-                                                                       {"bumps", {"--plain"}},
-                                                                       {"globe", {"--tilt", "10"}},
-                                                                       {"globe", {"--seed", "3"}}}) {
+    for (const auto& [scene, option] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+             {"bumps", {"--preset", "A"}},
+             {"bumps", {"--plain"}},
+             {"globe", {"--tilt", "10"}},
+             {"globe", {"--plain", "--seed", "3"}}}) {
         std::vector<std::string> words{"make", scene, folder / "out.mkv"};
         words.insert(words.end(), option.begin(), option.end());
         const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
-        EXPECT_NE(run.err.find(option[0]), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find(option.size() > 2 ? option[1] : option[0]), std::string::npos) << run.err;
     }
 }
 

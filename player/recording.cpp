@@ -1,0 +1,215 @@
+#include "player/recording.hpp"
+
+#include <xxhash.h>
+
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <span>
+
+namespace touchable {
+
+namespace {
+
+// Layout: magic, version u32, fingers u32, ticks..., facts (JSON), size of the facts u64, number of ticks
+// u64, XXH64 of all before it u64.
+constexpr std::string_view magic = "TOUCHREC";
+constexpr std::size_t head_size = 16, tail_size = 24, tick_size = 32, finger_size = 52;
+constexpr std::uint32_t most_fingers = 256;
+
+void put(std::string& bytes, std::uint64_t value, int size) {
+    for (int k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * k));
+}
+void put(std::string& bytes, double value) {
+    put(bytes, std::bit_cast<std::uint64_t>(value), 8);
+}
+void put(std::string& bytes, const glm::dvec3& v) {
+    for (const double component : {v.x, v.y, v.z}) put(bytes, component);
+}
+
+/// Reads forward; the caller has made sure that there is enough.
+class Bytes {
+public:
+    explicit Bytes(std::string_view bytes) : bytes_(bytes) {}
+    std::uint64_t integer(int size) {
+        std::uint64_t value = 0;
+        for (int k = 0; k < size; ++k)
+            value |= std::uint64_t{static_cast<std::uint8_t>(bytes_[at_++])} << (8 * k);
+        return value;
+    }
+    double real() { return std::bit_cast<double>(integer(8)); }
+    glm::dvec3 vector() {
+        const double x = real(), y = real(), z = real();
+        return {x, y, z};
+    }
+
+private:
+    std::string_view bytes_;
+    std::size_t at_ = 0;
+};
+
+RecordedTick read_tick(Bytes& bytes, std::size_t fingers) {
+    RecordedTick tick;
+    tick.time_ns = static_cast<std::int64_t>(bytes.integer(8));
+    tick.frame_prev = static_cast<std::int64_t>(bytes.integer(8));
+    tick.frame_next = static_cast<std::int64_t>(bytes.integer(8));
+    tick.blend = bytes.real();
+    for (std::size_t k = 0; k < fingers; ++k) {
+        tick.goals.push_back(bytes.vector());
+        tick.forces.push_back(bytes.vector());
+        tick.guards.push_back(static_cast<std::uint32_t>(bytes.integer(4)));
+    }
+    return tick;
+}
+
+Result<std::string> read_whole(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    if (!in) return input_error("recording " + file.string() + ": cannot be read");
+    return bytes;
+}
+
+bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+std::string to_text(const glm::dvec3& v) {
+    char text[96];
+    std::snprintf(text, sizeof text, "(%.17g, %.17g, %.17g)", v.x, v.y, v.z);
+    return text;
+}
+
+}  // namespace
+
+Result<Recording> read_recording(const std::filesystem::path& file) {
+    const auto whole = read_whole(file);
+    if (!whole.ok()) return whole.error();
+    const std::string_view bytes = *whole;
+    auto refuse = [&file](const std::string& why) {
+        return input_error("recording " + file.string() + ": " + why);
+    };
+
+    if (bytes.size() < head_size || !bytes.starts_with(magic)) return refuse("is not a recording of a touch");
+    Bytes head(bytes.substr(magic.size()));
+    const std::uint64_t version = head.integer(4), fingers = head.integer(4);
+    if (version > recording_format_version)
+        return refuse("has format version " + std::to_string(version) + "; this program reads up to " +
+                      std::to_string(recording_format_version));
+    const std::string damaged = "is damaged or cut short; it cannot be replayed";
+    if (version < 1 || fingers < 1 || fingers > most_fingers || bytes.size() < head_size + tail_size)
+        return refuse(damaged);
+    Bytes tail(bytes.substr(bytes.size() - tail_size));
+    const std::uint64_t facts_size = tail.integer(8), ticks = tail.integer(8), hash = tail.integer(8);
+    if (hash != XXH64(bytes.data(), bytes.size() - 8, 0)) return refuse(damaged);
+    const std::uint64_t tick_bytes = tick_size + finger_size * fingers;
+    const std::uint64_t room = bytes.size() - head_size - tail_size;
+    if (facts_size > room || ticks > room / tick_bytes || ticks * tick_bytes + facts_size != room)
+        return refuse(damaged);
+
+    Recording recording;
+    recording.fingers = static_cast<int>(fingers);
+    Bytes body(bytes.substr(head_size));
+    for (std::uint64_t k = 0; k < ticks; ++k)
+        recording.ticks.push_back(read_tick(body, static_cast<std::size_t>(fingers)));
+    recording.facts = nlohmann::ordered_json::parse(
+        bytes.substr(bytes.size() - tail_size - facts_size, facts_size), nullptr, false);
+    if (!recording.facts.is_object()) return refuse(damaged);
+    return recording;
+}
+
+struct RecordingFile::State {
+    NewFile file;
+    std::ofstream out;
+    int fingers;
+    std::uint64_t ticks = 0;
+    std::string bytes;  // of one tick
+    XXH64_state_t* hash = XXH64_createState();
+
+    State(const std::filesystem::path& target, int count) : file(target), fingers(count) {
+        XXH64_reset(hash, 0);
+    }
+    ~State() { XXH64_freeState(hash); }
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+};
+
+RecordingFile::RecordingFile(const std::filesystem::path& file, int fingers)
+    : state_(std::make_unique<State>(file, fingers)) {}
+RecordingFile::~RecordingFile() = default;
+
+Result<void> RecordingFile::write(const std::string& bytes) {
+    XXH64_update(state_->hash, bytes.data(), bytes.size());
+    state_->out << bytes;
+    if (!state_->out)
+        return input_error("--record " + state_->file.target().string() +
+                           ": cannot be written (no such folder, no permission, or the disk is full)");
+    return {};
+}
+
+Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesystem::path& file, int fingers) {
+    std::unique_ptr<RecordingFile> out(new RecordingFile(file, fingers));
+    out->state_->out.open(out->state_->file.path(), std::ios::binary);
+    std::string head(magic);
+    put(head, recording_format_version, 4);
+    put(head, static_cast<std::uint64_t>(fingers), 4);
+    if (auto written = out->write(head); !written.ok()) return written.error();
+    return out;
+}
+
+Result<void> RecordingFile::take(const TouchTick& tick) {
+    std::string& bytes = state_->bytes;
+    bytes.clear();
+    for (const std::int64_t value : {tick.time_ns, tick.pair.prev.number, tick.pair.next.number})
+        put(bytes, static_cast<std::uint64_t>(value), 8);
+    put(bytes, tick.field.blend());
+    for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
+        put(bytes, tick.goals[k]);
+        put(bytes, tick.forces[k].force);
+        put(bytes, tick.forces[k].reasons, 4);
+    }
+    ++state_->ticks;
+    return write(bytes);
+}
+
+Result<void> RecordingFile::finish(const nlohmann::ordered_json& facts) {
+    std::string tail = facts.dump(2);
+    const std::uint64_t facts_size = tail.size();
+    put(tail, facts_size, 8);
+    put(tail, state_->ticks, 8);
+    if (auto written = write(tail); !written.ok()) return written;
+    std::string hash;
+    put(hash, XXH64_digest(state_->hash), 8);
+    if (auto written = write(hash); !written.ok()) return written;
+    state_->out.close();
+    return state_->file.commit();
+}
+
+void ReplayHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) {
+    const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick)];
+    std::copy(recorded.goals.begin(), recorded.goals.end(), goals.begin());
+}
+
+Result<void> ReplayCheck::take(const TouchTick& tick) {
+    if (difference_) return {};
+    const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick.tick)];
+    const std::string where = "tick " + std::to_string(tick.tick);
+    if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
+        recorded.blend != tick.field.blend()) {
+        difference_ = where + ": between frames " + std::to_string(tick.pair.prev.number) + " and " +
+                      std::to_string(tick.pair.next.number) + ", recorded between " +
+                      std::to_string(recorded.frame_prev) + " and " + std::to_string(recorded.frame_next);
+        return {};
+    }
+    for (std::size_t k = 0; k < tick.forces.size(); ++k) {
+        if (same_bits(recorded.forces[k], tick.forces[k].force) &&
+            recorded.guards[k] == tick.forces[k].reasons)
+            continue;
+        difference_ = where + ", finger " + std::to_string(k) + ": force " + to_text(tick.forces[k].force) +
+                      " N, recorded " + to_text(recorded.forces[k]) + " N";
+        return {};
+    }
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "device/hand.hpp"
+#include "engine/media/new_file.hpp"
+#include "player/touch_session.hpp"
+
+namespace touchable {
+
+inline constexpr int recording_format_version = 1;
+
+/// One tick of a recording; `goals`, `forces` and `guards` have one element per finger.
+struct RecordedTick {
+    std::int64_t time_ns = 0, frame_prev = 0, frame_next = 0;
+    double blend = 0;
+    std::vector<glm::dvec3> goals;   ///< world, scene units, as the hand gave them
+    std::vector<glm::dvec3> forces;  ///< guarded, newtons
+    std::vector<std::uint32_t> guards;
+};
+
+/// All that a run needs to be repeated: what was set (`facts`: clip, scene, fingers, settings, hashes), and
+/// what happened tick by tick. On disk (docs/recording.md): little-endian ticks, the facts as JSON, sizes,
+/// and an XXH64 of it all, so that a file cut short or changed is refused.
+struct Recording {
+    nlohmann::ordered_json facts;
+    int fingers = 0;
+    std::vector<RecordedTick> ticks;
+};
+/// Refuses what is not a recording, is damaged, or is of a newer version.
+Result<Recording> read_recording(const std::filesystem::path& file);
+
+/// `--record FILE`.
+class RecordingFile final : public TouchSink {
+public:
+    static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers);
+    ~RecordingFile() override;
+    Result<void> take(const TouchTick& tick) override;
+    /// Adds the facts and gives the file its name; without this nothing is left behind.
+    Result<void> finish(const nlohmann::ordered_json& facts);
+
+private:
+    struct State;
+    RecordingFile(const std::filesystem::path& file, int fingers);
+    Result<void> write(const std::string& bytes);
+    std::unique_ptr<State> state_;
+};
+
+/// `--replay FILE`: the recorded goals as a hand.
+class ReplayHand final : public Hand {
+public:
+    explicit ReplayHand(const Recording& recording) : recording_(recording) {}
+    int fingers() const override { return recording_.fingers; }
+    void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
+    std::optional<std::int64_t> ticks() const override {
+        return static_cast<std::int64_t>(recording_.ticks.size());
+    }
+
+private:
+    const Recording& recording_;
+};
+
+/// Compares each tick with the recorded one, bit for bit, and remembers the first difference.
+class ReplayCheck final : public TouchSink {
+public:
+    explicit ReplayCheck(const Recording& recording) : recording_(recording) {}
+    Result<void> take(const TouchTick& tick) override;
+    /// What differs first: tick, finger, and both values; nothing where all is the same.
+    const std::optional<std::string>& difference() const { return difference_; }
+
+private:
+    const Recording& recording_;
+    std::optional<std::string> difference_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,85 @@
+#include "player/surface_feed.hpp"
+
+#include <xxhash.h>
+
+#include <array>
+#include <cassert>
+#include <chrono>
+#include <cstdio>
+
+namespace touchable {
+
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+struct SurfaceFeed::PlanesHash {
+    XXH64_state_t* state = XXH64_createState();
+    PlanesHash() { XXH64_reset(state, 0); }
+    ~PlanesHash() { XXH64_freeState(state); }
+    PlanesHash(const PlanesHash&) = delete;
+    PlanesHash& operator=(const PlanesHash&) = delete;
+
+    void add(const PlaneView& plane) {
+        if (plane.empty()) return;
+        const auto row_bytes = static_cast<std::size_t>(plane.width) *
+                               static_cast<std::size_t>(plane.channels) *
+                               static_cast<std::size_t>(plane.bytes_per_sample);
+        for (int y = 0; y < plane.height; ++y) XXH64_update(state, plane.row(y), row_bytes);
+    }
+};
+
+SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
+                         const Scene& scene)
+    : reader_(std::move(reader)),
+      builder_(std::move(builder)),
+      rate_(scene.rate),
+      hash_(std::make_unique<PlanesHash>()) {}
+
+SurfaceFeed::~SurfaceFeed() = default;
+
+Result<void> SurfaceFeed::publish_next() {
+    auto start = std::chrono::steady_clock::now();
+    auto raw = reader_->next();
+    if (!raw.ok()) return raw.error();
+    if (!*raw) {
+        ended_ = true;
+        end_ns_ = rate_.time_ns(frames_);
+        return {};
+    }
+    read_ms_.push_back(milliseconds_since(start));
+    for (const PlaneView* plane : {&(*raw)->depth, &(*raw)->haptic, &(*raw)->height}) hash_->add(*plane);
+
+    start = std::chrono::steady_clock::now();
+    SurfaceFrame* slot = timeline_.acquire();
+    assert(slot && "the reader of virtual time never holds more than a pair");
+    if (auto built = builder_->build(**raw, *slot); !built.ok()) return built;
+    build_ms_.push_back(milliseconds_since(start));
+    ++frames_;
+    return timeline_.publish((*raw)->number, (*raw)->time_ns);
+}
+
+Result<FramePair> SurfaceFeed::pair_at(std::int64_t time_ns) {
+    FramePair pair;
+    // The reader's oldest frame follows it before each build, so that a slot is free however far time jumps.
+    while (!ended_ && timeline_.newest_time() <= time_ns) {
+        timeline_.pair_at(time_ns, pair);
+        if (auto published = publish_next(); !published.ok()) return published.error();
+    }
+    if (!timeline_.pair_at(time_ns, pair))
+        return input_error("the clip has no frames; there is nothing to touch");
+    return pair;
+}
+
+std::string SurfaceFeed::planes_hash() const {
+    std::array<char, 17> text;
+    std::snprintf(text.data(), text.size(), "%016llx",
+                  static_cast<unsigned long long>(XXH64_digest(hash_->state)));
+    return text.data();
+}
+
+}  // namespace touchable

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/frame/surface_timeline.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/surface/surface_builder.hpp"
+
+namespace touchable {
+
+/// A clip's frames on their way into the timeline, in virtual time and on the caller's thread: whoever asks
+/// for a moment finds the frames around it published.
+class SurfaceFeed {
+public:
+    /// `scene`: the reader's, as this run applies it.
+    SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
+                const Scene& scene);
+
+    /// Reads and builds until a frame later than `time_ns` is published or the clip has ended, then gives the
+    /// pair around that time. Times must not go backward. An empty clip is an error.
+    Result<FramePair> pair_at(std::int64_t time_ns);
+
+    const ClipReader& reader() const { return *reader_; }
+    std::string_view builder_name() const { return builder_->name(); }
+    std::int64_t frames() const { return frames_; }  ///< published so far
+    bool ended() const { return ended_; }
+    /// End of the last frame's time on screen, once the clip has ended.
+    std::int64_t end_ns() const { return end_ns_; }
+    /// Per frame, milliseconds.
+    const std::vector<double>& read_ms() const { return read_ms_; }
+    const std::vector<double>& build_ms() const { return build_ms_; }
+    /// XXH64 of the touch planes (depth, haptic, height) of all frames so far, hexadecimal: what a recording
+    /// of forces depends on.
+    std::string planes_hash() const;
+    ~SurfaceFeed();
+
+private:
+    struct PlanesHash;
+    Result<void> publish_next();
+
+    std::unique_ptr<ClipReader> reader_;
+    std::unique_ptr<SurfaceBuilder> builder_;
+    FrameRate rate_;
+    SurfaceTimeline timeline_{4};
+    std::unique_ptr<PlanesHash> hash_;
+    std::int64_t frames_ = 0, end_ns_ = 0;
+    bool ended_ = false;
+    std::vector<double> read_ms_, build_ms_;
+};
+
+}  // namespace touchable

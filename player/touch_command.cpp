@@ -1,0 +1,97 @@
+#include "player/touch_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+
+#include "player/touch_run.hpp"
+
+namespace touchable {
+
+namespace {
+
+/// Options as typed; what has a unit of its own on the command line is converted once they are read.
+struct TouchWords {
+    TouchOptions options;
+    double max_stiffness_n_mm = 10;
+    double seconds = 0;
+    std::vector<CLI::Option*> fixed_by_recording;
+    CLI::Option* clip = nullptr;
+    CLI::Option* duration = nullptr;
+};
+
+Result<TouchOptions> read_words(const TouchWords& words) {
+    TouchOptions options = words.options;
+    options.guard.max_stiffness = words.max_stiffness_n_mm * 1000;
+    if (words.duration->count() > 0) options.ticks = static_cast<std::int64_t>(words.seconds * 1000 + 0.5);
+    if (options.replay) {
+        for (const CLI::Option* option : words.fixed_by_recording)
+            if (option->count() > 0)
+                return usage_error(option->get_name() +
+                                   " comes from the recording; leave it out with --replay");
+    } else if (words.clip->count() == 0) {
+        return usage_error("touch needs a CLIP, or a recording to --replay; see touchable touch -h");
+    }
+    return options;
+}
+
+}  // namespace
+
+void add_touch_command(CLI::App& app, Command& command) {
+    auto* sub = app.add_subcommand(
+        "touch", "touch a clip with a scripted or recorded hand: forces, figures, a recording");
+    auto words = std::make_shared<TouchWords>();
+    TouchOptions& o = words->options;
+    const std::map<std::string, TouchMetric> metrics{{"world", TouchMetric::world},
+                                                     {"pixel", TouchMetric::pixel}};
+    const std::map<std::string, FrameInterpolation> interpolations{{"hold", FrameInterpolation::hold},
+                                                                   {"linear", FrameInterpolation::linear}};
+
+    words->clip = sub->add_option("CLIP", o.clip, "a clip, a folder of images, or a scene file");
+    sub->add_option("--scene", o.scene, "scene file that describes the clip instead of its own");
+    sub->add_option("--builder", o.builder,
+                    "how frames become a surface: cpu, lazy (only where touched), or reference")
+        ->check(CLI::IsMember({"cpu", "lazy", "reference"}))
+        ->capture_default_str();
+    sub->add_option("--json", o.json, "write the figures as JSON");
+    sub->add_option("--forces", o.forces, "write goal, proxy and force of every tick and finger as CSV");
+    auto* record = sub->add_option("--record", o.record, "keep what it takes to repeat the run");
+    auto* replay =
+        sub->add_option("--replay", o.replay, "repeat a recorded run and compare every force with it");
+    record->excludes(replay);
+
+    words->duration =
+        sub->add_option("--seconds", words->seconds, "length of the run (as long as the hand or the clip)")
+            ->check(CLI::Range(0.001, 1e6));
+    words->fixed_by_recording = {
+        words->duration,
+        sub->add_option("--hand", o.hand,
+                        "wander, stroke, press, poke or csv:FILE, each with :key=value,... "
+                        "(docs/hands.md)")
+            ->capture_default_str(),
+        sub->add_option("--fingers", o.fingers, "copies of the hand's path, spread on a circle")
+            ->check(CLI::Range(1, 256))
+            ->capture_default_str(),
+        sub->add_option("--metric", o.metric,
+                        "where distances are measured: world, or pixel (the paper's, to compare)")
+            ->transform(CLI::CheckedTransformer(metrics)),
+        sub->add_option("--median", o.median, "window side instead of the scene's: 0 (off), 3 or 5"),
+        sub->add_option("--fill-holes", o.fill_holes, "passes instead of the scene's: 0 to 16"),
+        sub->add_option("--interpolation", o.interpolation,
+                        "between frames, instead of the scene's: hold or linear")
+            ->transform(CLI::CheckedTransformer(interpolations)),
+        sub->add_option("--max-force", o.guard.max_force, "N: what the device can exert on a finger")
+            ->capture_default_str(),
+        sub->add_option("--max-stiffness", words->max_stiffness_n_mm, "N/mm: what the device renders stably")
+            ->capture_default_str()};
+
+    sub->callback([words, &command] {
+        command = [words]() -> Result<void> {
+            const auto options = read_words(*words);
+            if (!options.ok()) return options.error();
+            return run_touch(*options);
+        };
+    });
+}
+
+}  // namespace touchable

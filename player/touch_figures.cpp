@@ -1,0 +1,120 @@
+#include "player/touch_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+
+namespace touchable {
+
+namespace {
+
+// A proxy is on the surface by construction; this is room for the roundings of checking it in the world.
+constexpr double behind_tolerance = 1e-9;
+
+bool is_finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+nlohmann::ordered_json to_json(const Spread& s) {
+    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+}  // namespace
+
+Spread spread_of(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    auto quantile = [&values](double share) {
+        const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+        return values[std::min(rank, values.size() - 1)];
+    };
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return {sum / static_cast<double>(values.size()), quantile(0.5), quantile(0.99), quantile(0.999),
+            values.back()};
+}
+
+Result<void> TouchFigures::take(const TouchTick& tick) {
+    bool contact = false, behind = false, nonfinite = false, capped = false, guarded = false;
+    for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
+        const Contact& c = tick.contacts[k];
+        const glm::dvec3& force = tick.forces[k].force;
+        hash_.add(force);
+        contact |= c.touching;
+        finger_contact_ticks_ += c.touching;
+        behind |= is_behind_surface(tick.field, c.proxy, behind_tolerance);
+        nonfinite |= !is_finite(c.proxy) || !is_finite(force);
+        capped |= c.counts.capped;
+        guarded |= tick.forces[k].reasons != guard_none;
+        events_ += c.counts.events;
+        if (!c.touching) continue;
+        const double newtons = std::sqrt(glm::dot(force, force));
+        force_sum_ += newtons;
+        force_max_ = std::max(force_max_, newtons);
+    }
+    ++ticks_;
+    finger_ticks_ += static_cast<std::int64_t>(tick.contacts.size());
+    contact_ticks_ += contact;
+    behind_ticks_ += behind;
+    nonfinite_ticks_ += nonfinite;
+    capped_ticks_ += capped;
+    guarded_ticks_ += guarded;
+    tick_us_.push_back(tick.solve_us);
+    return {};
+}
+
+nlohmann::ordered_json TouchFigures::to_json() const {
+    auto share = [](double part, std::int64_t whole) {
+        return whole ? part / static_cast<double>(whole) : 0.0;
+    };
+    return {{"ticks", ticks_},
+            {"contact_ticks", contact_ticks_},
+            {"finger_contact_pct", 100.0 * share(static_cast<double>(finger_contact_ticks_), finger_ticks_)},
+            {"proxy_behind_mesh_ticks", behind_ticks_},
+            {"nonfinite_ticks", nonfinite_ticks_},
+            {"capped_ticks", capped_ticks_},
+            {"guarded_ticks", guarded_ticks_},
+            {"late_ticks", 0},  // virtual time is never late
+            {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
+            {"force_hash", force_hash()},
+            {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
+            {"tick_us", touchable::to_json(spread_of(tick_us_))}};
+}
+
+std::string report_to_text(const nlohmann::ordered_json& r) {
+    std::string text;
+    auto line = [&text](const char* name, const std::string& value) {
+        char buffer[256];
+        std::snprintf(buffer, sizeof buffer, "  %-22s%s\n", name, value.c_str());
+        text += buffer;
+    };
+    auto number = [](double value, const char* format) {
+        char buffer[64];
+        std::snprintf(buffer, sizeof buffer, format, value);
+        return std::string(buffer);
+    };
+    auto count = [&r](const char* name) { return std::to_string(r[name].get<std::int64_t>()); };
+    auto spread = [&](const nlohmann::ordered_json& s) {
+        return number(s["mean"], "%.3g mean") + number(s["p50"], ", %.3g median") +
+               number(s["p99"], ", %.3g p99") + number(s["max"], ", %.3g max");
+    };
+    line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
+                     count("frames") + " frames");
+    line("surface", r["builder"].get<std::string>() + " builder on " + r["device_name"].get<std::string>());
+    line("fingers", count("fingers") + ", " + r["hand"].get<std::string>());
+    line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
+                      number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
+    line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
+                      number(r["force_n"]["max"], "%.3f N max"));
+    line("guard", count("guarded_ticks") + " ticks changed by it");
+    line("behind the surface", count("proxy_behind_mesh_ticks") + " ticks");
+    line("not finite", count("nonfinite_ticks") + " ticks");
+    line("event limit reached", count("capped_ticks") + " ticks");
+    line("time per tick", spread(r["tick_us"]) + " us, all fingers");
+    line("time per frame", spread(r["frame_ms"]) + " ms");
+    line("force hash", r["force_hash"].get<std::string>());
+    return text;
+}
+
+}  // namespace touchable

@@ -1,0 +1,118 @@
+#include "player/touch_run.hpp"
+
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <vector>
+
+#include "engine/media/new_file.hpp"
+#include "player/forces_file.hpp"
+#include "player/machine_facts.hpp"
+#include "player/recording.hpp"
+#include "player/touch_figures.hpp"
+#include "player/touch_setup.hpp"
+
+namespace touchable {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Spread& s) {
+    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+Json make_report(const TouchSetup& setup, const TouchFigures& figures) {
+    Json report{{"format", 1},
+                {"clip", setup.clip.string()},
+                {"hand", setup.hand_words},
+                {"builder", setup.feed->builder_name()},
+                {"device_name", cpu_facts().model},
+                {"width", setup.scene.width},
+                {"height", setup.scene.height},
+                {"frames", setup.feed->frames()},
+                {"fingers", setup.settings.fingers}};
+    report.update(figures.to_json());
+    // The lazy builder computes no tile as a whole, the others compute all of them.
+    report["skipped_tiles_pct"] = setup.feed->builder_name() == "lazy" ? 100.0 : 0.0;
+    report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
+    report["stages_ms"] = {{"read", spread_of(setup.feed->read_ms()).p50},
+                           {"build", spread_of(setup.feed->build_ms()).p50}};
+    return report;
+}
+
+Result<void> write_json(const std::filesystem::path& path, const Json& json) {
+    NewFile file(path);
+    std::ofstream out(file.path());
+    out << json.dump(2) << '\n';
+    out.close();
+    if (!out) return input_error("--json " + path.string() + ": cannot be written");
+    return file.commit();
+}
+
+/// What a replay found; the recorded frames and forces against these.
+Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, const TouchSetup& setup,
+                          const std::string& force_hash) {
+    const std::string frames = recording.facts.value("planes_hash", "");
+    const std::string hash = recording.facts.value("force_hash", "");
+    const bool other_frames = frames != setup.feed->planes_hash();
+    if (!check.difference() && hash == force_hash) {
+        std::cout << "replay: every force is as recorded, to the bit (" << hash << ")\n";
+        return {};
+    }
+    const std::string what = check.difference().value_or("force_hash " + force_hash + ", recorded " + hash);
+    return Error{ErrorKind::check, "replay differs first at " + what +
+                                       (other_frames ? "; the clip's frames are not the recorded ones" : "")};
+}
+
+}  // namespace
+
+Result<void> run_touch(const TouchOptions& options) {
+    std::optional<Recording> recording;
+    if (options.replay) {
+        auto read = read_recording(*options.replay);
+        if (!read.ok()) return read.error();
+        recording = std::move(*read);
+    }
+    auto setup = recording ? setup_from_recording(*recording, options) : setup_from_options(options);
+    if (!setup.ok()) return setup.error();
+    TouchSetup& s = **setup;
+
+    TouchFigures figures;
+    std::vector<TouchSink*> sinks{&figures};
+    std::unique_ptr<ForcesFile> forces;
+    if (options.forces) {
+        auto created = ForcesFile::create(*options.forces);
+        if (!created.ok()) return created.error();
+        forces = std::move(*created);
+        sinks.push_back(forces.get());
+    }
+    std::unique_ptr<RecordingFile> record;
+    if (options.record) {
+        auto created = RecordingFile::create(*options.record, s.settings.fingers);
+        if (!created.ok()) return created.error();
+        record = std::move(*created);
+        sinks.push_back(record.get());
+    }
+    std::optional<ReplayCheck> check;
+    if (recording) sinks.push_back(&check.emplace(*recording));
+
+    TouchSession session(s.scene, *s.feed, *s.hand, *s.solver, s.settings);
+    if (auto ran = session.run(sinks); !ran.ok()) return ran;
+
+    const Json report = make_report(s, figures);
+    std::cout << report_to_text(report);
+    if (forces)
+        if (auto done = forces->finish(); !done.ok()) return done;
+    if (record) {
+        Json facts = s.facts();
+        facts["planes_hash"] = s.feed->planes_hash();
+        facts["force_hash"] = figures.force_hash();
+        if (auto done = record->finish(facts); !done.ok()) return done;
+    }
+    if (options.json)
+        if (auto done = write_json(*options.json, report); !done.ok()) return done;
+    return recording ? judge_replay(*recording, *check, s, figures.force_hash()) : Result<void>{};
+}
+
+}  // namespace touchable

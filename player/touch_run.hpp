@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "engine/result.hpp"
+#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/touch_solver.hpp"
+
+namespace touchable {
+
+struct TouchOptions {
+    std::filesystem::path clip;  ///< may be empty with `replay`: the recorded one then
+    std::optional<std::filesystem::path> scene;
+    std::string hand = "wander";
+    int fingers = 1;
+    std::optional<std::int64_t> ticks;  ///< nothing: as long as the hand, or else the clip, lasts
+    std::string builder = "cpu";        ///< "cpu", "lazy" or "reference"
+    TouchMetric metric = TouchMetric::world;
+    std::optional<int> median, fill_holes;            ///< instead of the scene's own
+    std::optional<FrameInterpolation> interpolation;  ///< likewise
+    GuardSettings guard;
+    std::optional<std::filesystem::path> json, forces, record, replay;
+};
+
+/// Touches a clip offline, at 1 kHz of virtual time, prints a table, and writes what was asked for. With
+/// `replay`, does again what a recording holds: a first different force is an error of kind check that names
+/// tick and finger.
+Result<void> run_touch(const TouchOptions& options);
+
+}  // namespace touchable

@@ -1,0 +1,67 @@
+#include "player/touch_session.hpp"
+
+#include <chrono>
+
+#include "player/field_probe.hpp"
+#include "player/interrupt.hpp"
+#include "player/progress.hpp"
+
+namespace touchable {
+
+namespace {
+constexpr std::int64_t tick_ns = 1'000'000;
+}
+
+TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
+                           const TouchSessionSettings& settings)
+    : scene_(scene), feed_(feed), hand_(hand), solver_(solver), settings_(settings) {
+    const auto fingers = static_cast<std::size_t>(settings.fingers);
+    goals_.resize(fingers);
+    fingers_.resize(fingers);
+    contacts_.resize(fingers);
+    guards_.assign(fingers, ForceGuard(settings.guard));
+    forces_.resize(fingers);
+    if (!settings_.time_of_tick) settings_.time_of_tick = [](std::int64_t tick) { return tick * tick_ns; };
+}
+
+bool TouchSession::is_over(std::int64_t tick) const {
+    const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks();
+    if (ticks) return tick >= *ticks;
+    return feed_.ended() && settings_.time_of_tick(tick) >= feed_.end_ns();
+}
+
+Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
+    Progress progress("tick", settings_.ticks.value_or(hand_.ticks().value_or(0)));
+    for (std::int64_t tick = 0; !is_over(tick); ++tick) {
+        if (interrupted()) return interrupted_error();
+        progress.at(tick);
+        if (auto done = this->tick(tick, sinks); !done.ok()) return done;
+    }
+    return {};
+}
+
+Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> sinks) {
+    const std::int64_t time_ns = settings_.time_of_tick(tick);
+    const auto pair = feed_.pair_at(time_ns);
+    if (!pair.ok()) return pair.error();
+    // A clip whose length only reading tells may turn out to have ended before this tick.
+    if (is_over(tick)) return {};
+    const HeightField field(scene_, *pair);
+    hand_.goals_at(tick, FieldProbe(field), goals_);
+
+    const auto start = std::chrono::steady_clock::now();
+    const HeightField solver_field(scene_, *pair);
+    solver_.tick(solver_field, goals_, fingers_, contacts_);
+    for (std::size_t k = 0; k < guards_.size(); ++k) forces_[k] = guards_[k].guard(contacts_[k]);
+    const double solve_us =
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+
+    const TouchTick done{tick,    time_ns,   field,   *pair,
+                         goals_,  contacts_, forces_, solver_.settings().metres_per_scene_unit,
+                         solve_us};
+    for (TouchSink* sink : sinks)
+        if (auto taken = sink->take(done); !taken.ok()) return taken;
+    return {};
+}
+
+}  // namespace touchable

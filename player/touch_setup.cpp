@@ -1,0 +1,162 @@
+#include "player/touch_setup.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "device/workspace.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/field_probe.hpp"
+
+namespace touchable {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Lower median of frame 0's valid depths; the far plane where none is valid.
+double median_depth(const Scene& scene, const SurfaceFrame& frame) {
+    std::vector<double> depths;
+    for (int y = 0; y < scene.height; ++y)
+        for (int x = 0; x < scene.width; ++x)
+            if (const DepthSample sample = frame.vertices->at(x, y); sample.valid)
+                depths.push_back(sample.depth);
+    if (depths.empty()) return scene.depth.far;
+    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((depths.size() - 1) / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    return *middle;
+}
+
+Result<std::unique_ptr<SurfaceBuilder>> make_builder(const std::string& name, const Scene& scene) {
+    if (name == "cpu") return make_cpu_builder(scene);
+    if (name == "lazy") return make_lazy_builder(scene);
+    if (name == "reference") return make_reference_builder(scene);
+    return usage_error("--builder " + name + " is not known; there are cpu, lazy and reference");
+}
+
+Result<void> check_guard(const GuardSettings& guard) {
+    if (!(guard.max_force > 0)) return usage_error("--max-force must be above 0 N");
+    if (!(guard.max_stiffness > 0)) return usage_error("--max-stiffness must be above 0 N/mm");
+    return {};
+}
+
+/// Opens the clip and makes its feed; `scene` is what the run applies.
+Result<void> open_feed(TouchSetup& setup, const std::string& builder_name,
+                       const std::optional<Scene>& recorded, const TouchOptions& options) {
+    auto reader = open_clip(setup.clip, setup.scene_file);
+    if (!reader.ok()) return reader.error();
+    setup.scene = recorded ? *recorded : (*reader)->scene();
+    if (!recorded) {
+        if (options.median) setup.scene.filter.median = *options.median;
+        if (options.fill_holes) setup.scene.filter.fill_holes = *options.fill_holes;
+        if (options.interpolation) setup.scene.interpolation = *options.interpolation;
+        if (auto valid = validate(setup.scene); !valid.ok()) return usage_error(valid.error().message);
+    }
+    const Scene& stored = (*reader)->scene();
+    if (stored.width != setup.scene.width || stored.height != setup.scene.height)
+        return input_error(setup.clip.string() + ": is " + std::to_string(stored.width) + "x" +
+                           std::to_string(stored.height) + ", the recording was made on " +
+                           std::to_string(setup.scene.width) + "x" + std::to_string(setup.scene.height));
+    auto builder = make_builder(builder_name, setup.scene);
+    if (!builder.ok()) return builder.error();
+    setup.feed = std::make_unique<SurfaceFeed>(std::move(*reader), std::move(*builder), setup.scene);
+    return {};
+}
+
+Result<void> make_solver(TouchSetup& setup) {
+    auto solver = TouchSolver::create(setup.scene, setup.settings.touch);
+    if (!solver.ok()) return solver.error();
+    setup.solver = *solver;
+    return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& options) {
+    if (auto checked = check_guard(options.guard); !checked.ok()) return checked.error();
+    auto setup = std::make_unique<TouchSetup>();
+    setup->clip = options.clip;
+    setup->scene_file = options.scene;
+    setup->hand_words = options.hand;
+    if (auto opened = open_feed(*setup, options.builder, std::nullopt, options); !opened.ok())
+        return opened.error();
+
+    const auto first = setup->feed->pair_at(0);
+    if (!first.ok()) return first.error();
+    Workspace workspace = default_workspace(setup->scene.width, setup->scene.camera.fx,
+                                            median_depth(setup->scene, *first->prev.frame));
+    if (setup->scene.device_metres_per_unit)
+        workspace.metres_per_scene_unit = *setup->scene.device_metres_per_unit;
+    const HeightField field(setup->scene, *first);
+    auto hand = make_hand(options.hand, options.fingers, workspace, FieldProbe(field));
+    if (!hand.ok()) return hand.error();
+    setup->hand = std::move(*hand);
+
+    setup->settings.fingers = options.fingers;
+    setup->settings.touch.metric = options.metric;
+    setup->settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
+    setup->settings.guard = options.guard;
+    setup->settings.ticks = options.ticks;
+    if (auto made = make_solver(*setup); !made.ok()) return made.error();
+    return setup;
+}
+
+Json TouchSetup::facts() const {
+    const TouchSettings& touch = settings.touch;
+    const GuardSettings& guard = settings.guard;
+    Json facts{{"clip", clip.string()},
+               {"scene", Json::parse(scene_to_json(scene))},
+               {"hand", hand_words},
+               {"builder", feed->builder_name()},
+               {"metric", touch.metric == TouchMetric::world ? "world" : "pixel"},
+               {"S", touch.metres_per_scene_unit},
+               {"event_limit", touch.event_limit},
+               {"guard",
+                {{"max_force", guard.max_force},
+                 {"max_stiffness", guard.max_stiffness},
+                 {"ramp_in_ticks", guard.ramp_in_ticks},
+                 {"ramp_out_ticks", guard.ramp_out_ticks}}}};
+    if (scene_file) facts["scene_file"] = scene_file->string();
+    return facts;
+}
+
+Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& recording,
+                                                         const TouchOptions& options) {
+    auto setup = std::make_unique<TouchSetup>();
+    std::optional<Scene> scene;
+    try {
+        const Json& facts = recording.facts;
+        setup->clip =
+            options.clip.empty() ? std::filesystem::path(facts.at("clip").get<std::string>()) : options.clip;
+        if (facts.contains("scene_file")) setup->scene_file = facts["scene_file"].get<std::string>();
+        setup->hand_words = facts.at("hand").get<std::string>();
+        TouchSettings& touch = setup->settings.touch;
+        touch.metric = facts.at("metric") == "pixel" ? TouchMetric::pixel : TouchMetric::world;
+        touch.metres_per_scene_unit = facts.at("S");
+        touch.event_limit = facts.at("event_limit");
+        GuardSettings& guard = setup->settings.guard;
+        guard.max_force = facts.at("guard").at("max_force");
+        guard.max_stiffness = facts.at("guard").at("max_stiffness");
+        guard.ramp_in_ticks = facts.at("guard").at("ramp_in_ticks");
+        guard.ramp_out_ticks = facts.at("guard").at("ramp_out_ticks");
+        auto parsed = parse_scene(facts.at("scene").dump(), "recording " + options.replay->string());
+        if (!parsed.ok()) return parsed.error();
+        scene = *parsed;
+    } catch (const nlohmann::json::exception& fault) {
+        return input_error("recording " + options.replay->string() +
+                           ": its facts lack something: " + fault.what());
+    }
+    if (options.scene) setup->scene_file = options.scene;
+    if (auto opened = open_feed(*setup, options.builder, scene, options); !opened.ok()) return opened.error();
+    setup->hand = std::make_unique<ReplayHand>(recording);
+    setup->settings.fingers = recording.fingers;
+    setup->settings.time_of_tick = [&recording](std::int64_t tick) {
+        const auto last = static_cast<std::int64_t>(recording.ticks.size()) - 1;
+        return recording.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
+    };
+    if (auto made = make_solver(*setup); !made.ok()) return made.error();
+    return setup;
+}
+
+}  // namespace touchable

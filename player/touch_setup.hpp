@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "player/recording.hpp"
+#include "player/touch_run.hpp"
+#include "player/touch_session.hpp"
+
+namespace touchable {
+
+/// Everything a session runs on, made from options or from a recording.
+struct TouchSetup {
+    std::filesystem::path clip;
+    std::optional<std::filesystem::path> scene_file;
+    std::string hand_words;  ///< as on the command line
+    Scene scene;             ///< as this run applies it
+    std::unique_ptr<SurfaceFeed> feed;
+    std::unique_ptr<Hand> hand;
+    std::optional<TouchSolver> solver;
+    TouchSessionSettings settings;
+
+    /// What a recording keeps of it; `setup_from_recording` reads the same members.
+    nlohmann::ordered_json facts() const;
+};
+
+Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& options);
+/// The recorded run, over `options.clip` if that is given, with `options.builder`. `recording` outlives the
+/// setup.
+Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& recording,
+                                                         const TouchOptions& options);
+
+}  // namespace touchable
