@@ -14,6 +14,7 @@ namespace {
 
 constexpr double entry_s = 0.25;       // a hand comes down in this time ...
 constexpr double entry_height = 0.05;  // ... from this far above, device metres
+constexpr double settling_s = 0.1;     // time constant of the depth that pixels are measured at
 constexpr double nearest_goal = 0.1;  // a goal stays this share of the surface's depth in front of the camera
 
 /// Device metres that one pixel spans at `depth`, across and down.
@@ -43,9 +44,8 @@ ScriptedHand::ScriptedHand(const Settings& settings, std::unique_ptr<HandScript>
 
 /// The depth at or nearest to `pixel`; where nothing is to be seen, that of the device's centre.
 double ScriptedHand::start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel) const {
-    if (const std::optional<SurfacePoint> found = nearest_surface(probe, pixel, settings_.box))
-        return found->depth;
-    return device_depth(settings_.workspace);
+    const std::optional<SurfacePoint> found = nearest_surface(probe, pixel, settings_.box);
+    return found ? found->depth : device_depth(settings_.workspace);
 }
 
 void ScriptedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) {
@@ -63,11 +63,13 @@ void ScriptedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::s
     }
 }
 
+/// The depth at which pixels are measured follows the surface gently, or all fingers would jerk sideways
+/// whenever the centre crosses a silhouette.
 void ScriptedHand::look_at_ground(const SurfaceProbe& probe) {
     const glm::dvec2 pixel = script_->pixel();
-    const std::optional<double> depth = probe.depth_under(pixel.x, pixel.y);
-    centre_depth_ = depth.value_or(centre_depth_);
-    ground_.surface = depth.has_value();
+    const std::optional<double> seen = probe.depth_under(pixel.x, pixel.y);
+    if (seen) centre_depth_ += (*seen - centre_depth_) * (tick_s / settling_s);
+    ground_.surface = seen.has_value();
     ground_.metres_per_pixel =
         pixel_size(probe, pixel, centre_depth_, settings_.workspace.metres_per_scene_unit);
 }

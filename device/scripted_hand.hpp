@@ -37,8 +37,8 @@ private:
     std::unique_ptr<HandScript> script_;
     std::vector<glm::dvec2> offsets_;  // of the fingers, device metres, x right, y up
     Ground ground_{};
-    double centre_depth_;         // planar, scene units: under the script's pixel, or the last there was
-    std::vector<double> depths_;  // the same for each finger
+    double centre_depth_;               // planar, scene units: where pixels are measured
+    std::vector<double> depths_;        // planar, scene units: under each finger, or the last there was
     std::vector<glm::dvec3> previous_;  // goals of the tick before
 };
 

@@ -1,0 +1,91 @@
+#include "device/csv_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/device/temporary_file.hpp"
+
+namespace touchable {
+namespace {
+
+std::string refusal_of(const std::string& text, const std::string& column = "") {
+    const TemporaryFile file("table.csv", text);
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    Error error;
+    if (!table) {
+        error = table.error();
+    } else {
+        const Result<std::size_t> at = table->column(column);
+        if (!at) {
+            error = at.error();
+        } else {
+            const Result<std::vector<double>> numbers = table->numbers(*at);
+            if (numbers) return "accepted";
+            error = numbers.error();
+        }
+    }
+    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_TRUE(error.message.starts_with(file.path() + ": ")) << error.message;
+    return error.message.substr(file.path().size() + 2);
+}
+
+TEST(CsvTable, ReadsNamedColumns) {
+    const TemporaryFile file("table.csv", "t,\"x, m\",note\n0,1.5,a\n0.5, -2e-3 ,b\n1,+7,\"c,d\"\n");
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_TRUE(table.ok()) << table.error().message;
+    EXPECT_EQ(table->rows(), 3u);
+    EXPECT_EQ(table->columns(), 3u);
+    EXPECT_TRUE(table->names("x, m"));
+    EXPECT_FALSE(table->names("y"));
+    EXPECT_EQ(*table->column("x, m"), 1u);
+    EXPECT_EQ(*table->numbers(1), (std::vector<double>{1.5, -2e-3, 7}));
+    EXPECT_FALSE(table->numbers(2).ok());
+}
+
+TEST(CsvTable, WithoutAHeaderColumnsHaveNumbersFromOne) {
+    const TemporaryFile file("table.csv", "1,2\n3,4\n");
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_TRUE(table.ok());
+    EXPECT_EQ(table->rows(), 2u);
+    EXPECT_EQ(*table->numbers(*table->column("2")), (std::vector<double>{2, 4}));
+    EXPECT_FALSE(table->column("0").ok());
+    EXPECT_FALSE(table->column("3").ok());
+}
+
+TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
+    for (const std::string text : {"a,b\n1,2\n", "a,b\r\n1,2\r\n", "a,b\n1,2", "a,b\n1,2\n\n",
+                                   "\xEF\xBB\xBF"
+                                   "a,b\n1,2\n"}) {
+        const TemporaryFile file("table.csv", text);
+        const Result<CsvTable> table = CsvTable::read(file.path());
+        ASSERT_TRUE(table.ok()) << text;
+        EXPECT_EQ(table->rows(), 1u) << text;
+        EXPECT_EQ(*table->column("a"), 0u) << text;
+        EXPECT_EQ(*table->numbers(1), std::vector<double>{2}) << text;
+    }
+}
+
+TEST(CsvTable, RefusalNamesLineAndColumn) {
+    EXPECT_EQ(refusal_of("a,b\n1,2\n3,x\n", "b"), "line 3, column 'b' holds 'x'; expected a finite number");
+    EXPECT_EQ(refusal_of("a,b\n1,\n", "b"), "line 2, column 'b' holds nothing; expected a finite number");
+    EXPECT_EQ(refusal_of("a,b\n1,nan\n", "b"), "line 2, column 'b' holds 'nan'; expected a finite number");
+    EXPECT_EQ(refusal_of("1\n-inf\n", "1"), "line 2, column '1' holds '-inf'; expected a finite number");
+    EXPECT_EQ(refusal_of("a,b\n1,1e999\n", "b"),
+              "line 2, column 'b' holds '1e999'; expected a finite number");
+    EXPECT_EQ(refusal_of("a,b\n1,2\n", "c"), "has no column 'c'; columns are 1 to 2, a, b");
+    EXPECT_EQ(refusal_of("a,b\n1,2\n3\n"), "line 3 has 1 fields; the lines before have 2");
+    EXPECT_EQ(refusal_of("a,b\n1,2\n\n3,4\n"), "line 3 has 1 fields; the lines before have 2");
+    EXPECT_EQ(refusal_of(""), "has no row of data; expected numbers");
+    EXPECT_EQ(refusal_of("a,b\n"), "has no row of data; expected numbers");
+    EXPECT_EQ(refusal_of("a,\"b\n1,2\n"), "line 1: a quote is opened and not closed");
+    EXPECT_EQ(refusal_of("a,\"b\"c\n1,2\n"), "line 1: text follows a closing quote; expected a comma");
+    EXPECT_EQ(refusal_of(std::string("a,b\n1,\0\n", 8)),
+              "line 2 holds bytes that are no text; give a comma-separated table");
+}
+
+TEST(CsvTable, RefusesWhatIsNoFile) {
+    EXPECT_FALSE(CsvTable::read(::testing::TempDir() + "there-is-no-such.csv").ok());
+    EXPECT_FALSE(CsvTable::read(::testing::TempDir()).ok());
+}
+
+}  // namespace
+}  // namespace touchable
