@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
+#include <vector>
 
 #include "engine/content/families.hpp"
 #include "engine/content/planet_look.hpp"
@@ -83,7 +85,9 @@ private:
     bool moves() const override { return true; }
     void paint(double t, FramePlanes& planes) const override;
     Sight look(int x, int y, const Turn& turn) const;
-    glm::dvec3 colour(const std::vector<Sight>& sights, int x, int y) const;
+    std::vector<Sight> look_along(int y, const Turn& turn) const;
+    void colour_row(const std::vector<Sight>& above, const std::vector<Sight>& row,
+                    const std::vector<Sight>& below, int y, FramePlanes& planes) const;
     void touch(const Sight& sight, FramePlanes& planes) const;
 
     Planet planet_;
@@ -106,24 +110,34 @@ PlanetGlobe::Sight PlanetGlobe::look(int x, int y, const Turn& turn) const {
     return sight;
 }
 
-glm::dvec3 PlanetGlobe::colour(const std::vector<Sight>& sights, int x, int y) const {
-    const int width = scene().width, height = scene().height;
-    const auto at = [&](int i, int j) -> const Sight& {
-        return sights[static_cast<std::size_t>(std::clamp(j, 0, height - 1)) *
-                          static_cast<std::size_t>(width) +
-                      static_cast<std::size_t>(std::clamp(i, 0, width - 1))];
-    };
-    const Sight& sight = at(x, y);
-    const glm::dvec3 sky = sky_colour(x, y, width, sight.normal, std::max(0.0, sight.altitude));
-    if (sight.coverage == 0) return sky;
-    // The ground's rise per radius across the picture, foreshortened back, toward the sun.
+std::vector<PlanetGlobe::Sight> PlanetGlobe::look_along(int y, const Turn& turn) const {
+    std::vector<Sight> row;
+    row.reserve(static_cast<std::size_t>(scene().width));
+    for (int x = 0; x < scene().width; ++x) row.push_back(look(x, y, turn));
+    return row;
+}
+
+void PlanetGlobe::colour_row(const std::vector<Sight>& above, const std::vector<Sight>& row,
+                             const std::vector<Sight>& below, int y, FramePlanes& planes) const {
     const double radius_pixels = scene().camera.fx * sphere_.radius / -sphere_.centre.z;
-    const double rise_x = 0.5 * (at(x + 1, y).ground.relief - at(x - 1, y).ground.relief);
-    const double rise_y = 0.5 * (at(x, y - 1).ground.relief - at(x, y + 1).ground.relief);
-    const double facing = std::max(0.0, glm::dot(sight.normal, sight.to_eye));
-    const double slope = -(rise_x * sunward.x + rise_y * sunward.y) * radius_pixels * facing;
-    const glm::dvec3 surface = planet_colour(sight.ground, sight.normal, sight.to_eye, 0.16 * slope);
-    return sky + sight.coverage * (surface - sky);
+    for (std::size_t x = 0; x < row.size(); ++x) {
+        const Sight& sight = row[x];
+        glm::dvec3 colour =
+            sky_colour(static_cast<int>(x), y, scene().width, sight.normal, std::max(0.0, sight.altitude));
+        if (sight.coverage > 0) {
+            // The ground's rise per radius across the picture, foreshortened back, toward the sun.
+            const Sight &left = row[x == 0 ? 0 : x - 1], &right = row[std::min(x + 1, row.size() - 1)];
+            const double rise_x = 0.5 * (right.ground.relief - left.ground.relief);
+            const double rise_y = 0.5 * (above[x].ground.relief - below[x].ground.relief);
+            const double facing = std::max(0.0, glm::dot(sight.normal, sight.to_eye));
+            const double slope = -(rise_x * sunward.x + rise_y * sunward.y) * radius_pixels * facing;
+            const double exaggeration = 0.16;
+            const glm::dvec3 surface =
+                planet_colour(sight.ground, sight.normal, sight.to_eye, exaggeration * slope);
+            colour += sight.coverage * (surface - colour);
+        }
+        for (const std::uint8_t byte : to_bytes(colour)) planes.colour.push_back(byte);
+    }
 }
 
 /// Code of a property value in its range (Eq. 1 turned round).
@@ -154,17 +168,18 @@ void PlanetGlobe::paint(double t, FramePlanes& planes) const {
     const double turns = first_turn + t / seconds_per_turn;
     const Turn turn(2 * pi * (turns - std::floor(turns)));
     const auto pixels = static_cast<std::size_t>(scene().width) * static_cast<std::size_t>(scene().height);
-    std::vector<Sight> sights;
-    sights.reserve(pixels);
-    for (int y = 0; y < scene().height; ++y)
-        for (int x = 0; x < scene().width; ++x) sights.push_back(look(x, y, turn));
     planes.colour.reserve(3 * pixels);
     planes.haptic.reserve(3 * pixels);
     planes.height.reserve(pixels);
-    for (int y = 0; y < scene().height; ++y)
-        for (int x = 0; x < scene().width; ++x)
-            for (const std::uint8_t byte : to_bytes(colour(sights, x, y))) planes.colour.push_back(byte);
-    for (const Sight& sight : sights) touch(sight, planes);
+    // A row's relief is lit by its neighbours'; three rows at a time keep a large picture small in memory.
+    std::vector<Sight> row = look_along(0, turn), above = row;
+    for (int y = 0; y < scene().height; ++y) {
+        std::vector<Sight> below = y + 1 < scene().height ? look_along(y + 1, turn) : row;
+        colour_row(above, row, below, y, planes);
+        for (const Sight& sight : row) touch(sight, planes);
+        above = std::move(row);
+        row = std::move(below);
+    }
 }
 
 }  // namespace
