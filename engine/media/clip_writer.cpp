@@ -136,6 +136,7 @@ Result<void> MatroskaWriter::add_track(PlaneRole role, const RawFrame& first) {
     if (!stream || avcodec_parameters_from_context(stream->codecpar, &track->codec()) < 0)
         return refuse("out of memory");
     stream->time_base = {1, 1000};
+    stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
     const std::string name(role_name(role));
     av_dict_set(&stream->metadata, clip_tags::role_tag, name.c_str(), 0);
     av_dict_set(&stream->metadata, "title", name.c_str(), 0);

@@ -255,7 +255,7 @@ Result<void> MatroskaReader::check_end(const std::vector<std::string>& present,
                                        const std::vector<std::string>& ended) const {
     const std::string where = "track " + ended.front() + ", frame " + std::to_string(number_);
     if (!present.empty()) return refuse(where + ": is missing, though track " + present.front() + " has it");
-    if (number_ == 0 || number_ == promised_) return {};
+    if (number_ == 0 || number_ >= promised_) return {};
     return refuse(where + ": is where the clip ends, but it promises " + std::to_string(promised_) +
                   " frames: it is truncated or damaged");
 }

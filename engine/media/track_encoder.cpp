@@ -34,9 +34,18 @@ void copy_samples(const PlaneView& plane, AVFrame& frame) {
     }
 }
 
-/// Slices decode side by side; a picture too small to be worth four, or to be cut into them, is one.
-int slice_count(const PlaneView& plane) {
-    return plane.width >= 32 && plane.height >= 32 ? 4 : 1;
+/// How a picture is cut: n x n slices, which decode side by side, none over 4 megapixels; 0 where FFmpeg's
+/// FFV1 has no way to cut it. (It wants at least 2 x 2 slices beyond 352x288, and where a slice would be 1
+/// pixel wide or high it writes slice positions that cannot be read back.)
+int slice_count(int width, int height) {
+    if (width >= 32 && height >= 32) {
+        constexpr int largest = 1 << 22;
+        int n = 2;
+        while (((width + n - 1) / n) * ((height + n - 1) / n) > largest) ++n;
+        return n * n;
+    }
+    if (width > 352 || height > 288) return width >= 4 && height >= 4 ? 4 : 0;
+    return width >= 2 && height >= 2 ? 1 : 0;
 }
 
 }  // namespace
@@ -44,6 +53,11 @@ int slice_count(const PlaneView& plane) {
 Result<TrackEncoder> TrackEncoder::open(PlaneRole role, const PlaneView& first, const Scene& scene) {
     const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_FFV1);
     if (!codec) return encoder_error(role, "this FFmpeg has no FFV1");
+    const int slices = slice_count(first.width, first.height);
+    if (slices == 0)
+        return input_error("pictures of " + std::to_string(first.width) + "x" + std::to_string(first.height) +
+                           " cannot be stored: FFV1 needs sides of at least 2 pixels, and of 4 where one is "
+                           "over 352 wide or 288 high");
     TrackEncoder track;
     track.role_ = role;
     track.codec_.reset(avcodec_alloc_context3(codec));
@@ -55,7 +69,7 @@ Result<TrackEncoder> TrackEncoder::open(PlaneRole role, const PlaneView& first, 
     settings.pix_fmt = format_of(role, first, scene);
     settings.time_base = {1, 1000};
     settings.gop_size = 1;
-    settings.slices = slice_count(first);
+    settings.slices = slices;
     settings.thread_count = 1;
     settings.level = 3;
     settings.flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;

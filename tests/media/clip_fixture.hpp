@@ -1,0 +1,181 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/media/clip.hpp"
+
+namespace touchable::test {
+
+/// A folder of its own for one test, gone with it.
+class TemporaryFolder {
+public:
+    TemporaryFolder() {
+        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+        std::string name = std::string("touchable-") + test->test_suite_name() + "-" + test->name();
+        for (char& c : name)
+            if (c == '/') c = '-';
+        path_ = std::filesystem::path(::testing::TempDir()) / name;
+        std::filesystem::remove_all(path_);
+        std::filesystem::create_directories(path_);
+    }
+    ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    const std::filesystem::path& path() const { return path_; }
+    std::size_t file_count() const {
+        return static_cast<std::size_t>(
+            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator{}));
+    }
+
+private:
+    std::filesystem::path path_;
+};
+
+inline std::string read_bytes(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+inline void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+inline Scene small_scene(int width, int height, int depth_bits = 8) {
+    Scene scene;
+    scene.name = "small";
+    scene.width = width;
+    scene.height = height;
+    scene.camera = {50, 50, width / 2.0, height / 2.0};
+    scene.depth.near = 10;
+    scene.depth.far = 200;
+    scene.depth_bits = depth_bits;
+    scene.depth.code_max = static_cast<std::uint16_t>((1 << depth_bits) - 1);
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+/// Which planes a test clip has beside depth, and how its values lie.
+struct Planes {
+    bool colour = false, haptic = false, height = false;
+    bool noisy = true;  ///< uniform over the whole range; else a ramp
+};
+
+/// The same numbers on every machine.
+class Numbers {
+public:
+    explicit Numbers(std::uint64_t seed) : state_(seed) {}
+    std::uint64_t next() {  // splitmix64
+        std::uint64_t z = state_ += 0x9E3779B97F4A7C15U;
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+        return z ^ (z >> 31);
+    }
+    int below(int limit) { return static_cast<int>(next() % static_cast<std::uint64_t>(limit)); }
+
+private:
+    std::uint64_t state_;
+};
+
+using Samples = std::vector<std::uint8_t>;
+
+/// A plane in rows padded by some bytes, so that strides matter.
+inline PlaneView test_plane(Samples& memory, int width, int height, int bytes, int channels, int largest,
+                            std::uint64_t seed, bool noisy) {
+    Numbers numbers(seed);
+    const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(width) * bytes * channels + 6;
+    memory.assign(static_cast<std::size_t>(stride * height), 0xEE);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width * channels; ++x) {
+            const int value =
+                noisy ? numbers.below(largest + 1) : (x + y + static_cast<int>(seed)) % (largest + 1);
+            std::uint8_t* at = memory.data() + stride * y + x * bytes;
+            if (bytes == 1) *at = static_cast<std::uint8_t>(value);
+            const auto wide = static_cast<std::uint16_t>(value);
+            if (bytes == 2) std::memcpy(at, &wide, 2);
+        }
+    return {memory.data(), stride, width, height, bytes, channels};
+}
+
+inline RawFrame test_frame(const Scene& scene, std::int64_t number, const Planes& planes) {
+    struct Memory {
+        Samples depth, colour, haptic, height;
+    };
+    auto memory = std::make_shared<Memory>();
+    RawFrame frame;
+    frame.number = number;
+    frame.time_ns = scene.rate.time_ns(number);
+    const auto seed = static_cast<std::uint64_t>(number) * 17 + 3;
+    const auto plane = [&](Samples& samples, int bytes, int channels, int largest, std::uint64_t salt) {
+        return test_plane(samples, scene.width, scene.height, bytes, channels, largest, seed + salt,
+                          planes.noisy);
+    };
+    frame.depth = plane(memory->depth, scene.depth_bits > 8 ? 2 : 1, 1, (1 << scene.depth_bits) - 1, 1);
+    if (planes.colour) frame.colour = plane(memory->colour, 1, 3, 255, 2);
+    if (planes.haptic) frame.haptic = plane(memory->haptic, 1, 3, 255, 3);
+    const int highest = scene.height_coding.code_max;
+    if (planes.height) frame.height = plane(memory->height, highest > 255 ? 2 : 1, 1, highest, 4);
+    frame.storage = std::move(memory);
+    return frame;
+}
+
+inline Result<void> write_clip(const std::filesystem::path& file, const Scene& scene, int frames,
+                               const Planes& planes) {
+    auto writer = create_clip(file, scene);
+    if (!writer) return writer.error();
+    for (int n = 0; n < frames; ++n)
+        if (auto written = (*writer)->write(test_frame(scene, n, planes)); !written) return written;
+    return (*writer)->finish();
+}
+
+inline bool same_plane(const PlaneView& a, const PlaneView& b) {
+    if (a.empty() || b.empty()) return a.empty() && b.empty();
+    if (a.width != b.width || a.height != b.height || a.channels != b.channels ||
+        a.bytes_per_sample != b.bytes_per_sample)
+        return false;
+    for (int y = 0; y < a.height; ++y)
+        if (std::memcmp(a.row(y), b.row(y),
+                        static_cast<std::size_t>(a.width * a.channels * a.bytes_per_sample)) != 0)
+            return false;
+    return true;
+}
+
+inline bool same_frame(const RawFrame& a, const RawFrame& b) {
+    return a.number == b.number && a.time_ns == b.time_ns && same_plane(a.depth, b.depth) &&
+           same_plane(a.colour, b.colour) && same_plane(a.haptic, b.haptic) && same_plane(a.height, b.height);
+}
+
+/// All frames, which stay alive after the reader; or the first error.
+inline Result<std::vector<RawFrame>> read_all(ClipReader& reader) {
+    std::vector<RawFrame> frames;
+    while (true) {
+        auto frame = reader.next();
+        if (!frame) return frame.error();
+        if (!*frame) return frames;
+        frames.push_back(std::move(**frame));
+    }
+}
+
+/// Frames of a clip, or the error that came first.
+inline Result<std::vector<RawFrame>> read_clip(const std::filesystem::path& file) {
+    auto reader = open_clip(file);
+    if (!reader) return reader.error();
+    return read_all(**reader);
+}
+
+/// What is wrong, or "" where nothing is.
+template <class T>
+std::string message(const Result<T>& result) {
+    return result.ok() ? "" : result.error().message;
+}
+
+}  // namespace touchable::test

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include "engine/scene/scene_file.hpp"
+#include "tests/media/clip_fixture.hpp"
+#include "tests/media/clip_remux.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// The error of reading a clip that was remuxed with changes.
+std::string refusal(const Remux& changes) {
+    const TemporaryFolder folder;
+    EXPECT_EQ(message(write_clip(folder / "good.mkv", small_scene(64, 48, 16), 5, {true, true, true, false})),
+              "");
+    remux(folder / "good.mkv", folder / "clip.mkv", changes);
+    const auto frames = read_clip(folder / "clip.mkv");
+    if (frames.ok()) return "";
+    EXPECT_EQ(frames.error().kind, ErrorKind::input);
+    EXPECT_NE(frames.error().message.find("clip.mkv: "), std::string::npos);
+    EXPECT_EQ(frames.error().message.find('\n'), std::string::npos);
+    return frames.error().message;
+}
+
+#define EXPECT_REFUSED(changes, part) EXPECT_PRED2(contains, refusal(changes), part)
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+TEST(ClipRefusal, RemuxingWithoutChangesIsReadable) {
+    EXPECT_EQ(refusal({}), "");
+}
+
+TEST(ClipRefusal, VersionMustBeOneThisProgramReads) {
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "2"}}}),
+                   "is of clip format 2; this program reads up to 1");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", ""}}}), "is not a touchable clip");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "0"}}}), "T3D_VERSION is \"0\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "1x"}}}), "T3D_VERSION is \"1x\"");
+}
+
+TEST(ClipRefusal, RateMustBeTheScenes) {
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", ""}}}), "T3D_RATE is missing");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "30"}}}), "T3D_RATE is \"30\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "30/0"}}}), "T3D_RATE is \"30/0\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "-30/1"}}}), "T3D_RATE is \"-30/1\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "25/1"}}}),
+                   "T3D_RATE is 25/1, but its scene.json says 30/1");
+    EXPECT_EQ(refusal({.file_tags = {{"T3D_RATE", "60/2"}}}), "");
+}
+
+TEST(ClipRefusal, RolesMustBeKnownAndSingle) {
+    EXPECT_REFUSED(Remux({.roles = {{"height", "warmth"}}}), "track 4 has the role \"warmth\"");
+    EXPECT_REFUSED(Remux({.roles = {{"haptic", "colour"}}}), "track 3 is a second track of role colour");
+    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}}}), "has no track of role depth");
+}
+
+TEST(ClipRefusal, RolesMustFitWhatIsStored) {
+    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"colour", "depth"}}}),
+                   "track depth, frame 0: has pixel format bgr0");
+    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"height", "depth"}}}), "needs 16-bit grey");
+    EXPECT_REFUSED(Remux({.roles = {{"depth", "height"}, {"height", "depth"}}}),
+                   "track depth, frame 0: is 8-bit grey");
+    EXPECT_REFUSED(Remux({.roles = {{"height", ""}, {"colour", "height"}}}),
+                   "track height, frame 0: has pixel format bgr0");
+}
+
+TEST(ClipRefusal, ASceneIsNeeded) {
+    EXPECT_REFUSED(Remux({.attachment_name = "notes.txt"}),
+                   "has no scene.json attached: describe it with --scene FILE");
+}
+
+TEST(ClipRefusal, HapticMustNotBeSubsampled) {
+    EXPECT_REFUSED(Remux({.transcoded = {{"haptic", "mjpeg"}}}),
+                   "track haptic, frame 0: has pixel format yuvj420p");
+}
+
+TEST(ClipRefusal, EveryTrackHasEveryFrame) {
+    const auto without = [](const std::string& role, int number) {
+        return Remux({.drop = [=](const std::string& r, int n) { return r == role && n == number; }});
+    };
+    for (const char* role : {"depth", "colour", "haptic", "height"}) {
+        const std::string track = std::string("track ") + role;
+        EXPECT_REFUSED(without(role, 2), track + ", frame 2: is missing");
+        EXPECT_REFUSED(without(role, 4), track + ", frame 4: is missing");
+    }
+    EXPECT_REFUSED(without("colour", 0), "track colour, frame 0: is missing");
+    EXPECT_REFUSED(Remux({.drop = [](const std::string&, int n) { return n == 2; }}),
+                   "track depth, frame 2: is missing");
+}
+
+TEST(ClipRefusal, DepthOfAnotherSizeThanTheSceneIsNamed) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 2, {})), "");
+    write_bytes(folder / "scene.json", scene_to_json(small_scene(41, 30)));
+    const auto reader = open_clip(folder / "clip.mkv", folder / "scene.json");
+    EXPECT_PRED2(contains, message(reader), "track depth, frame 0: is 40x30, but the scene is 41x30");
+}
+
+TEST(ClipRefusal, ValuesBeyondTheScenesBitsAreNamed) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30, 16), 2, {})), "");
+    write_bytes(folder / "scene.json", scene_to_json(small_scene(40, 30, 12)));
+    const auto reader = open_clip(folder / "clip.mkv", folder / "scene.json");
+    EXPECT_PRED2(contains, message(reader), "allows at most 4095");
+}
+
+TEST(ClipRefusal, UnreadableSceneFilesAreNamed) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 2, {})), "");
+    EXPECT_PRED2(contains, message(open_clip(folder / "clip.mkv", folder / "absent.json")), "absent.json");
+    write_bytes(folder / "scene.json", "{}");
+    EXPECT_PRED2(contains, message(open_clip(folder / "clip.mkv", folder / "scene.json")), "scene.json");
+}
+
+}  // namespace
+}  // namespace touchable::test
