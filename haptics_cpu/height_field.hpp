@@ -24,6 +24,8 @@ public:
     const Scene& scene() const { return scene_; }
     int width() const { return scene_.width; }
     int height() const { return scene_.height; }
+    /// Between the pair's frames as this field has it: 0 where it holds, or where both frames are one.
+    double blend() const { return blend_; }
 
     /// Depth and validity at any lattice vertex; beyond the ring, of the ring vertex nearest to it.
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;

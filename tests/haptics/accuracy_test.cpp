@@ -1,0 +1,114 @@
+// Does the force point where the true surface's normal points, and does the proxy follow the hand?
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "engine/content/strokes.hpp"
+#include "tests/haptics/certificate.hpp"
+#include "tests/haptics/touch_rig.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr double degrees = 180.0 / 3.14159265358979323846;
+
+/// Root mean square of the angle between force and true normal, in degrees, over polar angles 0-15, 15-30,
+/// 30-45, 45-58.1, and over all.
+struct AngleHistogram {
+    std::array<double, 5> sum{};
+    std::array<int, 5> count{};
+
+    void add(double polar_degrees, double angle) {
+        const std::size_t bin = polar_degrees < 45 ? static_cast<std::size_t>(polar_degrees / 15) : 3;
+        for (const std::size_t k : {bin, std::size_t{4}}) {
+            sum[k] += angle * angle;
+            ++count[k];
+        }
+    }
+    double rms(std::size_t k) const { return count[k] ? std::sqrt(sum[k] / count[k]) : 0; }
+};
+
+AngleHistogram globe_error(TouchRig& rig, const GlobeStroke& stroke, int& not_touching) {
+    AngleHistogram histogram;
+    for (int tick = 0; tick < GlobeStroke::approach_ticks + GlobeStroke::stroke_ticks; ++tick) {
+        const auto goal = stroke.at(tick);
+        const Contact& contact = rig.tick(goal.goal);
+        if (tick < GlobeStroke::approach_ticks) continue;
+        if (!contact.touching) {
+            ++not_touching;
+            continue;
+        }
+        const glm::dvec3 f = contact.force / length(contact.force);
+        const double angle = 2 * std::asin(std::min(1.0, length(f - goal.normal) / 2)) * degrees;
+        histogram.add(goal.polar_angle * degrees, angle);
+    }
+    std::cout << "force direction error, degrees RMS: 0-15 " << histogram.rms(0) << ", 15-30 "
+              << histogram.rms(1) << ", 30-45 " << histogram.rms(2) << ", 45-58 " << histogram.rms(3)
+              << ", all " << histogram.rms(4) << '\n';
+    return histogram;
+}
+
+TEST(Accuracy, ForceOnTheGlobePointsAlongTheTrueNormal) {
+    SceneOptions options;  // preset B, 720x480, 16 bits
+    TouchRig rig("globe", options, TouchRig::Depth::codes);
+    int not_touching = 0;
+    const auto histogram =
+        globe_error(rig, GlobeStroke(options.preset, options.width, options.height), not_touching);
+    EXPECT_EQ(not_touching, 0);
+    for (const int count : histogram.count) EXPECT_GT(count, 500);
+    EXPECT_LT(histogram.rms(4), 2.5);
+    // Facets make the error grow towards the limb.
+    EXPECT_LT(histogram.rms(0), 0.5);
+    EXPECT_LT(histogram.rms(2), 1.0);
+}
+
+TEST(Accuracy, ThePapersPixelMetricPointsTensOfDegreesWrong) {
+    SceneOptions options;
+    TouchRig rig("globe", options, TouchRig::Depth::codes);
+    rig.settings.metric = TouchMetric::pixel;
+    int not_touching = 0;
+    const auto histogram =
+        globe_error(rig, GlobeStroke(options.preset, options.width, options.height), not_touching);
+    EXPECT_GT(histogram.count[4], 15000);
+    // 49 degrees was measured for preset B with an independent prototype.
+    EXPECT_GT(histogram.rms(4), 40);
+    EXPECT_LT(histogram.rms(4), 60);
+}
+
+class Follows : public testing::TestWithParam<std::pair<int, int>> {};
+
+TEST_P(Follows, NoTickOffTheSurfaceOfBumpsAtThirtyCentimetresASecond) {
+    SceneOptions options;
+    std::tie(options.width, options.height) = GetParam();
+    TouchRig rig("bumps", options, TouchRig::Depth::codes);
+    rig.scene().default_properties = {600, 0, 0};
+    ReliefStroke stroke(Relief::bumps, options.width, options.height, 0.3);
+    const int ticks = 10000;
+    int touching = 0, off = 0;
+    double worst = 0;
+    glm::dvec3 truth(0.0);
+    bool tracking = false;
+    for (int tick = 0; tick < ticks; ++tick) {
+        const auto goal = stroke.next();
+        const Contact& contact = rig.tick(goal.goal);
+        if (goal.under <= 0) continue;
+        ++touching;
+        ASSERT_TRUE(contact.touching) << "tick " << tick;
+        truth = rig.content().closest(goal.goal, tracking ? truth : contact.proxy, 0)->point;
+        tracking = true;
+        const double distance = length(contact.proxy - truth);
+        worst = std::max(worst, distance);
+        off += distance > 2.0;
+    }
+    EXPECT_GT(touching, ticks / 2);
+    EXPECT_EQ(off, 0) << "worst distance " << worst << " mm";
+    std::cout << options.width << 'x' << options.height << ": worst distance " << worst << " mm\n";
+}
+
+INSTANTIATE_TEST_SUITE_P(Bumps, Follows,
+                         testing::Values(std::pair{320, 240}, std::pair{720, 480}, std::pair{1280, 720},
+                                         std::pair{1920, 1080}));
+
+}  // namespace
+}  // namespace touchable::test
