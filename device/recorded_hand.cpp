@@ -79,11 +79,11 @@ using Kind = HandKey::Kind;
 
 constexpr std::array keys{
     HandKey{.name = "columns", .unit = "one column, or three joined by '+'", .kind = Kind::words},
-    HandKey{"scale", "m per unit of the columns", 1e-9, 1e9, 1},
+    HandKey{"scale", "m per unit of the columns", -1e6, 1e6, 1},
     HandKey{"extent", "m", 0.001, 1},
     HandKey{.name = "time", .unit = "a column of seconds", .kind = Kind::words},
     HandKey{"rate", "rows per second", 0.1, 1e6},
-    HandKey{"contact", "of all goals", 0.01, 0.99, 0.6},
+    HandKey{"contact", "of the goals over a surface", 0.01, 0.99, 0.6},
     HandKey{"spread", "m", 0, 0.2, 0.02},
 };
 
@@ -119,6 +119,7 @@ Result<MotionSettings> motion_settings(const HandOptions& given) {
     if (given.given("extent") && !position)
         return refusal("extent needs three columns; with one, give scale");
     settings.scale = given.number("scale");
+    if (settings.scale == 0) return refusal("scale is 0; give metres per unit of the columns");
     if (given.given("extent")) settings.extent = given.number("extent");
     if (given.given("time")) settings.time = given.words("time");
     if (given.given("rate")) settings.rate = given.number("rate");

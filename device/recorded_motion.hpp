@@ -13,12 +13,14 @@ namespace touchable {
 struct MotionSettings {
     /// One column: how far the motion goes in, along -Z. Three columns: a position, in any axes.
     std::vector<std::string> columns;
-    double scale = 1;  ///< device metres per unit of the columns
-    std::optional<double> extent =
-        {};  ///< three columns: instead of `scale`, the larger in-plane extent, metres
-    std::optional<std::string> time =
-        {};                           ///< the column of seconds; `t_s` if neither this nor `rate` is given
-    std::optional<double> rate = {};  ///< rows per second, for a table without times
+    /// Device metres per unit of the columns, not 0; a negative one turns the motion round.
+    double scale = 1;
+    /// Three columns: instead of `scale`, the motion's larger in-plane extent, device metres.
+    std::optional<double> extent = {};
+    /// The column of seconds; `t_s` if neither this nor `rate` is given.
+    std::optional<std::string> time = {};
+    /// Rows per second, for a table without times.
+    std::optional<double> rate = {};
 };
 
 /// The motion of a recording, in device metres, one position per tick from its first row's time to its last

@@ -68,7 +68,7 @@ TEST(MakeHand, RefusesUnknownHandsKeysAndCounts) {
           "wander:depth=51", "press:x=1.01", "csv", "csv:", "csv::columns=a", "csv:f.csv:colums=a",
           "csv:f.csv", "csv:f.csv:columns=a+b", "csv:f.csv:columns=a,extent=0.05",
           "csv:f.csv:columns=a+b+c,extent=0.05,scale=2", "csv:f.csv:columns=a,rate=5,time=t",
-          "csv:f.csv:columns=a,contact=1"}) {
+          "csv:f.csv:columns=a,contact=1", "csv:f.csv:columns=a,scale=0"}) {
         EXPECT_NE(refusal(description, 1), "accepted") << description;
     }
 }

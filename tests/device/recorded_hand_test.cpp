@@ -83,6 +83,11 @@ TEST(RecordedMotion, RateStandsInForTimes) {
     EXPECT_EQ((*motion)[2].z, -4);
 }
 
+TEST(RecordedMotion, NegativeScaleTurnsTheMotionRound) {
+    const TemporaryFile file("line.csv", "t_s,x\n0,1\n0.001,2\n");
+    EXPECT_EQ((*read_motion(file.path(), {.columns = {"x"}, .scale = -0.5}))[1].z, 1);
+}
+
 TEST(RecordedMotion, SpatialMotionIsLaidFlatCentredAndScaled) {
     // An ellipse of 4 x 2 in the plane x + y + z = 5.
     std::string text = "t_s,x,y,z\n";
