@@ -70,10 +70,6 @@ def colour(index):
     return COLOURS[index % len(COLOURS)]
 
 
-def count(number, noun):
-    return f"{number} {noun}" + ("" if number == 1 else "s")
-
-
 def save(figure, out):
     """The picture appears whole or not at all."""
     part = f"{out}.part.png"
@@ -95,7 +91,8 @@ def draw_strip(axes, finger, index, top):
     time, force = finger["time_s"], magnitude(finger)
     axes.fill_between(time, force, color=colour(index), alpha=0.25, linewidth=0)
     axes.plot(time, force, color=colour(index), linewidth=0.9)
-    axes.fill_between(time, top, where=finger["guard"] != 0, color="#999999", alpha=0.35, linewidth=0, step="mid")
+    axes.fill_between(time, top, where=finger["guard"] != 0, step="mid", color="#999999", alpha=0.35,
+                      linewidth=0)
     axes.set_ylim(0, top)
     axes.margins(x=0)
     axes.locator_params(axis="y", nbins=4)
@@ -121,7 +118,8 @@ def draw_forces(arguments):
     figure.supylabel("force |F| (N)", fontsize=10)
     seconds = fingers[0]["time_s"][-1] - fingers[0]["time_s"][0]
     some = "" if len(shown) == len(fingers) else f" (the first {len(shown)} shown)"
-    strips[0, 0].set_title(f"Force on {count(len(fingers), 'finger')}{some} over {seconds:.2f} s, "
+    what = "finger" if len(fingers) == 1 else "fingers"
+    strips[0, 0].set_title(f"Force on {len(fingers)} {what}{some} over {seconds:.2f} s, "
                            f"{contact_share(fingers):.0f} % of ticks in contact", loc="left", pad=26)
     handles = [Patch(facecolor=colour(k), alpha=0.7, label=name(finger)) for k, finger in enumerate(shown)]
     if any(np.any(finger["guard"] != 0) for finger in shown):
@@ -152,8 +150,8 @@ def read_scene(file):
 
 
 def shades(codes, valid, near_is_high):
-    """RGB: near is light; the farthest code, so often a background, is darkest and apart from the rest; what has no
-    depth is a dull blue."""
+    """RGB: near is light; the farthest code, so often a background, is darkest and apart from the rest; what has
+    no depth is a dull blue."""
     nearness = codes if near_is_high else -codes
     known = nearness[valid]
     farthest = known.min() if known.size else 0
@@ -202,10 +200,12 @@ def draw_paths(arguments):
                 Line2D([], [], linestyle="", marker="o", color="#555555", markersize=7, label="last contact")]
     if not valid.all():
         handles.append(Patch(facecolor=(0.16, 0.19, 0.30), label="no depth"))
-    axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), xlabel="column (pixels)", ylabel="row (pixels)")
+    axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), xlabel="column (pixels)",
+             ylabel="row (pixels)")
     seconds = fingers[0]["time_s"][-1] - fingers[0]["time_s"][0]
-    axes.set_title(f"{title or folder.name}: {count(len(fingers), 'proxy').replace('proxys', 'proxies')} over the depth, "
-                   f"near is light ({seconds:.2f} s, {contact_share(fingers):.0f} % in contact)", loc="left")
+    what = "proxy" if len(fingers) == 1 else "proxies"
+    axes.set_title(f"{title or folder.name}: {len(fingers)} {what} over the depth, near is light "
+                   f"({seconds:.2f} s, {contact_share(fingers):.0f} % in contact)", loc="left")
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0)
     save(figure, arguments.out)
 
