@@ -45,8 +45,8 @@ double share_under(const std::vector<glm::dvec3>& goals, const SurfaceProbe& pro
 
 TEST(RecordedMotion, LinearDataIsResampledExactly) {
     // Rows at odd times; x goes at 3 units a second.
-    const TemporaryFile file("line.csv",
-                             "t_s,x\n0,1\n0.0007,1.0021\n0.0031,1.0093\n0.0040,1.012\n0.0100,1.03\n");
+    const TemporaryFile file(
+        "line.csv", "t_s,x\n0,1\n0.0007,1.0021\n0.0031,1.0093\n0.0040,1.012\n0.0059,1.0177\n0.0100,1.03\n");
     const auto motion = read_motion(file.path(), {.columns = {"x"}, .scale = 0.5});
     ASSERT_TRUE(motion.ok()) << motion.error().message;
     ASSERT_EQ(motion->size(), 11u);
