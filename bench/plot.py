@@ -150,8 +150,8 @@ def read_scene(file):
 
 
 def shades(codes, valid, near_is_high):
-    """RGB: near is light; the farthest code, so often a background, is darkest and apart from the rest; what has
-    no depth is a dull blue."""
+    """RGB: near is light; the farthest code, so often a background, is darkest and apart from the rest; what
+    has no depth is a dull blue."""
     nearness = codes if near_is_high else -codes
     known = nearness[valid]
     farthest = known.min() if known.size else 0
