@@ -90,7 +90,7 @@ Result<void> Verifier::check(const ForceRow& row) {
 }
 
 void Verifier::check_free(const ForceRow& row, const Surface& surface) {
-    rests_.erase(row.finger);
+    trails_.erase(row.finger);
     if (!(row.proxy == row.goal) || !(row.force == Vec3{}))
         found(Check::free, row,
               text("out of contact, but P - G is ", text_of(row.proxy - row.goal), " and F ",
@@ -102,7 +102,7 @@ void Verifier::check_free(const ForceRow& row, const Surface& surface) {
 void Verifier::check_contact(const ForceRow& row, const Surface& surface) {
     ++coverage_.contacts;
     if (!(row.proxy.z < 0)) {
-        rests_.erase(row.finger);
+        trails_.erase(row.finger);
         return found(Check::off_surface, row,
                      text("in contact at z = ", row.proxy.z, ", not before the camera"));
     }
@@ -116,7 +116,7 @@ void Verifier::check_contact(const ForceRow& row, const Surface& surface) {
     check_properties(row, touch);
     check_force(row);
     if (!placed) {
-        rests_.erase(row.finger);
+        trails_.erase(row.finger);
         return;
     }
     const Star star = star_at(surface, at);
@@ -184,32 +184,21 @@ void Verifier::check_minimum(const ForceRow& row, const Star& star, real mu) {
 }
 
 void Verifier::check_slip(const ForceRow& row, const Star& star, const Touch& touch) {
-    const bool inside = star.facets.size() == 1;
-    const auto rest = rests_.find(row.finger);
-    if (inside && rest != rests_.end()) {
-        const Rest& old = rest->second;
-        const bool even = std::fabs(old.touch.mu_static - touch.mu_static) < 1e-12L &&
-                          std::fabs(old.touch.mu_dynamic - touch.mu_dynamic) < 1e-12L;
-        const Vec3& n = star.facets[0].normal;
-        const real pressure = dot(row.proxy - row.goal, n), slack = position_slack(row.proxy, row.goal);
-        const Vec3 closest = row.goal + pressure * n, before = old.proxy - closest;
-        const real away = length(before), held = touch.mu_static * pressure;
-        const bool sticks = away <= held * (1 - 1e-6L) - slack, slides = away >= held * (1 + 1e-6L) + slack;
-        if (old.tick + 1 == row.tick && old.facet == star.facets[0] && even && pressure > slack &&
-            (sticks || slides)) {
-            ++coverage_.slip_checked;
-            const real share = sticks ? 1 : std::min<real>(1, touch.mu_dynamic * pressure / away);
-            const real miss = length(closest + share * before - row.proxy);
-            if (miss > 1e-6L * away + slack)
-                found(Check::slip, row,
-                      text("was ", away, " from the closest point, static friction holds ", held, ": must ",
-                           sticks ? "stick" : "slide to the dynamic cone", ", and is ", miss, " from there"));
-        }
+    const auto trail = trails_.find(row.finger);
+    const Vec3 pixel{row.pixel_x, row.pixel_y, 0};
+    if (star.facets.size() > 1) {
+        trails_[row.finger] = {pixel, std::nullopt};
+        return;
     }
-    if (inside)
-        rests_[row.finger] = {row.tick, star.facets[0], row.proxy, touch};
-    else
-        rests_.erase(row.finger);
+    const Facet& facet = star.facets[0];
+    if (trail != trails_.end() && trail->second.before) {
+        std::string why;
+        const Step step = judge_step(*trail->second.before, row, facet, touch, why);
+        coverage_.slip_checked += step != Step::unknown;
+        if (step == Step::wrong) found(Check::slip, row, why);
+    }
+    const bool at_rest = trail != trails_.end() && length(trail->second.pixel - pixel) < 1e-9L;
+    trails_[row.finger] = {pixel, Before{row.tick, facet, row.proxy, touch, at_rest}};
 }
 
 void Verifier::cover(const Surface& surface, const Star& star, real mu) {

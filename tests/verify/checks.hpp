@@ -12,6 +12,7 @@
 #include "tests/verify/certificate.hpp"
 #include "tests/verify/exported_frame.hpp"
 #include "tests/verify/forces_csv.hpp"
+#include "tests/verify/slip.hpp"
 
 namespace touchable::verify {
 
@@ -73,12 +74,10 @@ public:
     void report(std::ostream& out) const;
 
 private:
-    /// Where a finger rested inside a facet.
-    struct Rest {
-        std::int64_t tick = 0;
-        Facet facet;
-        Vec3 proxy;
-        Touch touch;
+    /// Where a finger was at the tick before, in contact; `before` where that was inside a facet.
+    struct Trail {
+        Vec3 pixel;
+        std::optional<Before> before;
     };
 
     void found(Check check, const ForceRow& row, const std::string& what);
@@ -98,7 +97,7 @@ private:
     std::array<Finding, static_cast<std::size_t>(Check::count_)> findings_;
     std::optional<ForceRow> last_;
     std::optional<real> metres_per_unit_;
-    std::map<int, Rest> rests_;  // by finger
+    std::map<int, Trail> trails_;  // by finger
 };
 
 }  // namespace touchable::verify

@@ -90,7 +90,6 @@ Meaning meaning_of(const Json& scene) {
     m.by_default = {usual.contains("stiffness_n_per_m") ? number(usual, "stiffness_n_per_m")
                                                         : 1000 * number(usual, "stiffness"),
                     number(usual, "static_friction"), number(usual, "dynamic_friction")};
-    m.hold = either(scene, "interpolation", "hold", "linear");
     if (!(m.fx > 0 && m.fy > 0 && m.far > 0 && m.code_max > 0))
         throw Refusal{"fx, fy, far and code_max must be greater than 0"};
     return m;

@@ -31,7 +31,6 @@ struct Meaning {
     real height_code_max = 255;
     Touch low, high;  ///< of haptic values 0 and 255
     Touch by_default;
-    bool hold = false;  ///< no interpolation between frames
     bool operator==(const Meaning&) const = default;
 
     /// Scene units, of the coding's own kind (range or planar).

@@ -29,9 +29,9 @@ real between(real a, real b, real t) {
 Surface::Surface(const ExportedFrame& earlier, const ExportedFrame& later, real blend)
     : earlier_(earlier),
       later_(later),
-      nearer_(earlier.meaning.hold || blend < 0.5L ? earlier : later),
+      nearer_(blend < 0.5L ? earlier : later),
       meaning_(earlier.meaning),
-      blend_(earlier.meaning.hold ? 0 : blend) {}
+      blend_(blend) {}
 
 Vec3 Surface::ray(real x, real y) const {
     return {(x - meaning_.cx) / meaning_.fx, -(y - meaning_.cy) / meaning_.fy, -1};

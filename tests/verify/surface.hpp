@@ -34,7 +34,7 @@ struct Vertex {
 /// The surface between two exported frames, straight from the written conventions and in extended precision.
 class Surface {
 public:
-    /// The frames must outlive it. 0 <= blend <= 1.
+    /// The frames must outlive it. 0 <= blend <= 1; 0 where the earlier frame is held.
     Surface(const ExportedFrame& earlier, const ExportedFrame& later, real blend);
 
     const Meaning& meaning() const { return meaning_; }

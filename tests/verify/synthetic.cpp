@@ -60,7 +60,7 @@ std::string scene_json(const Meaning& m) {
          {{"stiffness", narrow(m.by_default.stiffness / 1000)},
           {"static_friction", narrow(m.by_default.mu_static)},
           {"dynamic_friction", narrow(m.by_default.mu_dynamic)}}},
-        {"interpolation", m.hold ? "hold" : "linear"}};
+        {"interpolation", "linear"}};
     return scene.dump(1);
 }
 
