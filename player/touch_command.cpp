@@ -61,7 +61,7 @@ void add_touch_command(CLI::App& app, Command& command) {
     record->excludes(replay);
 
     words->duration =
-        sub->add_option("--seconds", words->seconds, "length of the run (as long as the hand or the clip)")
+        sub->add_option("--seconds", words->seconds, "length of the run; otherwise that of a recorded hand, or the clip's and at least 3")
             ->check(CLI::Range(0.001, 1e6));
     words->fixed_by_recording = {
         words->duration,

@@ -16,7 +16,7 @@ struct TouchOptions {
     std::optional<std::filesystem::path> scene;
     std::string hand = "wander";
     int fingers = 1;
-    std::optional<std::int64_t> ticks;  ///< nothing: as long as the hand, or else the clip, lasts
+    std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
     std::string builder = "cpu";        ///< "cpu", "lazy" or "reference"
     TouchMetric metric = TouchMetric::world;
     std::optional<int> median, fill_holes;            ///< instead of the scene's own

@@ -1,5 +1,6 @@
 #include "player/touch_session.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "player/field_probe.hpp"
@@ -10,6 +11,7 @@ namespace touchable {
 
 namespace {
 constexpr std::int64_t tick_ns = 1'000'000;
+constexpr std::int64_t shortest_run_ns = 3'000'000'000;
 }
 
 TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
@@ -27,7 +29,7 @@ TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, co
 bool TouchSession::is_over(std::int64_t tick) const {
     const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks();
     if (ticks) return tick >= *ticks;
-    return feed_.ended() && settings_.time_of_tick(tick) >= feed_.end_ns();
+    return feed_.ended() && settings_.time_of_tick(tick) >= std::max(feed_.end_ns(), shortest_run_ns);
 }
 
 Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {

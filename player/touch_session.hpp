@@ -39,7 +39,7 @@ struct TouchSessionSettings {
     int fingers = 1;
     TouchSettings touch;
     GuardSettings guard;
-    /// Nothing: as long as the hand's motion, or as the clip where it has no end.
+    /// Nothing: as long as the hand's motion, or where that has no end as the clip, but 3 s at least.
     std::optional<std::int64_t> ticks;
     /// Time of a tick on the clip's clock; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;

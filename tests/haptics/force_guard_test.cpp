@@ -1,0 +1,127 @@
+// What stands between a solver and a hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/force_hash.hpp"
+#include "tests/haptics/small_field.hpp"
+
+namespace touchable::test {
+namespace {
+
+Contact pressing(double newtons, double stiffness = 1000) {
+    Contact contact;
+    contact.touching = true;
+    contact.force = {0, 0, newtons};
+    contact.properties.stiffness = stiffness;
+    return contact;
+}
+
+GuardSettings settled() {
+    GuardSettings settings;
+    settings.ramp_in_ticks = 0;
+    return settings;
+}
+
+TEST(ForceGuard, LeavesAForceWithinTheLimitsAlone) {
+    ForceGuard guard(settled());
+    const GuardedForce out = guard.guard(pressing(3.25));
+    EXPECT_EQ(out.force, glm::dvec3(0, 0, 3.25));
+    EXPECT_EQ(out.reasons, guard_none);
+}
+
+TEST(ForceGuard, ShortensToTheDevicesForceAndKeepsTheDirection) {
+    ForceGuard guard(settled());
+    Contact contact = pressing(0);
+    contact.force = {30, 0, 40};
+    const GuardedForce out = guard.guard(contact);
+    EXPECT_NEAR(out.force.x, 6, 1e-12);
+    EXPECT_NEAR(out.force.z, 8, 1e-12);
+    EXPECT_EQ(out.reasons, guard_force);
+}
+
+TEST(ForceGuard, LimitsStiffnessToTheDevices) {
+    ForceGuard guard(settled());
+    const GuardedForce out = guard.guard(pressing(4, 40000));
+    EXPECT_DOUBLE_EQ(out.force.z, 1.0);
+    EXPECT_EQ(out.reasons, guard_stiffness);
+}
+
+TEST(ForceGuard, RampsInFromZero) {
+    ForceGuard guard(GuardSettings{});
+    double last = -1;
+    for (int k = 0; k < 100; ++k) {
+        const GuardedForce out = guard.guard(pressing(5));
+        EXPECT_EQ(out.reasons, guard_ramp);
+        EXPECT_GT(out.force.z, last);
+        if (k == 0) EXPECT_EQ(out.force.z, 0);
+        last = out.force.z;
+    }
+    EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
+}
+
+TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
+    SmallField wall(33, 33, 100.0);
+    FingerState finger;
+    GuardSettings settings = settled();
+    settings.ramp_in_ticks = settings.ramp_out_ticks = 10;
+    ForceGuard guard(settings);
+    wall.touch(finger, {0, 0, -99});
+    for (int k = 0; k < 20; ++k) guard.guard(wall.touch(finger, {0, 0, -102}));
+    const double before = guard.guard(wall.touch(finger, {0, 0, -102})).force.z;
+    ASSERT_NEAR(before, 2, 1e-3);
+
+    const double nan = std::numeric_limits<double>::quiet_NaN(),
+                 inf = std::numeric_limits<double>::infinity();
+    double last = before;
+    for (int k = 0; k < 10; ++k) {
+        const GuardedForce out = guard.guard(wall.touch(finger, {k % 2 ? nan : inf, 0, -102}));
+        ASSERT_TRUE(std::isfinite(out.force.z));
+        EXPECT_EQ(out.reasons, guard_fault);
+        EXPECT_NEAR(out.force.z, last - before / 10, 1e-9);
+        last = out.force.z;
+    }
+    EXPECT_EQ(guard.guard(wall.touch(finger, {nan, 0, -102})).force, glm::dvec3(0.0));
+    EXPECT_EQ(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, 0);
+    EXPECT_LT(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, before / 5);
+}
+
+TEST(TouchSolver, AFirstGoalThatIsNotFiniteGivesNoForce) {
+    SmallField wall(9, 9, 100.0);
+    FingerState finger;
+    const Contact contact = wall.touch(finger, {NAN, 0, 0});
+    EXPECT_TRUE(contact.goal_held);
+    EXPECT_EQ(contact.force, glm::dvec3(0.0));
+    EXPECT_FALSE(finger.started);
+}
+
+TEST(TouchSolver, RefusesWhatItsMetricCannotMeasure) {
+    SmallField wall(9, 9, 100.0);
+    TouchSettings settings;
+    settings.metric = TouchMetric::pixel;
+    EXPECT_TRUE(TouchSolver::create(wall.scene, settings).ok());
+    wall.scene.camera.fy = 401;
+    EXPECT_NE(TouchSolver::create(wall.scene, settings).error().message.find("401"), std::string::npos);
+    wall.scene.camera.fy = 400;
+    wall.scene.depth.kind = DepthCodingKind::metric;
+    EXPECT_FALSE(TouchSolver::create(wall.scene, settings).ok());
+    settings = {};
+    settings.metres_per_scene_unit = 0;
+    EXPECT_FALSE(TouchSolver::create(wall.scene, settings).ok());
+}
+
+TEST(ForceHash, IsXxh64OfLittleEndianDoublesWithOneZero) {
+    ForceHash empty;
+    EXPECT_EQ(empty.hex(), "ef46db3751d8e999");  // XXH64 of nothing, seed 0
+    ForceHash plus, minus, other;
+    plus.add({0.0, 1.5, -2.0});
+    minus.add({-0.0, 1.5, -2.0});
+    other.add({0.0, 1.5, 2.0});
+    EXPECT_EQ(plus.value(), minus.value());
+    EXPECT_NE(plus.value(), other.value());
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,101 @@
+// A tick allocates nothing, with one finger or ten, in the air or on the ground, at still and at moving
+// surfaces.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "engine/content/strokes.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/force_guard.hpp"
+#include "tests/haptics/touch_rig.hpp"
+
+namespace {
+std::atomic<std::int64_t> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size ? size : 1)) return memory;
+    throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    ++allocations;
+    const auto step = static_cast<std::size_t>(alignment);
+    if (void* memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+    std::free(memory);
+}
+
+namespace touchable::test {
+namespace {
+
+using MakeBuilder = std::unique_ptr<SurfaceBuilder> (*)(const Scene&);
+
+std::int64_t allocations_in_ticks(MakeBuilder make_builder) {
+    SceneOptions options;
+    options.width = 320;
+    options.height = 240;
+    options.properties = true;
+    const auto content = std::move(make_scene("globe", options)).value();
+    Scene scene = content->scene();
+    scene.filter.median = 5;
+    scene.filter.fill_holes = 1;
+    std::vector<SurfaceFrame> frames(2);
+    const auto builder = make_builder(scene);
+    for (int n : {0, 1})
+        EXPECT_TRUE(builder->build(content->frame(n), frames[static_cast<std::size_t>(n)]).ok());
+    TouchSettings settings;
+    settings.metres_per_scene_unit = *scene.device_metres_per_unit;
+    const auto solver = TouchSolver::create(scene, settings);
+    const GlobeStroke stroke(options.preset, options.width, options.height);
+    std::vector<glm::dvec3> goals(10);
+    std::vector<FingerState> fingers(10);
+    std::vector<Contact> contacts(10);
+    std::vector<ForceGuard> guards(10, ForceGuard(GuardSettings{}));
+
+    int touching = 0;
+    const std::int64_t before = allocations;
+    for (int tick = 0; tick < 2000; ++tick) {
+        const FramePair pair{{0, 0, &frames[0]}, {1, 1, &frames[1]}, tick % 100 * 0.01};
+        for (std::size_t k = 0; k < goals.size(); ++k)
+            goals[k] = stroke.at((tick + 100 * static_cast<int>(k)) % 2000).goal;
+        solver.value().tick(HeightField(scene, pair), goals, fingers, contacts);
+        for (std::size_t k = 0; k < goals.size(); ++k) {
+            guards[k].guard(contacts[k]);
+            touching += contacts[k].touching;
+        }
+    }
+    const std::int64_t during = allocations - before;
+    EXPECT_GT(touching, 10000);
+    return during;
+}
+
+TEST(NoAllocation, InATickOnAFilteredFrame) {
+    EXPECT_EQ(allocations_in_ticks(make_cpu_builder), 0);
+}
+TEST(NoAllocation, InATickOnALazyFrame) {
+    EXPECT_EQ(allocations_in_ticks(make_lazy_builder), 0);
+}
+
+TEST(NoAllocation, TheCounterCounts) {
+    const std::int64_t before = allocations;
+    std::vector<int> grown(100);
+    grown.resize(1000);
+    EXPECT_EQ(allocations - before, 2);
+}
+
+}  // namespace
+}  // namespace touchable::test
