@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <cstring>
@@ -24,8 +25,9 @@ public:
         std::string name = std::string("touchable-") + test->test_suite_name() + "-" + test->name();
         for (char& c : name)
             if (c == '/') c = '-';
+        static int serial = 0;
+        name.append("-").append(std::to_string(getpid())).append("-").append(std::to_string(serial++));
         path_ = std::filesystem::path(::testing::TempDir()) / name;
-        std::filesystem::remove_all(path_);
         std::filesystem::create_directories(path_);
     }
     ~TemporaryFolder() { std::filesystem::remove_all(path_); }

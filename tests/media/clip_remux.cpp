@@ -116,7 +116,10 @@ void remux(const std::filesystem::path& from, const std::filesystem::path& to, c
     std::vector<Track> tracks;
     for (unsigned k = 0; k < in->nb_streams; ++k) tracks.push_back(add_track(*in->streams[k], *out, changes));
     must(avio_open(&out->pb, file_url(to).c_str(), AVIO_FLAG_WRITE), "create");
-    must(avformat_write_header(out, nullptr), "header");
+    AVDictionary* options = nullptr;
+    av_dict_set_int(&options, "write_crc32", changes.checksums ? 1 : 0, 0);
+    must(avformat_write_header(out, &options), "header");
+    ASSERT_EQ(av_dict_count(options), 0);
     const PacketPtr packet(av_packet_alloc());
     while (av_read_frame(in.get(), packet.get()) >= 0) {
         Track& track = tracks[static_cast<std::size_t>(packet->stream_index)];

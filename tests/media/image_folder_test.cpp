@@ -1,0 +1,246 @@
+#include <gtest/gtest.h>
+
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/media/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int width = 24, height = 18;
+
+Scene folder_scene(const FolderSource& source, int depth_bits = 16) {
+    Scene scene = small_scene(width, height, depth_bits);
+    scene.folder = source;
+    return scene;
+}
+
+/// Images depth_007.png and so on, as `test_frame` has them, and scene.json.
+void write_folder(const TemporaryFolder& folder, const Scene& scene, int frames, const Planes& planes) {
+    const FolderSource& source = *scene.folder;
+    for (int n = 0; n < frames; ++n) {
+        const RawFrame frame = test_frame(scene, n, planes);
+        const std::string number = std::to_string(1000 + source.first + n).substr(1);
+        const std::pair<const char*, const PlaneView&> images[] = {{"depth_", frame.depth},
+                                                                   {"colour_", frame.colour},
+                                                                   {"haptic_", frame.haptic},
+                                                                   {"height_", frame.height}};
+        for (const auto& [name, image] : images) {
+            if (image.empty()) continue;
+            ASSERT_EQ(message(write_png(folder / (name + number + ".png"), image)), "");
+        }
+    }
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+}
+
+PlaneView grey(Samples& memory, int w, int h, int bytes = 1) {
+    return test_plane(memory, w, h, bytes, 1, 255, 9, true);
+}
+
+std::string refusal(const TemporaryFolder& folder) {
+    auto reader = open_clip(folder / "scene.json");
+    if (!reader) return reader.error().message;
+    return message(read_all(**reader));
+}
+
+const FolderSource depth_only_source{"depth_%03d.png", "", "", "", 0, 0};
+const FolderSource all_source{
+    "depth_%03d.png", "colour_%03d.png", "haptic_%03d.png", "height_%03d.png", 0, 0};
+
+TEST(ImageFolder, EveryPlaneComesBackExactlyFromEitherWayOfNaming) {
+    const TemporaryFolder folder, elsewhere;
+    FolderSource source = all_source;
+    source.first = 7;  // frames are numbered from 0 all the same
+    const Scene scene = folder_scene(source);
+    write_folder(folder, scene, 4, {true, true, true});
+    write_bytes(elsewhere / "scene.json", scene_to_json(scene));
+    auto by_scene = open_clip(folder / "scene.json");
+    auto by_folder = open_clip(folder.path(), elsewhere / "scene.json");
+    for (auto* reader : {&by_scene, &by_folder}) {
+        ASSERT_EQ(message(*reader), "");
+        EXPECT_EQ((**reader)->frame_count(), 4);
+        EXPECT_TRUE((**reader)->notes().empty());
+        for (int round = 0; round < 2; ++round) {
+            const auto frames = read_all(***reader);
+            ASSERT_EQ(message(frames), "");
+            ASSERT_EQ(frames->size(), 4U);
+            for (int n = 0; n < 4; ++n)
+                EXPECT_TRUE(same_frame((*frames)[static_cast<std::size_t>(n)],
+                                       test_frame(scene, n, {true, true, true})));
+            ASSERT_EQ(message((**reader)->rewind()), "");
+        }
+    }
+    const auto& tracks = (*by_scene)->tracks();
+    ASSERT_EQ(tracks.size(), 4U);
+    EXPECT_EQ(tracks[0].codec, "png");
+    EXPECT_EQ(tracks[0].pixel_format, "gray16be");
+    EXPECT_EQ(tracks[1].pixel_format, "rgb24");
+}
+
+TEST(ImageFolder, GreyColourOfAnotherSizeIsResampledToTheNearestPixel) {
+    const TemporaryFolder folder;
+    FolderSource source = depth_only_source;
+    source.colour = "colour_%03d.png";
+    write_folder(folder, folder_scene(source), 1, {});
+    for (const auto& [w, h] :
+         {std::pair{width * 2, height * 3}, {width / 2, height / 3}, {7, 5}, {width, height}}) {
+        Samples memory;
+        const PlaneView picture = grey(memory, w, h);
+        ASSERT_EQ(message(write_png(folder / "colour_000.png", picture)), "");
+        auto reader = open_clip(folder / "scene.json");
+        ASSERT_EQ(message(reader), "");
+        const std::string note = "colour is " + std::to_string(w) + "x" + std::to_string(h) + ": resampled";
+        const bool noted = (*reader)->notes()[0].find(note) != std::string::npos;
+        EXPECT_EQ(noted, w != width) << (*reader)->notes()[0];
+        const auto frame = (*reader)->next();
+        ASSERT_EQ(message(frame), "");
+        const PlaneView& colour = (*frame)->colour;
+        ASSERT_EQ(colour.width, width);
+        ASSERT_EQ(colour.height, height);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int c = 0; c < 3; ++c)  // the sample under the pixel's centre
+                    ASSERT_EQ(colour.sample(x, y, c),
+                              picture.sample(int((x + 0.5) * w / width), int((y + 0.5) * h / height)));
+    }
+}
+
+TEST(ImageFolder, CountLimitsAndFirstStarts) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(depth_only_source), 6, {});
+    FolderSource some = depth_only_source;
+    some.first = 2;
+    some.count = 3;
+    const Scene scene = folder_scene(some);
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    const auto frames = read_clip(folder / "scene.json");
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    EXPECT_EQ(frames->at(0).number, 0);
+    EXPECT_EQ(frames->at(0).time_ns, 0);
+    EXPECT_TRUE(same_plane(frames->at(0).depth, test_frame(scene, 2, {}).depth));
+}
+
+TEST(ImageFolder, AGapIsAnErrorWhereACountIsGivenAndANoteElsewhere) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(depth_only_source), 5, {});
+    std::filesystem::remove(folder / "depth_002.png");
+    auto reader = open_clip(folder / "scene.json");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 2);
+    EXPECT_EQ((*reader)->notes().at(0),
+              "ends after 2 frames: depth_002.png is missing, though later ones exist");
+    FolderSource counted = depth_only_source;
+    counted.count = 5;
+    write_bytes(folder / "scene.json", scene_to_json(folder_scene(counted)));
+    EXPECT_NE(refusal(folder).find("depth_002.png (depth, frame 2): is missing"), std::string::npos)
+        << refusal(folder);
+}
+
+TEST(ImageFolder, EveryPlaneHasEveryFrame) {
+    for (const char* role : {"colour", "haptic", "height"}) {
+        const TemporaryFolder folder;
+        write_folder(folder, folder_scene(all_source), 3, {true, true, true});
+        const std::string name = std::string(role) + "_001.png";
+        std::filesystem::remove(folder / name);
+        EXPECT_NE(refusal(folder).find(name + " (" + role + ", frame 1): is missing"), std::string::npos);
+    }
+    const TemporaryFolder empty;
+    write_bytes(empty / "scene.json", scene_to_json(folder_scene(depth_only_source)));
+    EXPECT_NE(refusal(empty).find("depth_000.png (depth, frame 0): is missing"), std::string::npos);
+}
+
+TEST(ImageFolder, ImagesThatDoNotFitAreNamed) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(all_source), 3, {true, true, true});
+    Samples memory;
+    const auto refused = [&](const std::string& name, const PlaneView& image) {
+        const std::string before = read_bytes(folder / name);
+        EXPECT_EQ(message(write_png(folder / name, image)), "");
+        const std::string error = refusal(folder);
+        EXPECT_NE(error.find(name), std::string::npos);
+        write_bytes(folder / name, before);
+        return error;
+    };
+    const auto says = [](const std::string& text, const std::string& part) {
+        return text.find(part) != std::string::npos;
+    };
+    const std::string size = std::to_string(width) + "x" + std::to_string(height);
+    EXPECT_PRED2(says, refused("depth_001.png", grey(memory, width + 1, height, 2)),
+                 "(depth, frame 1): is 25x18 gray16be, but frame 0 is " + size);
+    EXPECT_PRED2(says, refused("depth_000.png", grey(memory, width + 1, height, 2)),
+                 "(depth, frame 0): is 25x18, but the scene is " + size);
+    EXPECT_PRED2(says, refused("depth_001.png", grey(memory, width, height)),
+                 "(depth, frame 1): is " + size + " gray, but");
+    EXPECT_PRED2(says, refused("depth_000.png", grey(memory, width, height)),
+                 "is 8-bit grey, but the scene's depth.bits, 16, needs 16-bit grey");
+    EXPECT_PRED2(says, refused("haptic_000.png", grey(memory, width, height)),
+                 "(haptic, frame 0): is 8-bit grey; haptic is 8-bit RGB");
+    EXPECT_PRED2(says, refused("colour_000.png", grey(memory, width, height, 2)),
+                 "(colour, frame 0): is 16-bit grey; colour is");
+    EXPECT_PRED2(says, refused("height_000.png", test_plane(memory, width, height, 1, 3, 255, 1, true)),
+                 "(height, frame 0): is 8-bit RGB; heights");
+    EXPECT_EQ(refusal(folder), "");
+}
+
+TEST(ImageFolder, DamagedImagesAreNamedWithTheirFrame) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(depth_only_source), 3, {});
+    const std::string whole = read_bytes(folder / "depth_001.png");
+    write_bytes(folder / "depth_001.png", whole.substr(0, whole.size() / 2));
+    EXPECT_NE(refusal(folder).find("depth_001.png: is cut short (depth, frame 1)"), std::string::npos)
+        << refusal(folder);
+    write_bytes(folder / "depth_001.png", "");
+    EXPECT_NE(refusal(folder).find("depth_001.png: is empty (depth, frame 1)"), std::string::npos);
+}
+
+TEST(ImageFolder, DepthBeyondItsBitsIsAnError) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(depth_only_source, 16), 2, {});
+    write_bytes(folder / "scene.json", scene_to_json(folder_scene(depth_only_source, 10)));
+    EXPECT_NE(refusal(folder).find("depth.bits, 10, allows at most 1023"), std::string::npos)
+        << refusal(folder);
+}
+
+TEST(ImageFolder, FarPlaneMissingFromTheSceneIsFoundInAllFrames) {
+    const TemporaryFolder folder;
+    Scene scene = folder_scene(depth_only_source);
+    scene.depth = DepthCoding{};
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 0.25;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_code_count = 1;  // 0
+    scene.far_from_frames = true;
+    for (const int deepest : {4000, 65535}) {
+        for (int n = 0; n < 3; ++n) {
+            Samples memory;
+            const PlaneView depth = test_plane(memory, width, height, 2, 1, n == 2 ? deepest : 1000, 4, true);
+            const auto code = static_cast<std::uint16_t>(deepest);
+            if (n == 2) std::memcpy(memory.data() + 6, &code, 2);
+            ASSERT_EQ(message(write_png(folder / ("depth_00" + std::to_string(n) + ".png"), depth)), "");
+        }
+        write_bytes(folder / "scene.json", scene_to_json(scene));
+        auto reader = open_clip(folder / "scene.json");
+        ASSERT_EQ(message(reader), "");
+        EXPECT_DOUBLE_EQ((*reader)->scene().depth.far, 0.25 * deepest * 1.05);
+        EXPECT_FALSE((*reader)->scene().far_from_frames);
+        EXPECT_EQ((*reader)->scene().depth.valid_max, std::min<int>(65535, int(deepest * 1.05)));
+        EXPECT_EQ(message(validate((*reader)->scene())), "");
+        EXPECT_NE((*reader)->notes().back().find("depth.far is "), std::string::npos);
+    }
+}
+
+TEST(ImageFolder, WhatIsAskedForMustMakeSense) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(depth_only_source), 2, {});
+    EXPECT_NE(message(open_clip(folder.path())).find("--scene FILE"), std::string::npos);
+    const auto twice = open_clip(folder / "scene.json", folder / "scene.json");
+    ASSERT_FALSE(twice.ok());
+    EXPECT_EQ(twice.error().kind, ErrorKind::usage);
+    write_bytes(folder / "plain.json", scene_to_json(small_scene(width, height)));
+    EXPECT_NE(message(open_clip(folder / "plain.json")).find("has no member \"folder\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test
