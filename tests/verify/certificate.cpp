@@ -6,6 +6,8 @@
 namespace touchable::verify {
 namespace {
 
+constexpr real relative = 1e-9L;
+
 /// The lattice's directions in turn about a vertex (clockwise as the picture is seen).
 constexpr std::array<std::array<int, 2>, 6> directions = {
     {{1, 0}, {1, 1}, {0, 1}, {-1, 0}, {-1, -1}, {0, -1}}};
@@ -91,7 +93,7 @@ Judgement judge_star(const Star& star, const Vec3& v, real mu, real slack) {
         if (length(way.along) < steepest * (1 - 1e-7L)) continue;  // equally steep ways: any may be taken
         best.allowed = std::max(best.allowed, mu * way.pressure);
     }
-    if (steepest <= best.allowed * (1 + 1e-6L) + slack) best.verdict = Verdict::stuck;
+    if (steepest <= best.allowed * (1 + relative) + slack) best.verdict = Verdict::stuck;
     return best;
 }
 
@@ -130,7 +132,7 @@ Star star_at(const Surface& surface, ImagePosition exact) {
 }
 
 real position_slack(const Vec3& proxy, const Vec3& goal) {
-    return 1e-7L * length(goal - proxy) + 1e-12L * length(proxy);
+    return relative * length(goal - proxy) + 1e-12L * length(proxy);
 }
 
 Judgement judge(const Star& star, const Vec3& proxy, const Vec3& goal, real mu) {
@@ -141,6 +143,13 @@ Judgement judge(const Star& star, const Vec3& proxy, const Vec3& goal, real mu) 
     for (const Star& other : neighbours(star)) {
         const Judgement j = judge_star(other, v, 0, slack);
         if (j.verdict == Verdict::minimum) return j;
+    }
+    // A proxy that came along a facet's very rim is still that facet's, while its way does not cross the rim.
+    for (std::size_t k = 0; k < star.facets.size(); ++k) {
+        const Vec3& n = star.facets[k].normal;
+        if (!contains(star, k, v - dot(v, n) * n, slack)) continue;
+        const Judgement j = judge_star({{star.facets[k]}, {}, star.sight}, v, mu, slack);
+        if (j.holds()) return j;
     }
     return whole;
 }

@@ -36,7 +36,7 @@ struct Judgement {
     bool holds() const { return verdict == Verdict::minimum || verdict == Verdict::stuck; }
 };
 
-/// What is forgiven in a position: 1e-7 of the distance between proxy and goal, and the rounding of
+/// What is forgiven in a position: 1e-9 of the distance between proxy and goal, and the rounding of
 /// coordinates.
 real position_slack(const Vec3& proxy, const Vec3& goal);
 

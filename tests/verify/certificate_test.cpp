@@ -152,6 +152,27 @@ TEST(Friction, OnAFaceHoldsExactlyWithinTheCone) {
     }
 }
 
+TEST(Friction, OnARidgeHoldsOnlyAlongASidesOwnRim) {
+    ExportedFrame frame = blank_frame(12, 10);
+    make_flat(frame, 40000, 0, 0);
+    for (std::size_t k = 0; k < frame.codes.size(); ++k)
+        frame.codes[k] = static_cast<std::uint16_t>(40000 - 3000 * std::abs(static_cast<int>(k % 12) - 6));
+    const Surface surface(frame, frame, 0);
+    const Vec3 proxy = rounded((1 / surface.q_at({6, 4.3L})) * surface.ray(6, 4.3L));
+    const Star star = star_at(surface, {6, 4.3L});
+    ASSERT_EQ(star.facets.size(), 2u);
+    const Vec3 along = star.edges[0];
+    for (std::size_t k = 0; k < 2; ++k) {
+        const Vec3 n = star.facets[k].normal;
+        Vec3 across = unit(cross(along, n));  // in the facet's plane, over the rim to the other side
+        if (dot(across, star.facets[1 - k].normal) < 0) across = -1 * across;
+        EXPECT_EQ(judge(star, proxy, proxy - n + 0.39L * along, 0.4L).verdict, Verdict::stuck);
+        EXPECT_EQ(judge(star, proxy, proxy - n + 0.41L * along, 0.4L).verdict, Verdict::slides);
+        EXPECT_EQ(judge(star, proxy, proxy - n - 0.1L * across, 0.4L).verdict, Verdict::stuck);
+        EXPECT_EQ(judge(star, proxy, proxy - n + 0.1L * across, 0.4L).verdict, Verdict::slides);
+    }
+}
+
 TEST(Friction, InATrenchBothSidesHold) {
     ExportedFrame frame = blank_frame(12, 10);
     make_flat(frame, 20000, 0, 0);

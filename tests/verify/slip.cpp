@@ -23,12 +23,12 @@ Step judge_step(const Before& before, const ForceRow& row, const Facet& facet, c
         return Step::unknown;
     const Vec3 closest = row.goal + pressure * facet.normal, from_closest = before.proxy - closest;
     const real away = length(from_closest), held = touch.mu_static * pressure;
-    if (std::fabs(away - held) <= 1e-6L * held + slack) return Step::unknown;
+    if (std::fabs(away - held) <= 1e-9L * held + slack) return Step::unknown;
     const bool may_stay = away < held, may_slide = !may_stay || !before.at_rest;
     const real left = away > 0 ? std::min<real>(1, touch.mu_dynamic * pressure / away) : 1;
     const real from_staying = length(row.proxy - before.proxy);
     const real from_sliding = length(row.proxy - closest - left * from_closest);
-    const real tolerance = 1e-6L * away + slack;
+    const real tolerance = 1e-9L * away + slack;
     if ((may_stay && from_staying <= tolerance) || (may_slide && from_sliding <= tolerance))
         return Step::right;
     std::ostringstream text;
