@@ -11,8 +11,8 @@ struct SolveCounts {
     bool capped = false;  ///< ended by the event limit: the place is on the surface, but not yet the minimum
 };
 
-/// Moves a proxy that rests on the surface to where the goal pulls it: the exact projected flow of
-/// haptics (docs/architecture.md, "the solver"), feature by feature, until it is nearest to the goal, held by
+/// Moves a proxy that rests on the surface to where the goal pulls it: the exact projected flow
+/// (docs/solver.md), feature by feature, until it is nearest to the goal, held by
 /// friction, or off the surface and at the goal. The distance to the goal never grows.
 template <class Space>
 SolveCounts slide(const Space& space, Proxy& proxy, const glm::dvec3& goal, int event_limit);

@@ -22,10 +22,10 @@ struct Motion {
     double load = 0;
 };
 
-/// Projects the pull v = G - P on the tangent cone of the free space at the proxy (docs/architecture.md, "the
-/// solver"): the cone's boundary is a union of face sectors, so the projection is the longest among the
-/// projections on incident faces (where it falls into the face's sector) and edges. Exact, also at ridges and
-/// saddles, where free space is not convex. `may_leave` false treats a pull off the surface as one along it.
+/// Projects the pull v = G - P on the tangent cone of the free space at the proxy (docs/solver.md): the
+/// cone's boundary is a union of face sectors, so the projection is the longest among the projections on
+/// incident faces (where it falls into the face's sector) and edges. Exact, also at ridges and saddles, where
+/// free space is not convex. `may_leave` false treats a pull off the surface as one along it.
 template <class Space>
 Motion project_on_tangent_cone(const Space& space, const Proxy& proxy, const glm::dvec3& point,
                                const glm::dvec3& pull, bool may_leave);

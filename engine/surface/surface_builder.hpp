@@ -8,8 +8,8 @@
 
 namespace touchable {
 
-/// RawFrame -> SurfaceFrame: decode, fill holes, median, tile bounds, all in integers (docs/architecture.md,
-/// "Conventions"): every builder gives the same bits. An invalid pixel's code is 0, and so are validity bits
+/// RawFrame -> SurfaceFrame: decode, fill holes, median, tile bounds, all in integers (docs/conventions.md):
+/// every builder gives the same bits. An invalid pixel's code is 0, and so are validity bits
 /// beyond the width. Haptic and height planes are copied, never filtered. One thread at a time.
 class SurfaceBuilder {
 public:
