@@ -46,7 +46,8 @@ real position_slack(const Vec3& proxy, const Vec3& goal);
 /// lead in front of the surface, and (2) on each facet around it no point is closer to the goal. With
 /// friction the steepest of the ways of (2) is what the proxy would take; it stays if the way to the closest
 /// point is at most mu times what presses it on: the distance of the goal from the facet, or on an edge the
-/// sum of both facets' multipliers.
+/// sum of both facets' multipliers. On a rim it may also stay one facet's, while its way there does not cross
+/// the rim.
 Judgement judge(const Star& star, const Vec3& proxy, const Vec3& goal, real mu);
 
 }  // namespace touchable::verify
