@@ -19,7 +19,7 @@ void load_strip(const PlaneView& depth, const std::uint8_t* from, int count, std
 /// All ones where DepthCoding::is_valid.
 void valid_masks(const DepthCoding& coding, const std::uint16_t* stored, std::uint16_t* masks) {
     for (int k = 0; k < strip_pixels; ++k)
-        masks[k] = (stored[k] >= coding.valid_min) & (stored[k] <= coding.valid_max) ? 0xFFFF : 0;
+        masks[k] = stored[k] >= coding.valid_min && stored[k] <= coding.valid_max ? 0xFFFF : 0;
     for (int n = 0; n < coding.invalid_code_count; ++n) {
         const std::uint16_t invalid = coding.invalid_codes[static_cast<std::size_t>(n)];
         for (int k = 0; k < strip_pixels; ++k)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 
 #include "engine/surface/median_network.hpp"
 #include "engine/surface/validity_strip.hpp"
@@ -9,25 +10,39 @@
 namespace touchable {
 namespace {
 
-/// Pixels a line goes on to each side of the picture; at least the radius of the largest window.
+constexpr int lanes = sizeof(Lanes) / sizeof(std::int16_t);
+
+template <class T>
+Lanes load_lanes(const T* from) {
+    static_assert(sizeof(T) == sizeof(std::int16_t));
+    Lanes values;
+    std::memcpy(&values, from, sizeof(values));
+    return values;
+}
+void store_lanes(Lanes values, std::int16_t* to) {
+    std::memcpy(to, &values, sizeof(values));
+}
+
+/// Pixels a line replicates on each side of the picture; at least the radius of the largest window.
 constexpr int margin = 2;
 
-/// Every pixel of every window is valid. `rows` start at the first window's left column.
+/// Every pixel of every window is valid. `rows` start at the first window's left column; read `lanes` beyond
+/// the strip.
 template <int Side>
 void median_of_clean_strip(const std::int16_t* const (&rows)[Side], std::int16_t* out) {
-    constexpr int columns = strip_pixels + Side - 1;
-    std::int16_t ranked[Side][columns];
-    for (int x = 0; x < columns; ++x) {
-        std::int16_t column[Side];
-        for (int k = 0; k < Side; ++k) column[k] = rows[k][x];
+    static_assert(Side - 1 <= lanes);
+    std::int16_t ranked[Side][strip_pixels + lanes];
+    for (int x = 0; x < strip_pixels + lanes; x += lanes) {
+        Lanes column[Side];
+        for (int k = 0; k < Side; ++k) column[k] = load_lanes(rows[k] + x);
         sort_column(column);
-        for (int k = 0; k < Side; ++k) ranked[k][x] = column[k];
+        for (int k = 0; k < Side; ++k) store_lanes(column[k], ranked[k] + x);
     }
-    for (int x = 0; x < strip_pixels; ++x) {
-        std::int16_t ranks[Side][Side];
+    for (int x = 0; x < strip_pixels; x += lanes) {
+        Lanes ranks[Side][Side];
         for (int k = 0; k < Side; ++k)
-            for (int dx = 0; dx < Side; ++dx) ranks[k][dx] = ranked[k][x + dx];
-        out[x] = median_of_sorted_columns(ranks);
+            for (int dx = 0; dx < Side; ++dx) ranks[k][dx] = load_lanes(ranked[k] + x + dx);
+        store_lanes(median_of_sorted_columns(ranks), out + x);
     }
 }
 
@@ -36,25 +51,21 @@ void median_of_clean_strip(const std::int16_t* const (&rows)[Side], std::int16_t
 template <int Side>
 void median_of_masked_strip(const std::int16_t* const (&rows)[Side],
                             const std::uint16_t* const (&invalid)[Side], std::int16_t* out) {
-    std::int16_t ranked[Side][Side][strip_pixels];  // rank, column of the window, pixel
-    std::int16_t below[strip_pixels] = {};          // all ones after an odd number of invalid pixels
-    for (int dx = 0; dx < Side; ++dx)
-        for (int x = 0; x < strip_pixels; ++x) {
-            std::int16_t column[Side];
+    const Lanes greatest = Lanes{} + std::int16_t{INT16_MAX};
+    for (int x = 0; x < strip_pixels; x += lanes) {
+        Lanes ranks[Side][Side];
+        Lanes below{};  // all ones after an odd number of invalid pixels
+        for (int dx = 0; dx < Side; ++dx) {
+            Lanes column[Side];
             for (int k = 0; k < Side; ++k) {
-                const auto mask = static_cast<std::int16_t>(invalid[k][x + dx]);
-                below[x] = static_cast<std::int16_t>(below[x] ^ mask);
-                column[k] =
-                    static_cast<std::int16_t>((rows[k][x + dx] & ~mask) | ((INT16_MAX ^ below[x]) & mask));
+                const Lanes mask = load_lanes(invalid[k] + x + dx);
+                below ^= mask;
+                column[k] = (load_lanes(rows[k] + x + dx) & ~mask) | ((greatest ^ below) & mask);
             }
             sort_column(column);
-            for (int k = 0; k < Side; ++k) ranked[k][dx][x] = column[k];
+            for (int k = 0; k < Side; ++k) ranks[k][dx] = column[k];
         }
-    for (int x = 0; x < strip_pixels; ++x) {
-        std::int16_t ranks[Side][Side];
-        for (int k = 0; k < Side; ++k)
-            for (int dx = 0; dx < Side; ++dx) ranks[k][dx] = ranked[k][dx][x];
-        out[x] = median_of_sorted_columns(ranks);
+        store_lanes(median_of_sorted_columns(ranks), out + x);
     }
 }
 
@@ -76,7 +87,7 @@ void MedianFilter::apply(int side, SurfaceFrame& frame) {
 template <int Side>
 void MedianFilter::filter(SurfaceFrame& frame) {
     constexpr int radius = Side / 2;
-    static_assert(radius <= margin);
+    static_assert(radius <= margin && margin <= lanes);
     lines_.resize(Side);
     int loaded = 0;
     for (int y = 0; y < frame.height; ++y) {
@@ -92,7 +103,7 @@ void MedianFilter::filter(SurfaceFrame& frame) {
 
 void MedianFilter::load(const SurfaceFrame& frame, int y, Line& line) {
     const int words = frame.validity_words_per_row();
-    const auto pixels = static_cast<std::size_t>(words * strip_pixels + 2 * margin);
+    const auto pixels = static_cast<std::size_t>(margin + words * strip_pixels + lanes);
     line.values.resize(pixels);
     line.invalid.resize(pixels);
     line.holes.resize(static_cast<std::size_t>(words));

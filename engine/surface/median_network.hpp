@@ -2,15 +2,18 @@
 
 #include <cstdint>
 
-/// Medians of 9 and 25 values from minima and maxima alone: no branch, so a loop over them vectorises. The
-/// window comes as columns that are each sorted; neighbouring windows share those. T needs `lesser` and
-/// `greater`.
+/// Medians of 9 and 25 values from minima and maxima alone, without a branch, so that many are found at once.
+/// The window comes as columns that are each sorted; neighbouring windows share those. T is Lanes, or
+/// anything else with `lesser` and `greater`.
 namespace touchable {
 
-inline std::int16_t lesser(std::int16_t a, std::int16_t b) {
+/// Eight values side by side: a vector register, where a CPU has them (an extension of GCC and Clang).
+using Lanes = std::int16_t __attribute__((vector_size(16)));
+
+inline Lanes lesser(Lanes a, Lanes b) {
     return a < b ? a : b;
 }
-inline std::int16_t greater(std::int16_t a, std::int16_t b) {
+inline Lanes greater(Lanes a, Lanes b) {
     return a < b ? b : a;
 }
 
