@@ -61,7 +61,7 @@ void Verifier::report(std::ostream& out) const {
     line(out, "rows with a force changed by the guard", c.guarded);
     out << std::scientific << std::setprecision(2) << "  largest deficit of q, relative " << c.largest_deficit
         << "; of the force " << c.largest_force_error << "; of the minimum " << c.largest_residual << '\n'
-        << std::defaultfloat << "violations\n";
+        << std::defaultfloat << std::setprecision(4) << "violations\n";
     for (std::size_t k = 0; k < findings_.size(); ++k) {
         line(out, name_of(static_cast<Check>(k)), findings_[k].count);
         for (const std::string& text : findings_[k].first) out << "    " << text << '\n';
