@@ -61,10 +61,12 @@ Result<void> check_depth(const PlaneView& plane, const Scene& scene, std::string
 }
 
 Result<void> check_height(const PlaneView& plane, const Scene& scene, std::string_view where) {
-    if (plane.channels != 1)
+    const int most = scene.height_coding.code_max;
+    if (plane.channels != 1 || (plane.bytes_per_sample == 1 && most > 255))
         return input_error(std::string(where) + ": is " + kind_text(plane) +
-                           "; heights are 8- or 16-bit grey");
-    return check_largest(plane, scene.height_coding.code_max, where, "the scene's height.bits");
+                           ", but the scene's height_map.bits needs " +
+                           (most > 255 ? "16-bit grey" : "grey"));
+    return check_largest(plane, most, where, "the scene's height_map.bits");
 }
 
 /// A packed picture whose pixels are made by `pixel(to, from)` from the nearest ones of the plane.

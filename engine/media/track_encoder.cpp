@@ -73,7 +73,7 @@ Result<TrackEncoder> TrackEncoder::open(PlaneRole role, const PlaneView& first, 
     settings.thread_count = 1;
     settings.level = 3;
     settings.flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
-    if (role != PlaneRole::colour) settings.color_range = AVCOL_RANGE_JPEG;
+    settings.color_range = AVCOL_RANGE_JPEG;  // no player squeezes the values
     AVDictionary* options = nullptr;
     for (const auto& [name, value] : {std::pair{"slicecrc", 1}, {"coder", 1}, {"context", 1}})
         av_dict_set_int(&options, name, value, 0);

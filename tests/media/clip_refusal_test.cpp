@@ -104,6 +104,22 @@ TEST(ClipRefusal, ValuesBeyondTheScenesBitsAreNamed) {
     EXPECT_PRED2(contains, message(reader), "allows at most 4095");
 }
 
+TEST(ClipRefusal, HeightsMustBeOfTheScenesBits) {
+    const TemporaryFolder folder;
+    Scene scene = small_scene(40, 30);
+    ASSERT_EQ(message(write_clip(folder / "narrow.mkv", scene, 2, {false, false, true})), "");
+    scene.height_coding.code_max = 65535;
+    ASSERT_EQ(message(write_clip(folder / "wide.mkv", scene, 2, {false, false, true})), "");
+    write_bytes(folder / "wide.json", scene_to_json(scene));
+    const std::string narrow = message(open_clip(folder / "narrow.mkv", folder / "wide.json"));
+    EXPECT_PRED2(contains, narrow,
+                 "track height, frame 0: is 8-bit grey, but the scene's height_map.bits needs 16-bit");
+    scene.height_coding.code_max = 1023;
+    write_bytes(folder / "ten.json", scene_to_json(scene));
+    EXPECT_PRED2(contains, message(open_clip(folder / "wide.mkv", folder / "ten.json")),
+                 "allows at most 1023");
+}
+
 TEST(ClipRefusal, UnreadableSceneFilesAreNamed) {
     const TemporaryFolder folder;
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 2, {})), "");

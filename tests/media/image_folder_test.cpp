@@ -179,7 +179,7 @@ TEST(ImageFolder, ImagesThatDoNotFitAreNamed) {
     EXPECT_PRED2(says, refused("colour_000.png", grey(memory, width, height, 2)),
                  "(colour, frame 0): is 16-bit grey; colour is");
     EXPECT_PRED2(says, refused("height_000.png", test_plane(memory, width, height, 1, 3, 255, 1, true)),
-                 "(height, frame 0): is 8-bit RGB; heights");
+                 "(height, frame 0): is 8-bit RGB, but");
     EXPECT_EQ(refusal(folder), "");
 }
 
