@@ -1,0 +1,132 @@
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <string>
+
+#include "bench/clocks.hpp"
+#include "bench/report.hpp"
+#include "bench/suite.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::array suites{
+    BenchSuite{"touch", "the touch solver: time per tick, accuracy, following, energy", touch_cases},
+};
+
+struct Options {
+    std::string suite, filter;
+    std::optional<std::string> json;
+    bool quick = false, list = false;
+};
+
+double load_average() {
+    double load = 0;
+    return getloadavg(&load, 1) == 1 ? load : -1;
+}
+
+/// What the times of this run were taken on.
+Figures machine_figures(double load_at_start) {
+    return {{"cores", static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), ""},
+            {"load_1m_begin", load_at_start, ""},
+            {"load_1m_end", load_average(), ""},
+            {"clock_overhead_ns", clock_costs().monotonic, "ns"},
+            {"thread_clock_overhead_ns", clock_costs().thread_cpu, "ns"}};
+}
+
+Result<const BenchSuite*> find_suite(const std::string& name) {
+    std::string known;
+    for (const BenchSuite& suite : suites) {
+        if (suite.name == name) return &suite;
+        known.append(known.empty() ? "" : ", ").append(suite.name);
+    }
+    return usage_error("suite '" + name + "' is not known; known are " + known);
+}
+
+Result<std::vector<BenchCase>> choose_cases(const BenchSuite& suite, const Options& options) {
+    std::vector<BenchCase> cases = suite.cases(options.quick);
+    std::erase_if(cases,
+                  [&](const BenchCase& c) { return c.name.find(options.filter) == std::string::npos; });
+    if (cases.empty())
+        return usage_error("no case of suite '" + options.suite + "' has '" + options.filter +
+                           "' in its name; see touchable-bench " + options.suite + " --list");
+    return cases;
+}
+
+Result<void> run(const Options& options) {
+    const auto suite = find_suite(options.suite);
+    if (!suite.ok()) return suite.error();
+    const auto cases = choose_cases(**suite, options);
+    if (!cases.ok()) return cases.error();
+    if (options.list) {
+        for (const BenchCase& c : *cases) std::cout << c.name << '\n';
+        return {};
+    }
+    if (options.json)
+        if (auto writable = check_writable(*options.json); !writable.ok()) return writable;
+
+    const double load_at_start = load_average();
+    std::vector<CaseFigures> done;
+    for (std::size_t k = 0; k < cases->size(); ++k) {
+        const BenchCase& c = (*cases)[k];
+        std::cerr << "[" << k + 1 << "/" << cases->size() << "] " << c.name << std::endl;
+        done.push_back({c.name, {}});
+        if (auto measured = c.measure(done.back().figures); !measured.ok()) return measured;
+    }
+    done.insert(done.begin(), {"machine", machine_figures(load_at_start)});
+    std::cout << tables_of(done) << std::flush;
+    if (options.json) return write_report(*options.json, options.suite, done);
+    return {};
+}
+
+void print_overview() {
+    std::cout << "touchable-bench SUITE [--quick] [--json FILE] [--filter SUBSTRING] [--list]\n\n";
+    for (const BenchSuite& suite : suites)
+        std::printf("  %-8s%s\n", std::string(suite.name).c_str(), std::string(suite.what).c_str());
+}
+
+int fail(const Error& error) {
+    std::cerr << "touchable-bench: " << error.message << '\n';
+    return exit_code(error.kind);
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App app{"Measure run time and error.", "touchable-bench"};
+    Options options;
+    app.add_option("suite", options.suite, "what to measure; without one, the suites are listed");
+    app.add_flag("--quick", options.quick, "the same more coarsely, within a minute");
+    app.add_option("--json", options.json, "write the figures to this file too");
+    app.add_option("--filter", options.filter, "only cases with this in their name");
+    app.add_flag("--list", options.list, "name the cases, measure nothing");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& success) {
+        return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+        return fail(usage_error(std::string(error.what()) + "; see touchable-bench -h"));
+    }
+    if (options.suite.empty()) {
+        print_overview();
+        return 0;
+    }
+    const Result<void> result = run(options);
+    return result.ok() ? 0 : fail(result.error());
+}
+
+}  // namespace
+}  // namespace touchable
+
+int main(int argc, char** argv) {
+    try {
+        return touchable::run_program(argc, argv);
+    } catch (const std::exception& fault) {
+        std::cerr << "touchable-bench: internal fault: " << fault.what() << '\n';
+        return touchable::exit_code(touchable::ErrorKind::internal);
+    }
+}

@@ -1,0 +1,97 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "bench/touch/globe_run.hpp"
+#include "bench/touch/touch_run.hpp"
+#include "engine/content/presets.hpp"
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+// Millimetres of the device.
+constexpr double slide = 5, press = 2, clearance = 1;
+constexpr double polar_angle = 45 * pi / 180;
+
+/// A rectangle in the plane of the globe's axis and a flank: from outside straight in, along, out, and back
+/// through free space.
+class FlankLoop {
+public:
+    FlankLoop(const GlobeSphere& sphere, double azimuth)
+        : scale_(sphere.radius / (1000 * globe_device_radius)) {
+        const glm::dvec3 aside{cosine(azimuth), sine(azimuth), 0};
+        const glm::dvec3 axis{0, 0, 1};
+        out_ = sine(polar_angle) * aside + cosine(polar_angle) * axis;
+        limbward_ = cosine(polar_angle) * aside - sine(polar_angle) * axis;
+        touching_ = sphere.centre + sphere.radius * out_;
+    }
+
+    /// `step`: device millimetres. `limbward`: slides under the surface away from the axis, or towards it.
+    std::vector<glm::dvec3> goals(double step, bool limbward) const {
+        const double near = limbward ? -slide / 2 : slide / 2, far = -near;
+        const std::array corners{at(near, clearance), at(near, -press), at(far, -press), at(far, clearance),
+                                 at(near, clearance)};
+        std::vector<glm::dvec3> path{corners[0]};
+        for (std::size_t side = 0; side + 1 < corners.size(); ++side) {
+            const glm::dvec3 way = corners[side + 1] - corners[side];
+            const int steps = static_cast<int>(std::ceil(std::sqrt(glm::dot(way, way)) / (step * scale_)));
+            for (int k = 1; k <= steps; ++k)
+                path.push_back(corners[side] + way * (static_cast<double>(k) / steps));
+        }
+        return path;
+    }
+
+private:
+    glm::dvec3 at(double along, double outside) const {
+        return touching_ + (along * limbward_ + outside * out_) * scale_;
+    }
+    double scale_;  // scene units per device millimetre
+    glm::dvec3 out_, limbward_, touching_;
+};
+
+/// Work the force does on the hand along the goals, millijoules: the mean of both ends' forces times each
+/// step, so that the sampled force's own leak is left out.
+double work_mj(TouchRun& touch) {
+    touch.restart();
+    double joules = 0;
+    glm::dvec3 force(0.0), goal(0.0);
+    for (int k = 0; k < touch.ticks(); ++k) {
+        touch.tick(k);
+        const Contact& contact = touch.contacts()[0];
+        if (k > 0)
+            joules +=
+                glm::dot(0.5 * (force + contact.force), contact.goal - goal) * touch.metres_per_scene_unit();
+        force = contact.force;
+        goal = contact.goal;
+    }
+    return 1000 * joules;
+}
+
+}  // namespace
+
+Result<void> measure_energy(const TouchSurface& surface, const GlobeRun& run, Figures& figures) {
+    const TouchCase& c = run.setup;
+    const GlobeSphere sphere = globe_sphere(c.preset, c.width, c.height);
+    double limbward = 0, inward = 0, larger = 0;
+    for (int flank = 0; flank < run.flanks; ++flank) {
+        const FlankLoop loop(sphere, 0.2 + 2 * pi * flank / run.flanks);
+        std::array<double, 2> created{};
+        for (const bool way : {false, true}) {
+            auto made = TouchRun::create(surface, c, surface.scene().default_properties,
+                                         loop.goals(run.loop_step_mm, way));
+            if (!made.ok()) return made.error();
+            created[way] = work_mj(**made);
+        }
+        inward += created[0] / run.flanks;
+        limbward += created[1] / run.flanks;
+        larger += std::max(created[0], created[1]) / run.flanks;
+    }
+    figures.push_back({"energy_created_mj", larger, "mJ"});
+    figures.push_back({"energy_created_mj_limbward", limbward, "mJ"});
+    figures.push_back({"energy_created_mj_inward", inward, "mJ"});
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,90 @@
+#include "bench/touch/globe_run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "bench/touch/touch_run.hpp"
+#include "engine/content/strokes.hpp"
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double true_force = 1;  // newtons: 1 N/mm, 1 mm under the surface
+
+double length(const glm::dvec3& v) {
+    return std::sqrt(glm::dot(v, v));
+}
+
+struct RootMeanSquare {
+    double sum = 0;
+    int count = 0;
+    void add(double error) {
+        sum += error * error;
+        ++count;
+    }
+    double value() const { return count ? std::sqrt(sum / count) : 0; }
+};
+
+/// Errors of the force along the stroke, those of its direction by polar angle too.
+class ForceErrors {
+public:
+    void add(const GlobeStroke::Goal& goal, const Contact& contact) {
+        const double newtons = length(contact.force), error = std::fabs(newtons - true_force);
+        force_.add(error);
+        largest_ = std::max(largest_, error);
+        if (!contact.touching) {
+            ++lost_;
+            return;
+        }
+        // By the chord: exact for small angles, where an arccosine is not.
+        const double chord = length(contact.force / newtons - goal.normal);
+        const double angle = 2 * arcsine(std::min(1.0, chord / 2)) * degrees;
+        const double polar = goal.polar_angle * degrees;
+        angle_.add(angle);
+        by_polar_[polar < 45 ? static_cast<std::size_t>(polar / 15) : 3].add(angle);
+    }
+    void report(Figures& figures) const {
+        figures.push_back({"force_angle_deg_rms", angle_.value(), "deg"});
+        const std::array bins{"0_15", "15_30", "30_45", "45_58"};
+        for (std::size_t bin = 0; bin < bins.size(); ++bin)
+            figures.push_back(
+                {std::string("force_angle_deg_rms_") + bins[bin], by_polar_[bin].value(), "deg"});
+        figures.push_back({"force_n_rms", force_.value(), "N"});
+        figures.push_back({"force_n_max", largest_, "N"});
+        figures.push_back({"contact_lost_ticks", static_cast<double>(lost_), ""});
+    }
+
+private:
+    static constexpr double degrees = 180 / pi;
+    RootMeanSquare angle_, force_;
+    std::array<RootMeanSquare, 4> by_polar_;
+    double largest_ = 0;
+    int lost_ = 0;
+};
+
+}  // namespace
+
+Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Figures& figures) {
+    const TouchCase& c = run.setup;
+    const GlobeStroke stroke(c.preset, c.width, c.height);
+    std::vector<glm::dvec3> goals;
+    for (int k = 0; k < GlobeStroke::approach_ticks + GlobeStroke::stroke_ticks; ++k)
+        goals.push_back(stroke.at(k).goal);
+    auto made = TouchRun::create(surface, c, surface.scene().default_properties, std::move(goals));
+    if (!made.ok()) return made.error();
+    TouchRun& touch = **made;
+
+    ForceErrors errors;
+    for (int k = 0; k < touch.ticks(); ++k) {
+        touch.tick(k);
+        if (k >= GlobeStroke::approach_ticks) errors.add(stroke.at(k), touch.contacts()[0]);
+    }
+    errors.report(figures);
+    add_figures(time_hot(touch, run.repeats), "", figures);
+    return run.flanks > 0 ? measure_energy(surface, run, figures) : Result<void>();
+}
+
+}  // namespace touchable

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "bench/suite.hpp"
+#include "bench/touch/touch_surface.hpp"
+
+namespace touchable {
+
+/// The stroke over a height field at 0.3 m/s, 600 N/m, friction 0.6 and 0.4. Finger k runs one second ahead
+/// of finger k - 1.
+struct TimingRun {
+    TouchCase setup;
+    int ticks = 30000;
+    int repeats = 5;      ///< of the hot loop
+    int paced_ticks = 0;  ///< 0: not paced
+};
+
+/// Appends times, cells and events; an error if the run is not right (verify).
+Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, Figures& figures);
+
+}  // namespace touchable

@@ -1,0 +1,18 @@
+#include "bench/touch/touch_case.hpp"
+
+namespace touchable {
+
+std::string name_of(const TouchCase& c) {
+    std::string name = c.scene + "-" + std::to_string(c.width) + "x" + std::to_string(c.height) + "-" +
+                       (c.bits == TouchCase::exact ? "exact" : std::to_string(c.bits)) + "-" +
+                       std::to_string(c.fingers) + "f-" +
+                       (c.metric == TouchMetric::world ? "world" : "pixel");
+    if (c.preset == CameraPreset::a) name += "-A";
+    if (c.preset == CameraPreset::a_prime) name += "-Aprime";
+    if (c.median > 0) name += "-m" + std::to_string(c.median);
+    if (c.lazy) name += "-lazy";
+    if (!c.run.empty()) name += "-" + c.run;
+    return name;
+}
+
+}  // namespace touchable

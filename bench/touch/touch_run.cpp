@@ -1,0 +1,100 @@
+#include "bench/touch/touch_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+constexpr std::int64_t tick_ns = 1'000'000;
+
+/// What is wrong with a contact; nullptr if it is sound.
+const char* fault_of(const Contact& contact, const HeightField& field, double metres_per_scene_unit,
+                     double behind_tolerance) {
+    const glm::dvec3 spring =
+        contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
+    const glm::dvec3 off = contact.force - spring;
+    // Written so that NaN is a fault.
+    if (!(glm::dot(off, off) <= 1e-24 * glm::dot(spring, spring)))
+        return "the force is not k S (P - G), or not finite";
+    if (is_behind_surface(field, contact.proxy, behind_tolerance)) return "the proxy is behind the surface";
+    return nullptr;
+}
+
+Error wrong(int tick, std::size_t finger, const char* fault) {
+    return {ErrorKind::check,
+            "tick " + std::to_string(tick) + ", finger " + std::to_string(finger) + ": " + fault};
+}
+
+}  // namespace
+
+TouchRun::TouchRun(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
+                   const TouchSolver& solver, std::vector<glm::dvec3> goals)
+    : surface_(surface),
+      scene_(surface.scene()),
+      solver_(solver),
+      goals_(std::move(goals)),
+      fingers_(static_cast<std::size_t>(c.fingers)),
+      contacts_(fingers_.size()) {
+    scene_.default_properties = properties;
+}
+
+Result<std::unique_ptr<TouchRun>> TouchRun::create(const TouchSurface& surface, const TouchCase& c,
+                                                   const HapticProperties& properties,
+                                                   std::vector<glm::dvec3> goals) {
+    TouchSettings settings;
+    settings.metric = c.metric;
+    settings.metres_per_scene_unit = surface.scene().device_metres_per_unit.value();
+    const auto solver = TouchSolver::create(surface.scene(), settings);
+    if (!solver.ok()) return solver.error();
+    return std::unique_ptr<TouchRun>(new TouchRun(surface, c, properties, *solver, std::move(goals)));
+}
+
+void TouchRun::restart() {
+    fingers_.assign(fingers_.size(), {});
+}
+
+HeightField TouchRun::field(int k) const {
+    return {scene_, surface_.pair_at(k * tick_ns)};
+}
+
+void TouchRun::tick(int k) {
+    const auto goals =
+        std::span(goals_).subspan(static_cast<std::size_t>(k) * fingers_.size(), fingers_.size());
+    solver_.tick(field(k), goals, fingers_, contacts_);
+}
+
+Result<RunCounts> verify(TouchRun& run, double behind_tolerance) {
+    run.restart();
+    RunCounts counts;
+    double cells = 0, events = 0, contact_ticks = 0, finger_ticks = 0;
+    for (int k = 0; k < run.ticks(); ++k) {
+        run.tick(k);
+        const HeightField field = run.field(k);
+        const auto contacts = run.contacts();
+        bool capped = false;
+        for (std::size_t finger = 0; finger < contacts.size(); ++finger) {
+            const Contact& contact = contacts[finger];
+            if (const char* fault = fault_of(contact, field, run.metres_per_scene_unit(), behind_tolerance))
+                return wrong(k, finger, fault);
+            cells += contact.counts.cells + contact.counts.events;
+            events += contact.counts.events;
+            contact_ticks += contact.touching;
+            counts.events_max = std::max(counts.events_max, contact.counts.events);
+            capped |= contact.counts.capped;
+        }
+        finger_ticks += static_cast<double>(contacts.size());
+        counts.capped_ticks += capped;
+    }
+    if (!(contact_ticks >= 0.5 * finger_ticks))
+        return Error{ErrorKind::check,
+                     "less than half of the ticks are in contact: there is nothing to time"};
+    counts.cells_per_tick = cells / run.ticks();
+    counts.events_mean = events / contact_ticks;
+    return counts;
+}
+
+}  // namespace touchable

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bench/tick_times.hpp"
+#include "bench/touch/touch_surface.hpp"
+#include "haptics_cpu/touch_solver.hpp"
+
+namespace touchable {
+
+/// Goals for one or more fingers, driven over a surface at 1 kHz of its own time. A tick is what the haptic
+/// thread does in one: the field of the moment, then the solver for all fingers.
+class TouchRun final : public TimedRun {
+public:
+    /// `goals`: tick by tick, in each the case's fingers. The surface must outlive the run.
+    static Result<std::unique_ptr<TouchRun>> create(const TouchSurface& surface, const TouchCase& c,
+                                                    const HapticProperties& properties,
+                                                    std::vector<glm::dvec3> goals);
+
+    int ticks() const override { return static_cast<int>(goals_.size() / fingers_.size()); }
+    void restart() override;
+    void tick(int k) override;
+
+    std::span<const Contact> contacts() const { return contacts_; }
+    HeightField field(int k) const;
+    /// Newtons of kS per scene unit are this times the stiffness.
+    double metres_per_scene_unit() const { return solver_.settings().metres_per_scene_unit; }
+
+private:
+    TouchRun(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
+             const TouchSolver& solver, std::vector<glm::dvec3> goals);
+
+    const TouchSurface& surface_;
+    Scene scene_;  // of the surface, with this run's properties
+    TouchSolver solver_;
+    std::vector<glm::dvec3> goals_;
+    std::vector<FingerState> fingers_;
+    std::vector<Contact> contacts_;
+};
+
+/// What the solver did in a whole run.
+struct RunCounts {
+    double cells_per_tick = 0;  ///< lattice lines, faces and features looked at, over all fingers
+    double events_mean = 0;     ///< features passed per finger and tick in contact
+    int events_max = 0;
+    int capped_ticks = 0;  ///< in which a finger ended at the event limit
+};
+
+/// Runs it once, untimed, and looks at every tick: finite, force as Hooke has it, no proxy behind the surface
+/// by more than `behind_tolerance` of its 1/depth, and at least half of all ticks in contact.
+Result<RunCounts> verify(TouchRun& run, double behind_tolerance);
+
+}  // namespace touchable

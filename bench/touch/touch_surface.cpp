@@ -1,0 +1,87 @@
+#include "bench/touch/touch_surface.hpp"
+
+#include <utility>
+
+#include "engine/surface/surface_builder.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t frames_of_moving = 60;
+
+SceneOptions options_of(const TouchCase& c) {
+    SceneOptions options;
+    options.width = c.width;
+    options.height = c.height;
+    if (c.bits != TouchCase::exact) options.bits = c.bits;
+    options.preset = c.preset;
+    return options;
+}
+
+bool same_surface(const TouchCase& a, const TouchCase& b) {
+    return a.scene == b.scene && a.width == b.width && a.height == b.height && a.bits == b.bits &&
+           a.preset == b.preset && a.median == b.median && a.lazy == b.lazy;
+}
+
+}  // namespace
+
+TouchSurface::TouchSurface(std::unique_ptr<AnalyticScene> content, const TouchCase& c)
+    : content_(std::move(content)),
+      scene_(content_->scene()),
+      frames_(c.scene == "moving" ? frames_of_moving : 1) {
+    scene_.filter.median = c.median;
+}
+
+Result<std::unique_ptr<const TouchSurface>> TouchSurface::make(const TouchCase& c) {
+    auto content = make_scene(c.scene, options_of(c));
+    if (!content.ok()) return content.error();
+    std::unique_ptr<TouchSurface> surface(new TouchSurface(std::move(content).value(), c));
+    if (auto built = surface->build(c); !built.ok()) return built.error();
+    return std::unique_ptr<const TouchSurface>(std::move(surface));
+}
+
+Result<void> TouchSurface::build(const TouchCase& c) {
+    const auto builder = c.lazy ? make_lazy_builder(scene_) : make_cpu_builder(scene_);
+    for (std::size_t n = 0; n < frames_.size(); ++n) {
+        const auto number = static_cast<std::int64_t>(n);
+        if (c.bits == TouchCase::exact) {
+            content_->exact_frame(number, frames_[n]);
+        } else if (auto built = builder->build(content_->frame(number), frames_[n]); !built.ok()) {
+            return built;
+        }
+    }
+    return {};
+}
+
+FramePair TouchSurface::pair_at(std::int64_t time_ns) const {
+    FramePair pair;
+    if (frames_.size() == 1) {
+        pair.prev = pair.next = {0, 0, &frames_[0]};
+        return pair;
+    }
+    const FrameRate& rate = scene_.rate;
+    std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
+    while (rate.time_ns(n + 1) <= time_ns) ++n;
+    const auto timed = [&](std::int64_t number) {
+        return TimedFrame{number, rate.time_ns(number),
+                          &frames_[static_cast<std::size_t>(number) % frames_.size()]};
+    };
+    pair.prev = timed(n);
+    pair.next = timed(n + 1);
+    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+    return pair;
+}
+
+Result<const TouchSurface*> SurfaceShelf::take(const TouchCase& c) {
+    if (!surface_ || !same_surface(c, made_for_)) {
+        surface_.reset();  // the largest do not fit into memory twice
+        auto made = TouchSurface::make(c);
+        if (!made.ok()) return made.error();
+        surface_ = std::move(made).value();
+        made_for_ = c;
+    }
+    return surface_.get();
+}
+
+}  // namespace touchable

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bench/touch/touch_case.hpp"
+#include "engine/frame/surface_timeline.hpp"
+
+namespace touchable {
+
+/// The frames of a case's scene, built: one where it stands still; of `moving` the 60 of the two seconds
+/// after which it repeats.
+class TouchSurface {
+public:
+    static Result<std::unique_ptr<const TouchSurface>> make(const TouchCase& c);
+    TouchSurface(const TouchSurface&) = delete;
+    TouchSurface& operator=(const TouchSurface&) = delete;
+
+    const AnalyticScene& content() const { return *content_; }
+    /// With the case's filter.
+    const Scene& scene() const { return scene_; }
+    /// The frames around a time from 0 on.
+    FramePair pair_at(std::int64_t time_ns) const;
+
+private:
+    TouchSurface(std::unique_ptr<AnalyticScene> content, const TouchCase& c);
+    Result<void> build(const TouchCase& c);
+
+    std::unique_ptr<AnalyticScene> content_;
+    Scene scene_;
+    std::vector<SurfaceFrame> frames_;  // their vertices refer to them: never resized
+};
+
+/// Keeps the surface made last, because cases that stand together in a suite's list often share it.
+class SurfaceShelf {
+public:
+    /// Good until the next call.
+    Result<const TouchSurface*> take(const TouchCase& c);
+
+private:
+    TouchCase made_for_;
+    std::unique_ptr<const TouchSurface> surface_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,132 @@
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "bench/suite.hpp"
+#include "bench/touch/following_run.hpp"
+#include "bench/touch/globe_run.hpp"
+#include "bench/touch/timing_run.hpp"
+
+namespace touchable {
+namespace {
+
+struct Size {
+    int width, height;
+};
+constexpr Size qvga{320, 240}, sd{720, 480}, hd{1280, 720}, full_hd{1920, 1080}, ultra_hd{3840, 2160};
+
+/// The list of cases in the making. Those that share a surface stand together.
+class TouchSuite {
+public:
+    explicit TouchSuite(bool quick) : quick_(quick) {}
+
+    std::vector<BenchCase> cases() {
+        for (const Size size : {qvga, sd, hd, full_hd}) add_bumps(size);
+        if (!quick_) add_timing(setup("bumps", ultra_hd));
+        for (const Size size : {qvga, sd, hd, full_hd})
+            if (!quick_ || size.width == qvga.width) add_following(setup("moving", size));
+        for (const Size size : {sd, full_hd}) add_globe(setup("globe", size));
+        if (!quick_)
+            for (const CameraPreset preset : {CameraPreset::a, CameraPreset::a_prime}) {
+                TouchCase c = setup("globe", sd);
+                c.preset = preset;
+                add_globe(c);
+            }
+        return std::move(cases_);
+    }
+
+private:
+    static TouchCase setup(std::string scene, Size size) {
+        TouchCase c;
+        c.scene = std::move(scene);
+        c.width = size.width;
+        c.height = size.height;
+        return c;
+    }
+
+    /// A case whose surface is made, or taken from the shelf, when it is measured.
+    template <class Run, class Measure>
+    void add(const Run& run, Measure measure) {
+        cases_.push_back(
+            {name_of(run.setup), [shelf = shelf_, run, measure](Figures& figures) -> Result<void> {
+                 const auto surface = shelf->take(run.setup);
+                 if (!surface.ok()) return surface.error();
+                 auto measured = measure(**surface, run, figures);
+                 if (measured.ok()) return measured;
+                 return Error{measured.error().kind, name_of(run.setup) + ": " + measured.error().message};
+             }});
+    }
+
+    void add_bumps(Size size) {
+        TouchCase c = setup("bumps", size);
+        add_timing(c);
+        if (size.width == full_hd.width) {
+            for (const int fingers : {5, 10}) {
+                c.fingers = fingers;
+                add_timing(c);
+            }
+            c.fingers = 1;
+            c.metric = TouchMetric::pixel;
+            add_timing(c);
+        }
+        if (!quick_ || size.width == qvga.width || size.width == full_hd.width)
+            add_following(setup("bumps", size));
+    }
+
+    void add_timing(const TouchCase& c) {
+        TimingRun run{c};
+        if (quick_) run.repeats = 3;
+        const bool world = c.metric == TouchMetric::world;
+        if (c.width == full_hd.width && c.fingers == 1 && world) run.paced_ticks = quick_ ? 3000 : 30000;
+        add(run, measure_timing);
+    }
+
+    void add_following(TouchCase c) {
+        for (const auto& [speed, word] : {std::pair{0.05, "0.05"}, {0.1, "0.1"}, {0.3, "0.3"}}) {
+            c.run = std::string("follow-") + word;
+            add(FollowingRun{c, speed, quick_ ? 10000 : 30000}, measure_following);
+        }
+    }
+
+    void add_globe(TouchCase c) {
+        for (const int bits : {TouchCase::exact, 16, 10, 8}) {
+            c.bits = bits;
+            add_both_metrics(c);
+        }
+        for (const int median : {3, 5}) {
+            c.median = median;
+            add_both_metrics(c);
+        }
+        c.lazy = true;
+        for (const int median : {0, 3, 5}) {
+            c.median = median;
+            add_both_metrics(c);
+        }
+    }
+
+    void add_both_metrics(TouchCase c) {
+        GlobeRun run{c};
+        if (quick_) {
+            run.repeats = 3;
+            run.loop_step_mm = 0.004;
+        }
+        // The lazy builder gives the same bits as the other, so the same forces: only its time is news.
+        run.flanks = c.lazy ? 0 : quick_ ? 4 : 8;
+        for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel}) {
+            run.setup.metric = metric;
+            add(run, measure_globe);
+        }
+    }
+
+    bool quick_;
+    std::shared_ptr<SurfaceShelf> shelf_ = std::make_shared<SurfaceShelf>();
+    std::vector<BenchCase> cases_;
+};
+
+}  // namespace
+
+std::vector<BenchCase> touch_cases(bool quick) {
+    return TouchSuite(quick).cases();
+}
+
+}  // namespace touchable
