@@ -36,43 +36,30 @@ private:
 }  // namespace
 
 Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file) {
-    std::unique_ptr<ForcesFile> out(new ForcesFile(file));
-    out->out_.open(out->file_.path(), std::ios::binary);
-    out->out_
-        << "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
-           "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S\n";
-    if (!out->out_) return out->failed();
-    return out;
+    auto out = OutputFile::create("--forces", file);
+    if (!out.ok()) return out.error();
+    constexpr std::string_view header =
+        "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
+        "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped\n";
+    if (auto written = (*out)->write(header); !written.ok()) return written.error();
+    return std::unique_ptr<ForcesFile>(new ForcesFile(std::move(*out)));
 }
 
 Result<void> ForcesFile::take(const TouchTick& tick) {
-    row_.clear();
+    rows_.clear();
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& contact = tick.contacts[k];
-        Row row(row_);
+        Row row(rows_);
         row << tick.tick << static_cast<double>(tick.time_ns) / 1e9 << static_cast<std::int64_t>(k)
             << contact.goal << contact.proxy << tick.forces[k].force << std::int64_t{contact.touching}
             << contact.pixel_x << contact.pixel_y << contact.properties.stiffness
             << contact.properties.static_friction << contact.properties.dynamic_friction
             << tick.pair.prev.number << tick.pair.next.number << tick.field.blend()
-            << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit;
+            << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit
+            << std::int64_t{contact.counts.capped};
         row.end();
     }
-    out_ << row_;
-    if (!out_) return failed();
-    return {};
-}
-
-Result<void> ForcesFile::finish() {
-    out_.close();
-    if (!out_) return failed();
-    return file_.commit();
-}
-
-Error ForcesFile::failed() const {
-    return input_error("--forces " + file_.target().string() +
-                       ": cannot be written (no such folder, no permission, or "
-                       "the disk is full)");
+    return file_->write(rows_);
 }
 
 }  // namespace touchable

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <string>
 
-#include "engine/media/new_file.hpp"
+#include "player/output_file.hpp"
 #include "player/touch_session.hpp"
 
 namespace touchable {
@@ -17,15 +17,13 @@ public:
     static Result<std::unique_ptr<ForcesFile>> create(const std::filesystem::path& file);
     Result<void> take(const TouchTick& tick) override;
     /// Gives the file its name; without this nothing is left behind.
-    Result<void> finish();
+    Result<void> finish() { return file_->finish(); }
 
 private:
-    explicit ForcesFile(const std::filesystem::path& file) : file_(file) {}
-    Error failed() const;
+    explicit ForcesFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
 
-    NewFile file_;
-    std::ofstream out_;
-    std::string row_;
+    std::unique_ptr<OutputFile> file_;
+    std::string rows_;  // of one tick
 };
 
 }  // namespace touchable

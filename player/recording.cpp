@@ -3,9 +3,9 @@
 #include <xxhash.h>
 
 #include <bit>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <limits>
 #include <span>
 
 namespace touchable {
@@ -64,9 +64,12 @@ RecordedTick read_tick(Bytes& bytes, std::size_t fingers) {
 }
 
 Result<std::string> read_whole(const std::filesystem::path& file) {
+    std::error_code failure;
+    const auto size = std::filesystem::file_size(file, failure);  // fails for what is not a file
+    std::string bytes(failure ? 0 : static_cast<std::size_t>(size), '\0');
     std::ifstream in(file, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    if (!in) return input_error("recording " + file.string() + ": cannot be read");
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (failure || !in) return input_error("recording " + file.string() + ": cannot be read");
     return bytes;
 }
 
@@ -74,9 +77,10 @@ bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
     return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-std::string to_text(const glm::dvec3& v) {
-    char text[96];
-    std::snprintf(text, sizeof text, "(%.17g, %.17g, %.17g)", v.x, v.y, v.z);
+std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
+    char text[128];
+    std::snprintf(text, sizeof text, "(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z,
+                  guard);
     return text;
 }
 
@@ -115,41 +119,34 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     recording.facts = nlohmann::ordered_json::parse(
         bytes.substr(bytes.size() - tail_size - facts_size, facts_size), nullptr, false);
     if (!recording.facts.is_object()) return refuse(damaged);
+    if (recording.ticks.empty()) return refuse("has no ticks; there is nothing to replay");
+    for (std::size_t k = 1; k < recording.ticks.size(); ++k)
+        if (recording.ticks[k].time_ns < recording.ticks[k - 1].time_ns)
+            return refuse("tick " + std::to_string(k) + ": its time is before that of the tick before");
     return recording;
 }
 
-struct RecordingFile::State {
-    NewFile file;
-    std::ofstream out;
-    int fingers;
-    std::uint64_t ticks = 0;
-    std::string bytes;  // of one tick
-    XXH64_state_t* hash = XXH64_createState();
-
-    State(const std::filesystem::path& target, int count) : file(target), fingers(count) {
-        XXH64_reset(hash, 0);
-    }
-    ~State() { XXH64_freeState(hash); }
-    State(const State&) = delete;
-    State& operator=(const State&) = delete;
+struct RecordingFile::Hash {
+    XXH64_state_t* state = XXH64_createState();
+    Hash() { XXH64_reset(state, 0); }
+    ~Hash() { XXH64_freeState(state); }
+    Hash(const Hash&) = delete;
+    Hash& operator=(const Hash&) = delete;
 };
 
-RecordingFile::RecordingFile(const std::filesystem::path& file, int fingers)
-    : state_(std::make_unique<State>(file, fingers)) {}
+RecordingFile::RecordingFile(std::unique_ptr<OutputFile> file)
+    : file_(std::move(file)), hash_(std::make_unique<Hash>()) {}
 RecordingFile::~RecordingFile() = default;
 
 Result<void> RecordingFile::write(const std::string& bytes) {
-    XXH64_update(state_->hash, bytes.data(), bytes.size());
-    state_->out << bytes;
-    if (!state_->out)
-        return input_error("--record " + state_->file.target().string() +
-                           ": cannot be written (no such folder, no permission, or the disk is full)");
-    return {};
+    XXH64_update(hash_->state, bytes.data(), bytes.size());
+    return file_->write(bytes);
 }
 
 Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesystem::path& file, int fingers) {
-    std::unique_ptr<RecordingFile> out(new RecordingFile(file, fingers));
-    out->state_->out.open(out->state_->file.path(), std::ios::binary);
+    auto opened = OutputFile::create("--record", file);
+    if (!opened.ok()) return opened.error();
+    std::unique_ptr<RecordingFile> out(new RecordingFile(std::move(*opened)));
     std::string head(magic);
     put(head, recording_format_version, 4);
     put(head, static_cast<std::uint64_t>(fingers), 4);
@@ -158,31 +155,30 @@ Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesyst
 }
 
 Result<void> RecordingFile::take(const TouchTick& tick) {
-    std::string& bytes = state_->bytes;
-    bytes.clear();
+    bytes_.clear();
     for (const std::int64_t value : {tick.time_ns, tick.pair.prev.number, tick.pair.next.number})
-        put(bytes, static_cast<std::uint64_t>(value), 8);
-    put(bytes, tick.field.blend());
+        put(bytes_, static_cast<std::uint64_t>(value), 8);
+    put(bytes_, tick.field.blend());
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
-        put(bytes, tick.goals[k]);
-        put(bytes, tick.forces[k].force);
-        put(bytes, tick.forces[k].reasons, 4);
+        put(bytes_, tick.goals[k]);
+        put(bytes_, tick.forces[k].force);
+        put(bytes_, tick.forces[k].reasons, 4);
     }
-    ++state_->ticks;
-    return write(bytes);
+    ++ticks_;
+    return write(bytes_);
 }
 
 Result<void> RecordingFile::finish(const nlohmann::ordered_json& facts) {
-    std::string tail = facts.dump(2);
+    // Names of files need not be UTF-8; JSON must.
+    std::string tail = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     const std::uint64_t facts_size = tail.size();
     put(tail, facts_size, 8);
-    put(tail, state_->ticks, 8);
+    put(tail, ticks_, 8);
     if (auto written = write(tail); !written.ok()) return written;
     std::string hash;
-    put(hash, XXH64_digest(state_->hash), 8);
+    put(hash, XXH64_digest(hash_->state), 8);
     if (auto written = write(hash); !written.ok()) return written;
-    state_->out.close();
-    return state_->file.commit();
+    return file_->finish();
 }
 
 void ReplayHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) {
@@ -205,8 +201,9 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
         if (same_bits(recorded.forces[k], tick.forces[k].force) &&
             recorded.guards[k] == tick.forces[k].reasons)
             continue;
-        difference_ = where + ", finger " + std::to_string(k) + ": force " + to_text(tick.forces[k].force) +
-                      " N, recorded " + to_text(recorded.forces[k]) + " N";
+        difference_ = where + ", finger " + std::to_string(k) + ": force " +
+                      to_text(tick.forces[k].force, tick.forces[k].reasons) + ", recorded " +
+                      to_text(recorded.forces[k], recorded.guards[k]);
         return {};
     }
     return {};

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "device/hand.hpp"
-#include "engine/media/new_file.hpp"
+#include "player/output_file.hpp"
 #include "player/touch_session.hpp"
 
 namespace touchable {
@@ -46,10 +46,14 @@ public:
     Result<void> finish(const nlohmann::ordered_json& facts);
 
 private:
-    struct State;
-    RecordingFile(const std::filesystem::path& file, int fingers);
+    struct Hash;
+    explicit RecordingFile(std::unique_ptr<OutputFile> file);
     Result<void> write(const std::string& bytes);
-    std::unique_ptr<State> state_;
+
+    std::unique_ptr<OutputFile> file_;
+    std::unique_ptr<Hash> hash_;  // of what is written
+    std::uint64_t ticks_ = 0;
+    std::string bytes_;  // of one tick
 };
 
 /// `--replay FILE`: the recorded goals as a hand.

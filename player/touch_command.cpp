@@ -1,6 +1,7 @@
 #include "player/touch_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <map>
 #include <memory>
 
@@ -23,6 +24,7 @@ struct TouchWords {
 Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     options.guard.max_stiffness = words.max_stiffness_n_mm * 1000;
+    if (std::isnan(words.seconds)) return usage_error("--seconds is not a number; must be 0.001 to 1e6");
     if (words.duration->count() > 0) options.ticks = static_cast<std::int64_t>(words.seconds * 1000 + 0.5);
     if (options.replay) {
         for (const CLI::Option* option : words.fixed_by_recording)
@@ -61,7 +63,8 @@ void add_touch_command(CLI::App& app, Command& command) {
     record->excludes(replay);
 
     words->duration =
-        sub->add_option("--seconds", words->seconds, "length of the run; otherwise that of a recorded hand, or the clip's and at least 3")
+        sub->add_option("--seconds", words->seconds,
+                        "length of the run; otherwise that of a recorded hand, or the clip's and at least 3")
             ->check(CLI::Range(0.001, 1e6));
     words->fixed_by_recording = {
         words->duration,

@@ -1,13 +1,12 @@
 #include "player/touch_run.hpp"
 
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <vector>
 
-#include "engine/media/new_file.hpp"
 #include "player/forces_file.hpp"
 #include "player/machine_facts.hpp"
+#include "player/output_file.hpp"
 #include "player/recording.hpp"
 #include "player/touch_figures.hpp"
 #include "player/touch_setup.hpp"
@@ -41,21 +40,11 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures) {
     return report;
 }
 
-Result<void> write_json(const std::filesystem::path& path, const Json& json) {
-    NewFile file(path);
-    std::ofstream out(file.path());
-    out << json.dump(2) << '\n';
-    out.close();
-    if (!out) return input_error("--json " + path.string() + ": cannot be written");
-    return file.commit();
-}
-
 /// What a replay found; the recorded frames and forces against these.
 Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, const TouchSetup& setup,
                           const std::string& force_hash) {
-    const std::string frames = recording.facts.value("planes_hash", "");
-    const std::string hash = recording.facts.value("force_hash", "");
-    const bool other_frames = frames != setup.feed->planes_hash();
+    const auto hash = recording.facts.at("force_hash").get<std::string>();
+    const bool other_frames = recording.facts.at("planes_hash") != setup.feed->planes_hash();
     if (!check.difference() && hash == force_hash) {
         std::cout << "replay: every force is as recorded, to the bit (" << hash << ")\n";
         return {};
@@ -94,6 +83,12 @@ Result<void> run_touch(const TouchOptions& options) {
         record = std::move(*created);
         sinks.push_back(record.get());
     }
+    std::unique_ptr<OutputFile> json;
+    if (options.json) {
+        auto created = OutputFile::create("--json", *options.json);
+        if (!created.ok()) return created.error();
+        json = std::move(*created);
+    }
     std::optional<ReplayCheck> check;
     if (recording) sinks.push_back(&check.emplace(*recording));
 
@@ -110,8 +105,11 @@ Result<void> run_touch(const TouchOptions& options) {
         facts["force_hash"] = figures.force_hash();
         if (auto done = record->finish(facts); !done.ok()) return done;
     }
-    if (options.json)
-        if (auto done = write_json(*options.json, report); !done.ok()) return done;
+    if (json) {
+        const std::string text = report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+        if (auto written = json->write(text); !written.ok()) return written;
+        if (auto done = json->finish(); !done.ok()) return done;
+    }
     return recording ? judge_replay(*recording, *check, s, figures.force_hash()) : Result<void>{};
 }
 

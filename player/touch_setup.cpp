@@ -1,6 +1,9 @@
 #include "player/touch_setup.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "device/workspace.hpp"
@@ -36,8 +39,10 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const std::string& name, co
 }
 
 Result<void> check_guard(const GuardSettings& guard) {
-    if (!(guard.max_force > 0)) return usage_error("--max-force must be above 0 N");
-    if (!(guard.max_stiffness > 0)) return usage_error("--max-stiffness must be above 0 N/mm");
+    if (!(guard.max_force > 0 && std::isfinite(guard.max_force)))
+        return usage_error("--max-force must be a number above 0 N");
+    if (!(guard.max_stiffness > 0 && std::isfinite(guard.max_stiffness)))
+        return usage_error("--max-stiffness must be a number above 0 N/mm");
     return {};
 }
 
@@ -121,34 +126,56 @@ Json TouchSetup::facts() const {
     return facts;
 }
 
+namespace {
+
+int whole_number(const Json& facts, const char* name, int least, int most) {
+    const auto value = facts.at(name).get<double>();
+    if (value >= least && value <= most && value == std::floor(value)) return static_cast<int>(value);
+    throw std::out_of_range(std::string(name) + " must be a whole number, " + std::to_string(least) + " to " +
+                            std::to_string(most));
+}
+
+/// Reads what `TouchSetup::facts` wrote, and gives the recorded scene. Throws std::exception where something
+/// is missing, of another type or impossible.
+Json read_facts(const Json& facts, TouchSetup& setup) {
+    setup.clip = facts.at("clip").get<std::string>();
+    if (facts.contains("scene_file")) setup.scene_file = facts["scene_file"].get<std::string>();
+    setup.hand_words = facts.at("hand").get<std::string>();
+    const auto metric = facts.at("metric").get<std::string>();
+    if (metric != "world" && metric != "pixel") throw std::out_of_range("metric must be world or pixel");
+    TouchSettings& touch = setup.settings.touch;
+    touch.metric = metric == "pixel" ? TouchMetric::pixel : TouchMetric::world;
+    touch.metres_per_scene_unit = facts.at("S").get<double>();
+    touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);
+    const Json& limits = facts.at("guard");
+    GuardSettings& guard = setup.settings.guard;
+    guard.max_force = limits.at("max_force").get<double>();
+    guard.max_stiffness = limits.at("max_stiffness").get<double>();
+    guard.ramp_in_ticks = whole_number(limits, "ramp_in_ticks", 0, 1'000'000);
+    guard.ramp_out_ticks = whole_number(limits, "ramp_out_ticks", 0, 1'000'000);
+    if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
+    for (const char* hash : {"planes_hash", "force_hash"}) (void)facts.at(hash).get<std::string>();
+    return facts.at("scene");
+}
+
+}  // namespace
+
 Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& recording,
                                                          const TouchOptions& options) {
+    const std::string name = "recording " + options.replay->string();
     auto setup = std::make_unique<TouchSetup>();
-    std::optional<Scene> scene;
+    std::string scene_text;
     try {
-        const Json& facts = recording.facts;
-        setup->clip =
-            options.clip.empty() ? std::filesystem::path(facts.at("clip").get<std::string>()) : options.clip;
-        if (facts.contains("scene_file")) setup->scene_file = facts["scene_file"].get<std::string>();
-        setup->hand_words = facts.at("hand").get<std::string>();
-        TouchSettings& touch = setup->settings.touch;
-        touch.metric = facts.at("metric") == "pixel" ? TouchMetric::pixel : TouchMetric::world;
-        touch.metres_per_scene_unit = facts.at("S");
-        touch.event_limit = facts.at("event_limit");
-        GuardSettings& guard = setup->settings.guard;
-        guard.max_force = facts.at("guard").at("max_force");
-        guard.max_stiffness = facts.at("guard").at("max_stiffness");
-        guard.ramp_in_ticks = facts.at("guard").at("ramp_in_ticks");
-        guard.ramp_out_ticks = facts.at("guard").at("ramp_out_ticks");
-        auto parsed = parse_scene(facts.at("scene").dump(), "recording " + options.replay->string());
-        if (!parsed.ok()) return parsed.error();
-        scene = *parsed;
-    } catch (const nlohmann::json::exception& fault) {
-        return input_error("recording " + options.replay->string() +
-                           ": its facts lack something: " + fault.what());
+        scene_text = read_facts(recording.facts, *setup).dump();
+    } catch (const std::exception& fault) {
+        return input_error(name + ": its facts will not do: " + fault.what());
     }
+    const auto scene = parse_scene(scene_text, name);
+    if (!scene.ok()) return scene.error();
+    if (!options.clip.empty()) setup->clip = options.clip;
     if (options.scene) setup->scene_file = options.scene;
-    if (auto opened = open_feed(*setup, options.builder, scene, options); !opened.ok()) return opened.error();
+    if (auto opened = open_feed(*setup, options.builder, *scene, options); !opened.ok())
+        return opened.error();
     setup->hand = std::make_unique<ReplayHand>(recording);
     setup->settings.fingers = recording.fingers;
     setup->settings.time_of_tick = [&recording](std::int64_t tick) {

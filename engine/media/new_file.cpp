@@ -27,7 +27,15 @@ NewFile::~NewFile() {
     if (!committed_) std::filesystem::remove(path_, ignored);
 }
 
+Result<void> NewFile::check_target() const {
+    std::error_code failure;
+    const auto status = std::filesystem::status(target_, failure);
+    if (target_.has_filename() && (!std::filesystem::exists(status) || is_regular_file(status))) return {};
+    return input_error(target_.string() + ": is not the name of a file; must be one, new or to be replaced");
+}
+
 Result<void> NewFile::commit() {
+    if (auto usable = check_target(); !usable.ok()) return usable;
     std::error_code failure;
     std::filesystem::rename(path_, target_, failure);
     if (failure) return input_error(target_.string() + ": cannot be written: " + failure.message());

@@ -18,6 +18,8 @@ public:
     const std::filesystem::path& target() const { return target_; }
     /// Where to write until `commit`. Closed by whoever opened it before that.
     const std::filesystem::path& path() const { return path_; }
+    /// Refuses a target that is a folder or a device: only a file is ever replaced. `commit` looks again.
+    Result<void> check_target() const;
     Result<void> commit();
 
 private:

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "engine/media/new_file.hpp"
+
+namespace touchable {
+
+/// A file that an option asked for (`--json FILE`). It is opened before the work that fills it, so that a
+/// place where nothing can be written is known at once, and has its name only when it is complete: whatever
+/// goes wrong leaves nothing behind, and an older file as it was.
+class OutputFile {
+public:
+    /// `option`: as typed, for messages. An error of kind input where nothing can be written there.
+    static Result<std::unique_ptr<OutputFile>> create(std::string option, const std::filesystem::path& file);
+    Result<void> write(std::string_view bytes);
+    /// Gives the file its name. Nothing may be written after that.
+    Result<void> finish();
+
+private:
+    OutputFile(std::string option, const std::filesystem::path& file);
+    Error failed() const;
+
+    std::string option_;
+    NewFile file_;
+    std::ofstream out_;
+};
+
+}  // namespace touchable

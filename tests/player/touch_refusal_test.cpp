@@ -1,0 +1,213 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+namespace touchable::testing {
+namespace {
+namespace fs = std::filesystem;
+
+using Words = std::vector<std::string>;
+
+/// A clip, and a folder of its own for what a run writes.
+class TouchRefusal : public ::testing::Test {
+protected:
+    TouchRefusal() { fs::create_directory(folder / "out"); }
+    void make(const std::string& scene = "plane",
+              const Words& more = {"--size", "48x32", "--frames", "3"}) const {
+        make_clip(scene, clip(), more);
+    }
+    std::string clip() const { return folder / "clip.mkv"; }
+    std::string out(const std::string& name = "") const { return folder / ("out/" + name); }
+    /// With everything that a run can write.
+    Words writing(const Words& words) const {
+        Words all{"touch", "--json", out("r.json"), "--forces", out("f.csv"), "--record", out("r.rec")};
+        all.insert(all.end(), words.begin(), words.end());
+        return all;
+    }
+    void expect_refused(const Words& words, int code, const std::string& fragment) const {
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, code) << words.back() << ": " << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(fragment), std::string::npos) << fragment << " is missing in: " << run.err;
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
+    make();
+    const std::vector<std::pair<Words, std::string>> wrong{
+        {{"--hand", "grab"}, "wander, stroke, press, poke"},
+        {{"--hand", "wander:speed=fast"}, "speed"},
+        {{"--hand", "press:x=2"}, "x=2"},
+        {{"--hand", "csv:press.csv"}, "columns"},
+        {{"--fingers", "0"}, "--fingers"},
+        {{"--fingers", "257"}, "--fingers"},
+        {{"--seconds", "0"}, "--seconds"},
+        {{"--seconds", "-1"}, "--seconds"},
+        {{"--seconds", "nan"}, "--seconds"},
+        {{"--seconds", "long"}, "--seconds"},
+        {{"--builder", "gpu"}, "--builder"},
+        {{"--metric", "feet"}, "--metric"},
+        {{"--interpolation", "cubic"}, "--interpolation"},
+        {{"--median", "4"}, "median is 4"},
+        {{"--fill-holes", "17"}, "fill_holes is 17"},
+        {{"--max-force", "0"}, "--max-force"},
+        {{"--max-force", "inf"}, "--max-force"},
+        {{"--max-force", "nan"}, "--max-force"},
+        {{"--max-stiffness", "-1"}, "--max-stiffness"},
+        {{"--speed", "1"}, "--speed"}};
+    for (const auto& [more, fragment] : wrong) {
+        Words words = writing({clip()});
+        words.insert(words.end(), more.begin(), more.end());
+        expect_refused(words, 2, fragment);
+        EXPECT_TRUE(names_in(out()).empty()) << more[0] << ' ' << more[1];
+    }
+    expect_refused({"touch"}, 2, "CLIP");
+}
+
+TEST_F(TouchRefusal, InputThatCannotBeReadIsCode3AndLeavesNothing) {
+    make();
+    const std::string text = folder / "text", folder_path = folder.path().string();
+    std::ofstream(text) << "no clip\n";
+    const std::vector<std::pair<Words, std::string>> wrong{
+        {{"no-such-clip.mkv"}, "no-such-clip.mkv"},
+        {{text}, text},
+        {{folder_path}, folder_path},
+        {{clip(), "--scene", "no-such-scene.json"}, "no-such-scene.json"},
+        {{clip(), "--scene", text}, text},
+        {{clip(), "--hand", "csv:no-such.csv:columns=a"}, "no-such.csv"},
+        {{clip(), "--hand", "csv:" + text + ":columns=a"}, text}};
+    for (const auto& [more, fragment] : wrong) {
+        expect_refused(writing(more), 3, fragment);
+        EXPECT_TRUE(names_in(out()).empty()) << more[0];
+    }
+}
+
+TEST_F(TouchRefusal, PixelMetricNeedsEvenStepsOfDepthAndSquarePixels) {
+    make();
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", folder / "exported"}).code, 0);
+    const auto scene = nlohmann::json::parse(file_contents(folder / "exported/scene.json"));
+    const std::string file = folder / "scene.json";
+    for (const char* what : {"inverse", "oblong"}) {
+        auto other = scene;
+        if (what == std::string("inverse")) other["depth"]["coding"] = "inverse";
+        if (what == std::string("oblong")) other["camera"]["fy"] = scene["camera"]["fy"].get<double>() * 1.5;
+        std::ofstream(file) << other;
+        const Words words{clip(), "--scene", file, "--metric"};
+        Words world = words, pixel = words;
+        world.emplace_back("world");
+        pixel.emplace_back("pixel");
+        EXPECT_GT(touch(world)["contact_ticks"], 0) << what;
+        expect_refused(writing(pixel), 2, "pixel");
+        EXPECT_TRUE(names_in(out()).empty());
+    }
+}
+
+TEST_F(TouchRefusal, PlaceThatCannotBeWrittenIsCode3AndNothingElseIsWritten) {
+    make();
+    const std::string pipe = folder / "pipe";
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    const std::string kept = out("r.json");
+    std::ofstream(kept) << "earlier\n";
+    for (const char* option : {"--json", "--forces", "--record"})
+        for (const std::string& place :
+             {std::string("/no-such-folder/file"), folder.path().string(), out(), pipe, std::string()}) {
+            Words words{"touch", clip(), "--seconds", "0.1"};
+            for (const auto& [name, file] :
+                 {std::pair{"--json", kept}, {"--forces", out("f.csv")}, {"--record", out("r.rec")}}) {
+                words.emplace_back(name);
+                words.push_back(name == std::string(option) ? place : file);
+            }
+            expect_refused(words, 3, option);
+            EXPECT_EQ(names_in(out()), Words{"r.json"}) << option << ' ' << place;
+            EXPECT_EQ(file_contents(kept), "earlier\n");
+            EXPECT_TRUE(fs::is_fifo(pipe)) << "only a file may be replaced";
+        }
+}
+
+TEST_F(TouchRefusal, EarlierFilesAreReplacedByARunThatEndsWell) {
+    make();
+    for (const char* name : {"r.json", "f.csv", "r.rec"}) std::ofstream(out(name)) << "earlier\n";
+    ASSERT_EQ(run_touchable(writing({clip(), "--seconds", "0.1"})).code, 0);
+    EXPECT_EQ(names_in(out()), (Words{"f.csv", "r.json", "r.rec"}));
+    EXPECT_EQ(read_forces(out("f.csv")).size(), 100U);
+    for (const char* name : {"r.json", "r.rec"}) EXPECT_NE(file_contents(out(name)), "earlier\n");
+}
+
+// A limit on the size of files stands in for a full disk: writing fails half-way.
+TEST_F(TouchRefusal, FullDiskIsCode3AndLeavesNothing) {
+    make();
+    for (const char* option : {"--forces", "--record"}) {
+        const std::string command = std::string("trap '' XFSZ; ulimit -f 64; exec ") + TOUCHABLE_PROGRAM +
+                                    " touch " + clip() + " --seconds 3 " + option + " " + out("file") + " >" +
+                                    (folder / "said") + " 2>&1";
+        const int status = std::system(command.c_str());
+        ASSERT_TRUE(WIFEXITED(status));
+        EXPECT_EQ(WEXITSTATUS(status), 3) << file_contents(folder / "said");
+        EXPECT_NE(file_contents(folder / "said").find("disk is full"), std::string::npos);
+        EXPECT_TRUE(names_in(out()).empty());
+    }
+}
+
+TEST_F(TouchRefusal, InterruptedIsCode130AndLeavesNothing) {
+    make();
+    const Outcome run = run_interrupted(writing({clip(), "--seconds", "100000"}), out());
+    EXPECT_EQ(run.code, 130) << run.err;
+    EXPECT_TRUE(names_in(out()).empty());
+}
+
+TEST_F(TouchRefusal, ClipCutShortIsCode3AndLeavesNothing) {
+    make("globe", {"--size", "144x96", "--frames", "30"});
+    const std::string cut = folder / "cut.mkv";
+    const auto size = fs::file_size(clip());
+    for (const double share : {0.01, 0.3, 0.6, 0.9, 0.999}) {
+        fs::copy_file(clip(), cut, fs::copy_options::overwrite_existing);
+        fs::resize_file(cut, static_cast<std::uintmax_t>(share * static_cast<double>(size)));
+        expect_refused(writing({cut}), 3, cut);
+        EXPECT_TRUE(names_in(out()).empty()) << share;
+    }
+}
+
+TEST_F(TouchRefusal, DamageInsideAClipNamesTheFrameAndLeavesNothing) {
+    make("noise", {"--size", "96x96", "--frames", "30"});
+    std::string bytes = file_contents(clip());
+    const std::string damaged = folder / "damaged.mkv";
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2), 16, '\0');
+    std::ofstream(damaged, std::ios::binary) << bytes;
+    expect_refused(writing({damaged}), 3, "frame 1");  // one of 10 to 19
+    EXPECT_TRUE(names_in(out()).empty());
+    // What comes before the damage is fine.
+    EXPECT_EQ(touch({damaged, "--seconds", "0.2"})["ticks"], 200);
+}
+
+TEST_F(TouchRefusal, DamagedPictureOfAFolderNamesTheFrameAndLeavesNothing) {
+    make();
+    ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "exported"}).code, 0);
+    for (const std::string n : {"0", "1", "2"})
+        fs::copy_file(folder / ("exported/" + n + "/depth.png"), folder / ("d" + n + ".png"));
+    auto scene = nlohmann::json::parse(file_contents(folder / "exported/0/scene.json"));
+    scene["folder"]["depth"] = "d%d.png";
+    std::ofstream(folder / "scene.json") << scene;
+    EXPECT_EQ(touch({folder / "scene.json"})["frames"], 3);
+    fs::resize_file(folder / "d1.png", fs::file_size(folder / "d1.png") / 2);
+    expect_refused(writing({folder / "scene.json"}), 3, "d1.png");
+    EXPECT_TRUE(names_in(out()).empty());
+}
+
+TEST_F(TouchRefusal, NameThatIsNotUtf8IsNoReasonToFail) {
+    make();
+    const std::string odd = folder / "l\xe9ger.mkv";
+    fs::copy_file(clip(), odd);
+    ASSERT_EQ(run_touchable(writing({odd, "--seconds", "0.1"})).code, 0);
+    EXPECT_TRUE(nlohmann::json::accept(file_contents(out("r.json"))));
+    EXPECT_EQ(run_touchable({"touch", odd, "--replay", out("r.rec")}).code, 0);
+}
+
+}  // namespace
+}  // namespace touchable::testing

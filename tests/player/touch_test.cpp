@@ -1,0 +1,339 @@
+#include <gtest/gtest.h>
+#include <xxhash.h>
+
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+namespace touchable::testing {
+namespace {
+
+using Words = std::vector<std::string>;
+
+class Touch : public ::testing::Test {
+protected:
+    void make(const std::string& scene, const Words& more = {"--size", "72x48", "--frames", "6"}) {
+        make_clip(scene, clip(), more);
+    }
+    std::string clip() const { return folder / "clip.mkv"; }
+    Words with(const Words& more) const {
+        Words words{clip()};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    }
+    /// Report and rows of one run.
+    std::pair<nlohmann::json, std::vector<ForcesRow>> run(const Words& more) const {
+        const std::string csv = folder / "forces.csv";
+        Words words = with(more);
+        words.insert(words.end(), {"--forces", csv});
+        auto report = touch(words);
+        return {report, read_forces(csv)};
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(Touch, ReportHasEveryFigureThatPeopleRelyOn) {
+    make("globe");
+    const auto report = touch(with({"--fingers", "3", "--seconds", "0.5"}));
+    for (const char* name : {"clip", "hand", "builder", "device_name", "force_hash"})
+        EXPECT_TRUE(report[name].is_string()) << name;
+    for (const char* name :
+         {"format", "width", "height", "frames", "fingers", "ticks", "contact_ticks",
+          "proxy_behind_mesh_ticks", "nonfinite_ticks", "capped_ticks", "guarded_ticks", "late_ticks"})
+        EXPECT_TRUE(report[name].is_number_integer()) << name;
+    for (const char* name : {"skipped_tiles_pct", "finger_contact_pct", "events_mean"})
+        EXPECT_TRUE(report[name].is_number()) << name;
+    for (const char* name : {"mean", "max"}) EXPECT_TRUE(report["force_n"][name].is_number()) << name;
+    for (const char* spread : {"tick_us", "frame_ms"}) {
+        for (const char* name : {"mean", "p50", "p99", "p999", "max"})
+            EXPECT_GT(report[spread][name].get<double>(), 0) << spread << ' ' << name;
+        EXPECT_LE(report[spread]["p50"], report[spread]["p99"]);
+        EXPECT_LE(report[spread]["p99"], report[spread]["p999"]);
+        EXPECT_LE(report[spread]["p999"], report[spread]["max"]);
+        EXPECT_LE(report[spread]["mean"], report[spread]["max"]);
+    }
+    EXPECT_FALSE(report["stages_ms"].empty());
+    for (const auto& stage : report["stages_ms"].items()) EXPECT_TRUE(stage.value().is_number());
+
+    EXPECT_EQ(report["format"], 1);
+    EXPECT_EQ(report["clip"], clip());
+    EXPECT_EQ(report["hand"], "wander");
+    EXPECT_EQ(report["builder"], "cpu");
+    EXPECT_EQ(report["width"], 72);
+    EXPECT_EQ(report["height"], 48);
+    EXPECT_EQ(report["frames"], 6);
+    EXPECT_EQ(report["fingers"], 3);
+    EXPECT_EQ(report["ticks"], 500);
+    EXPECT_EQ(report["late_ticks"], 0);
+    EXPECT_EQ(report["skipped_tiles_pct"], 0);
+    EXPECT_EQ(report["force_hash"].get<std::string>().find_first_not_of("0123456789abcdef"),
+              std::string::npos);
+    EXPECT_EQ(report["force_hash"].get<std::string>().size(), 16U);
+}
+
+TEST_F(Touch, TellsAPersonTheSame) {
+    make("globe");
+    const Outcome run = run_touchable({"touch", clip(), "--seconds", "0.5"});
+    EXPECT_EQ(run.code, 0);
+    for (const std::string& fact :
+         {std::string("72x48"), std::string("500 at 1 kHz"), std::string("contact"), std::string(" N mean"),
+          std::string("behind the surface"), force_hash(with({"--seconds", "0.5"}))})
+        EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
+}
+
+TEST_F(Touch, ForcesFileHasARowPerTickAndFinger) {
+    make("globe");
+    const auto [report, rows] = run({"--fingers", "3", "--seconds", "0.4"});
+    ASSERT_EQ(rows.size(), 1200U);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        ASSERT_EQ(rows[k]["tick"], static_cast<double>(k / 3));
+        ASSERT_EQ(rows[k]["finger"], static_cast<double>(k % 3));
+        ASSERT_EQ(rows[k]["time_s"], static_cast<double>(k / 3) / 1000);
+        ASSERT_EQ(rows[k]["S"], rows[0]["S"]);
+        // Frame n of 30/s is at n/30 s; the clip's last is number 5.
+        const double frame = rows[k]["time_s"] * 30, last = std::min(std::floor(frame + 1e-6), 5.0);
+        ASSERT_EQ(rows[k]["frame_prev"], last);
+        ASSERT_EQ(rows[k]["frame_next"], std::min(last + 1, 5.0));
+        ASSERT_NEAR(rows[k]["blend"], last < 5 ? frame - last : 0, 1e-6);
+    }
+    EXPECT_GT(rows[0]["S"], 0);
+}
+
+// The report and the forces file come from one run; each can be computed from the other.
+TEST_F(Touch, ReportIsWhatTheForcesFileSays) {
+    make("globe");
+    const auto [report, rows] = run({"--fingers", "3", "--seconds", "0.6", "--max-force", "2"});
+    std::string bytes;
+    std::set<double> contact_ticks, guarded_ticks;
+    double sum = 0, most = 0;
+    int contacts = 0;
+    for (const ForcesRow& row : rows) {
+        for (const double component : row.vector("force")) {
+            const auto bits = std::bit_cast<std::uint64_t>(component == 0 ? 0.0 : component);
+            for (int shift = 0; shift < 64; shift += 8) bytes += static_cast<char>(bits >> shift);
+        }
+        if (row["guard"] != 0) guarded_ticks.insert(row["tick"]);
+        if (row["contact"] == 0) continue;
+        contact_ticks.insert(row["tick"]);
+        ++contacts;
+        sum += length(row.vector("force"));
+        most = std::max(most, length(row.vector("force")));
+    }
+    char hash[17];
+    std::snprintf(hash, sizeof hash, "%016llx",
+                  static_cast<unsigned long long>(XXH64(bytes.data(), bytes.size(), 0)));
+    EXPECT_EQ(report["force_hash"], hash);
+    EXPECT_EQ(report["contact_ticks"], contact_ticks.size());
+    EXPECT_EQ(report["guarded_ticks"], guarded_ticks.size());
+    EXPECT_DOUBLE_EQ(report["finger_contact_pct"].get<double>(), 100.0 * contacts / 1800);
+    EXPECT_NEAR(report["force_n"]["mean"].get<double>(), sum / contacts, 1e-12);
+    EXPECT_DOUBLE_EQ(report["force_n"]["max"].get<double>(), most);
+}
+
+TEST_F(Touch, HandThatWandersIsInContactMostOfTheTime) {
+    for (const char* scene : {"globe", "bumps", "spheres", "moving"}) {
+        make(scene);
+        const auto report = touch(with({"--fingers", "5"}));
+        EXPECT_GT(report["finger_contact_pct"], 80) << scene;
+        EXPECT_EQ(report["proxy_behind_mesh_ticks"], 0) << scene;
+        EXPECT_EQ(report["nonfinite_ticks"], 0) << scene;
+        EXPECT_EQ(report["capped_ticks"], 0) << scene;
+        EXPECT_GT(report["force_n"]["mean"], 0.1) << scene;
+    }
+}
+
+// The paper's law, wherever the guard did not act.
+TEST_F(Touch, ForceIsStiffnessTimesTheWayFromGoalToProxy) {
+    make("globe");
+    const auto [report, rows] = run({"--fingers", "2", "--seconds", "1", "--max-force", "1000"});
+    int checked = 0;
+    for (const ForcesRow& row : rows) {
+        if (row["guard"] != 0) continue;
+        const auto goal = row.vector("goal"), proxy = row.vector("proxy"), force = row.vector("force");
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            ASSERT_NEAR(force[axis], row["stiffness"] * row["S"] * (proxy[axis] - goal[axis]), 1e-12);
+        if (row["contact"] == 1)
+            ++checked;
+        else
+            ASSERT_EQ(length(force), 0);
+    }
+    EXPECT_GT(checked, 1000);
+}
+
+TEST_F(Touch, EveryBuilderGivesTheSameForces) {
+    const std::map<std::string, Words> runs{
+        {"globe", {"--fingers", "3"}},
+        {"moving", {"--hand", "poke"}},
+        {"noise", {"--median", "5", "--fill-holes", "2", "--hand", "wander:speed=0.3"}}};
+    for (const auto& [scene, more] : runs) {
+        make(scene);
+        Words words = with(more);
+        words.insert(words.end(), {"--seconds", "0.5", "--builder", "cpu"});
+        const auto cpu = touch(words);
+        for (const char* builder : {"lazy", "reference"}) {
+            words.back() = builder;
+            const auto other = touch(words);
+            EXPECT_EQ(other["force_hash"], cpu["force_hash"]) << scene << ' ' << builder;
+            EXPECT_EQ(other["builder"], builder);
+        }
+    }
+}
+
+TEST_F(Touch, LazyBuilderSkipsEveryTile) {
+    make("globe");
+    EXPECT_EQ(touch(with({"--seconds", "0.1", "--builder", "lazy"}))["skipped_tiles_pct"], 100);
+}
+
+TEST_F(Touch, SettingsOfTheRunAreFelt) {
+    const Words base{"--hand", "wander:speed=0.3"};
+    const auto hash = [&](const Words& more) {
+        Words words = with(base);
+        words.insert(words.end(), more.begin(), more.end());
+        return force_hash(words);
+    };
+    make("noise");
+    const std::string rough = hash({});
+    EXPECT_EQ(hash({}), rough);
+    EXPECT_EQ(hash({"--median", "0"}), rough) << "the scene's own";
+    EXPECT_EQ(hash({"--interpolation", "hold"}), rough) << "it stands still";
+    EXPECT_EQ(hash({"--fill-holes", "3"}), rough) << "it has no holes";
+    EXPECT_EQ(hash({"--metric", "world"}), rough) << "the default";
+    std::set<std::string> all{rough};
+    for (const Words& more :
+         {Words{"--median", "3"}, Words{"--median", "5"}, Words{"--metric", "pixel"}, Words{"--fingers", "2"},
+          Words{"--max-force", "0.5"}, Words{"--max-stiffness", "0.1"}, Words{"--seconds", "0.7"}})
+        EXPECT_TRUE(all.insert(hash(more)).second) << more[0] << ' ' << more[1] << " changed nothing";
+
+    make("moving", {"--size", "72x48", "--frames", "20"});
+    EXPECT_EQ(hash({"--interpolation", "linear"}), hash({}));
+    EXPECT_NE(hash({"--interpolation", "hold"}), hash({}));
+}
+
+TEST_F(Touch, HolesAreFilledWhereTheSceneHasThem) {
+    make("grain", {"--size", "72x48", "--frames", "1", "--bits", "8"});
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", folder / "out"}).code, 0);
+    auto scene = nlohmann::json::parse(file_contents(folder / "out/scene.json"));
+    scene["depth"]["invalid"] = {128};  // of the five levels of the grain, the middle one
+    const std::string file = folder / "holes.json";
+    std::ofstream(file) << scene;
+    const Words base{"--scene", file, "--seconds", "0.6"};
+    const auto hash = [&](const Words& more) {
+        Words words = with(base);
+        words.insert(words.end(), more.begin(), more.end());
+        return force_hash(words);
+    };
+    EXPECT_NE(hash({}), force_hash(with({"--seconds", "0.6"})));
+    EXPECT_NE(hash({"--fill-holes", "1"}), hash({}));
+    EXPECT_EQ(hash({"--fill-holes", "2", "--builder", "lazy"}), hash({"--fill-holes", "2"}));
+    EXPECT_EQ(hash({"--fill-holes", "2", "--median", "5", "--builder", "reference"}),
+              hash({"--fill-holes", "2", "--median", "5"}));
+}
+
+TEST_F(Touch, RunIsAsLongAsWasAskedFor) {
+    make("plane", {"--size", "16x12", "--frames", "2"});
+    for (const auto& [seconds, ticks] :
+         std::vector<std::pair<std::string, int>>{{"0.001", 1}, {"0.0254", 25}, {"0.25", 250}, {"2", 2000}})
+        EXPECT_EQ(touch(with({"--seconds", seconds}))["ticks"], ticks);
+}
+
+TEST_F(Touch, ScriptedHandTouchesTheWholeClipAndThreeSecondsAtLeast) {
+    make("plane", {"--size", "16x12", "--frames", "2"});
+    EXPECT_EQ(touch(with({}))["ticks"], 3000);
+    make("plane", {"--size", "16x12", "--frames", "105"});
+    const auto report = touch(with({}));
+    EXPECT_EQ(report["ticks"], 3500);
+    EXPECT_EQ(report["frames"], 105);
+}
+
+TEST_F(Touch, RecordedHandIsFollowedToItsEnd) {
+    make("plane", {"--size", "72x48", "--frames", "2"});
+    const std::string file = folder / "press.csv";
+    std::ofstream(file) << "t_s,angle\n0,0\n0.1,0.2\n0.25,0.05\n";
+    const std::string hand = "csv:" + file + ":columns=angle,scale=0.075";
+    const auto report = touch(with({"--hand", hand}));
+    EXPECT_EQ(report["ticks"], 251);
+    EXPECT_EQ(report["hand"], hand);
+    EXPECT_NEAR(report["finger_contact_pct"].get<double>(), 60, 5);
+    EXPECT_EQ(touch(with({"--hand", hand, "--seconds", "0.4"}))["ticks"], 400);
+}
+
+TEST_F(Touch, FingersSpreadAboutTheHand) {
+    make("plane", {"--size", "144x96", "--frames", "1"});
+    const auto [report, rows] = run({"--fingers", "4", "--seconds", "0.3", "--hand", "press"});
+    ASSERT_EQ(report["fingers"], 4);
+    // On the plane's picture of 0.16 m, the circle of 0.02 m is an eighth of the width.
+    for (std::size_t k = 4 * 250; k < rows.size(); ++k) {
+        const double dx = rows[k]["goal_x"] * rows[k]["S"], dy = rows[k]["goal_y"] * rows[k]["S"];
+        ASSERT_NEAR(std::sqrt(dx * dx + dy * dy), 0.02, 0.006) << k;
+    }
+}
+
+TEST_F(Touch, NoForceExceedsWhatTheDeviceCanExert) {
+    make("globe");
+    const auto [report, rows] = run({"--fingers", "2", "--seconds", "1", "--max-force", "0.7"});
+    int limited = 0;
+    for (const ForcesRow& row : rows) {
+        ASSERT_LE(length(row.vector("force")), 0.7 * (1 + 1e-12));
+        const bool by_force = (static_cast<int>(row["guard"]) & 2) != 0;
+        if (!by_force || row["tick"] < 100) continue;
+        ++limited;
+        ASSERT_NEAR(length(row.vector("force")), 0.7, 1e-12);
+    }
+    EXPECT_GT(limited, 100);
+    EXPECT_LE(report["force_n"]["max"], 0.7 * (1 + 1e-12));
+}
+
+TEST_F(Touch, NoSpringIsStifferThanTheDeviceRenders) {
+    make("bumps");
+    const auto [report, rows] = run({"--seconds", "0.6", "--max-stiffness", "0.05", "--max-force", "100"});
+    int limited = 0;
+    for (const ForcesRow& row : rows) {
+        if (row["contact"] == 0 || row["tick"] < 100) continue;
+        ++limited;
+        ASSERT_EQ(row["guard"], 1);
+        const auto goal = row.vector("goal"), proxy = row.vector("proxy"), force = row.vector("force");
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            ASSERT_NEAR(force[axis], 50 * row["S"] * (proxy[axis] - goal[axis]), 1e-12);
+    }
+    EXPECT_GT(limited, 200);
+}
+
+TEST_F(Touch, ForcesRampIn) {
+    make("plane");
+    const std::string file = folder / "in.csv";
+    std::ofstream(file) << "t_s,in\n0,0\n0.3,0\n";  // under the surface from the first tick
+    const std::string hand = "csv:" + file + ":columns=in,contact=0.99";
+    const auto [report, rows] = run({"--hand", hand});
+    for (const ForcesRow& row : rows) ASSERT_EQ((static_cast<int>(row["guard"]) & 4) != 0, row["tick"] < 100);
+    EXPECT_EQ(length(rows[0].vector("force")), 0);
+}
+
+TEST_F(Touch, DepthAloneIsTouchableWithDefaultProperties) {
+    make("bumps");
+    ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "out"}).code, 0);
+    for (const std::string n : {"0", "1", "2", "3", "4", "5"})
+        std::filesystem::copy_file(folder / ("out/" + n + "/depth.png"), folder / ("d" + n + ".png"));
+    const std::string scene = folder / "scene.json", csv = folder / "forces.csv";
+    std::ofstream(scene) << R"({"touchable_scene": 1, "width": 72, "height": 48,
+        "camera": {"fx": 355, "fy": 355, "cx": 35.5, "cy": 23.5},
+        "depth": {"coding": "linear", "near": 980, "far": 1020, "bits": 16, "semantics": "planar"},
+        "folder": {"depth": "d%d.png"}})";
+    const auto report = touch({scene, "--forces", csv, "--seconds", "1"});
+    EXPECT_EQ(report["frames"], 6);
+    EXPECT_GT(report["finger_contact_pct"], 50);
+    for (const ForcesRow& row : read_forces(csv)) {
+        if (row["contact"] == 0) continue;
+        ASSERT_DOUBLE_EQ(row["stiffness"], 600);
+        ASSERT_DOUBLE_EQ(row["mu_static"], 0.4);
+        ASSERT_DOUBLE_EQ(row["mu_dynamic"], 0.3);
+    }
+}
+
+}  // namespace
+}  // namespace touchable::testing

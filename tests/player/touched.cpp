@@ -1,0 +1,79 @@
+#include "tests/player/touched.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "tests/player/program.hpp"
+
+namespace touchable::testing {
+
+void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"make", scene, file};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome run = run_touchable(words);
+    ASSERT_EQ(run.code, 0) << run.err;
+}
+
+nlohmann::json touch(const std::vector<std::string>& more) {
+    const TemporaryFolder folder;
+    std::vector<std::string> words{"touch", "--json", folder / "report.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome run = run_touchable(words);
+    EXPECT_EQ(run.code, 0) << run.err;
+    return nlohmann::json::parse(file_contents(folder / "report.json"), nullptr, false);
+}
+
+std::string force_hash(const std::vector<std::string>& words) {
+    return touch(words).value("force_hash", "none");
+}
+
+double ForcesRow::operator[](const std::string& column) const {
+    const auto& columns = forces_columns();
+    const auto found = std::find(columns.begin(), columns.end(), column);
+    return cells.at(static_cast<std::size_t>(found - columns.begin()));
+}
+
+std::array<double, 3> ForcesRow::vector(const std::string& name) const {
+    return {(*this)[name + "_x"], (*this)[name + "_y"], (*this)[name + "_z"]};
+}
+
+const std::vector<std::string>& forces_columns() {
+    static const std::vector<std::string> columns{
+        "tick",      "time_s",     "finger",     "goal_x",     "goal_y",  "goal_z",  "proxy_x", "proxy_y",
+        "proxy_z",   "force_x",    "force_y",    "force_z",    "contact", "pixel_x", "pixel_y", "stiffness",
+        "mu_static", "mu_dynamic", "frame_prev", "frame_next", "blend",   "guard",   "S"};
+    return columns;
+}
+
+std::vector<ForcesRow> read_forces(const std::string& file) {
+    std::istringstream in(file_contents(file));
+    std::string line, header;
+    for (const std::string& column : forces_columns()) header += (header.empty() ? "" : ",") + column;
+    std::getline(in, line);
+    EXPECT_EQ(line, header);
+    std::vector<ForcesRow> rows;
+    while (std::getline(in, line)) {
+        ForcesRow row{};
+        const char* at = line.c_str();
+        for (double& cell : row.cells) {
+            char* end = nullptr;
+            cell = std::strtod(at, &end);
+            EXPECT_NE(end, at) << "no number in: " << line;
+            EXPECT_EQ(*end, &cell == &row.cells.back() ? '\0' : ',') << line;
+            if (end == at || ::testing::Test::HasFailure()) return rows;
+            at = end + 1;
+        }
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+double length(const std::array<double, 3>& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+}  // namespace touchable::testing

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace touchable::testing {
+
+/// Makes a clip of a generated scene; fails the test where that goes wrong.
+void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more);
+
+/// Runs `touchable touch` with these words, which must succeed, and gives what --json wrote.
+nlohmann::json touch(const std::vector<std::string>& words);
+/// Its force_hash.
+std::string force_hash(const std::vector<std::string>& words);
+
+/// A row of --forces, read by its column names alone.
+struct ForcesRow {
+    std::array<double, 23> cells;
+    double operator[](const std::string& column) const;
+    std::array<double, 3> vector(const std::string& name) const;  ///< name_x, name_y, name_z
+};
+/// Columns in the order that is promised.
+const std::vector<std::string>& forces_columns();
+/// Fails the test where the header or a row is not as promised.
+std::vector<ForcesRow> read_forces(const std::string& file);
+
+double length(const std::array<double, 3>& v);
+
+}  // namespace touchable::testing
