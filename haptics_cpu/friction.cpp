@@ -8,30 +8,18 @@ namespace touchable {
 namespace {
 
 // A proxy that was stopped on the cone is inside it, whatever rounding says.
-constexpr double on_the_cone = 1.0 + 1e-9;
-
-double length(const glm::dvec3& v) {
-    return std::sqrt(glm::dot(v, v));
-}
+constexpr double on_the_cone = 1.0 + 2e-9;
 
 }  // namespace
 
-FrictionCone friction_cone(const HeightField& field, const Proxy& proxy) {
-    if (!field.has_friction()) return {};
-    const HapticProperties properties = field.properties(proxy.i, proxy.j, proxy.a, proxy.b);
-    FrictionCone cone;
-    cone.stopping = properties.dynamic_friction;
-    cone.resting = proxy.sliding ? properties.dynamic_friction : properties.static_friction;
-    return cone;
-}
-
 bool rests(const FrictionCone& cone, const Motion& motion) {
-    return cone.resting > 0 && length(motion.way) <= cone.resting * motion.load * on_the_cone;
+    const double mu2 = cone.resting * cone.resting;
+    return mu2 > 0 && glm::dot(motion.way, motion.way) <= mu2 * motion.load2 * on_the_cone;
 }
 
 double sliding_share(const FrictionCone& cone, const Motion& motion) {
     if (cone.stopping == 0) return 1.0;
-    const double share = 1.0 - cone.stopping * motion.load / length(motion.way);
+    const double share = 1.0 - cone.stopping * std::sqrt(motion.load2 / glm::dot(motion.way, motion.way));
     return share > 0 ? share : 0.0;
 }
 

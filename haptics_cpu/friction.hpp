@@ -13,8 +13,25 @@ struct FrictionCone {
     double stopping = 0;  ///< sliding, it comes to rest at this mu
 };
 
-/// The cone at a place of the surface; all zero where the field has no friction.
-FrictionCone friction_cone(const HeightField& field, const Proxy& proxy);
+/// Stiffness and friction at a place of the surface.
+template <class Space>
+HapticProperties properties_at(const Space& space, const Proxy& at) {
+    // A corner of no weight is not looked at.
+    const bool right = at.a > 0, below = at.b > 0;
+    const auto valid = [&](int di, int dj) { return space.vertex(at.i + di, at.j + dj).valid; };
+    return space.field().properties(
+        at.i, at.j, at.a, at.b,
+        {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)});
+}
+
+/// The cone of a proxy on the surface; all zero where the field has no friction.
+template <class Space>
+FrictionCone friction_cone(const Space& space, const Proxy& proxy) {
+    if (!space.field().has_friction()) return {};
+    const HapticProperties properties = properties_at(space, proxy);
+    return {proxy.sliding ? properties.dynamic_friction : properties.static_friction,
+            properties.dynamic_friction};
+}
 
 /// True where the proxy need not move: the way is inside the cone.
 bool rests(const FrictionCone& cone, const Motion& motion);

@@ -21,6 +21,9 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
                                ? std::max(coding.near, coding.scale * coding.valid_min)
                                : coding.near;
     nearest_anywhere_ = nearest - largest_height_;
+    default_properties_ = scene.default_properties;
+    default_properties_.dynamic_friction =
+        std::min(default_properties_.dynamic_friction, default_properties_.static_friction);
     has_friction_ = has_haptic_image() || scene.default_properties.static_friction > 0;
 }
 
@@ -53,17 +56,16 @@ double HeightField::nearest_depth(int tile_x, int tile_y) const {
     return nearest - largest_height_;
 }
 
-HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j) const {
+HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j, bool valid) const {
     // Stiffness of the ring is the picture's edge's: what one feels there is a wall of the same stuff.
     const int x = static_cast<int>(std::clamp<std::int64_t>(i, 0, scene_.width - 1));
     const int y = static_cast<int>(std::clamp<std::int64_t>(j, 0, scene_.height - 1));
-    HapticProperties properties = scene_.default_properties;
+    HapticProperties properties = default_properties_;
     if (has_haptic_image()) {
         const std::uint8_t* p = &nearer_->haptic[3 * nearer_->index(x, y)];
         properties = scene_.haptic.at(p[0], p[1], p[2]);
     }
-    // A pixel's state between two frames is its state in the nearer one wherever validity differs.
-    if (x != i || y != j || !nearer_->vertices->at(x, y).valid) {
+    if (!valid) {
         properties.static_friction = 0;
         properties.dynamic_friction = 0;
     }
@@ -71,8 +73,19 @@ HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j) 
 }
 
 HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double a, double b) const {
-    const HapticProperties p00 = vertex_properties(i, j), p10 = vertex_properties(i + 1, j);
-    const HapticProperties p01 = vertex_properties(i, j + 1), p11 = vertex_properties(i + 1, j + 1);
+    return properties(
+        i, j, a, b,
+        {vertex(i, j).valid, vertex(i + 1, j).valid, vertex(i, j + 1).valid, vertex(i + 1, j + 1).valid});
+}
+
+HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double a, double b,
+                                         const std::array<bool, 4>& valid) const {
+    const bool all_valid = valid[0] && valid[1] && valid[2] && valid[3];
+    if (all_valid && !has_haptic_image()) return default_properties_;
+    const HapticProperties p00 = vertex_properties(i, j, valid[0]),
+                           p10 = vertex_properties(i + 1, j, valid[1]);
+    const HapticProperties p01 = vertex_properties(i, j + 1, valid[2]),
+                           p11 = vertex_properties(i + 1, j + 1, valid[3]);
     auto bilinear = [a, b](double v00, double v10, double v01, double v11) {
         const double top = v00 + (v10 - v00) * a;
         const double bottom = v01 + (v11 - v01) * a;

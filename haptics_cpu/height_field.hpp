@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "engine/frame/surface_timeline.hpp"
@@ -42,9 +43,12 @@ public:
     /// Stiffness and friction at (i + a, j + b), 0 <= a, b <= 1: of the frame nearer in time, bilinear.
     /// Friction is 0 at invalid and ring vertices, and dynamic friction never exceeds static.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b) const;
+    /// The same, where the validity of the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) is known already.
+    HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b,
+                                const std::array<bool, 4>& valid) const;
 
 private:
-    HapticProperties vertex_properties(std::int64_t i, std::int64_t j) const;
+    HapticProperties vertex_properties(std::int64_t i, std::int64_t j, bool valid) const;
     FieldVertex frame_vertex(const SurfaceFrame& frame, int x, int y) const;
 
     const Scene& scene_;
@@ -56,6 +60,7 @@ private:
     double height_per_code_;
     double largest_height_;
     double nearest_anywhere_;
+    HapticProperties default_properties_;
     bool has_friction_;
 };
 

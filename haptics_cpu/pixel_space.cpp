@@ -27,9 +27,10 @@ glm::dvec3 PixelSpace::to_world(const glm::dvec3& point) const {
     return unproject(scene.camera, x, y, planar_depth(scene.camera, scene.depth.semantics, x, y, depth));
 }
 
-SpaceVertex PixelSpace::vertex(std::int64_t i, std::int64_t j) const {
-    const double level = level_of(field_.vertex(i, j).depth);
-    return {{static_cast<double>(i), -static_cast<double>(j), level}, level};
+SpaceVertex PixelSpace::compute_vertex(std::int64_t i, std::int64_t j) const {
+    const FieldVertex vertex = field_.vertex(i, j);
+    const double level = level_of(vertex.depth);
+    return {{static_cast<double>(i), -static_cast<double>(j), level}, level, vertex.valid};
 }
 
 double PixelSpace::largest_w(int tile_x, int tile_y) const {

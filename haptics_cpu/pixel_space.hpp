@@ -17,7 +17,9 @@ public:
     glm::dvec3 to_world(const glm::dvec3& point) const;
 
     const HeightField& field() const { return field_; }
-    SpaceVertex vertex(std::int64_t i, std::int64_t j) const;
+    SpaceVertex vertex(std::int64_t i, std::int64_t j) const {
+        return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
+    }
     glm::dvec3 position(const ChartPoint& at) const { return {at.x, -at.y, at.w}; }
     ChartPoint chart(const glm::dvec3& point) const { return {point.x, -point.y, point.z}; }
     bool in_front(const glm::dvec3&) const { return true; }
@@ -28,8 +30,10 @@ public:
     double largest_w(int tile_x, int tile_y) const;
 
 private:
+    SpaceVertex compute_vertex(std::int64_t i, std::int64_t j) const;
     double level_of(double depth) const;
     const HeightField& field_;
+    mutable VertexCache cache_;
 };
 
 }  // namespace touchable

@@ -128,7 +128,7 @@ public:
                 next = *hit;
                 arrived = false;
             } else {
-                const FrictionCone cone = friction_cone(space_.field(), proxy_);
+                const FrictionCone cone = friction_cone(space_, proxy_);
                 if (rests(cone, motion)) return rest();
                 const Moved moved = move(motion, sliding_share(cone, motion));
                 next = moved.proxy;

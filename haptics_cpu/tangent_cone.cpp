@@ -37,7 +37,7 @@ Motion along_face(const CellFace& face, const dvec3& n, const dvec3& pull) {
     motion.j = face.j;
     const double vn = dot(pull, n), nn = dot(n, n);
     motion.way = pull - n * (vn / nn);
-    motion.load = std::abs(vn) / std::sqrt(nn);
+    motion.load2 = vn * vn / nn;
     return motion;
 }
 
@@ -54,7 +54,10 @@ Motion along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way
     const double length0 = std::sqrt(dot(n0, n0)), length1 = std::sqrt(dot(n1, n1));
     const double pressed = -(dot(pull, n0) / length0 + dot(pull, n1) / length1);
     const double opening = 1.0 + dot(n0, n1) / (length0 * length1);
-    if (pressed > 0) motion.load = opening > 0 ? pressed / opening : std::numeric_limits<double>::infinity();
+    if (pressed > 0) {
+        const double load = opening > 0 ? pressed / opening : std::numeric_limits<double>::infinity();
+        motion.load2 = load * load;
+    }
     return motion;
 }
 
@@ -112,24 +115,18 @@ Motion on_edge(const Space& space, const Proxy& at, const dvec3& point, const dv
     std::array<dvec3, 2> inward, normal;  // within the face away from the edge; towards the camera
     for (std::size_t k = 0; k < 2; ++k) {
         const dvec3 to_apex = space.vertex(sides[k].apex_i, sides[k].apex_j).position - start;
-        inward[k] = to_apex - e * (dot(to_apex, e) / ee);
+        inward[k] = to_apex * ee - e * dot(to_apex, e);
         normal[k] = k == 0 ? cross(e, to_apex) : cross(to_apex, e);
     }
     const bool first = points_to_first(at.feature, space.image_step(point, pull));
     if (may_leave && dot(pull, normal[first ? 0 : 1]) > 0) return leave();
-    double longest = 0;
-    int chosen = -1;
-    for (std::size_t k = 0; k < 2; ++k) {
-        const double descent = dot(pull, inward[k]);
-        if (!(descent > 0)) continue;
-        const double length2 = descent * descent / dot(inward[k], inward[k]);
-        if (length2 > longest) {
-            longest = length2;
-            chosen = static_cast<int>(k);
-        }
-    }
-    if (chosen >= 0) {
-        const auto k = static_cast<std::size_t>(chosen);
+    // Along the face that descends; on a ridge, where both do, along the one that brings the goal nearer.
+    const double descent0 = dot(pull, inward[0]), descent1 = dot(pull, inward[1]);
+    if (descent0 > 0 || descent1 > 0) {
+        const bool to_first =
+            descent0 > 0 && (!(descent1 > 0) || descent0 * descent0 * dot(inward[1], inward[1]) >=
+                                                    descent1 * descent1 * dot(inward[0], inward[0]));
+        const std::size_t k = to_first ? 0 : 1;
         return along_face(sides[k].face, normal[k], pull);
     }
     const double along = dot(pull, e);

@@ -17,9 +17,9 @@ struct Motion {
     std::int64_t i = 0, j = 0;
     /// From the proxy to the point of the face's plane (the edge's line) nearest to the goal.
     glm::dvec3 way{0.0};
-    /// How hard the goal presses, in units of length: |G - C| on a face, the sum of both faces' shares in a
+    /// How hard the goal presses: the square of |G - C| on a face, of the sum of both faces' shares in a
     /// valley.
-    double load = 0;
+    double load2 = 0;
 };
 
 /// Projects the pull v = G - P on the tangent cone of the free space at the proxy (docs/solver.md): the

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "haptics_cpu/cast.hpp"
+#include "haptics_cpu/friction.hpp"
 #include "haptics_cpu/pixel_space.hpp"
 #include "haptics_cpu/surface_lattice.hpp"
 #include "haptics_cpu/world_space.hpp"
@@ -54,21 +55,44 @@ SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event
     return counts;
 }
 
-void fill_contact(const HeightField& field, const Proxy& proxy, double metres_per_scene_unit,
-                  Contact& contact) {
+template <class Space>
+void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scene_unit, Contact& contact) {
     contact.touching = proxy.on_surface();
     if (contact.touching) {
         contact.pixel_x = proxy.x();
         contact.pixel_y = proxy.y();
-        contact.properties = field.properties(proxy.i, proxy.j, proxy.a, proxy.b);
+        contact.properties = properties_at(space, proxy);
         contact.force = contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
         return;
     }
     contact.properties = {0, 0, 0};
     contact.force = dvec3(0.0);
-    const auto image = project(field.scene().camera, contact.proxy);
+    const auto image = project(space.field().scene().camera, contact.proxy);
     contact.pixel_x = image ? image->x : std::numeric_limits<double>::quiet_NaN();
     contact.pixel_y = image ? image->y : std::numeric_limits<double>::quiet_NaN();
+}
+
+template <class Space>
+void tick_in(const Space& space, const TouchSettings& settings, std::span<const dvec3> goals,
+             std::span<FingerState> fingers, std::span<Contact> contacts) {
+    for (std::size_t k = 0; k < goals.size(); ++k) {
+        FingerState& finger = fingers[k];
+        Contact& contact = contacts[k];
+        contact = Contact{};
+        const bool usable = is_usable(goals[k]) && space.from_world(goals[k]);
+        contact.goal_held = !usable;
+        if (usable) finger.goal = goals[k];
+        contact.goal = contact.proxy = finger.goal;
+        if (!usable && !finger.started) continue;
+
+        Proxy& proxy = finger.proxy;
+        const dvec3 goal = *space.from_world(finger.goal);
+        if (!finger.started) proxy.point = goal;
+        finger.started = true;
+        contact.counts = solve(space, proxy, goal, settings.event_limit);
+        if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
+        fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
+    }
 }
 
 }  // namespace
@@ -92,34 +116,10 @@ Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings&
 void TouchSolver::tick(const HeightField& field, std::span<const dvec3> goals, std::span<FingerState> fingers,
                        std::span<Contact> contacts) const {
     assert(goals.size() == fingers.size() && goals.size() == contacts.size());
-    const WorldSpace world(field);
-    const PixelSpace pixels(field);
-    for (std::size_t k = 0; k < goals.size(); ++k) {
-        FingerState& finger = fingers[k];
-        Contact& contact = contacts[k];
-        auto in_pixels = is_usable(goals[k]) ? pixels.from_world(goals[k]) : std::nullopt;
-        contact = Contact{};
-        contact.goal_held = !is_usable(goals[k]) || (settings_.metric == TouchMetric::pixel && !in_pixels);
-        if (!contact.goal_held) finger.goal = goals[k];
-        contact.goal = finger.goal;
-        if (contact.goal_held && !finger.started) {
-            contact.proxy = contact.goal;
-            continue;
-        }
-        Proxy& proxy = finger.proxy;
-        if (settings_.metric == TouchMetric::world) {
-            if (!finger.started) proxy.point = finger.goal;
-            contact.counts = solve(world, proxy, finger.goal, settings_.event_limit);
-            contact.proxy = proxy.point;
-        } else {
-            const dvec3 goal = *pixels.from_world(finger.goal);
-            if (!finger.started) proxy.point = goal;
-            contact.counts = solve(pixels, proxy, goal, settings_.event_limit);
-            contact.proxy = proxy.on_surface() ? pixels.to_world(proxy.point) : finger.goal;
-        }
-        finger.started = true;
-        fill_contact(field, proxy, settings_.metres_per_scene_unit, contact);
-    }
+    if (settings_.metric == TouchMetric::world)
+        tick_in(WorldSpace(field), settings_, goals, fingers, contacts);
+    else
+        tick_in(PixelSpace(field), settings_, goals, fingers, contacts);
 }
 
 bool is_behind_surface(const HeightField& field, const dvec3& point, double tolerance) {

@@ -16,20 +16,32 @@ constexpr double outward = 1.0 + 1e-12;
 
 }  // namespace
 
-SpaceVertex WorldSpace::vertex(std::int64_t i, std::int64_t j) const {
-    const Camera& camera = field_.scene().camera;
-    const double depth = field_.vertex(i, j).depth;
-    double q = 1.0 / depth;
-    if (field_.scene().depth.semantics == DepthSemantics::range) {
-        // Beyond the ring the surface continues flat: q is the ring's (clamped), the ray is the vertex's own.
-        q = camera.ray_length(clamp_to_ring(i, field_.width()), clamp_to_ring(j, field_.height())) / depth;
+WorldSpace::WorldSpace(const HeightField& field)
+    : field_(field),
+      per_fx_(1.0 / field.scene().camera.fx),
+      per_fy_(1.0 / field.scene().camera.fy),
+      range_(field.scene().depth.semantics == DepthSemantics::range) {}
+
+SpaceVertex WorldSpace::compute_vertex(std::int64_t i, std::int64_t j) const {
+    const FieldVertex vertex = field_.vertex(i, j);
+    double planar = vertex.depth;
+    if (range_) {
+        // Beyond the ring the surface continues flat: its depth is the ring's (clamped), the ray is the
+        // vertex's own.
+        planar /= field_.scene().camera.ray_length(clamp_to_ring(i, field_.width()),
+                                                   clamp_to_ring(j, field_.height()));
     }
-    return {position({static_cast<double>(i), static_cast<double>(j), q}), q};
+    return {at_depth(static_cast<double>(i), static_cast<double>(j), planar), 1.0 / planar, vertex.valid};
+}
+
+glm::dvec3 WorldSpace::at_depth(double x, double y, double planar_depth) const {
+    const Camera& camera = field_.scene().camera;
+    return {(x - camera.cx) * per_fx_ * planar_depth, -((y - camera.cy) * per_fy_) * planar_depth,
+            -planar_depth};
 }
 
 glm::dvec3 WorldSpace::position(const ChartPoint& at) const {
-    const Camera& camera = field_.scene().camera;
-    return {camera.u(at.x) / at.w, camera.v(at.y) / at.w, -1.0 / at.w};
+    return at_depth(at.x, at.y, 1.0 / at.w);
 }
 
 ChartPoint WorldSpace::chart(const glm::dvec3& point) const {
@@ -42,14 +54,14 @@ ImageStep WorldSpace::image_step(const glm::dvec3& p, const glm::dvec3& d) const
     // With zeta = -z: x = cx + fx X / zeta, so the pixel moves by fx (dX zeta - X dzeta) / zeta^2 at first,
     // and by that times s zeta / (zeta + s dzeta) in the end.
     const Camera& camera = field_.scene().camera;
-    const double inverse_square = 1.0 / (p.z * p.z);
-    return {camera.fx * ((d.z * p.x - d.x * p.z) * inverse_square),
-            -camera.fy * ((d.z * p.y - d.y * p.z) * inverse_square), d.z / p.z};
+    const double per_z = 1.0 / p.z, per_z2 = per_z * per_z;
+    return {camera.fx * ((d.z * p.x - d.x * p.z) * per_z2), -camera.fy * ((d.z * p.y - d.y * p.z) * per_z2),
+            d.z * per_z};
 }
 
 std::optional<SegmentRange> WorldSpace::clip(const glm::dvec3& from, const glm::dvec3& to) const {
     double margin = 0.5 * field_.nearest_depth_anywhere();
-    if (field_.scene().depth.semantics == DepthSemantics::range) {
+    if (range_) {
         const Camera& camera = field_.scene().camera;
         const double w = field_.width(), h = field_.height();
         margin /= std::max({camera.ray_length(-1, -1), camera.ray_length(w, -1), camera.ray_length(-1, h),
@@ -66,7 +78,7 @@ std::optional<SegmentRange> WorldSpace::clip(const glm::dvec3& from, const glm::
 double WorldSpace::largest_w(int tile_x, int tile_y) const {
     const double nearest = field_.nearest_depth(tile_x, tile_y);
     double bound = outward / nearest;
-    if (field_.scene().depth.semantics == DepthSemantics::range) {
+    if (range_) {
         // |(u, v, -1)| is convex: largest at a corner of the tile, which reaches to the ring at the picture's
         // edge.
         const Camera& camera = field_.scene().camera;

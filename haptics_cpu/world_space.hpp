@@ -5,15 +5,10 @@
 #include <optional>
 
 #include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/vertex_cache.hpp"
 
 namespace touchable {
 
-/// A lattice vertex where distances are measured, and its height in the chart (larger is nearer to the
-/// camera).
-struct SpaceVertex {
-    glm::dvec3 position;
-    double w;
-};
 /// A point as the image sees it: pixel coordinates and w. Straight lines and flat triangles of the space are
 /// straight and flat in (x, y, w).
 struct ChartPoint {
@@ -38,10 +33,16 @@ struct SegmentRange {
 /// projective chart of it: incidence is decided in the chart, distance in the world.
 class WorldSpace {
 public:
-    explicit WorldSpace(const HeightField& field) : field_(field) {}
+    /// One tick's; not for two threads at once.
+    explicit WorldSpace(const HeightField& field);
+
+    std::optional<glm::dvec3> from_world(const glm::dvec3& point) const { return point; }
+    glm::dvec3 to_world(const glm::dvec3& point) const { return point; }
 
     const HeightField& field() const { return field_; }
-    SpaceVertex vertex(std::int64_t i, std::int64_t j) const;
+    SpaceVertex vertex(std::int64_t i, std::int64_t j) const {
+        return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
+    }
     glm::dvec3 position(const ChartPoint& at) const;
     /// Only for points in front of the camera.
     ChartPoint chart(const glm::dvec3& point) const;
@@ -53,7 +54,13 @@ public:
     double largest_w(int tile_x, int tile_y) const;
 
 private:
+    SpaceVertex compute_vertex(std::int64_t i, std::int64_t j) const;
+    glm::dvec3 at_depth(double x, double y, double planar_depth) const;
+
     const HeightField& field_;
+    double per_fx_, per_fy_;  // 1 / focal length
+    bool range_;
+    mutable VertexCache cache_;
 };
 
 }  // namespace touchable

@@ -56,7 +56,9 @@ TEST(ForceGuard, RampsInFromZero) {
         const GuardedForce out = guard.guard(pressing(5));
         EXPECT_EQ(out.reasons, guard_ramp);
         EXPECT_GT(out.force.z, last);
-        if (k == 0) EXPECT_EQ(out.force.z, 0);
+        if (k == 0) {
+            EXPECT_EQ(out.force.z, 0);
+        }
         last = out.force.z;
     }
     EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);

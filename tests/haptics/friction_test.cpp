@@ -93,7 +93,7 @@ TEST(Friction, ATiltedPlaneHoldsUpToTheAngleOfFriction) {
         options.height = 240;
         options.tilt_degrees = tilt;
         TouchRig rig("plane", options, TouchRig::Depth::exact);
-        rig.scene().default_properties = {1000, 0.6, 0.6};  // angle of friction 30.96 degrees
+        rig.scene().default_properties = {1000, 0.6, 0.6};       // angle of friction 30.96 degrees
         const double z = -rig.content().depth(159.5, 119.5, 0);  // on the axis
         rig.tick({0, 0, z + 5});
         const Contact landed = rig.tick({0, 0, z - 2});

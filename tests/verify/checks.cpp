@@ -122,6 +122,11 @@ void Verifier::check_contact(const ForceRow& row, const Surface& surface) {
     const Star star = star_at(surface, at);
     const real mu = std::max(touch.mu_static, touch.mu_dynamic);
     cover(surface, star, mu);
+    if (row.capped) {
+        ++coverage_.capped;
+        trails_.erase(row.finger);
+        return;
+    }
     check_minimum(row, star, mu);
     if (settings_.check_slip) check_slip(row, star, touch);
 }

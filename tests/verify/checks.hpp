@@ -39,7 +39,7 @@ struct Settings {
 
 /// What the rows covered: a check that met nothing proves nothing.
 struct Coverage {
-    std::int64_t rows = 0, contacts = 0, guarded = 0;
+    std::int64_t rows = 0, contacts = 0, guarded = 0, capped = 0;
     std::array<std::int64_t, 3> frictionless{}, friction{};  ///< contacts on a face, an edge, a vertex
     std::int64_t stuck = 0;                                  ///< held by friction, away from the minimum
     std::int64_t slip_checked = 0;  ///< rows whose step from the row before was checked

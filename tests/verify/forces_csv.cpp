@@ -9,10 +9,10 @@
 namespace touchable::verify {
 namespace {
 
-constexpr std::array<std::string_view, 22> names = {
+constexpr std::array<std::string_view, 23> names = {
     "tick",       "finger",     "goal_x",     "goal_y",  "goal_z",  "proxy_x", "proxy_y",   "proxy_z",
     "force_x",    "force_y",    "force_z",    "contact", "pixel_x", "pixel_y", "stiffness", "mu_static",
-    "mu_dynamic", "frame_prev", "frame_next", "blend",   "guard",   "S"};
+    "mu_dynamic", "frame_prev", "frame_next", "blend",   "guard",   "S",       "capped"};
 
 std::vector<std::string_view> split(std::string_view line) {
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -70,6 +70,7 @@ Result<bool> ForcesReader::next(ForceRow& row) {
     for (const auto& [k, most] : {std::pair<std::size_t, double>{0, 1e15}, {1, 1e6}, {17, 1e15}, {18, 1e15}})
         if (!whole(k, most)) return fault(std::string(names[k]) + " must be a whole number, 0 or more");
     if (!(v[11] == 0 || v[11] == 1)) return fault("contact must be 0 or 1");
+    if (!(v[22] == 0 || v[22] == 1)) return fault("capped must be 0 or 1");
     if (!(v[19] >= 0 && v[19] <= 1)) return fault("blend must be between 0 and 1");
     row = {line_,
            static_cast<std::int64_t>(v[0]),
@@ -87,7 +88,8 @@ Result<bool> ForcesReader::next(ForceRow& row) {
            static_cast<std::int64_t>(v[18]),
            v[19],
            v[20] != 0,
-           v[21]};
+           v[21],
+           v[22] != 0};
     return true;
 }
 

@@ -24,6 +24,7 @@ struct ForceRow {
     real blend = 0;
     bool guarded = false;      ///< the guard changed the force
     real metres_per_unit = 0;  ///< S
+    bool capped = false;       ///< the solver ended at its event limit: on the surface, but not yet at the minimum
 };
 
 /// Reads a forces file row by row. Columns are found by name; all must be there, others are ignored.
@@ -34,7 +35,7 @@ public:
     Result<bool> next(ForceRow& row);
 
 private:
-    static constexpr std::size_t column_count = 22;
+    static constexpr std::size_t column_count = 23;
     Error fault(const std::string& what) const;
 
     std::string name_;

@@ -59,6 +59,7 @@ void Verifier::report(std::ostream& out) const {
     line(out, "  beside an invalid pixel", c.near_invalid);
     line(out, "  on the picture's ring or outside it", c.on_ring);
     line(out, "rows with a force changed by the guard", c.guarded);
+    line(out, "rows capped by the event limit: no minimum yet", c.capped);
     out << std::scientific << std::setprecision(2) << "  largest deficit of q, relative " << c.largest_deficit
         << "; of the force " << c.largest_force_error << "; of the minimum " << c.largest_residual << '\n'
         << std::defaultfloat << std::setprecision(4) << "violations\n";

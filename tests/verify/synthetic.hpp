@@ -44,6 +44,7 @@ struct Row {
     int prev = 0, next = 0;
     double blend = 0;
     int guard = 0;
+    int capped = 0;
     double metres_per_unit = 0.001;
 };
 

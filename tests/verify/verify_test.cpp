@@ -134,6 +134,17 @@ TEST_F(Clip, ProxySlidOffTheMinimumIsCaught) {
     });
 }
 
+TEST_F(Clip, ACappedProxyNeedNotBeAtTheMinimumButMustBeOnTheSurface) {
+    std::vector<Row> rows = rows_;
+    const Surface now = surface(rows[14].blend);
+    const ImagePosition at{rows[14].pixel.x + 1e-4L, rows[14].pixel.y - 0.5e-4L};
+    move(rows[14], now, (1 / now.q_at(at)) * now.ray(at.x, at.y));
+    rows[14].capped = 1;
+    EXPECT_EQ(run(rows).code, 0);
+    rows[14].proxy = (1 + 1e-6L) * rows[14].proxy;
+    EXPECT_EQ(run(rows).code, 6);
+}
+
 TEST_F(Clip, ForceAThousandthTooLargeIsCaught) {
     expect_caught(Check::force, [](Row& r) { r.force = 1.001L * r.force; });
 }
