@@ -80,6 +80,7 @@ Result<void> MatroskaWriter::check_status(int status) const {
 }
 
 Result<void> MatroskaWriter::open() {
+    if (auto usable = output_.check_target(); !usable) return usable;
     AVFormatContext* muxer = nullptr;
     int status = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr);
     if (status < 0) return Error{ErrorKind::internal, "Matroska muxer: " + ffmpeg_text(status)};

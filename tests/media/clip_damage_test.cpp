@@ -209,8 +209,10 @@ TEST(ClipWriting, PlacesThatCannotBeWrittenAreNamed) {
         EXPECT_NE(writer.error().message.find(path.string() + ": cannot be written: "), std::string::npos);
     }
     std::filesystem::create_directory(folder / "taken.mkv");
-    EXPECT_NE(message(write_clip(folder / "taken.mkv", small_scene(8, 8), 1, {})).find("taken.mkv: "),
-              std::string::npos);
+    for (const auto& path : {folder / "taken.mkv", std::filesystem::path("/dev/null")})  // before any frame
+        EXPECT_NE(
+            message(create_clip(path, small_scene(8, 8))).find(path.string() + ": is not the name of a file"),
+            std::string::npos);
     EXPECT_EQ(folder.file_count(), 2U);
 }
 
