@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/media/new_file.hpp"
+#include "engine/new_file.hpp"
 
 namespace touchable {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/media/new_file.hpp"
+#include "engine/new_file.hpp"
 
 namespace touchable {
 

@@ -8,7 +8,7 @@
 
 #include "engine/media/decoded_picture.hpp"
 #include "engine/media/ffmpeg.hpp"
-#include "engine/media/new_file.hpp"
+#include "engine/new_file.hpp"
 #include "engine/media/stored_image.hpp"
 
 namespace touchable {

@@ -1,12 +1,12 @@
 #include "engine/surface/mesh_file.hpp"
 
-#include <unistd.h>
-
 #include <bit>
 #include <cerrno>
 #include <fstream>
 #include <string>
 #include <system_error>
+
+#include "engine/new_file.hpp"
 
 namespace touchable {
 namespace {
@@ -81,23 +81,17 @@ Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, cons
                            ": the colours are not three channels of 8 bits of the mesh's picture, " +
                            std::to_string(mesh.width) + "x" + std::to_string(mesh.height));
 
-    std::filesystem::path unfinished = file;
-    unfinished += ".unfinished-" + std::to_string(getpid());
-    std::error_code failure;
-    std::ofstream stream(unfinished, std::ios::binary | std::ios::trunc);
+    NewFile out(file);
+    std::ofstream stream(out.path(), std::ios::binary | std::ios::trunc);
     if (stream) {
         stream << header(mesh, !colour.empty(), coordinates);
         write_body(stream, mesh, colour, coordinates);
         stream.close();
     }
     if (!stream)
-        failure = std::error_code(errno, std::generic_category());
-    else
-        std::filesystem::rename(unfinished, file, failure);
-    if (!failure) return {};
-    std::error_code ignored;
-    std::filesystem::remove(unfinished, ignored);
-    return input_error(file.string() + ": cannot be written: " + failure.message());
+        return input_error(file.string() + ": cannot be written: " +
+                           std::error_code(errno, std::generic_category()).message());
+    return out.commit();
 }
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-#include "engine/media/new_file.hpp"
+#include "engine/new_file.hpp"
 
 #include <unistd.h>
 
