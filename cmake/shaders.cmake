@@ -1,0 +1,45 @@
+# Kernels: shaders/name.comp, which includes shaders/name.h as C++ does, becomes SPIR-V words in a header under the
+# build folder: #include "shaders/name.spv.h" gives touchable::name_spv.
+
+find_program(TOUCHABLE_GLSLANG glslangValidator REQUIRED DOC "GLSL to SPIR-V (Debian: glslang-tools)")
+
+# touchable_shaders(target [FROM folder] name...): `target` may include the words of these kernels. `folder`, from the
+# root of the sources, is where they stand (shaders); every header there is taken for an input of every kernel.
+function(touchable_shaders target)
+  cmake_parse_arguments(SHADERS "" "FROM" "" ${ARGN})
+  if(NOT SHADERS_FROM)
+    set(SHADERS_FROM shaders)
+  endif()
+  file(GLOB shared_headers CONFIGURE_DEPENDS
+      "${PROJECT_SOURCE_DIR}/${SHADERS_FROM}/*.h" "${PROJECT_SOURCE_DIR}/shaders/*.h")
+  foreach(name IN LISTS SHADERS_UNPARSED_ARGUMENTS)
+    if(NOT TARGET shader_${name})
+      touchable_kernel(${name} "${PROJECT_SOURCE_DIR}/${SHADERS_FROM}/${name}.comp" "${shared_headers}")
+    endif()
+    add_dependencies(${target} shader_${name})
+  endforeach()
+  target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}")
+endfunction()
+
+# The header is written while configuring and includes the words, which are made while building.
+function(touchable_kernel name source shared_headers)
+  set(words "${PROJECT_BINARY_DIR}/shaders/${name}.spv.inc")
+  file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/shaders/${name}.spv.h" @ONLY CONTENT [[
+#pragma once
+
+#include <cstdint>
+
+namespace touchable {
+inline constexpr std::uint32_t @name@_spv[] = {
+#include "shaders/@name@.spv.inc"
+};
+}  // namespace touchable
+]])
+  add_custom_command(OUTPUT "${words}"
+      COMMAND "${TOUCHABLE_GLSLANG}" --quiet --target-env vulkan1.3 "-I${PROJECT_SOURCE_DIR}" -V -x
+              -o "${words}" "${source}"
+      DEPENDS "${source}" ${shared_headers}
+      COMMENT "Compiling the kernel ${name}"
+      VERBATIM)
+  add_custom_target(shader_${name} DEPENDS "${words}")
+endfunction()

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/gpu/gpu_facts.hpp"
+#include "engine/gpu/vulkan_device.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// What Vulkan has here, usable or not, in the order of `--gpu INDEX`. Empty where there is a Vulkan loader
+/// without a driver; fails where there is not even an instance to be had.
+Result<std::vector<GpuFacts>> list_gpus();
+
+struct GpuOptions {
+    std::string request = "auto";  ///< as in choose_gpu
+    /// Ask the validation layer, synchronisation checks included, to watch every call; refused where it is
+    /// not installed. TOUCHABLE_VULKAN_VALIDATION=1 in the environment asks as well, and prints what it says
+    /// to stderr.
+    bool validation = false;
+};
+
+struct GpuRecording;  // a command buffer and what it needs (gpu_commands.cpp)
+
+/// An open device with its one queue. Submissions run in order, each sees all that earlier ones wrote, and
+/// what they use is kept alive until they have completed. Safe from any thread.
+class GpuDevice {
+public:
+    static Result<std::shared_ptr<GpuDevice>> open(const GpuOptions& options = {});
+    ~GpuDevice();  ///< waits for what is in flight
+
+    const GpuFacts& facts() const { return vulkan_->facts; }
+    const std::shared_ptr<VulkanDevice>& vulkan() const { return vulkan_; }
+    std::shared_ptr<const GpuMessages> messages() const { return vulkan_->messages; }
+
+    /// The timeline's value so far: every submission up to it has completed. No lock; a lost device stands
+    /// still.
+    std::uint64_t completed() const;
+
+    /// Waits for a value that GpuCommands::submit gave. Fails (ErrorKind::gpu) on a lost device and after
+    /// `timeout`.
+    Result<void> wait(std::uint64_t value, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+
+    /// A driver that lost the device, or `lose`. Sticky: open another one.
+    bool lost() const { return vulkan_->lost; }
+
+    /// From now on the device behaves as if the driver had lost it: how tests kill it in the middle.
+    void lose() { vulkan_->lost = true; }
+
+private:
+    friend class GpuCommands;
+    friend class GpuSubmission;
+
+    explicit GpuDevice(std::shared_ptr<VulkanDevice> vulkan);
+    Result<std::unique_ptr<GpuRecording>> take_recording();  ///< a used one where there is one
+    Result<std::uint64_t> submit(std::unique_ptr<GpuRecording> recording);
+    void collect();  ///< reads timestamps of completed recordings and lets go of what they used
+
+    std::shared_ptr<VulkanDevice> vulkan_;
+    VkSemaphore timeline_ = VK_NULL_HANDLE;
+    std::mutex mutex_;
+    std::uint64_t submitted_ = 0;
+    std::deque<std::unique_ptr<GpuRecording>> in_flight_;
+    std::vector<std::unique_ptr<GpuRecording>> idle_;
+};
+
+}  // namespace touchable
