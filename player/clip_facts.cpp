@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "engine/frame/stored_code.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {
@@ -29,7 +30,7 @@ void add_first_frame(const RawFrame& frame, ClipFacts& facts) {
     std::uint16_t least = 65535, greatest = 0;
     for (int y = 0; y < frame.depth.height; ++y)
         for (int x = 0; x < frame.depth.width; ++x) {
-            const std::uint16_t code = frame.depth.sample(x, y);
+            const std::uint16_t code = stored_code(frame.depth, coding, x, y);
             if (!coding.is_valid(code)) {
                 ++invalid;
                 continue;
@@ -52,6 +53,8 @@ const char* kind_name(DepthCodingKind kind) {
             return "inverse";
         case DepthCodingKind::metric:
             return "metric";
+        case DepthCodingKind::hue:
+            return "hue";
     }
     return "";
 }
@@ -68,6 +71,7 @@ std::string coding_words(const DepthCoding& coding) {
         words << kind_name(coding.kind) << (coding.kind == DepthCodingKind::inverse ? " (1/depth)" : "")
               << " between two planes, largest code at the " << (coding.near_is_high ? "near" : "far")
               << " one";
+    if (coding.kind == DepthCodingKind::hue) words << ", no depth where R + G + B < " << coding.least_sum;
     words << (coding.semantics == DepthSemantics::range ? "; range along the pixel's ray"
                                                         : "; planar, along -Z");
     return words.str();
@@ -175,6 +179,7 @@ nlohmann::ordered_json to_json(const ClipFacts& facts) {
     depth["far_mm"] = coding.far * mm;
     depth["bits"] = scene.depth_bits;
     depth["code_max"] = coding.code_max;
+    if (coding.kind == DepthCodingKind::hue) depth["least_sum"] = coding.least_sum;
     depth["valid_codes"] = {coding.valid_min, coding.valid_max};
     depth["invalid_codes"] = ordered_json::array();
     for (int k = 0; k < coding.invalid_code_count; ++k)
@@ -228,8 +233,8 @@ std::string to_text(const ClipFacts& facts) {
                    << ", cy " << scene.camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "
                    << facts.fov_y_degrees << " degrees\n";
     line("depth") << coding_words(coding) << '\n';
-    line("codes") << scene.depth_bits << " bits, 0.." << coding.code_max << ", of which valid "
-                  << valid_words(coding) << '\n';
+    line("codes") << (coding.kind == DepthCodingKind::hue ? "3 x " : "") << scene.depth_bits << " bits, 0.."
+                  << coding.code_max << ", of which valid " << valid_words(coding) << '\n';
     line("range") << coding.near << ".." << coding.far << " units = " << coding.near * mm << ".."
                   << coding.far * mm << " mm\n";
     line("first frame") << "depths " << facts.nearest << ".." << facts.farthest << " units, "

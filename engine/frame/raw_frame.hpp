@@ -11,7 +11,7 @@ namespace touchable {
 struct RawFrame {
     std::int64_t number = 0;   ///< from 0
     std::int64_t time_ns = 0;  ///< presentation timestamp
-    PlaneView depth;           ///< 1 channel, stored values
+    PlaneView depth;           ///< 1 channel, stored values; for hue 3 channels, 8 bits
     PlaneView colour;          ///< 3 channels, 8 bits
     PlaneView haptic;          ///< 3 channels, 8 bits: stiffness, static friction, dynamic friction
     PlaneView height;          ///< 1 channel

@@ -50,6 +50,11 @@ Result<void> check_largest(const PlaneView& plane, int most, std::string_view wh
 }
 
 Result<void> check_depth(const PlaneView& plane, const Scene& scene, std::string_view where) {
+    if (scene.depth.kind == DepthCodingKind::hue) {
+        if (plane.channels == 3 && plane.bytes_per_sample == 1) return {};
+        return input_error(std::string(where) + ": is " + kind_text(plane) +
+                           ", but the scene's depth.coding, hue, needs 8-bit RGB");
+    }
     const int bits = scene.depth_bits, bytes = bits > 8 ? 2 : 1;
     if (plane.channels != 1 || plane.bytes_per_sample != bytes)
         return input_error(std::string(where) + ": is " + kind_text(plane) +

@@ -101,11 +101,13 @@ Result<void> TrackDecoder::check_format(const AVFrame& frame) {
 }
 
 Result<Plane> TrackDecoder::plane(FramePtr frame) const {
+    if (role_ == PlaneRole::depth && is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
     if (role_ == PlaneRole::depth || role_ == PlaneRole::height) {
         const auto samples = luma_samples(*frame);
         if (!samples)
             return input_error(where() + ": has pixel format " + info_.pixel_format + "; " + info_.role +
-                               " is grey of 8 to 16 bits");
+                               " is grey of 8 to 16 bits" +
+                               (role_ == PlaneRole::depth ? ", or RGB of 8 bits for hue" : ""));
         return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame))};
     }
     if (const auto grey = grey_samples(*frame); grey && role_ == PlaneRole::colour)

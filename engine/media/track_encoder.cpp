@@ -11,7 +11,7 @@ Error encoder_error(PlaneRole role, const std::string& what) {
 
 /// The smallest grey that holds the values as they are; RGB as FFV1 has it.
 AVPixelFormat format_of(PlaneRole role, const PlaneView& plane, const Scene& scene) {
-    if (role == PlaneRole::colour || role == PlaneRole::haptic) return AV_PIX_FMT_BGR0;
+    if (plane.channels == 3) return AV_PIX_FMT_BGR0;
     if (plane.bytes_per_sample == 1) return AV_PIX_FMT_GRAY8;
     if (role == PlaneRole::height || scene.depth_bits > 12) return AV_PIX_FMT_GRAY16;
     return scene.depth_bits > 10 ? AV_PIX_FMT_GRAY12 : AV_PIX_FMT_GRAY10;

@@ -15,9 +15,9 @@ double nearness(const DepthCoding& coding, std::uint16_t code) {
 /// The code, as a real number, that would stand for `depth`; any number where there is none.
 double real_code(const DepthCoding& coding, double depth) {
     if (coding.kind == DepthCodingKind::metric) return depth / coding.scale;
-    const double from_far = coding.kind == DepthCodingKind::linear
-                                ? (coding.far - depth) / (coding.far - coding.near)
-                                : (1.0 / depth - 1.0 / coding.far) / (1.0 / coding.near - 1.0 / coding.far);
+    const double from_far = coding.kind == DepthCodingKind::inverse
+                                ? (1.0 / depth - 1.0 / coding.far) / (1.0 / coding.near - 1.0 / coding.far)
+                                : (coding.far - depth) / (coding.far - coding.near);
     return coding.code_max * (coding.near_is_high ? from_far : 1.0 - from_far);
 }
 
@@ -28,8 +28,8 @@ double DepthCoding::depth(std::uint16_t code) const {
     const double w = nearness(*this, code);
     if (w == 0.0) return far;  // the planes exactly, whatever rounding does between them
     if (w == 1.0) return near;
-    const double depth = kind == DepthCodingKind::linear ? far + (near - far) * w
-                                                         : 1.0 / (1.0 / far + (1.0 / near - 1.0 / far) * w);
+    const double depth = kind == DepthCodingKind::inverse ? 1.0 / (1.0 / far + (1.0 / near - 1.0 / far) * w)
+                                                          : far + (near - far) * w;
     return std::clamp(depth, near, far);
 }
 

@@ -11,18 +11,22 @@ namespace touchable {
 /// - linear:  far + (near - far) n                   (Eq. 3)
 /// - inverse: 1 / (1/far + (1/near - 1/far) n)
 /// - metric:  scale * code
-enum class DepthCodingKind { linear, inverse, metric };
+/// - hue:     as linear, of the code that shaders/hue_code.h makes from an RGB pixel
+enum class DepthCodingKind { linear, inverse, metric, hue };
 
 struct DepthCoding {
     static constexpr int max_invalid_codes = 4;
+    /// Hue: codes of the whole colour circle; the last that a pixel can have is one less.
+    static constexpr std::uint16_t hue_circle = 1536;
 
     DepthCodingKind kind = DepthCodingKind::linear;
     DepthSemantics semantics = DepthSemantics::range;
-    bool near_is_high = true;      ///< linear and inverse: the largest code is the near plane
+    bool near_is_high = true;      ///< all but metric: the largest code is the near plane
     double near = 0;               ///< scene units; for metric the smallest depth that is valid (0: any)
     double far = 0;                ///< scene units, finite; deeper codes are invalid
     double scale = 0;              ///< metric: scene units per code
     std::uint16_t code_max = 255;  ///< largest native code
+    int least_sum = 0;             ///< hue: pixels with R + G + B below this, 0 to 765, are invalid
     std::array<std::uint16_t, max_invalid_codes> invalid_codes{};
     int invalid_code_count = 0;
     /// Codes outside this range are invalid; derived by `derive_valid_range` from the members above.

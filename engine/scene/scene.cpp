@@ -88,8 +88,12 @@ std::optional<double> smallest_valid_depth(DepthCoding depth) {
 
 Result<void> check_depth(const Scene& scene) {
     const DepthCoding& depth = scene.depth;
+    const bool hue = depth.kind == DepthCodingKind::hue;
     if (auto bits = check_within("depth.bits", scene.depth_bits, 8, 16); !bits) return bits;
-    const int largest_code = (1 << scene.depth_bits) - 1;
+    if (hue && scene.depth_bits != 8)
+        return refuse("depth.bits", scene.depth_bits, "8, of each of red, green and blue, for hue");
+    if (auto sum = check_within("depth.least_sum", depth.least_sum, 0, hue ? 3 * 255 : 0); !sum) return sum;
+    const int largest_code = hue ? DepthCoding::hue_circle : (1 << scene.depth_bits) - 1;
     if (auto top = check_within("depth.code_max", int{depth.code_max}, 1, largest_code); !top) return top;
     if (auto planes = check_planes(depth); !planes) return planes;
     if (!(depth.near < depth.far))

@@ -79,7 +79,7 @@ struct Scene {
     double metres_per_unit = 0.001;
     Camera camera;
     DepthCoding depth;
-    int depth_bits = 8;  ///< bits of a stored depth value, 8 to 16
+    int depth_bits = 8;  ///< bits of a stored depth value, 8 to 16; of each of three channels for hue: 8
     HeightCoding height_coding;
     HapticRanges haptic;
     HapticProperties default_properties;  ///< where there is no haptic image

@@ -16,7 +16,8 @@ using checked_json::Node;
 
 constexpr std::pair<const char*, DepthCodingKind> coding_names[] = {{"linear", DepthCodingKind::linear},
                                                                     {"inverse", DepthCodingKind::inverse},
-                                                                    {"metric", DepthCodingKind::metric}};
+                                                                    {"metric", DepthCodingKind::metric},
+                                                                    {"hue", DepthCodingKind::hue}};
 constexpr std::pair<const char*, DepthSemantics> semantics_names[] = {{"range", DepthSemantics::range},
                                                                       {"planar", DepthSemantics::planar}};
 constexpr std::pair<const char*, bool> near_is_high_names[] = {{"high", true}, {"low", false}};
@@ -59,22 +60,25 @@ void read_invalid_codes(const Node& node, int largest, DepthCoding& depth) {
 
 void read_depth(const Node& node, Scene& scene) {
     DepthCoding& depth = scene.depth;
-    node.allow_only(
-        {"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is", "invalid"});
+    node.allow_only({"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is",
+                     "least_sum", "invalid"});
     depth.kind = node["coding"].one_of(coding_names);
-    const bool metric = depth.kind == DepthCodingKind::metric;
+    const bool metric = depth.kind == DepthCodingKind::metric, hue = depth.kind == DepthCodingKind::hue;
     depth.semantics = depth.kind == DepthCodingKind::linear ? DepthSemantics::range : DepthSemantics::planar;
     if (node.has("semantics")) depth.semantics = node["semantics"].one_of(semantics_names);
     if (metric && node.has("near_is")) node["near_is"].refuse("left out: a metric depth grows with its code");
     if (!metric && node.has("scale")) node["scale"].refuse("left out: only a metric coding has a scale");
+    if (!hue && node.has("least_sum")) node["least_sum"].refuse("left out: only a hue has a least sum");
+    depth.near_is_high = !hue;
     if (node.has("near_is")) depth.near_is_high = node["near_is"].one_of(near_is_high_names);
 
     scene.depth_bits = node.has("bits") ? static_cast<int>(node["bits"].integer(8, 16)) : metric ? 16 : 8;
-    const int largest = (1 << scene.depth_bits) - 1;
+    const int largest = hue ? DepthCoding::hue_circle : (1 << scene.depth_bits) - 1;
     depth.code_max =
         static_cast<std::uint16_t>(node.has("code_max") ? node["code_max"].integer(1, largest) : largest);
     if (node.has("invalid")) read_invalid_codes(node["invalid"], largest, depth);
 
+    if (node.has("least_sum")) depth.least_sum = static_cast<int>(node["least_sum"].integer(0, 3 * 255));
     if (metric) depth.scale = node["scale"].number();
     if (!metric || node.has("near")) depth.near = node["near"].number();
     scene.far_from_frames = metric && !node.has("far");
@@ -178,6 +182,7 @@ OrderedJson write_depth(const Scene& scene) {
     json["bits"] = scene.depth_bits;
     json["code_max"] = depth.code_max;
     if (!metric) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
+    if (depth.kind == DepthCodingKind::hue) json["least_sum"] = depth.least_sum;
     json["invalid"] =
         std::vector<int>(depth.invalid_codes.begin(), depth.invalid_codes.begin() + depth.invalid_code_count);
     return json;

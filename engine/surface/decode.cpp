@@ -2,13 +2,20 @@
 
 #include <algorithm>
 
+#include "engine/frame/stored_code.hpp"
 #include "engine/surface/validity_strip.hpp"
 
 namespace touchable {
 namespace {
 
-/// `count` stored values; the rest of the strip is left alone.
-void load_strip(const PlaneView& depth, const std::uint8_t* from, int count, std::uint16_t* stored) {
+/// The codes of `count` pixels, as `stored_code`; the rest of the strip is left alone.
+void load_strip(const PlaneView& depth, const DepthCoding& coding, int x, int y, int count,
+                std::uint16_t* stored) {
+    if (coding.kind == DepthCodingKind::hue) {
+        for (int k = 0; k < count; ++k) stored[k] = stored_code(depth, coding, x + k, y);
+        return;
+    }
+    const std::uint8_t* from = depth.row(y) + static_cast<std::ptrdiff_t>(x) * depth.bytes_per_sample;
     if (depth.bytes_per_sample == 2) {
         std::memcpy(stored, from, static_cast<std::size_t>(count) * 2);
         return;
@@ -38,12 +45,11 @@ void decode(const PlaneView& depth, SurfaceFrame& frame) {
     const DepthCoding coding = frame.coding;
     std::uint16_t stored[strip_pixels] = {}, masks[strip_pixels];
     for (int y = 0; y < frame.height; ++y) {
-        const std::uint8_t* row = depth.row(y);
         std::uint16_t* codes = frame.codes.data() + frame.index(0, y);
         std::uint32_t* validity = frame.validity.data() + static_cast<std::ptrdiff_t>(y) * words;
         for (int word = 0; word < words; ++word) {
             const int x = word * strip_pixels, count = std::min(strip_pixels, frame.width - x);
-            load_strip(depth, row + static_cast<std::ptrdiff_t>(x) * depth.bytes_per_sample, count, stored);
+            load_strip(depth, coding, x, y, count, stored);
             valid_masks(coding, stored, masks);
             validity[word] = bits_of_masks(masks) & inside_bits(frame.width, word);
             for (int k = 0; k < strip_pixels; ++k)

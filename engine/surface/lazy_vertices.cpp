@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "engine/frame/stored_code.hpp"
 #include "engine/surface/hole_filling.hpp"
 #include "engine/surface/lower_median.hpp"
 
@@ -23,7 +24,7 @@ public:
         bool all_valid = true;
         for (int y = top_; y <= bottom_; ++y)
             for (int x = left_; x <= right_; ++x) {
-                const std::uint16_t code = frame_.raw.depth.sample(x, y);
+                const std::uint16_t code = stored_code(frame_.raw.depth, frame_.coding, x, y);
                 const bool valid = frame_.coding.is_valid(code);
                 codes_[index(x, y)] = code;
                 valid_since_[index(x, y)] = valid ? 0 : never;
@@ -123,7 +124,7 @@ void LazyVertices::restart() {
 
 DepthSample LazyVertices::at(int x, int y) const {
     const int radius = filter_.median / 2;
-    const std::uint16_t stored = frame_.raw.depth.sample(x, y);
+    const std::uint16_t stored = stored_code(frame_.raw.depth, frame_.coding, x, y);
     const bool stored_valid = frame_.coding.is_valid(stored);
     if (!stored_valid && filter_.fill_holes == 0) return {};
     if (stored_valid && radius == 0) return {frame_.coding.depth(stored), true};
@@ -159,7 +160,7 @@ TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
     TileBounds bounds;
     for (int y = std::max(top - reach, 0); y <= std::min(bottom + reach, frame_.height - 1); ++y)
         for (int x = std::max(left - reach, 0); x <= std::min(right + reach, frame_.width - 1); ++x) {
-            const std::uint16_t code = frame_.raw.depth.sample(x, y);
+            const std::uint16_t code = stored_code(frame_.raw.depth, frame_.coding, x, y);
             if (frame_.coding.is_valid(code)) {
                 bounds.least = std::min(bounds.least, code);
                 bounds.greatest = std::max(bounds.greatest, code);

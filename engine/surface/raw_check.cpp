@@ -38,8 +38,11 @@ std::string complaint(const PlaneView& plane, const PlaneForm& form, const Scene
 Result<void> check_raw_frame(const RawFrame& raw, const Scene& scene) {
     const auto frame = [&] { return "frame " + std::to_string(raw.number) + ": "; };
     if (raw.depth.empty()) return input_error(frame() + "there is no depth plane");
+    const PlaneForm depth = scene.depth.kind == DepthCodingKind::hue
+                                ? PlaneForm{"depth", 3, 1, 1}
+                                : PlaneForm{"depth", 1, scene.depth_bits > 8 ? 2 : 1, 2};
     const std::pair<const PlaneView&, PlaneForm> planes[] = {
-        {raw.depth, {"depth", 1, scene.depth_bits > 8 ? 2 : 1, 2}},
+        {raw.depth, depth},
         {raw.colour, {"colour", 3, 1, 1}},
         {raw.haptic, {"haptic", 3, 1, 1}},
         {raw.height, {"height", 1, 1, 2}},

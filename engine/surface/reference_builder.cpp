@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "engine/frame/stored_code.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
 
@@ -31,7 +32,7 @@ Picture decoded(const PlaneView& depth, const DepthCoding& coding) {
     Picture picture{depth.width, depth.height, {}};
     for (int y = 0; y < depth.height; ++y)
         for (int x = 0; x < depth.width; ++x) {
-            const std::uint16_t code = depth.sample(x, y);
+            const std::uint16_t code = stored_code(depth, coding, x, y);
             picture.pixels.push_back(coding.is_valid(code) ? Pixel{code, true} : Pixel{});
         }
     return picture;
