@@ -18,7 +18,7 @@ std::string force_hash(const std::vector<std::string>& words);
 
 /// A row of --forces, read by its column names alone.
 struct ForcesRow {
-    std::array<double, 23> cells;
+    std::vector<double> cells;
     double operator[](const std::string& column) const;
     std::array<double, 3> vector(const std::string& name) const;  ///< name_x, name_y, name_z
 };
