@@ -190,6 +190,34 @@ TEST_F(Replay, NewerFormatIsRefusedByName) {
     expect_ends_with(3, "format version 2");
 }
 
+// Made once by `make moving moving.mkv --size 32x24 --frames 3` and `touch moving.mkv --seconds 0.05 --hand
+// csv:sweep.csv:columns=x+y+z,contact=0.95 --record ...`, and kept: what a version has written, every later
+// one reads. The file is made anew only by a change that is meant to change forces.
+TEST_F(Replay, RecordingOfVersion1StaysReadable) {
+    const std::string kept = TOUCHABLE_SOURCE_DIR "/tests/data/recording_v1.rec";
+    make_clip("moving", clip(), {"--size", "32x24", "--frames", "3"});
+    EXPECT_EQ(RecordingBytes(file_contents(kept)).integer(8, 4), 1U);
+    const Outcome run = run_touchable({"touch", clip(), "--replay", kept});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("30ac262cffc5f484"), std::string::npos) << run.out;
+}
+
+TEST_F(Replay, FolderOfImagesIsOpenedWithTheRecordedSceneFile) {
+    make_clip("plane", clip(), {"--size", "48x32", "--frames", "1"});
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", folder / "images"}).code, 0);
+    auto scene = nlohmann::json::parse(file_contents(folder / "images/scene.json"));
+    scene["filter"]["median"] = 3;
+    scene["default_properties"]["stiffness"] = 0.1 + 0.2;
+    scene["folder"]["depth"] = "depth%d.png";
+    fs::rename(folder / "images/depth.png", folder / "images/depth0.png");
+    std::ofstream(folder / "described.json") << scene;
+    touch({folder / "images", "--scene", folder / "described.json", "--seconds", "0.4", "--record", file()});
+    EXPECT_EQ(replay().code, 0);
+    fs::rename(folder / "described.json", folder / "moved.json");
+    expect_ends_with(3, "described.json");
+    EXPECT_EQ(replay({"--scene", folder / "moved.json"}).code, 0);
+}
+
 TEST_F(Replay, FactThatIsMissingOrImpossibleIsNamed) {
     record("plane", {"--seconds", "0.05"});
     const RecordingBytes original = recording();

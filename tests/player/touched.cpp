@@ -18,6 +18,13 @@ void make_clip(const std::string& scene, const std::string& file, const std::vec
     ASSERT_EQ(run.code, 0) << run.err;
 }
 
+nlohmann::json scene_of(const std::string& clip) {
+    const TemporaryFolder folder;
+    const Outcome run = run_touchable({"export", clip, "--frame", "0", "--out", folder / "out"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    return nlohmann::json::parse(file_contents(folder / "out/scene.json"), nullptr, false);
+}
+
 nlohmann::json touch(const std::vector<std::string>& more) {
     const TemporaryFolder folder;
     std::vector<std::string> words{"touch", "--json", folder / "report.json"};
