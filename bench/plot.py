@@ -1,14 +1,16 @@
 #!/usr/bin/python3
-"""Draws what `touchable touch` and `touchable export` wrote.
+"""Draws what `touchable touch`, `touchable export` and `touchable-bench` wrote.
 
 plot.py forces FORCES.csv OUT.png              force over time, one strip per finger
 plot.py paths EXPORT_DIR FORCES.csv OUT.png    the frame's depth, and where the proxies went over it
+plot.py pareto RESULTS.json OUT.png            run time against error of every option of the touch solver
 """
 
 import argparse
 import csv
 import json
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -210,9 +212,105 @@ def draw_paths(arguments):
     save(figure, arguments.out)
 
 
+OPTION = re.compile(r"globe-(?P<size>\d+x\d+)-(?P<bits>\w+)-1f-(?P<mode>world|pixel)(?P<camera>-A|-Aprime)?"
+                    r"(-m(?P<median>\d))?(?P<lazy>-lazy)?")
+CAMERAS = {None: "B", "-A": "A", "-Aprime": "A'"}
+MODES = {"world": (COLOURS[0], "world space"), "pixel": (COLOURS[3], "pixel space, the paper's")}
+BITS = {"exact": ("D", "not quantised"), "16": ("o", "16 bits"), "10": ("^", "10 bits"), "8": ("s", "8 bits")}
+PAPERS_OWN = {"bits": "8", "mode": "pixel", "median": "3"}
+ERROR, TIME = "force_angle_deg_rms", "tick_us_mean"
+
+
+def read_options(file):
+    """Per camera and size, in order: the options with their time and error."""
+    figures = {}
+    try:
+        for row in json.loads(Path(file).read_text(encoding="utf-8")):
+            figures.setdefault(row["case"], {})[row["metric"]] = float(row["value"])
+    except (OSError, ValueError, KeyError, TypeError) as fault:
+        raise BadInput(f"{file}: must be what touchable-bench --json wrote: {fault}") from None
+    groups = {}
+    for case, metrics in figures.items():
+        match = OPTION.fullmatch(case)
+        if match and match["bits"] in BITS and metrics.get(ERROR, 0) > 0 and metrics.get(TIME, 0) > 0:
+            option = {**match.groupdict(), "time": metrics[TIME], "error": metrics[ERROR]}
+            groups.setdefault((CAMERAS[match["camera"]], match["size"]), []).append(option)
+    if not groups:
+        raise BadInput(f"{file}: there is no case of the globe with {TIME} and {ERROR}")
+    return groups
+
+
+def front(options):
+    """Times and errors of the options that no other beats in both."""
+    best, points = float("inf"), []
+    for option in sorted(options, key=lambda option: (option["time"], option["error"])):
+        if option["error"] < best:
+            best = option["error"]
+            points.append((option["time"], best))
+    return np.array(points).T
+
+
+def is_papers_own(option):
+    return option["lazy"] and all(option[key] == value for key, value in PAPERS_OWN.items())
+
+
+def draw_options(axes, options):
+    axes.plot(*front(options), color="#999999", linewidth=1, drawstyle="steps-post", zorder=1)
+    for option in options:
+        colour_of_mode, shape = MODES[option["mode"]][0], BITS[option["bits"]][0]
+        axes.plot(option["time"], option["error"], shape, markersize=7, markeredgewidth=1.5, alpha=0.9,
+                  markeredgecolor=colour_of_mode, color="white" if option["lazy"] else colour_of_mode)
+        if not option["lazy"]:
+            continue
+        words = f"{option['median']}x{option['median']}" if option["median"] else "no median"
+        height = 7
+        if is_papers_own(option):
+            words, height = f"the paper's own,\n{words}", 12
+            axes.plot(option["time"], option["error"], "o", markersize=16, color="none",
+                      markeredgecolor="black", markeredgewidth=1.5)
+        axes.annotate(words, (option["time"], option["error"]), xytext=(0, height),
+                      textcoords="offset points", ha="center", fontsize=7.5, color=colour_of_mode)
+
+
+def option_legend():
+    shape = {"linestyle": "", "markersize": 7, "markeredgewidth": 1.5}
+    handles = [Patch(facecolor=colour_of_mode, label=label) for colour_of_mode, label in MODES.values()]
+    handles += [Line2D([], [], marker=marker, color="#666666", label=label, **shape)
+                for marker, label in BITS.values()]
+    handles.append(Line2D([], [], marker="s", color="white", markeredgecolor="#666666",
+                          label="filtered where touched", **shape))
+    handles.append(Line2D([], [], color="#999999", linewidth=1, label="nothing is better in both"))
+    return handles
+
+
+def draw_pareto(arguments):
+    groups = read_options(arguments.results)
+    columns = min(2, len(groups))
+    rows = -(-len(groups) // columns)
+    figure = plt.figure(layout="constrained", figsize=(5.5 * columns + 0.5, 3.9 * rows + 1.4))
+    plots, below = figure.subfigures(2, 1, height_ratios=[3.9 * rows + 0.5, 0.9])
+    panels = plots.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for axes in panels.flat[len(groups):]:
+        axes.remove()
+    for axes, ((camera, size), options) in zip(panels.flat, groups.items()):
+        axes.set(xscale="log", yscale="log", title=f"camera {camera}, {size}")
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter("{x:.1g}")
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.grid(which="both", color="#e4e4e4", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.margins(y=0.14)
+        draw_options(axes, options)
+    plots.supxlabel("CPU time of a tick (us)", fontsize=10)
+    plots.supylabel("error of the force's direction (degrees RMS)", fontsize=10)
+    plots.suptitle("Touching the globe, one finger: run time against error", fontsize=12)
+    below.legend(handles=option_legend(), loc="center", ncol=4, fontsize=9)
+    save(figure, arguments.out)
+
+
 def main():
-    parser = argparse.ArgumentParser(description="Draws what touchable touch and touchable export wrote.")
-    commands = parser.add_subparsers(required=True, metavar="forces|paths")
+    parser = argparse.ArgumentParser(description="Draws what touchable and touchable-bench wrote.")
+    commands = parser.add_subparsers(required=True, metavar="forces|paths|pareto")
     forces = commands.add_parser("forces", help="force over time, one strip per finger")
     forces.add_argument("forces", metavar="FORCES.csv")
     forces.set_defaults(draw=draw_forces)
@@ -220,7 +318,10 @@ def main():
     paths.add_argument("export", metavar="EXPORT_DIR")
     paths.add_argument("forces", metavar="FORCES.csv")
     paths.set_defaults(draw=draw_paths)
-    for command in (forces, paths):
+    pareto = commands.add_parser("pareto", help="run time against error of the touch solver's options")
+    pareto.add_argument("results", metavar="RESULTS.json")
+    pareto.set_defaults(draw=draw_pareto)
+    for command in (forces, paths, pareto):
         command.add_argument("out", metavar="OUT.png")
     arguments = parser.parse_args()
     try:

@@ -102,6 +102,7 @@ std::string tables_of(const std::vector<CaseFigures>& cases) {
 
 Result<void> check_writable(const std::filesystem::path& file) {
     const NewFile probe(file);  // removed at the end of this function
+    if (auto usable = probe.check_target(); !usable.ok()) return usable;
     if (!std::ofstream(probe.path())) return cannot_write(file);
     return {};
 }

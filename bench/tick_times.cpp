@@ -104,7 +104,7 @@ TickTimes time_paced(TimedRun& run) {
         times.wall_us.push_back(microseconds(wall, clock_costs().monotonic));
         sum += microseconds(cpu, clock_costs().thread_cpu_around_monotonic);
         disturbances.note(times.wall_us.back());
-        if ((k + 1) % batch_ticks == 0) disturbances.end_batch();
+        if ((k + 1) % batch_ticks == 0 || k + 1 == run.ticks()) disturbances.end_batch();
     }
     times.mean_us = sum / run.ticks();
     std::sort(times.wall_us.begin(), times.wall_us.end());

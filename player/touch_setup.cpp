@@ -146,6 +146,7 @@ Json read_facts(const Json& facts, TouchSetup& setup) {
     TouchSettings& touch = setup.settings.touch;
     touch.metric = metric == "pixel" ? TouchMetric::pixel : TouchMetric::world;
     touch.metres_per_scene_unit = facts.at("S").get<double>();
+    if (!(touch.metres_per_scene_unit > 0)) throw std::out_of_range("S must be above 0");
     touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);
     const Json& limits = facts.at("guard");
     GuardSettings& guard = setup.settings.guard;

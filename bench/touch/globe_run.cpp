@@ -77,6 +77,9 @@ Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Fig
     if (!made.ok()) return made.error();
     TouchRun& touch = **made;
 
+    if (auto verified = verify(touch); !verified.ok()) return verified.error();
+
+    touch.restart();
     ForceErrors errors;
     for (int k = 0; k < touch.ticks(); ++k) {
         touch.tick(k);

@@ -10,12 +10,6 @@ constexpr double speed = 0.3;  // m/s
 constexpr int ticks_between_fingers = 1000;
 constexpr HapticProperties grip{600, 0.6, 0.4};
 
-// In the world's metric a proxy is on the surface but for roundings; the paper's flat triangles are flat in
-// pixels and levels, which bends them a little in the world.
-double behind_tolerance(TouchMetric metric) {
-    return metric == TouchMetric::world ? 1e-9 : 1e-6;
-}
-
 std::vector<glm::dvec3> goals_of(const TouchCase& c, int ticks) {
     ReliefStroke stroke(Relief::bumps, c.width, c.height, speed);
     std::vector<glm::dvec3> path;
@@ -34,7 +28,7 @@ Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, F
     auto made = TouchRun::create(surface, run.setup, grip, goals_of(run.setup, run.ticks));
     if (!made.ok()) return made.error();
     TouchRun& hot = **made;
-    const auto counts = verify(hot, behind_tolerance(run.setup.metric));
+    const auto counts = verify(hot);
     if (!counts.ok()) return counts.error();
 
     const TickTimes times = time_hot(hot, run.repeats);

@@ -13,14 +13,14 @@ constexpr std::int64_t tick_ns = 1'000'000;
 
 /// What is wrong with a contact; nullptr if it is sound.
 const char* fault_of(const Contact& contact, const HeightField& field, double metres_per_scene_unit,
-                     double behind_tolerance) {
+                     double tolerance) {
     const glm::dvec3 spring =
         contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
     const glm::dvec3 off = contact.force - spring;
     // Written so that NaN is a fault.
     if (!(glm::dot(off, off) <= 1e-24 * glm::dot(spring, spring)))
         return "the force is not k S (P - G), or not finite";
-    if (is_behind_surface(field, contact.proxy, behind_tolerance)) return "the proxy is behind the surface";
+    if (is_behind_surface(field, contact.proxy, tolerance)) return "the proxy is behind the surface";
     return nullptr;
 }
 
@@ -67,9 +67,14 @@ void TouchRun::tick(int k) {
     solver_.tick(field(k), goals, fingers_, contacts_);
 }
 
-Result<RunCounts> verify(TouchRun& run, double behind_tolerance) {
+double behind_tolerance(TouchMetric metric) {
+    return metric == TouchMetric::world ? 1e-9 : 1e-4;
+}
+
+Result<RunCounts> verify(TouchRun& run) {
     run.restart();
     RunCounts counts;
+    const double tolerance = behind_tolerance(run.metric());
     double cells = 0, events = 0, contact_ticks = 0, finger_ticks = 0;
     for (int k = 0; k < run.ticks(); ++k) {
         run.tick(k);
@@ -78,7 +83,7 @@ Result<RunCounts> verify(TouchRun& run, double behind_tolerance) {
         bool capped = false;
         for (std::size_t finger = 0; finger < contacts.size(); ++finger) {
             const Contact& contact = contacts[finger];
-            if (const char* fault = fault_of(contact, field, run.metres_per_scene_unit(), behind_tolerance))
+            if (const char* fault = fault_of(contact, field, run.metres_per_scene_unit(), tolerance))
                 return wrong(k, finger, fault);
             cells += contact.counts.cells + contact.counts.events;
             events += contact.counts.events;

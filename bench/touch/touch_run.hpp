@@ -26,7 +26,7 @@ public:
 
     std::span<const Contact> contacts() const { return contacts_; }
     HeightField field(int k) const;
-    /// Newtons of kS per scene unit are this times the stiffness.
+    TouchMetric metric() const { return solver_.settings().metric; }
     double metres_per_scene_unit() const { return solver_.settings().metres_per_scene_unit; }
 
 private:
@@ -49,8 +49,12 @@ struct RunCounts {
     int capped_ticks = 0;  ///< in which a finger ended at the event limit
 };
 
-/// Runs it once, untimed, and looks at every tick: finite, force as Hooke has it, no proxy behind the surface
-/// by more than `behind_tolerance` of its 1/depth, and at least half of all ticks in contact.
-Result<RunCounts> verify(TouchRun& run, double behind_tolerance);
+/// How far a proxy may lie behind the world's surface, relative to its 1/depth. In the world's metric only
+/// roundings; the paper's triangles are flat in pixels and levels, which bends them in the world.
+double behind_tolerance(TouchMetric metric);
+
+/// Runs it once, untimed, and looks at every tick: finite, force as Hooke has it, no proxy behind the
+/// surface, and at least half of all ticks in contact.
+Result<RunCounts> verify(TouchRun& run);
 
 }  // namespace touchable

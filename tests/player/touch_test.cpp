@@ -217,8 +217,7 @@ TEST_F(Touch, SettingsOfTheRunAreFelt) {
 
 TEST_F(Touch, HolesAreFilledWhereTheSceneHasThem) {
     make("grain", {"--size", "72x48", "--frames", "1", "--bits", "8"});
-    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", folder / "out"}).code, 0);
-    auto scene = nlohmann::json::parse(file_contents(folder / "out/scene.json"));
+    auto scene = scene_of(clip());
     scene["depth"]["invalid"] = {128};  // of the five levels of the grain, the middle one
     const std::string file = folder / "holes.json";
     std::ofstream(file) << scene;

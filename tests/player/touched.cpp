@@ -18,6 +18,13 @@ void make_clip(const std::string& scene, const std::string& file, const std::vec
     ASSERT_EQ(run.code, 0) << run.err;
 }
 
+nlohmann::json scene_of(const std::string& clip) {
+    const TemporaryFolder folder;
+    const Outcome run = run_touchable({"export", clip, "--frame", "0", "--out", folder / "out"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    return nlohmann::json::parse(file_contents(folder / "out/scene.json"), nullptr, false);
+}
+
 nlohmann::json touch(const std::vector<std::string>& more) {
     const TemporaryFolder folder;
     std::vector<std::string> words{"touch", "--json", folder / "report.json"};
@@ -45,29 +52,28 @@ const std::vector<std::string>& forces_columns() {
     static const std::vector<std::string> columns{
         "tick",      "time_s",     "finger",     "goal_x",     "goal_y",  "goal_z",  "proxy_x", "proxy_y",
         "proxy_z",   "force_x",    "force_y",    "force_z",    "contact", "pixel_x", "pixel_y", "stiffness",
-        "mu_static", "mu_dynamic", "frame_prev", "frame_next", "blend",   "guard",   "S"};
+        "mu_static", "mu_dynamic", "frame_prev", "frame_next", "blend",   "guard",   "S",       "capped"};
     return columns;
 }
 
 std::vector<ForcesRow> read_forces(const std::string& file) {
     std::istringstream in(file_contents(file));
-    std::string line, header;
-    for (const std::string& column : forces_columns()) header += (header.empty() ? "" : ",") + column;
+    std::string line, promised;
+    for (const std::string& column : forces_columns()) promised += (promised.empty() ? "" : ",") + column;
     std::getline(in, line);
-    EXPECT_EQ(line, header);
+    EXPECT_EQ(line.substr(0, promised.size()), promised) << "columns may only be added";
+    const auto columns = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
     std::vector<ForcesRow> rows;
-    while (std::getline(in, line)) {
-        ForcesRow row{};
+    while (std::getline(in, line) && !::testing::Test::HasFailure()) {
+        ForcesRow& row = rows.emplace_back();
         const char* at = line.c_str();
-        for (double& cell : row.cells) {
+        for (std::size_t k = 0; k < columns; ++k) {
             char* end = nullptr;
-            cell = std::strtod(at, &end);
+            row.cells.push_back(std::strtod(at, &end));
             EXPECT_NE(end, at) << "no number in: " << line;
-            EXPECT_EQ(*end, &cell == &row.cells.back() ? '\0' : ',') << line;
-            if (end == at || ::testing::Test::HasFailure()) return rows;
-            at = end + 1;
+            EXPECT_EQ(*end, k + 1 < columns ? ',' : '\0') << line;
+            at = *end ? end + 1 : end;
         }
-        rows.push_back(row);
     }
     return rows;
 }

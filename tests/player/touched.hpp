@@ -10,6 +10,8 @@ namespace touchable::testing {
 
 /// Makes a clip of a generated scene; fails the test where that goes wrong.
 void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more);
+/// A clip's scene file.
+nlohmann::json scene_of(const std::string& clip);
 
 /// Runs `touchable touch` with these words, which must succeed, and gives what --json wrote.
 nlohmann::json touch(const std::vector<std::string>& words);
@@ -18,7 +20,7 @@ std::string force_hash(const std::vector<std::string>& words);
 
 /// A row of --forces, read by its column names alone.
 struct ForcesRow {
-    std::array<double, 23> cells;
+    std::vector<double> cells;
     double operator[](const std::string& column) const;
     std::array<double, 3> vector(const std::string& name) const;  ///< name_x, name_y, name_z
 };

@@ -1,0 +1,176 @@
+#include "player/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+
+#include "engine/content/scenes.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/recording_bytes.hpp"
+
+namespace touchable::testing {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// Two fingers, four ticks over a still plane; whatever a hand may give and a guard may answer.
+class RecordingFormat : public ::testing::Test {
+protected:
+    RecordingFormat() {
+        SceneOptions options;
+        options.width = 16;
+        options.height = 12;
+        const auto source = make_scene("plane", options);
+        EXPECT_TRUE(make_reference_builder((*source)->scene())->build((*source)->frame(0), surface_).ok());
+        pair_.prev = {7, 233'333'333, &surface_};
+        pair_.next = {8, 266'666'666, &surface_};
+        const HeightField field((*source)->scene(), pair_);
+        auto recording = RecordingFile::create(file(), 2);
+        EXPECT_TRUE(recording.ok());
+        for (std::int64_t tick = 0; tick < 4; ++tick) {
+            const auto k = static_cast<std::size_t>(tick);
+            const TouchTick one{tick, times_[k], field, pair_, goals_[k], contacts_, forces_[k], 0.001, 1.5};
+            EXPECT_TRUE((*recording)->take(one).ok());
+        }
+        EXPECT_TRUE((*recording)->finish(facts_).ok());
+        bytes_ = file_contents(file());
+    }
+    std::string file() const { return folder / "run.rec"; }
+    Result<Recording> read(const std::string& bytes) const {
+        // A new file each time: some file systems flush one that is cut to nothing and filled again.
+        std::filesystem::remove(folder / "other.rec");
+        std::ofstream(folder / "other.rec", std::ios::binary) << bytes;
+        return read_recording(folder / "other.rec");
+    }
+    void expect_refused(const std::string& bytes, const std::string& fragment) const {
+        const auto read_back = read(bytes);
+        ASSERT_FALSE(read_back.ok());
+        EXPECT_EQ(read_back.error().kind, ErrorKind::input);
+        EXPECT_NE(read_back.error().message.find(fragment), std::string::npos) << read_back.error().message;
+    }
+
+    TemporaryFolder folder;
+    SurfaceFrame surface_;
+    FramePair pair_;
+    const std::vector<std::int64_t> times_{240'000'000, 241'000'000, 241'000'000, 243'000'001};
+    const std::vector<std::vector<glm::dvec3>> goals_{{{1, -2, 3e-300}, {-0.0, 0, 1e300}},
+                                                      {{nan, 0, 0}, {0, infinite, -infinite}},
+                                                      {{5e-324, 0.1, 1.0 / 3}, {1, 2, 3}},
+                                                      {{0, 0, 0}, {4, 5, 6}}};
+    const std::vector<std::vector<GuardedForce>> forces_{
+        {{{0.5, 0, -0.0}, guard_none}, {{1, 2, 3}, guard_ramp}},
+        {{{0, 0, 0}, guard_fault}, {{0, 0, 0}, guard_fault}},
+        {{{0.1, 0.2, 0.3}, guard_force | guard_stiffness}, {{1e-17, 0, 0}, guard_none}},
+        {{{0, 0, 0}, guard_none}, {{0, 0, 0}, guard_none}}};
+    const std::vector<Contact> contacts_{2};
+    const nlohmann::ordered_json facts_{{"clip", "a clip"}, {"S", 0.1}};
+    std::string bytes_;
+};
+
+void expect_same_bits(const glm::dvec3& a, const glm::dvec3& b) {
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(a[axis]), std::bit_cast<std::uint64_t>(b[axis]));
+}
+
+TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
+    const auto recording = read(bytes_);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    EXPECT_EQ(recording->fingers, 2);
+    EXPECT_EQ(recording->facts, facts_);
+    ASSERT_EQ(recording->ticks.size(), 4U);
+    for (std::size_t k = 0; k < 4; ++k) {
+        const RecordedTick& tick = recording->ticks[k];
+        EXPECT_EQ(tick.time_ns, times_[k]);
+        EXPECT_EQ(tick.frame_prev, 7);
+        EXPECT_EQ(tick.frame_next, 8);
+        EXPECT_EQ(tick.blend, 0);
+        ASSERT_EQ(tick.goals.size(), 2U);
+        for (std::size_t finger = 0; finger < 2; ++finger) {
+            expect_same_bits(tick.goals[finger], goals_[k][finger]);
+            expect_same_bits(tick.forces[finger], forces_[k][finger].force);
+            EXPECT_EQ(tick.guards[finger], forces_[k][finger].reasons);
+        }
+    }
+}
+
+TEST_F(RecordingFormat, LayoutIsAsDocumented) {
+    const RecordingBytes raw(bytes_);
+    EXPECT_EQ(bytes_.substr(0, 8), "TOUCHREC");
+    EXPECT_EQ(raw.integer(8, 4), 1U);
+    EXPECT_EQ(raw.fingers(), 2U);
+    EXPECT_EQ(raw.ticks(), 4U);
+    EXPECT_EQ(raw.integer(raw.time_at(3), 8), 243'000'001U);
+    EXPECT_EQ(raw.integer(raw.time_at(1) + 8, 8), 7U);
+    EXPECT_EQ(raw.integer(raw.time_at(1) + 16, 8), 8U);
+    EXPECT_EQ(raw.real(raw.blend_at(2)), 0);
+    EXPECT_EQ(raw.real(raw.goal_at(3, 1) + 16), 6);
+    EXPECT_EQ(raw.real(raw.force_at(2, 0) + 8), 0.2);
+    EXPECT_EQ(raw.integer(raw.guard_at(2, 0), 4), 3U);
+    EXPECT_EQ(raw.facts(), facts_);
+    RecordingBytes sealed = raw;
+    sealed.set_facts(facts_.dump(2));
+    EXPECT_EQ(sealed.bytes(), bytes_) << "the hash is that of all before it";
+}
+
+TEST_F(RecordingFormat, AnyChangedByteIsNoticed) {
+    for (std::size_t at = 0; at < bytes_.size(); ++at)
+        for (const int bit : {0, 7}) {
+            std::string damaged = bytes_;
+            damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
+            const auto recording = read(damaged);
+            ASSERT_FALSE(recording.ok()) << "byte " << at << " bit " << bit;
+            EXPECT_EQ(recording.error().kind, ErrorKind::input);
+        }
+}
+
+TEST_F(RecordingFormat, AnyMissingOrAddedByteIsNoticed) {
+    for (std::size_t size = 0; size < bytes_.size(); ++size)
+        ASSERT_FALSE(read(bytes_.substr(0, size)).ok()) << size << " bytes";
+    EXPECT_FALSE(read(bytes_ + '\0').ok());
+    EXPECT_FALSE(read(bytes_ + bytes_).ok());
+}
+
+// A right hash does not make numbers right.
+TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
+    const auto with = [&](std::size_t at, std::size_t size, std::uint64_t value) {
+        RecordingBytes raw(bytes_);
+        raw.set_integer(at, size, value);
+        return raw.bytes();
+    };
+    const RecordingBytes raw(bytes_);
+    const std::size_t facts_size = bytes_.size() - 24, ticks = bytes_.size() - 16;
+    expect_refused(with(8, 4, 2), "format version 2; this program reads up to 1");
+    expect_refused(with(8, 4, 0), "damaged");
+    for (const std::uint64_t fingers : {0, 1, 3, 256, 257}) expect_refused(with(12, 4, fingers), "damaged");
+    expect_refused(with(12, 4, 0xffffffff), "damaged");
+    for (const std::uint64_t huge : {std::uint64_t{0}, std::uint64_t{1} << 32, ~std::uint64_t{0}}) {
+        expect_refused(with(facts_size, 8, huge), "damaged");
+        expect_refused(with(ticks, 8, huge), "damaged");
+    }
+    expect_refused(with(raw.time_at(2), 8, 240'999'999), "tick 2: its time is before");
+    expect_refused(with(raw.time_at(3), 8, ~std::uint64_t{0}), "tick 3: its time is before");
+    RecordingBytes none(bytes_);
+    none.keep_ticks(0);
+    expect_refused(none.bytes(), "no ticks");
+    for (const char* text : {"", "[]", "3", "{", "{\"clip\": }", "\xff"}) {
+        RecordingBytes other(bytes_);
+        other.set_facts(text);
+        expect_refused(other.bytes(), "damaged");
+    }
+}
+
+TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {
+    const TemporaryFolder empty;
+    {
+        auto recording = RecordingFile::create(empty / "run.rec", 1);
+        ASSERT_TRUE(recording.ok());
+        EXPECT_EQ(names_in(empty.path()).size(), 1U) << "written beside its place";
+    }
+    EXPECT_TRUE(names_in(empty.path()).empty());
+}
+
+}  // namespace
+}  // namespace touchable::testing

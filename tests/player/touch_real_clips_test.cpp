@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+namespace touchable::testing {
+namespace {
+namespace fs = std::filesystem;
+
+using Words = std::vector<std::string>;
+
+// Real recordings, touched, and every force judged by verify_forces, which knows nothing of this program but
+// its files: the proxy is nowhere behind the surface, is the place nearest to the goal that friction allows,
+// and pulls as its spring says.
+
+/// Words of `touch` and of `verify_forces` that the runs share.
+void expect_verified(const Words& clip_and_hand, const std::string& exported) {
+    const TemporaryFolder folder;
+    const std::string csv = folder / "forces.csv";
+    Words words = clip_and_hand;
+    words.insert(words.end(), {"--forces", csv});
+    const auto report = touch(words);
+    EXPECT_EQ(report["proxy_behind_mesh_ticks"], 0);
+    EXPECT_EQ(report["nonfinite_ticks"], 0);
+    EXPECT_GE(report["finger_contact_pct"], 50);
+    const std::string command = std::string(TOUCHABLE_VERIFIER) + " --forces " + csv + " --frames " +
+                                exported + " --min-contact 0.5 >" + (folder / "said") + " 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << file_contents(folder / "said");
+}
+
+struct RealClip {
+    const char *name, *folder;  ///< of the scene file; below the test data
+};
+
+class TouchRealClip : public ::testing::TestWithParam<RealClip> {};
+
+TEST_P(TouchRealClip, EveryForceIsVerified) {
+    const std::string clip = std::string(TOUCHABLE_TEST_DATA "/") + GetParam().folder;
+    if (!fs::exists(clip)) GTEST_SKIP() << clip << " is not here; set TOUCHABLE_TEST_DATA to where it is";
+    const TemporaryFolder folder;
+    const std::string scene = std::string(TOUCHABLE_SOURCE_DIR "/tests/scenes/") + GetParam().name + ".json";
+    const std::string exported = folder / "frames";
+    ASSERT_EQ(run_touchable({"export", clip, "--scene", scene, "--frames", "all", "--out", exported}).code,
+              0);
+    for (const Words& hand : {Words{"--fingers", "1"}, Words{"--fingers", "5", "--max-force", "1000"}}) {
+        Words words{clip, "--scene", scene, "--hand", "wander"};
+        words.insert(words.end(), hand.begin(), hand.end());
+        expect_verified(words, exported);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(, TouchRealClip,
+                         ::testing::Values(RealClip{"castel_sr300", "castel_sr300"},
+                                           RealClip{"visp_cube_realsense", "visp_cube_realsense"},
+                                           RealClip{"redwood5", "stills/redwood5"},
+                                           RealClip{"icl_nuim5", "stills/icl_nuim5"}),
+                         [](const auto& run) { return std::string(run.param.name); });
+
+struct RealHand {
+    const char *name, *file, *keys;  ///< the file below the test data
+};
+
+class TouchRealHand : public ::testing::TestWithParam<RealHand> {};
+
+TEST_P(TouchRealHand, EveryForceOnTheGlobeIsVerified) {
+    const std::string file = std::string(TOUCHABLE_TEST_DATA "/haptics/") + GetParam().file;
+    if (!fs::exists(file)) GTEST_SKIP() << file << " is not here; set TOUCHABLE_TEST_DATA to where it is";
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", exported = folder / "frames";
+    make_clip("globe", clip, {"--size", "360x240", "--frames", "20"});
+    ASSERT_EQ(run_touchable({"export", clip, "--frames", "all", "--out", exported}).code, 0);
+    const std::string hand = "csv:" + file + ":" + GetParam().keys;
+    expect_verified({clip, "--hand", hand}, exported);
+    expect_verified({clip, "--hand", hand, "--fingers", "3", "--max-force", "1000", "--seconds", "4"},
+                    exported);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , TouchRealHand,
+    ::testing::Values(
+        RealHand{"PressedRigid", "tue_1dof/m2_question1a_rigid.csv", "columns=master_rad,scale=0.075"},
+        RealHand{"PressedSpring", "tue_1dof/m2_question1e_spring.csv", "columns=master_rad,scale=0.075"},
+        RealHand{"Wiped0", "epfl_wiping/circular_wiping_dataset_0.csv", "columns=x_m+y_m+z_m,extent=0.048"},
+        RealHand{"Wiped3", "epfl_wiping/circular_wiping_dataset_3.csv", "columns=x_m+y_m+z_m,extent=0.048"}),
+    [](const auto& run) { return std::string(run.param.name); });
+
+}  // namespace
+}  // namespace touchable::testing
