@@ -56,6 +56,21 @@ double HeightField::nearest_depth(int tile_x, int tile_y) const {
     return nearest - largest_height_;
 }
 
+TileDepths HeightField::depths(int tile_x, int tile_y) const {
+    TileDepths depths = prev_->vertices->tile(tile_x, tile_y);
+    if (next_) {
+        const TileDepths other = next_->vertices->tile(tile_x, tile_y);
+        const bool any = depths.nearest <= depths.farthest, any_other = other.nearest <= other.farthest;
+        depths.any_invalid |= other.any_invalid;
+        depths.nearest = any && any_other ? std::min(depths.nearest, other.nearest)
+                                          : (any ? depths.nearest : other.nearest);
+        depths.farthest = any && any_other ? std::max(depths.farthest, other.farthest)
+                                           : (any ? depths.farthest : other.farthest);
+    }
+    if (depths.nearest <= depths.farthest) depths.nearest -= largest_height_;
+    return depths;
+}
+
 HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j, bool valid) const {
     // Stiffness of the ring is the picture's edge's: what one feels there is a wall of the same stuff.
     const int x = static_cast<int>(std::clamp<std::int64_t>(i, 0, scene_.width - 1));
