@@ -43,6 +43,7 @@ public:
     explicit operator bool() const { return state_ != nullptr; }
     const std::string& name() const { return state_->name; }
     std::size_t bytes() const { return state_->bytes; }  ///< as asked for
+    std::size_t size() const { return state_->size; }    ///< in whole texels: what kernels may touch
     VkBuffer handle() const { return state_->buffer; }
     /// Null where the buffer has more texels than a view may (limits.max_texel_buffer_elements).
     VkBufferView texels() const { return state_->texels; }
@@ -66,12 +67,18 @@ private:
         std::shared_ptr<VulkanDevice> vulkan;
         std::string name;
         std::size_t bytes = 0;
+        std::size_t size = 0;  // with what it was rounded up by
         VkBuffer buffer = VK_NULL_HANDLE;
         VkDeviceMemory memory = VK_NULL_HANDLE;
         VkBufferView texels = VK_NULL_HANDLE;
         void* mapped = nullptr;
         std::shared_ptr<const void> owner;  // of imported memory
     };
+    static Result<std::shared_ptr<State>> make_state(const GpuDevice& device, std::string name,
+                                                     std::size_t bytes, const void* extension);
+    static Result<void> bind(State& state, std::uint32_t memory_type, const void* extension,
+                             std::size_t bytes);
+
     std::shared_ptr<const State> state_;
 };
 

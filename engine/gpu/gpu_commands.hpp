@@ -27,7 +27,7 @@ struct GpuBinding {
     GpuBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::size_t size_bytes)
         : buffer(part_of), offset(offset_bytes), bytes(size_bytes) {}
 
-    const GpuBuffer& buffer;
+    const GpuBuffer& buffer;  ///< outlives the call it is handed to
     std::size_t offset = 0;
     std::optional<std::size_t> bytes;  ///< none: to the end
 };
@@ -80,7 +80,6 @@ public:
     /// Fails (ErrorKind::gpu) on a lost device. The label is for debuggers.
     static Result<GpuCommands> begin(std::shared_ptr<GpuDevice> device, const std::string& label);
     GpuCommands(GpuCommands&&) noexcept;
-    GpuCommands& operator=(GpuCommands&&) noexcept;
     ~GpuCommands();  ///< what was not submitted is forgotten
 
     /// Runs `groups` workgroups; none where one of them is 0. `push` has exactly the size of the program's

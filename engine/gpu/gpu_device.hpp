@@ -30,6 +30,7 @@ struct GpuOptions {
     bool validation = false;
 };
 
+struct GpuTime;
 struct GpuRecording;  // a command buffer and what it needs (gpu_commands.cpp)
 
 /// An open device with its one queue. Submissions run in order, each sees all that earlier ones wrote, and
@@ -41,7 +42,7 @@ public:
 
     const GpuFacts& facts() const { return vulkan_->facts; }
     const std::shared_ptr<VulkanDevice>& vulkan() const { return vulkan_; }
-    std::shared_ptr<const GpuMessages> messages() const { return vulkan_->messages; }
+    std::shared_ptr<const GpuMessages> messages() const { return vulkan_->instance->messages(); }
 
     /// The timeline's value so far: every submission up to it has completed. No lock; a lost device stands
     /// still.
@@ -61,13 +62,18 @@ private:
     friend class GpuCommands;
     friend class GpuSubmission;
 
-    explicit GpuDevice(std::shared_ptr<VulkanDevice> vulkan);
-    Result<std::unique_ptr<GpuRecording>> take_recording();  ///< a used one where there is one
+    GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline);
+    Result<std::unique_ptr<GpuRecording>> take_recording();   ///< a used one where there is one
+    void give_back(std::unique_ptr<GpuRecording> recording);  ///< one that was not submitted
     Result<std::uint64_t> submit(std::unique_ptr<GpuRecording> recording);
     void collect();  ///< reads timestamps of completed recordings and lets go of what they used
 
+    std::vector<GpuTime> read(
+        const std::vector<GpuTime>& times);  ///< under the lock `collect` writes them in
+
     std::shared_ptr<VulkanDevice> vulkan_;
     VkSemaphore timeline_ = VK_NULL_HANDLE;
+    mutable std::atomic<std::uint64_t> completed_ = 0;  // as last seen
     std::mutex mutex_;
     std::uint64_t submitted_ = 0;
     std::deque<std::unique_ptr<GpuRecording>> in_flight_;

@@ -8,27 +8,12 @@
 #include <mutex>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/gpu/gpu_facts.hpp"
+#include "engine/gpu/vulkan_instance.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
-
-/// "VK_ERROR_OUT_OF_DEVICE_MEMORY" and the like.
-std::string_view name_of(VkResult result);
-
-/// What the validation layer said, warnings and errors. Outlives the device, whose end it may speak of.
-/// Every method may be called from any thread.
-class GpuMessages {
-public:
-    void add(std::string message);
-    std::vector<std::string> all() const;
-
-private:
-    mutable std::mutex mutex_;
-    std::vector<std::string> messages_;
-};
 
 /// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
 /// shared_ptr to this, never to GpuDevice, so that it can be in flight there without keeping it alive for
@@ -40,15 +25,13 @@ struct VulkanDevice {
     ~VulkanDevice();  ///< waits until the device is idle
 
     GpuFacts facts;
-    VkInstance instance = VK_NULL_HANDLE;
-    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+    std::unique_ptr<VulkanInstance> instance;
     VkPhysicalDevice physical = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;  ///< externally synchronised: lock `queue_mutex`
     std::uint32_t queue_family = 0;
     std::mutex queue_mutex;
     VkPhysicalDeviceMemoryProperties memory{};
-    std::shared_ptr<GpuMessages> messages = std::make_shared<GpuMessages>();
 
     // Functions of extensions; null where the extension is optional and absent.
     PFN_vkCmdPushDescriptorSetKHR push_descriptors = nullptr;

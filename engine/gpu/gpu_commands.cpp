@@ -1,0 +1,243 @@
+#include "engine/gpu/gpu_commands.hpp"
+
+#include <array>
+#include <utility>
+
+#include "engine/gpu/gpu_recording.hpp"
+
+namespace touchable {
+namespace {
+
+struct Scope {
+    VkPipelineStageFlags2 stage;
+    VkAccessFlags2 writes, uses;
+};
+
+Scope scope_of(GpuStage stage) {
+    switch (stage) {
+        case GpuStage::compute:
+            return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_WRITE_BIT,
+                    VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT};
+        case GpuStage::transfer:
+            return {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                    VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+        case GpuStage::indirect:
+            return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_NONE,
+                    VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
+        case GpuStage::graphics:
+            break;
+    }
+    return {VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+            VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+}
+
+bool is_within(std::size_t offset, std::size_t bytes, std::size_t size) {
+    return offset <= size && bytes <= size - offset;
+}
+
+std::string range_text(std::size_t offset, std::size_t bytes, const GpuBuffer& buffer) {
+    return std::to_string(bytes) + " bytes from " + std::to_string(offset) + " of buffer '" + buffer.name() +
+           "' (" + std::to_string(buffer.size()) + " bytes)";
+}
+
+/// Why this binding of a storage buffer cannot be; empty where it can.
+std::string fault_of_storage(const GpuBinding& binding, std::size_t bytes, const GpuLimits& limits) {
+    if (bytes == 0 || !is_within(binding.offset, bytes, binding.buffer.size()))
+        return range_text(binding.offset, bytes, binding.buffer) + " are not there";
+    if (binding.offset % limits.min_storage_buffer_alignment != 0)
+        return "starts at " + std::to_string(binding.offset) + ", no multiple of " +
+               std::to_string(limits.min_storage_buffer_alignment);
+    if (bytes > limits.max_storage_buffer_range)
+        return range_text(binding.offset, bytes, binding.buffer) + ", at most " +
+               std::to_string(limits.max_storage_buffer_range) + " in one binding";
+    return {};
+}
+
+std::string fault_of_texels(const GpuBinding& binding) {
+    if (binding.offset != 0 || binding.bytes) return "texels are a whole buffer";
+    if (!binding.buffer.texels())
+        return "buffer '" + binding.buffer.name() + "' has more texels than a view may";
+    return {};
+}
+
+/// Descriptors of one dispatch, and what they point to.
+struct Descriptors {
+    static constexpr std::size_t most = 32;  // what every device with push descriptors takes
+
+    void add(GpuBindingKind kind, const GpuBinding& binding, std::size_t bytes) {
+        VkWriteDescriptorSet& write = writes[count];
+        write = {};
+        write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        write.dstBinding = count;
+        write.descriptorCount = 1;
+        if (kind == GpuBindingKind::storage_buffer) {
+            buffers[count] = {binding.buffer.handle(), binding.offset, bytes};
+            write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+            write.pBufferInfo = &buffers[count];
+        } else {
+            texels[count] = binding.buffer.texels();
+            write.descriptorType = kind == GpuBindingKind::uniform_texels
+                                       ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                       : VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+            write.pTexelBufferView = &texels[count];
+        }
+        ++count;
+    }
+
+    std::uint32_t count = 0;
+    std::array<VkWriteDescriptorSet, most> writes;
+    std::array<VkDescriptorBufferInfo, most> buffers;
+    std::array<VkBufferView, most> texels;
+};
+
+}  // namespace
+
+std::vector<GpuTime> GpuSubmission::times() const {
+    return device_->read(*times_);
+}
+
+Result<GpuCommands> GpuCommands::begin(std::shared_ptr<GpuDevice> device, const std::string& label) {
+    auto recording = device->take_recording();
+    if (!recording.ok()) return recording.error();
+    if (auto begun = (*recording)->begin(); !begun.ok()) return begun.error();
+    device->vulkan()->name_object(VK_OBJECT_TYPE_COMMAND_BUFFER,
+                                  reinterpret_cast<std::uint64_t>((*recording)->commands), label);
+    return GpuCommands(std::move(device), std::move(*recording));
+}
+
+GpuCommands::GpuCommands(std::shared_ptr<GpuDevice> device, std::unique_ptr<GpuRecording> recording)
+    : device_(std::move(device)), recording_(std::move(recording)) {}
+GpuCommands::GpuCommands(GpuCommands&&) noexcept = default;
+
+GpuCommands::~GpuCommands() {
+    if (recording_) device_->give_back(std::move(recording_));
+}
+
+void GpuCommands::fault(std::string message) {
+    if (!fault_) fault_ = Error{ErrorKind::internal, std::move(message)};
+}
+
+bool GpuCommands::bind(const GpuProgram& program, std::span<const std::byte> push,
+                       std::initializer_list<GpuBinding> bindings) {
+    if (!program) return fault("a kernel that does not exist was dispatched"), false;
+    const std::string kernel = "kernel " + program.name() + ": ";
+    const GpuLayout& layout = program.layout();
+    if (push.size() != layout.push_bytes)
+        return fault(kernel + std::to_string(push.size()) + " bytes of push constants instead of " +
+                     std::to_string(layout.push_bytes)),
+               false;
+    if (bindings.size() != layout.bindings.size() || bindings.size() > Descriptors::most)
+        return fault(kernel + std::to_string(bindings.size()) + " bindings instead of " +
+                     std::to_string(layout.bindings.size())),
+               false;
+
+    Descriptors descriptors;
+    for (const GpuBinding& binding : bindings) {
+        const std::string which = kernel + "binding " + std::to_string(descriptors.count) + ": ";
+        if (!binding.buffer) return fault(which + "there is no buffer"), false;
+        const GpuBindingKind kind = layout.bindings[descriptors.count];
+        const std::size_t size = binding.buffer.size();
+        const std::size_t rest = binding.offset < size ? size - binding.offset : 0;
+        const std::size_t bytes = binding.bytes.value_or(rest);
+        const std::string wrong = kind == GpuBindingKind::storage_buffer
+                                      ? fault_of_storage(binding, bytes, device_->facts().limits)
+                                      : fault_of_texels(binding);
+        if (!wrong.empty()) return fault(which + wrong), false;
+        descriptors.add(kind, binding, bytes);
+        keep(binding.buffer.keep_alive());
+    }
+    keep(program.keep_alive());
+
+    const VkCommandBuffer commands = recording_->commands;
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline());
+    if (descriptors.count > 0)
+        device_->vulkan()->push_descriptors(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
+                                            program.pipeline_layout(), 0, descriptors.count,
+                                            descriptors.writes.data());
+    if (!push.empty())
+        vkCmdPushConstants(commands, program.pipeline_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                           static_cast<std::uint32_t>(push.size()), push.data());
+    return true;
+}
+
+void GpuCommands::dispatch_bytes(const GpuProgram& program, std::span<const std::byte> push,
+                                 std::initializer_list<GpuBinding> bindings, GpuGroups groups) {
+    const auto& most = device_->facts().limits.max_group_count;
+    if (groups.x > most[0] || groups.y > most[1] || groups.z > most[2])
+        return fault("kernel " + (program ? program.name() : "") + ": " + std::to_string(groups.x) + "x" +
+                     std::to_string(groups.y) + "x" + std::to_string(groups.z) + " workgroups are too many");
+    if (!bind(program, push, bindings)) return;
+    if (groups.x > 0 && groups.y > 0 && groups.z > 0)
+        vkCmdDispatch(recording_->commands, groups.x, groups.y, groups.z);
+}
+
+void GpuCommands::dispatch_indirect_bytes(const GpuProgram& program, std::span<const std::byte> push,
+                                          std::initializer_list<GpuBinding> bindings, const GpuBuffer& groups,
+                                          std::size_t offset) {
+    if (!groups || offset % 4 != 0 || !is_within(offset, sizeof(VkDispatchIndirectCommand), groups.bytes()))
+        return fault("kernel " + (program ? program.name() : "") + ": there are no workgroup counts at " +
+                     std::to_string(offset));
+    if (!bind(program, push, bindings)) return;
+    keep(groups.keep_alive());
+    vkCmdDispatchIndirect(recording_->commands, groups.handle(), offset);
+}
+
+void GpuCommands::copy(const GpuBuffer& from, std::size_t from_offset, const GpuBuffer& to,
+                       std::size_t to_offset, std::size_t bytes) {
+    if (!from || !to) return fault("a copy from or to no buffer");
+    if (!is_within(from_offset, bytes, from.size()))
+        return fault("a copy: " + range_text(from_offset, bytes, from) + " are not there");
+    if (!is_within(to_offset, bytes, to.size()))
+        return fault("a copy: " + range_text(to_offset, bytes, to) + " are not there");
+    if (from.handle() == to.handle() && from_offset < to_offset + bytes && to_offset < from_offset + bytes)
+        return fault("a copy within buffer '" + from.name() + "' overlaps");
+    if (bytes == 0) return;
+    const VkBufferCopy region{from_offset, to_offset, bytes};
+    vkCmdCopyBuffer(recording_->commands, from.handle(), to.handle(), 1, &region);
+    keep(from.keep_alive());
+    keep(to.keep_alive());
+}
+
+void GpuCommands::fill(const GpuBuffer& buffer, std::uint32_t value, std::size_t offset, std::size_t bytes) {
+    if (!buffer) return fault("a fill of no buffer");
+    if (offset % 4 != 0 || bytes % 4 != 0 || !is_within(offset, bytes, buffer.size()))
+        return fault("a fill: " + range_text(offset, bytes, buffer) + " are not whole words of it");
+    if (bytes == 0) return;
+    vkCmdFillBuffer(recording_->commands, buffer.handle(), offset, bytes, value);
+    keep(buffer.keep_alive());
+}
+
+void GpuCommands::fill(const GpuBuffer& buffer, std::uint32_t value) {
+    fill(buffer, value, 0, buffer ? buffer.size() : 0);
+}
+
+void GpuCommands::barrier(GpuStage from, GpuStage to) {
+    const Scope before = scope_of(from), after = scope_of(to);
+    record_barrier(recording_->commands, before.stage, before.writes, after.stage, after.uses);
+}
+
+void GpuCommands::mark(const std::string& label) {
+    if (recording_->labels.size() == GpuRecording::max_marks)
+        return fault("mark '" + label + "' is one too many for one submission");
+    recording_->labels.push_back(label);
+    recording_->stamp();
+}
+
+VkCommandBuffer GpuCommands::handle() const {
+    return recording_->commands;
+}
+
+void GpuCommands::keep(std::shared_ptr<const void> resource) {
+    recording_->kept.push_back(std::move(resource));
+}
+
+Result<GpuSubmission> GpuCommands::submit() && {
+    if (fault_) return *fault_;
+    if (auto ended = recording_->end(); !ended.ok()) return ended.error();
+    std::shared_ptr<const std::vector<GpuTime>> times = recording_->times;
+    const auto value = device_->submit(std::move(recording_));
+    if (!value.ok()) return value.error();
+    return GpuSubmission(device_, *value, std::move(times));
+}
+
+}  // namespace touchable

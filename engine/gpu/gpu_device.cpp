@@ -1,0 +1,221 @@
+#include "engine/gpu/gpu_device.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/gpu/gpu_features.hpp"
+#include "engine/gpu/gpu_recording.hpp"
+#include "engine/gpu/vulkan_instance.hpp"
+
+namespace touchable {
+namespace {
+
+std::vector<GpuFacts> all_facts(const std::vector<VkPhysicalDevice>& devices) {
+    std::vector<GpuFacts> facts;
+    for (const VkPhysicalDevice device : devices) facts.push_back(facts_of(device));
+    return facts;
+}
+
+template <class Function>
+Function function_of(VkDevice device, const char* name) {
+    return reinterpret_cast<Function>(vkGetDeviceProcAddr(device, name));
+}
+
+Result<void> create_device(VulkanDevice& gpu) {
+    GpuFeatures here, wanted;
+    vkGetPhysicalDeviceFeatures2(gpu.physical, &here.core);
+    enable(wanted, here);
+    const std::vector<std::string> extensions_here = extensions_of(gpu.physical);
+    const std::vector<const char*> extensions = extensions_to_enable(extensions_here);
+
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queue{};
+    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    queue.queueFamilyIndex = gpu.queue_family;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    VkDeviceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    info.pNext = &wanted.core;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    const VkResult result = vkCreateDevice(gpu.physical, &info, nullptr, &gpu.device);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateDevice", result);
+
+    vkGetDeviceQueue(gpu.device, gpu.queue_family, 0, &gpu.queue);
+    vkGetPhysicalDeviceMemoryProperties(gpu.physical, &gpu.memory);
+    gpu.push_descriptors =
+        function_of<PFN_vkCmdPushDescriptorSetKHR>(gpu.device, "vkCmdPushDescriptorSetKHR");
+    if (gpu.facts.import_alignment > 0)
+        gpu.host_pointer_properties = function_of<PFN_vkGetMemoryHostPointerPropertiesEXT>(
+            gpu.device, "vkGetMemoryHostPointerPropertiesEXT");
+    if (gpu.instance->validates())
+        gpu.set_name =
+            function_of<PFN_vkSetDebugUtilsObjectNameEXT>(gpu.device, "vkSetDebugUtilsObjectNameEXT");
+    return {};
+}
+
+Result<VkSemaphore> create_timeline(VulkanDevice& gpu) {
+    VkSemaphoreTypeCreateInfo type{};
+    type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
+    type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+    VkSemaphoreCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+    info.pNext = &type;
+    VkSemaphore timeline = VK_NULL_HANDLE;
+    const VkResult result = vkCreateSemaphore(gpu.device, &info, nullptr, &timeline);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateSemaphore", result);
+    return timeline;
+}
+
+Error lost_error(const VulkanDevice& gpu) {
+    return {ErrorKind::gpu, "the GPU " + gpu.facts.name + " was lost while it worked"};
+}
+
+}  // namespace
+
+Result<std::vector<GpuFacts>> list_gpus() {
+    auto instance = VulkanInstance::create(false);
+    if (!instance.ok()) return instance.error();
+    if (!*instance) return std::vector<GpuFacts>();
+    auto devices = (*instance)->devices();
+    if (!devices.ok()) return devices.error();
+    return all_facts(*devices);
+}
+
+Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
+    auto vulkan = std::make_shared<VulkanDevice>();
+    auto instance = VulkanInstance::create(options.validation);
+    if (!instance.ok()) return instance.error();
+    std::vector<VkPhysicalDevice> devices;
+    if (*instance) {
+        auto found = (*instance)->devices();
+        if (!found.ok()) return found.error();
+        devices = std::move(*found);
+    }
+    const std::vector<GpuFacts> facts = all_facts(devices);
+    const auto chosen = choose_gpu(facts, options.request);
+    if (!chosen.ok()) return chosen.error();
+
+    vulkan->instance = std::move(*instance);
+    vulkan->physical = devices[*chosen];
+    vulkan->facts = facts[*chosen];
+    vulkan->queue_family = static_cast<std::uint32_t>(queue_family_of(vulkan->physical));
+    if (auto created = create_device(*vulkan); !created.ok()) return created.error();
+    const auto timeline = create_timeline(*vulkan);
+    if (!timeline.ok()) return timeline.error();
+    return std::shared_ptr<GpuDevice>(new GpuDevice(std::move(vulkan), *timeline));
+}
+
+GpuDevice::GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline)
+    : vulkan_(std::move(vulkan)), timeline_(timeline) {}
+
+GpuDevice::~GpuDevice() {
+    {
+        const std::lock_guard lock(vulkan_->queue_mutex);
+        vkQueueWaitIdle(vulkan_->queue);  // on a lost device there is nothing left to wait for
+    }
+    in_flight_.clear();
+    idle_.clear();
+    vkDestroySemaphore(vulkan_->device, timeline_, nullptr);
+}
+
+std::uint64_t GpuDevice::completed() const {
+    std::uint64_t value = 0;
+    if (lost() || vkGetSemaphoreCounterValue(vulkan_->device, timeline_, &value) != VK_SUCCESS)
+        return completed_;
+    completed_ = value;
+    return value;
+}
+
+Result<void> GpuDevice::wait(std::uint64_t value, std::chrono::nanoseconds timeout) {
+    if (lost()) return lost_error(*vulkan_);
+    VkSemaphoreWaitInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
+    info.semaphoreCount = 1;
+    info.pSemaphores = &timeline_;
+    info.pValues = &value;
+    const auto patience = static_cast<std::uint64_t>(std::max<std::int64_t>(timeout.count(), 0));
+    const VkResult result = vkWaitSemaphores(vulkan_->device, &info, patience);
+    if (result == VK_TIMEOUT)
+        return Error{ErrorKind::gpu, "the GPU " + vulkan_->facts.name + " has not finished after " +
+                                         std::to_string(patience / 1'000'000) + " ms"};
+    if (result != VK_SUCCESS) return vulkan_->failed("vkWaitSemaphores", result);
+    if (lost()) return lost_error(*vulkan_);
+    collect();
+    return {};
+}
+
+Result<std::unique_ptr<GpuRecording>> GpuDevice::take_recording() {
+    if (lost()) return lost_error(*vulkan_);
+    collect();
+    {
+        const std::lock_guard lock(mutex_);
+        if (!idle_.empty()) {
+            auto recording = std::move(idle_.back());
+            idle_.pop_back();
+            return recording;
+        }
+    }
+    return GpuRecording::create(vulkan_);
+}
+
+void GpuDevice::give_back(std::unique_ptr<GpuRecording> recording) {
+    recording->release();
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(recording));
+}
+
+Result<std::uint64_t> GpuDevice::submit(std::unique_ptr<GpuRecording> recording) {
+    if (lost()) return lost_error(*vulkan_);
+    const std::lock_guard lock(mutex_);  // values are given in the order in which the queue gets the work
+    VkCommandBufferSubmitInfo commands{};
+    commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO;
+    commands.commandBuffer = recording->commands;
+    VkSemaphoreSubmitInfo signal{};
+    signal.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO;
+    signal.semaphore = timeline_;
+    signal.value = submitted_ + 1;
+    signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    VkSubmitInfo2 info{};
+    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2;
+    info.commandBufferInfoCount = 1;
+    info.pCommandBufferInfos = &commands;
+    info.signalSemaphoreInfoCount = 1;
+    info.pSignalSemaphoreInfos = &signal;
+    VkResult result;
+    {
+        const std::lock_guard queue_lock(vulkan_->queue_mutex);
+        result = vkQueueSubmit2(vulkan_->queue, 1, &info, VK_NULL_HANDLE);
+    }
+    if (result != VK_SUCCESS) return vulkan_->failed("vkQueueSubmit2", result);
+    recording->value = ++submitted_;
+    in_flight_.push_back(std::move(recording));
+    return submitted_;
+}
+
+void GpuDevice::collect() {
+    const std::uint64_t done = completed();
+    // What is let go may be the last handle to something large: after the lock, so that no other thread waits
+    // for it.
+    std::vector<std::shared_ptr<const void>> let_go;
+    const std::lock_guard lock(mutex_);
+    while (!in_flight_.empty() && in_flight_.front()->value <= done) {
+        auto recording = std::move(in_flight_.front());
+        in_flight_.pop_front();
+        recording->read_times();
+        let_go.insert(let_go.end(), recording->kept.begin(), recording->kept.end());
+        recording->release();
+        idle_.push_back(std::move(recording));
+    }
+}
+
+std::vector<GpuTime> GpuDevice::read(const std::vector<GpuTime>& times) {
+    collect();
+    const std::lock_guard lock(mutex_);
+    return times;
+}
+
+}  // namespace touchable

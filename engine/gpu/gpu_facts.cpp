@@ -1,0 +1,104 @@
+#include "engine/gpu/gpu_facts.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+namespace touchable {
+namespace {
+
+char lower(char letter) {
+    return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+}
+
+bool contains(std::string_view name, std::string_view part) {
+    const auto same = [](char a, char b) { return lower(a) == lower(b); };
+    return std::search(name.begin(), name.end(), part.begin(), part.end(), same) != name.end();
+}
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string all;
+    for (const std::string& word : words) all.append(all.empty() ? "" : ", ").append(word);
+    return all;
+}
+
+std::string described(std::span<const GpuFacts> gpus) {
+    if (gpus.empty())
+        return "Vulkan finds no device here; install a driver (Debian: mesa-vulkan-drivers, which also "
+               "computes on "
+               "the CPU)";
+    std::string all = "devices here: ";
+    for (std::size_t i = 0; i < gpus.size(); ++i) {
+        const GpuFacts& gpu = gpus[i];
+        if (i > 0) all += "; ";
+        all.append(std::to_string(i)).append(" ").append(gpu.name);
+        all.append(" (").append(name_of(gpu.kind)).append(")");
+        if (!gpu.usable()) all.append(" lacks ").append(joined(gpu.missing));
+    }
+    return all;
+}
+
+Error refusal(std::string why, std::span<const GpuFacts> gpus) {
+    return {ErrorKind::gpu, std::move(why) + "; " + described(gpus)};
+}
+
+Result<std::size_t> only_if_usable(std::span<const GpuFacts> gpus, std::size_t index) {
+    const GpuFacts& gpu = gpus[index];
+    if (gpu.usable()) return index;
+    return refusal("GPU " + std::to_string(index) + " " + gpu.name + " cannot be used", gpus);
+}
+
+Result<std::size_t> best(std::span<const GpuFacts> gpus) {
+    std::optional<std::size_t> chosen;
+    for (std::size_t i = 0; i < gpus.size(); ++i)
+        if (gpus[i].usable() && (!chosen || gpus[i].kind < gpus[*chosen].kind)) chosen = i;
+    if (chosen) return *chosen;
+    return refusal("no usable GPU", gpus);
+}
+
+Result<std::size_t> by_name(std::span<const GpuFacts> gpus, std::string_view part) {
+    std::vector<std::size_t> named, usable;
+    for (std::size_t i = 0; i < gpus.size(); ++i)
+        if (contains(gpus[i].name, part)) {
+            named.push_back(i);
+            if (gpus[i].usable()) usable.push_back(i);
+        }
+    const std::string quoted = std::string("'").append(part).append("'");
+    if (usable.size() == 1) return usable.front();
+    if (usable.size() > 1) return refusal("several GPUs are called " + quoted + ", give an index", gpus);
+    if (named.empty()) return refusal("no GPU is called " + quoted, gpus);
+    return refusal("no GPU called " + quoted + " can be used", gpus);
+}
+
+}  // namespace
+
+std::string_view name_of(GpuKind kind) {
+    switch (kind) {
+        case GpuKind::discrete:
+            return "discrete";
+        case GpuKind::integrated:
+            return "integrated";
+        case GpuKind::virtualised:
+            return "virtual";
+        case GpuKind::software:
+            return "software";
+        case GpuKind::other:
+            break;
+    }
+    return "other";
+}
+
+Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request) {
+    if (request.empty())
+        return refusal("the GPU asked for has no name, use auto, an index or a part of a name", gpus);
+    if (gpus.empty() || request == "auto") return best(gpus);
+
+    std::size_t index = 0;
+    const auto [end, fault] = std::from_chars(request.data(), request.data() + request.size(), index);
+    const bool is_index = end == request.data() + request.size();
+    if (!is_index) return by_name(gpus, request);
+    if (fault == std::errc{} && index < gpus.size()) return only_if_usable(gpus, index);
+    return refusal("there is no GPU " + std::string(request), gpus);
+}
+
+}  // namespace touchable

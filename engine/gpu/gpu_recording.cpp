@@ -1,0 +1,109 @@
+#include "engine/gpu/gpu_recording.hpp"
+
+#include <array>
+#include <utility>
+
+namespace touchable {
+
+void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,
+                    VkPipelineStageFlags2 to, VkAccessFlags2 used) {
+    VkMemoryBarrier2 barrier{};
+    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2;
+    barrier.srcStageMask = from;
+    barrier.srcAccessMask = written;
+    barrier.dstStageMask = to;
+    barrier.dstAccessMask = used;
+    VkDependencyInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands, &info);
+}
+
+Result<std::unique_ptr<GpuRecording>> GpuRecording::create(std::shared_ptr<VulkanDevice> vulkan) {
+    auto made = std::make_unique<GpuRecording>();
+    made->vulkan = std::move(vulkan);
+    VulkanDevice& gpu = *made->vulkan;
+
+    VkCommandPoolCreateInfo pool{};
+    pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    pool.queueFamilyIndex = gpu.queue_family;
+    VkResult result = vkCreateCommandPool(gpu.device, &pool, nullptr, &made->pool);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateCommandPool", result);
+
+    VkCommandBufferAllocateInfo buffer{};
+    buffer.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    buffer.commandPool = made->pool;
+    buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    buffer.commandBufferCount = 1;
+    result = vkAllocateCommandBuffers(gpu.device, &buffer, &made->commands);
+    if (result != VK_SUCCESS) return gpu.failed("vkAllocateCommandBuffers", result);
+
+    if (gpu.facts.limits.timestamp_period_ns > 0) {
+        VkQueryPoolCreateInfo stamps{};
+        stamps.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+        stamps.queryType = VK_QUERY_TYPE_TIMESTAMP;
+        stamps.queryCount = max_marks + 1;
+        result = vkCreateQueryPool(gpu.device, &stamps, nullptr, &made->stamps);
+        if (result != VK_SUCCESS) return gpu.failed("vkCreateQueryPool", result);
+    }
+    return made;
+}
+
+GpuRecording::~GpuRecording() {
+    if (stamps) vkDestroyQueryPool(vulkan->device, stamps, nullptr);
+    if (pool) vkDestroyCommandPool(vulkan->device, pool, nullptr);  // and its command buffer
+}
+
+Result<void> GpuRecording::begin() {
+    release();
+    times = std::make_shared<std::vector<GpuTime>>();
+    VkResult result = vkResetCommandPool(vulkan->device, pool, 0);
+    if (result != VK_SUCCESS) return vulkan->failed("vkResetCommandPool", result);
+    VkCommandBufferBeginInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    result = vkBeginCommandBuffer(commands, &info);
+    if (result != VK_SUCCESS) return vulkan->failed("vkBeginCommandBuffer", result);
+    record_barrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+                   VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                   VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
+    if (stamps) vkCmdResetQueryPool(commands, stamps, 0, max_marks + 1);
+    stamp();
+    return {};
+}
+
+void GpuRecording::stamp() {
+    if (stamps) vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, stamps, stamp_count++);
+}
+
+Result<void> GpuRecording::end() {
+    record_barrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+                   VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT);
+    const VkResult result = vkEndCommandBuffer(commands);
+    if (result != VK_SUCCESS) return vulkan->failed("vkEndCommandBuffer", result);
+    return {};
+}
+
+void GpuRecording::read_times() {
+    if (labels.empty() || !stamps) return;
+    std::array<std::uint64_t, max_marks + 1> ticks{};
+    const VkResult result =
+        vkGetQueryPoolResults(vulkan->device, stamps, 0, stamp_count, stamp_count * sizeof(ticks[0]),
+                              ticks.data(), sizeof(ticks[0]), VK_QUERY_RESULT_64_BIT);
+    if (result != VK_SUCCESS) return;  // work without times is still work
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        const auto passed = static_cast<double>(static_cast<std::int64_t>(ticks[i + 1] - ticks[i]));
+        times->push_back({labels[i], passed * vulkan->facts.limits.timestamp_period_ns * 1e-6});
+    }
+}
+
+void GpuRecording::release() {
+    kept.clear();
+    labels.clear();
+    stamp_count = 0;
+    value = 0;
+    times.reset();
+}
+
+}  // namespace touchable
