@@ -1,0 +1,263 @@
+#include "engine/gpu/gpu_commands.hpp"
+
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "shaders/mix_words.spv.h"
+#include "shaders/spec_group.spv.h"
+#include "tests/gpu/gpu_fixture.hpp"
+#include "tests/gpu/mix_words.h"
+
+namespace touchable::testing {
+namespace {
+
+using enum GpuBindingKind;
+
+class Commands : public GpuTest {
+protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        if (!gpu) return;
+        program = must(GpuProgram::create(
+            *gpu, "mix_words", mix_words_spv,
+            {sizeof(MixWordsPush),
+             {storage_buffer, uniform_texels, storage_texels, storage_buffer, storage_buffer},
+             {mix_words_group, 1, 1}}));
+        for (auto [buffer, name] :
+             {std::pair(&in, "in"), {&texels_out, "texels out"}, {&out, "out"}, {&seen, "seen"}})
+            *buffer = must(GpuBuffer::create(*gpu, name, most * 4, GpuMemory::shared));
+        for (std::uint32_t i = 0; i < most; ++i) in.mapped<std::uint32_t>()[i] = i * i + 1;
+    }
+    void TearDown() override {
+        program = {};
+        in = texels_out = out = seen = {};
+        GpuTest::TearDown();
+    }
+
+    static MixWordsPush push(std::uint32_t count, std::uint32_t salt) { return {{1, 2, 3}, 4, count, salt}; }
+    void mix(GpuCommands& commands, std::uint32_t count, std::uint32_t salt) {
+        commands.dispatch(program, push(count, salt), {in, in, texels_out, out, seen},
+                          {groups_for(count, mix_words_group)});
+    }
+    GpuCommands begin() { return must(GpuCommands::begin(gpu, "test")); }
+
+    static constexpr std::uint32_t most = 4096;
+    GpuProgram program;
+    GpuBuffer in, texels_out, out, seen;
+};
+
+TEST_F(Commands, EveryBindingAndPushConstantArrivesForAnyCount) {
+    for (const std::uint32_t count : {0U, 1U, 3U, 31U, 32U, 33U, 1000U, most - 1}) {
+        for (const GpuBuffer& buffer : {out, texels_out})
+            for (std::uint32_t& word : buffer.mapped<std::uint32_t>()) word = 77;
+        auto commands = begin();
+        mix(commands, count, count + 9);
+        must(must(std::move(commands).submit()).wait());
+
+        const auto from = in.mapped<std::uint32_t>(), words = out.mapped<std::uint32_t>();
+        const auto texels = texels_out.mapped<std::uint32_t>();
+        for (std::uint32_t i = 0; i < most; ++i) {
+            ASSERT_EQ(words[i], i < count ? mix_word(from[i], count + 9) : 77U) << i << " of " << count;
+            const std::uint32_t mirrored = i / 4 * 4 + 3 - i % 4;
+            ASSERT_EQ(texels[i], i / 4 * 4 < count ? from[mirrored] : 77U) << i << " of " << count;
+        }
+        if (count == 0) continue;
+        for (std::size_t i = 0; i < 4; ++i)
+            EXPECT_EQ(seen.mapped<float>()[i], static_cast<float>(i + 1)) << "an unpadded vec3, then a float";
+    }
+}
+
+TEST_F(Commands, APartOfABufferIsBound) {
+    const std::size_t alignment = std::max<std::size_t>(gpu->facts().limits.min_storage_buffer_alignment, 16);
+    auto commands = begin();
+    commands.fill(out, 0);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    commands.dispatch(
+        program, push(8, 5),
+        {GpuBinding(in, alignment, 32), in, texels_out, GpuBinding(out, 2 * alignment, 32), seen}, {1});
+    must(must(std::move(commands).submit()).wait());
+    const auto words = out.mapped<std::uint32_t>(), from = in.mapped<std::uint32_t>();
+    for (std::size_t i = 0; i < most; ++i) {
+        const std::size_t first = 2 * alignment / 4;
+        const bool inside = i >= first && i < first + 8;
+        ASSERT_EQ(words[i], inside ? mix_word(from[i - first + alignment / 4], 5) : 0U) << i;
+    }
+}
+
+TEST_F(Commands, GroupCountsMayComeFromABuffer) {
+    const auto counts = must(GpuBuffer::create(*gpu, "counts", 32, GpuMemory::shared));
+    auto commands = begin();
+    commands.fill(out, 0);
+    commands.fill(counts, 2, 4, 4);
+    commands.fill(counts, 1, 8, 8);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    commands.barrier(GpuStage::transfer, GpuStage::indirect);
+    commands.dispatch_indirect(program, push(most, 1), {in, in, texels_out, out, seen}, counts, 4);
+    must(must(std::move(commands).submit()).wait());
+    const auto words = out.mapped<std::uint32_t>(), from = in.mapped<std::uint32_t>();
+    for (std::uint32_t i = 0; i < most; ++i)
+        ASSERT_EQ(words[i], i < 2 * mix_words_group ? mix_word(from[i], 1) : 0U) << i;
+}
+
+TEST_F(Commands, SpecialisedGroupsRunAtTheirSize) {
+    const std::uint32_t constants[] = {16, 4, 5};
+    const auto special = must(
+        GpuProgram::create(*gpu, "spec_group", spec_group_spv, {0, {storage_buffer}, {16, 4, 1}}, constants));
+    auto commands = begin();
+    commands.dispatch(special, {out}, {2, 3});
+    must(must(std::move(commands).submit()).wait());
+    for (std::uint32_t i = 0; i < 32 * 12; ++i) ASSERT_EQ(out.mapped<std::uint32_t>()[i], 5 * (i % 32)) << i;
+}
+
+TEST_F(Commands, WhatMakesNoSenseIsSaidWhenSubmitting) {
+    const auto wrong = [this](const char* why, const std::function<void(GpuCommands&)>& record) {
+        auto commands = begin();
+        record(commands);
+        mix(commands, 1, 1);  // what comes after does not hide it
+        const auto submitted = std::move(commands).submit();
+        ASSERT_FALSE(submitted.ok()) << why;
+        EXPECT_EQ(submitted.error().kind, ErrorKind::internal);
+        EXPECT_NE(submitted.error().message.find(why), std::string::npos) << submitted.error().message;
+    };
+    const auto bound = [this](GpuCommands& commands, const GpuBinding& first) {
+        commands.dispatch(program, push(1, 1), {first, in, texels_out, out, seen}, {1});
+    };
+    const GpuBuffer none;
+    wrong("kernel mix_words: 4 bytes of push constants instead of 24", [&](GpuCommands& c) {
+        c.dispatch(program, 1U, {in, in, texels_out, out, seen}, {1});
+    });
+    wrong("0 bytes of push constants", [&](GpuCommands& c) { c.dispatch(program, {in}, {1}); });
+    wrong("4 bindings instead of 5", [&](GpuCommands& c) {
+        c.dispatch(program, push(1, 1), {in, in, texels_out, out}, {1});
+    });
+    wrong("binding 0: there is no buffer", [&](GpuCommands& c) { bound(c, none); });
+    wrong("binding 0: 8 bytes from 16384", [&](GpuCommands& c) { bound(c, {in, most * 4, 8}); });
+    wrong("binding 0: 20000 bytes from 0", [&](GpuCommands& c) { bound(c, {in, 0, 20000}); });
+    wrong("are not there", [&](GpuCommands& c) { bound(c, {in, 0, 0}); });
+    wrong("binding 0: starts at 2", [&](GpuCommands& c) { bound(c, {in, 2, 8}); });
+    wrong("texels are a whole buffer", [&](GpuCommands& c) {
+        c.dispatch(program, push(1, 1), {in, {in, 0, 64}, texels_out, out, seen}, {1});
+    });
+    wrong("workgroups are too many", [&](GpuCommands& c) {
+        c.dispatch(program, push(1, 1), {in, in, texels_out, out, seen}, {~0U});
+    });
+    wrong("does not exist", [&](GpuCommands& c) { c.dispatch(GpuProgram(), {in}, {1}); });
+    wrong("no workgroup counts at 16380", [&](GpuCommands& c) {
+        c.dispatch_indirect(program, push(1, 1), {in, in, texels_out, out, seen}, in, most * 4 - 4);
+    });
+    wrong("a copy: 8 bytes from 16380", [&](GpuCommands& c) { c.copy(in, most * 4 - 4, out, 0, 8); });
+    wrong("overlaps", [&](GpuCommands& c) { c.copy(in, 0, in, 4, 8); });
+    wrong("a fill: 3 bytes", [&](GpuCommands& c) { c.fill(in, 0, 0, 3); });
+    wrong("a fill of no buffer", [&](GpuCommands& c) { c.fill(none, 0); });
+    wrong("one too many", [&](GpuCommands& c) {
+        for (int i = 0; i < 32; ++i) c.mark("mark " + std::to_string(i));
+    });
+}
+
+TEST_F(Commands, ManyMayBeInFlightAndRunInOrder) {
+    constexpr std::uint32_t submissions = 200;
+    std::vector<GpuSubmission> given;
+    for (std::uint32_t i = 1; i <= submissions; ++i) {
+        auto commands = begin();
+        mix(commands, 1000, i);
+        commands.mark("mix");
+        given.push_back(must(std::move(commands).submit()));
+        EXPECT_EQ(given.back().value(), i);
+    }
+    must(given.back().wait());
+    for (const GpuSubmission& submission : given) EXPECT_TRUE(submission.done());
+    for (std::uint32_t i = 0; i < 1000; ++i)
+        ASSERT_EQ(out.mapped<std::uint32_t>()[i], mix_word(in.mapped<std::uint32_t>()[i], submissions)) << i;
+    EXPECT_EQ(given.front().times().size(), 1U);
+    EXPECT_EQ(given.back().times().size(), 1U);
+}
+
+TEST_F(Commands, WhatIsInFlightStaysAlive) {
+    auto temporary = must(GpuBuffer::create(*gpu, "temporary", most * 4, GpuMemory::shared));
+    const std::weak_ptr<const void> alive = temporary.keep_alive();
+    auto commands = begin();
+    commands.copy(in, 0, temporary, 0, most * 4);
+    commands.barrier(GpuStage::transfer, GpuStage::transfer);
+    commands.copy(temporary, 0, out, 0, most * 4);
+    temporary = {};
+    EXPECT_FALSE(alive.expired());
+    const auto submission = must(std::move(commands).submit());
+    must(submission.wait());
+    EXPECT_TRUE(alive.expired()) << "and no longer than that";
+    for (std::uint32_t i = 0; i < most; ++i)
+        ASSERT_EQ(out.mapped<std::uint32_t>()[i], in.mapped<std::uint32_t>()[i]);
+}
+
+TEST_F(Commands, MarksGetTimesInTheirOrder) {
+    auto commands = begin();
+    mix(commands, most, 1);
+    commands.mark("first");
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    for (int i = 0; i < 50; ++i) {
+        mix(commands, most, 2);
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+    }
+    commands.mark("fifty more");
+    const auto submission = must(std::move(commands).submit());
+    must(submission.wait());
+    const auto times = submission.times();
+    if (gpu->facts().limits.timestamp_period_ns == 0) GTEST_SKIP() << "the queue has no timestamps";
+    ASSERT_EQ(times.size(), 2U);
+    EXPECT_EQ(times[0].label, "first");
+    EXPECT_EQ(times[1].label, "fifty more");
+    EXPECT_GT(times[0].ms, 0);
+    EXPECT_GT(times[1].ms, times[0].ms / 50) << "time goes on";
+    EXPECT_LT(times[0].ms + times[1].ms, 10'000);
+}
+
+TEST_F(Commands, WaitingForWhatNeverComesEnds) {
+    const auto waited = gpu->wait(1'000'000, std::chrono::milliseconds(5));
+    ASSERT_FALSE(waited.ok());
+    EXPECT_EQ(waited.error().kind, ErrorKind::gpu);
+    EXPECT_NE(waited.error().message.find("5 ms"), std::string::npos) << waited.error().message;
+    EXPECT_FALSE(gpu->lost());
+}
+
+TEST_F(Commands, UnsubmittedOnesAreForgotten) {
+    {
+        auto commands = begin();
+        commands.fill(out, 1);
+    }
+    auto commands = begin();
+    commands.fill(out, 2);
+    must(must(std::move(commands).submit()).wait());
+    EXPECT_EQ(out.mapped<std::uint32_t>()[0], 2U);
+    EXPECT_EQ(gpu->completed(), 1U);
+}
+
+TEST_F(Commands, ThreadsRecordAndSubmitSideBySide) {
+    std::vector<std::thread> threads;
+    std::vector<int> good(4);
+    for (std::size_t t = 0; t < good.size(); ++t)
+        threads.emplace_back([&, t] {
+            const auto mine = GpuBuffer::create(*gpu, "mine", 64, GpuMemory::shared);
+            if (!mine.ok()) return;
+            for (std::uint32_t i = 0; i < 50; ++i) {
+                auto commands = GpuCommands::begin(gpu, "thread");
+                if (!commands.ok()) return;
+                commands->fill(mine.value(), i * 10 + static_cast<std::uint32_t>(t));
+                const auto submission = std::move(*commands).submit();
+                if (!submission.ok() || !submission->wait().ok()) return;
+                good[t] += mine->mapped<std::uint32_t>()[15] == i * 10 + t;
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (const int count : good) EXPECT_EQ(count, 50);
+}
+
+TEST(GroupsFor, CoverWithoutRoom) {
+    EXPECT_EQ(groups_for(0, 8), 0U);
+    EXPECT_EQ(groups_for(1, 8), 1U);
+    EXPECT_EQ(groups_for(8, 8), 1U);
+    EXPECT_EQ(groups_for(9, 8), 2U);
+    EXPECT_EQ(groups_for(~0U, 2), 1U << 31U);
+}
+
+}  // namespace
+}  // namespace touchable::testing

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "engine/gpu/gpu_device.hpp"
+
+namespace touchable::testing {
+
+/// A device watched by the validation layer, which must have nothing to say, not even at the device's end.
+class GpuTest : public ::testing::Test {
+protected:
+    void SetUp() override {
+        GpuOptions options;
+        options.validation = true;
+        auto opened = GpuDevice::open(options);
+        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        gpu = std::move(*opened);
+        messages = gpu->messages();
+    }
+
+    void TearDown() override {
+        if (!messages) return;
+        EXPECT_EQ(gpu.use_count(), 1) << "something keeps the device";
+        gpu.reset();
+        for (const std::string& message : messages->all()) ADD_FAILURE() << message;
+    }
+
+    std::shared_ptr<GpuDevice> gpu;
+    std::shared_ptr<const GpuMessages> messages;
+};
+
+/// The value; where there is none, the test fails with the reason.
+template <class T>
+T must(Result<T> result) {
+    if (!result.ok()) throw std::runtime_error(result.error().message);
+    return std::move(*result);
+}
+
+inline void must(const Result<void>& result) {
+    if (!result.ok()) throw std::runtime_error(result.error().message);
+}
+
+}  // namespace touchable::testing

@@ -1,0 +1,110 @@
+#include "engine/gpu/gpu_program.hpp"
+
+#include <functional>
+#include <vector>
+
+#include "engine/gpu/spirv_layout.hpp"
+#include "shaders/mix_words.spv.h"
+#include "shaders/spec_group.spv.h"
+#include "tests/gpu/gpu_fixture.hpp"
+#include "tests/gpu/mix_words.h"
+
+namespace touchable::testing {
+namespace {
+
+using enum GpuBindingKind;
+
+const GpuLayout right = {sizeof(MixWordsPush),
+                         {storage_buffer, uniform_texels, storage_texels, storage_buffer, storage_buffer},
+                         {mix_words_group, 1, 1}};
+
+TEST(Spirv, SaysHowToTalkToTheKernel) {
+    const auto layout = must(read_spirv(mix_words_spv));
+    EXPECT_EQ(layout.push_bytes, 24U) << "a vec3 is not padded";
+    EXPECT_EQ(layout.group_size, right.group_size);
+    ASSERT_EQ(layout.bindings.size(), 5U);
+    for (std::uint32_t i = 0; i < 5; ++i) EXPECT_EQ(layout.bindings.at(i), right.bindings[i]) << i;
+    EXPECT_FALSE(layout.other_sets);
+}
+
+TEST(Spirv, SpecialisationConstantsSetTheGroupSize) {
+    const std::uint32_t constants[] = {16, 4, 5};
+    const auto plain = must(read_spirv(spec_group_spv));
+    EXPECT_EQ(plain.group_size, (std::array<std::uint32_t, 3>{1, 1, 1}));
+    EXPECT_EQ(plain.constants.at(2), 3U);
+    EXPECT_EQ(must(read_spirv(spec_group_spv, constants)).group_size,
+              (std::array<std::uint32_t, 3>{16, 4, 1}));
+}
+
+TEST(Spirv, BrokenWordsAreRefusedAndNeverReadBeyond) {
+    const std::vector<std::uint32_t> whole(std::begin(mix_words_spv), std::end(mix_words_spv));
+    EXPECT_FALSE(read_spirv({}).ok());
+    std::size_t refused = 0;
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+        const std::vector<std::uint32_t> cut(whole.begin(),
+                                             whole.begin() + static_cast<std::ptrdiff_t>(length));
+        refused += !read_spirv(cut).ok();
+    }
+    EXPECT_GT(refused, whole.size() / 4);
+    for (std::size_t at = 0; at < whole.size(); ++at)
+        for (const std::uint32_t word : {0U, 0xFFFFFFFFU, whole[at] + 0x10000U, whole[at] ^ 1U}) {
+            auto bent = whole;
+            bent[at] = word;
+            (void)read_spirv(bent).ok();  // whatever it says, it comes back
+        }
+}
+
+class Program : public GpuTest {
+protected:
+    void expect_refused(const GpuLayout& layout, const char* why) {
+        const auto program = GpuProgram::create(*gpu, "mix_words", mix_words_spv, layout);
+        ASSERT_FALSE(program.ok()) << why;
+        EXPECT_EQ(program.error().kind, ErrorKind::internal);
+        EXPECT_NE(program.error().message.find("kernel mix_words"), std::string::npos);
+        EXPECT_NE(program.error().message.find(why), std::string::npos) << program.error().message;
+    }
+};
+
+TEST_F(Program, TheRightLayoutIsTaken) {
+    const auto program = must(GpuProgram::create(*gpu, "mix_words", mix_words_spv, right));
+    ASSERT_TRUE(program);
+    EXPECT_EQ(program.name(), "mix_words");
+}
+
+TEST_F(Program, EveryWrongLayoutIsRefusedByName) {
+    const auto wrong = [this](const char* why, const std::function<void(GpuLayout&)>& change) {
+        GpuLayout layout = right;
+        change(layout);
+        expect_refused(layout, why);
+    };
+    wrong("push constants are 24 bytes, and C++ has 28", [](GpuLayout& l) { l.push_bytes = 28; });
+    wrong("push constants are 24 bytes, and C++ has 0", [](GpuLayout& l) { l.push_bytes = 0; });
+    wrong("workgroup is 32x1x1, and C++ believes 64x1x1", [](GpuLayout& l) { l.group_size = {64, 1, 1}; });
+    wrong("binding 1 is uniform texels, and C++ binds a storage buffer",
+          [](GpuLayout& l) { l.bindings[1] = storage_buffer; });
+    wrong("binding 2 is storage texels, and C++ binds uniform texels",
+          [](GpuLayout& l) { l.bindings[2] = uniform_texels; });
+    wrong("binding 4 is a storage buffer, and C++ has no such binding",
+          [](GpuLayout& l) { l.bindings.pop_back(); });
+    wrong("C++ has a binding 5", [](GpuLayout& l) { l.bindings.push_back(storage_buffer); });
+}
+
+TEST_F(Program, ConstantsThatTheKernelHasNotAreRefused) {
+    const std::uint32_t constants[] = {1};
+    const auto program = GpuProgram::create(*gpu, "mix_words", mix_words_spv, right, constants);
+    ASSERT_FALSE(program.ok());
+    EXPECT_NE(program.error().message.find("no specialisation constant 0"), std::string::npos);
+}
+
+TEST_F(Program, GroupsLargerThanTheDevicesAreRefused) {
+    const std::uint32_t wide[] = {1U << 20U, 1, 3};
+    const auto program = GpuProgram::create(*gpu, "spec_group", spec_group_spv,
+                                            {0, {storage_buffer}, {1U << 20U, 1, 1}}, wide);
+    ASSERT_FALSE(program.ok());
+    EXPECT_EQ(program.error().kind, ErrorKind::gpu);
+    EXPECT_NE(program.error().message.find("kernel spec_group"), std::string::npos)
+        << program.error().message;
+}
+
+}  // namespace
+}  // namespace touchable::testing
