@@ -38,9 +38,10 @@ public:
     virtual Result<void> rewind() = 0;
 };
 
-/// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file` required), or a scene
-/// file that describes a folder (patterns relative to the scene file). With `scene_file` and a clip, the
-/// file's description replaces the attached one.
+/// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file` required), a scene file
+/// that describes a folder (patterns relative to the scene file), a Depthkit video with its metadata beside
+/// it, or a JPEG with a depth map in its XMP. With `scene_file` and a clip, the file's description replaces
+/// the clip's own.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {});
 

@@ -1,8 +1,13 @@
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "engine/media/clip.hpp"
+#include "engine/media/depthkit_clip.hpp"
+#include "engine/media/gdepth_image.hpp"
 #include "engine/media/image_folder.hpp"
 #include "engine/media/matroska_reader.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -15,6 +20,19 @@ bool is_scene_file(const std::filesystem::path& path) {
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     return extension == ".json";
+}
+
+/// Whatever the file is by its first bytes, its name and what lies beside it.
+Result<std::unique_ptr<ClipReader>> open_file(const std::filesystem::path& file,
+                                              const std::optional<Scene>& scene) {
+    std::array<char, 4> first{};
+    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
+    const std::string_view magic(first.data(), first.size());
+    if (magic.starts_with("\xff\xd8\xff")) return open_gdepth_image(file, scene);
+    if (magic != "\x1a\x45\xdf\xa3")  // what a Matroska file begins with
+        if (const auto metadata = depthkit_metadata_of(file))
+            return open_depthkit_clip(file, *metadata, scene);
+    return open_matroska_clip(file, scene);
 }
 
 }  // namespace
@@ -41,7 +59,7 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
         if (!read) return read.error();
         scene = std::move(*read);
     }
-    return is_folder ? open_image_folder(path, *scene) : open_matroska_clip(path, scene);
+    return is_folder ? open_image_folder(path, *scene) : open_file(path, scene);
 }
 
 }  // namespace touchable

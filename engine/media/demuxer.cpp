@@ -18,18 +18,27 @@ std::optional<std::string> entry(const AVDictionary* dictionary, const char* nam
 
 }  // namespace
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open(const std::filesystem::path& file) {
-    silence_ffmpeg();
+Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const std::filesystem::path& file) {
     if (auto whole = check_matroska(file); !whole) return whole.error();
+    return open(file, "matroska", "Matroska");
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const std::filesystem::path& file) {
+    return open(file, "mov", "QuickTime or MP4");
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open(const std::filesystem::path& file, const char* format,
+                                               const std::string& name) {
+    silence_ffmpeg();
     auto demuxer = std::make_unique<Demuxer>();
     demuxer->file_ = file.string();
     AVFormatContext* container = avformat_alloc_context();
     if (!container) return Error{ErrorKind::internal, "out of memory"};
     container->error_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
     const int status =
-        avformat_open_input(&container, file_url(file).c_str(), av_find_input_format("matroska"), nullptr);
+        avformat_open_input(&container, file_url(file).c_str(), av_find_input_format(format), nullptr);
     if (status < 0)
-        return input_error(file.string() + ": is not a readable Matroska file: " + ffmpeg_text(status));
+        return input_error(file.string() + ": is not a readable " + name + " file: " + ffmpeg_text(status));
     demuxer->container_.reset(container);
     return demuxer;
 }

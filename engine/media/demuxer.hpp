@@ -13,10 +13,12 @@
 
 namespace touchable {
 
-/// Takes a Matroska file apart into packets, stream by stream. Interleaved streams wait in short queues.
+/// Takes a video file apart into packets, stream by stream. Interleaved streams wait in short queues.
 class Demuxer {
 public:
-    static Result<std::unique_ptr<Demuxer>> open(const std::filesystem::path& file);
+    static Result<std::unique_ptr<Demuxer>> open_matroska(const std::filesystem::path& file);
+    /// QuickTime, and MP4, which is made of the same boxes.
+    static Result<std::unique_ptr<Demuxer>> open_quicktime(const std::filesystem::path& file);
 
     const AVFormatContext& container() const { return *container_; }
     /// A tag of the whole file.
@@ -33,6 +35,9 @@ private:
     struct Closer {
         void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
     };
+    /// `format` as FFmpeg calls it, `name` as people do.
+    static Result<std::unique_ptr<Demuxer>> open(const std::filesystem::path& file, const char* format,
+                                                 const std::string& name);
     Result<bool> read_one();
 
     std::string file_;

@@ -8,13 +8,14 @@
 
 #include "engine/media/decoded_picture.hpp"
 #include "engine/media/ffmpeg.hpp"
-#include "engine/new_file.hpp"
 #include "engine/media/stored_image.hpp"
+#include "engine/new_file.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr std::int64_t largest_side = 16384;
+constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 Error file_error(const std::filesystem::path& file, const std::string& what) {
     return input_error(file.string() + ": " + what);
@@ -29,7 +30,8 @@ Result<PacketPtr> read_whole(const std::filesystem::path& file) {
     const auto size = std::filesystem::file_size(file, failure);
     if (failure) return file_error(file, "cannot be read: " + failure.message());
     if (size == 0) return file_error(file, "is empty");
-    if (size > (1U << 30)) return file_error(file, "is larger than 1 GiB: not a picture this program reads");
+    if (size > largest_file)
+        return file_error(file, "is larger than 1 GiB: not a picture this program reads");
     PacketPtr packet(av_packet_alloc());
     if (!packet || av_new_packet(packet.get(), static_cast<int>(size)) < 0) return out_of_memory();
     std::ifstream in(file, std::ios::binary);
@@ -53,7 +55,7 @@ bool is_cut(AVCodecID codec, std::string_view bytes) {
     return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
 }
 
-Result<FramePtr> decode(const std::filesystem::path& file, AVCodecID codec_id, const AVPacket& packet) {
+Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPacket& packet) {
     const AVCodec* codec = avcodec_find_decoder(codec_id);
     CodecPtr decoder(avcodec_alloc_context3(codec));
     FramePtr frame(av_frame_alloc());
@@ -65,9 +67,9 @@ Result<FramePtr> decode(const std::filesystem::path& file, AVCodecID codec_id, c
     if (status >= 0) status = avcodec_send_packet(decoder.get(), &packet);
     if (status >= 0) status = avcodec_send_packet(decoder.get(), nullptr);
     if (status >= 0) status = avcodec_receive_frame(decoder.get(), frame.get());
-    if (status < 0) return file_error(file, "is damaged: " + ffmpeg_text(status));
+    if (status < 0) return input_error(where + ": is damaged: " + ffmpeg_text(status));
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
-        return file_error(file, "is damaged");
+        return input_error(where + ": is damaged");
     return frame;
 }
 
@@ -104,16 +106,30 @@ std::optional<Image> grey_of_png(const AVFrame& frame) {
     return image;
 }
 
-Result<Image> image_from(const std::filesystem::path& file, const AVFrame& frame) {
+Result<Image> image_from(const std::string& where, const AVFrame& frame) {
     if (auto grey = grey_of_png(frame)) return std::move(*grey);
     if (const auto plane = grey_samples(frame)) return packed_grey(*plane);
     const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
     if (format.comp[0].depth == 8) {
         auto rgb = rgb_converted(frame);
-        return rgb ? std::move(rgb) : file_error(file, rgb.error().message);
+        return rgb ? std::move(rgb) : input_error(where + ": " + rgb.error().message);
     }
-    return file_error(file, "has pixel format " + format_name(frame) +
-                                "; grey of 8 or 16 bits and colour of 8 bits are read");
+    return input_error(where + ": has pixel format " + format_name(frame) +
+                       "; grey of 8 or 16 bits and colour of 8 bits are read");
+}
+
+Result<StoredImage> decoded_image(const AVPacket& packet, const std::string& where) {
+    silence_ffmpeg();
+    const std::string_view bytes(reinterpret_cast<const char*>(packet.data),
+                                 static_cast<std::size_t>(packet.size));
+    const AVCodecID codec = codec_of(bytes);
+    if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
+    if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
+    auto frame = decode(where, codec, packet);
+    if (!frame) return frame.error();
+    auto image = image_from(where, **frame);
+    if (!image) return image.error();
+    return StoredImage{std::move(*image), avcodec_get_name(codec), format_name(**frame)};
 }
 
 /// What the PNG encoder takes: the plane's samples, those of 16 bits with their high byte first.
@@ -167,19 +183,17 @@ Result<PacketPtr> encode_png(const AVFrame& frame) {
 }  // namespace
 
 Result<StoredImage> read_stored_image(const std::filesystem::path& file) {
-    silence_ffmpeg();
     auto packet = read_whole(file);
     if (!packet) return packet.error();
-    const std::string_view bytes(reinterpret_cast<const char*>((*packet)->data),
-                                 static_cast<std::size_t>((*packet)->size));
-    const AVCodecID codec = codec_of(bytes);
-    if (codec == AV_CODEC_ID_NONE) return file_error(file, "is neither PNG nor JPEG");
-    if (is_cut(codec, bytes)) return file_error(file, "is cut short");
-    auto frame = decode(file, codec, **packet);
-    if (!frame) return frame.error();
-    auto image = image_from(file, **frame);
-    if (!image) return image.error();
-    return StoredImage{std::move(*image), avcodec_get_name(codec), format_name(**frame)};
+    return decoded_image(**packet, file.string());
+}
+
+Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where) {
+    if (bytes.size() > largest_file) return input_error(where + ": is larger than 1 GiB");
+    PacketPtr packet(av_packet_alloc());
+    if (!packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0) return out_of_memory();
+    std::memcpy(packet->data, bytes.data(), bytes.size());
+    return decoded_image(*packet, where);
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {

@@ -80,7 +80,7 @@ Result<void> MatroskaReader::rewind() {
 }
 
 Result<void> MatroskaReader::open_file() {
-    auto demuxer = Demuxer::open(path_);
+    auto demuxer = Demuxer::open_matroska(path_);
     if (!demuxer) return demuxer.error();
     tracks_.clear();
     demuxer_ = std::move(*demuxer);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "engine/media/image_file.hpp"
 #include "engine/result.hpp"
@@ -17,5 +18,7 @@ struct StoredImage {
 
 /// What `read_image` reads, and how the file had it.
 Result<StoredImage> read_stored_image(const std::filesystem::path& file);
+/// The same of a file's bytes; messages begin with `where`.
+Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where);
 
 }  // namespace touchable

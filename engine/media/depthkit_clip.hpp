@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "engine/media/clip.hpp"
+
+namespace touchable {
+
+/// The description of a Depthkit video, "Test.Metadata.asset" beside "Test.mov"; nothing where there is none.
+std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem::path& video);
+
+/// A Depthkit video, QuickTime or MP4: colour in the upper half of each picture, depth as hue in the lower.
+/// `metadata` is the Unity asset that describes it, of one perspective, uncropped. `scene` replaces the scene
+/// made from it.
+Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const std::filesystem::path& video,
+                                                       const std::filesystem::path& metadata,
+                                                       const std::optional<Scene>& scene);
+
+}  // namespace touchable

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Properties by qualified name, "GDepth:Near"; values as written.
+using XmpProperties = std::map<std::string, std::string, std::less<>>;
+
+/// The XMP of a JPEG file: its packet, and the extended packet that it names, put together from its pieces.
+/// Empty where the file has none. Prefixes are taken as they stand, without their namespaces. Messages begin
+/// with `where`.
+Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& where);
+
+/// Properties of one packet: attributes, and elements that hold nothing but text. Nothing where it is not
+/// well-formed.
+std::optional<XmpProperties> parse_xmp(std::string_view packet);
+
+/// RFC 4648, with white space between characters, padded. Nothing where it is anything else.
+std::optional<std::string> decode_base64(std::string_view text);
+
+}  // namespace touchable
