@@ -31,9 +31,16 @@ Result<Scene> effective_scene(const ClipReader& reader, const ExportOptions& opt
     return scene;
 }
 
-Result<void> export_frame(const RawFrame& raw, const Scene& scene, SurfaceBuilder& builder,
-                          SurfaceFrame& surface, const ExportOptions& options) {
-    if (auto built = builder.build(raw, surface); !built.ok()) return built;
+Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene,
+                  const SurfaceFrame& surface) {
+    FramePair still;
+    still.prev = still.next = {raw.number, raw.time_ns, &surface};
+    return picture.deliver(HeightField(scene, still), raw.colour, {}, {});
+}
+
+Result<void> export_frame(const RawFrame& raw, const Scene& scene, const SurfaceFrame& surface,
+                          const ExportOptions& options) {
+    if (options.out.empty()) return {};
     auto folder = StagedFolder::create(options.folder_per_frame ? options.out / std::to_string(raw.number)
                                                                 : options.out);
     if (!folder.ok()) return folder.error();
@@ -80,6 +87,8 @@ Result<void> run_export(const ExportOptions& options) {
     if (!scene.ok()) return scene.error();
     const auto builder =
         options.builder == "reference" ? make_reference_builder(*scene) : make_cpu_builder(*scene);
+    auto picture = order_picture(options.picture);
+    if (!picture.ok()) return picture.error();
 
     Progress progress("exporting frame", options.last ? *options.last + 1 : frames.value_or(0));
     SurfaceFrame surface;
@@ -91,7 +100,10 @@ Result<void> run_export(const ExportOptions& options) {
         if (!*raw) break;
         progress.at(number);
         if (number < options.first) continue;
-        if (auto done = export_frame(**raw, *scene, *builder, surface, options); !done.ok()) return done;
+        if (auto built = builder->build(**raw, surface); !built.ok()) return built;
+        if (auto done = export_frame(**raw, *scene, surface, options); !done.ok()) return done;
+        if (*picture)
+            if (auto drawn = draw(**picture, **raw, *scene, surface); !drawn.ok()) return drawn;
     }
     if (number <= wanted) return beyond_the_end(options, wanted, number);
     return {};
@@ -103,12 +115,14 @@ void add_export_command(CLI::App& app, Command& command) {
     auto range = std::make_shared<std::string>();
     auto mesh = std::make_shared<bool>(false);
     sub->add_option("CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
-    sub->add_option("--out", options->out, "folder to write to")->required();
+    sub->add_option("--out", options->out, "folder to write to; may be left out with --picture");
     auto* one = sub->add_option("--frame", options->first, "this frame, from 0, into the folder itself")
                     ->check(CLI::NonNegativeNumber);
     auto* many =
         sub->add_option("--frames", *range, "A-B or all: each frame n into the folder's n/, without mesh")
             ->excludes(one);
+    add_picture_options(*sub, options->picture);
+    many->excludes("--picture");
     sub->add_flag("--mesh", *mesh, "with --frames: write the meshes too")->needs(many);
     sub->add_option("--scene", options->scene, "scene file that describes the clip instead of its own");
     sub->add_option("--median", options->median, "window side instead of the scene's: 0 (off), 3 or 5");
@@ -121,6 +135,8 @@ void add_export_command(CLI::App& app, Command& command) {
             ExportOptions chosen = *options;
             if (one->count() + many->count() == 0)
                 return usage_error("export needs --frame N or --frames A-B|all; see touchable export -h");
+            if (chosen.out.empty() && !chosen.picture.file)
+                return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
             if (one->count() > 0) {
                 chosen.last = chosen.first;
                 return run_export(chosen);

@@ -7,6 +7,7 @@
 
 #include "engine/result.hpp"
 #include "player/command.hpp"
+#include "player/picture_options.hpp"
 
 namespace CLI {
 class App;
@@ -17,18 +18,20 @@ namespace touchable {
 struct ExportOptions {
     std::filesystem::path clip;
     std::optional<std::filesystem::path> scene;
-    std::filesystem::path out;
+    std::filesystem::path out;  ///< empty: only the picture
     std::int64_t first = 0;
     std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/
     bool mesh = true;
     std::optional<int> median, fill_holes;  ///< instead of the scene's own
     std::string builder = "cpu";            ///< "cpu" or "reference"
+    PictureOptions picture;                 ///< of a single frame
 };
 
 /// Writes frames as pictures, mesh and scene description: colour.png, depth.png (as stored), codes.png
 /// (filtered, 16 bits), valid.png (0 or 255), haptic.png and height.png where the clip has them, mesh.ply,
-/// scene.json. The files of a frame appear together or not at all.
+/// scene.json. The files of a frame appear together or not at all. The picture of a single frame is a file of
+/// its own.
 Result<void> run_export(const ExportOptions& options);
 
 void add_export_command(CLI::App& app, Command& command);

@@ -54,7 +54,7 @@ Result<void> ForcesFile::take(const TouchTick& tick) {
             << contact.goal << contact.proxy << tick.forces[k].force << std::int64_t{contact.touching}
             << contact.pixel_x << contact.pixel_y << contact.properties.stiffness
             << contact.properties.static_friction << contact.properties.dynamic_friction
-            << tick.pair.prev.number << tick.pair.next.number << tick.field.blend()
+            << tick.pair.prev.number << tick.pair.next.number << tick.blend
             << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit
             << std::int64_t{contact.counts.capped};
         row.end();

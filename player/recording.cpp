@@ -158,7 +158,7 @@ Result<void> RecordingFile::take(const TouchTick& tick) {
     bytes_.clear();
     for (const std::int64_t value : {tick.time_ns, tick.pair.prev.number, tick.pair.next.number})
         put(bytes_, static_cast<std::uint64_t>(value), 8);
-    put(bytes_, tick.field.blend());
+    put(bytes_, tick.blend);
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         put(bytes_, tick.goals[k]);
         put(bytes_, tick.forces[k].force);
@@ -191,7 +191,7 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
     const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick.tick)];
     const std::string where = "tick " + std::to_string(tick.tick);
     if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
-        recorded.blend != tick.field.blend()) {
+        recorded.blend != tick.blend) {
         difference_ = where + ": between frames " + std::to_string(tick.pair.prev.number) + " and " +
                       std::to_string(tick.pair.next.number) + ", recorded between " +
                       std::to_string(recorded.frame_prev) + " and " + std::to_string(recorded.frame_next);

@@ -15,16 +15,20 @@ namespace {
 struct TouchWords {
     TouchOptions options;
     double max_stiffness_n_mm = 10;
-    double seconds = 0;
+    double seconds = 0, picture_seconds = 0;
     std::vector<CLI::Option*> fixed_by_recording;
     CLI::Option* clip = nullptr;
     CLI::Option* duration = nullptr;
+    CLI::Option* picture_moment = nullptr;
 };
 
 Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     options.guard.max_stiffness = words.max_stiffness_n_mm * 1000;
     if (std::isnan(words.seconds)) return usage_error("--seconds is not a number; must be 0.001 to 1e6");
+    if (std::isnan(words.picture_seconds)) return usage_error("--picture-at is not a number; must be 0 to 1e6");
+    if (words.picture_moment->count() > 0)
+        options.picture_tick = static_cast<std::int64_t>(words.picture_seconds * 1000 + 0.5);
     if (words.duration->count() > 0) options.ticks = static_cast<std::int64_t>(words.seconds * 1000 + 0.5);
     if (options.replay) {
         for (const CLI::Option* option : words.fixed_by_recording)
@@ -62,6 +66,12 @@ void add_touch_command(CLI::App& app, Command& command) {
         sub->add_option("--replay", o.replay, "repeat a recorded run and compare every force with it");
     record->excludes(replay);
 
+    add_picture_options(*sub, o.picture);
+    words->picture_moment =
+        sub->add_option("--picture-at", words->picture_seconds,
+                        "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)")
+            ->needs("--picture")
+            ->check(CLI::Range(0.0, 1e6));
     words->duration =
         sub->add_option("--seconds", words->seconds,
                         "length of the run; otherwise that of a recorded hand, or the clip's and at least 3")

@@ -9,9 +9,6 @@ namespace touchable {
 
 namespace {
 
-// A proxy is on the surface by construction; this is room for the roundings of checking it in the world.
-constexpr double behind_tolerance = 1e-9;
-
 bool is_finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -36,14 +33,13 @@ Spread spread_of(std::vector<double> values) {
 }
 
 Result<void> TouchFigures::take(const TouchTick& tick) {
-    bool contact = false, behind = false, nonfinite = false, capped = false, guarded = false;
+    bool contact = false, nonfinite = false, capped = false, guarded = false;
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
         const glm::dvec3& force = tick.forces[k].force;
         hash_.add(force);
         contact |= c.touching;
         finger_contact_ticks_ += c.touching;
-        behind |= is_behind_surface(tick.field, c.proxy, behind_tolerance);
         nonfinite |= !is_finite(c.proxy) || !is_finite(force);
         capped |= c.counts.capped;
         guarded |= tick.forces[k].reasons != guard_none;
@@ -56,7 +52,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     ++ticks_;
     finger_ticks_ += static_cast<std::int64_t>(tick.contacts.size());
     contact_ticks_ += contact;
-    behind_ticks_ += behind;
+    behind_ticks_ += tick.behind;
     nonfinite_ticks_ += nonfinite;
     capped_ticks_ += capped;
     guarded_ticks_ += guarded;

@@ -9,6 +9,7 @@
 #include "player/output_file.hpp"
 #include "player/recording.hpp"
 #include "player/touch_figures.hpp"
+#include "player/touch_picture.hpp"
 #include "player/touch_setup.hpp"
 
 namespace touchable {
@@ -89,6 +90,13 @@ Result<void> run_touch(const TouchOptions& options) {
         if (!created.ok()) return created.error();
         json = std::move(*created);
     }
+    auto order = order_picture(options.picture);
+    if (!order.ok()) return order.error();
+    std::optional<TouchPicture> picture;
+    if (*order) {
+        const std::int64_t moment = options.picture_tick.value_or(usual_picture_tick(s));
+        sinks.push_back(&picture.emplace(std::move(**order), moment));
+    }
     std::optional<ReplayCheck> check;
     if (recording) sinks.push_back(&check.emplace(*recording));
 
@@ -105,6 +113,8 @@ Result<void> run_touch(const TouchOptions& options) {
         facts["force_hash"] = figures.force_hash();
         if (auto done = record->finish(facts); !done.ok()) return done;
     }
+    if (picture)
+        if (auto done = picture->finish(s); !done.ok()) return done;
     if (json) {
         const std::string text = report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
         if (auto written = json->write(text); !written.ok()) return written;

@@ -8,6 +8,7 @@
 #include "engine/result.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "player/picture_options.hpp"
 
 namespace touchable {
 
@@ -23,6 +24,8 @@ struct TouchOptions {
     std::optional<FrameInterpolation> interpolation;  ///< likewise
     GuardSettings guard;
     std::optional<std::filesystem::path> json, forces, record, replay;
+    PictureOptions picture;
+    std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
 };
 
 /// Touches a clip offline, at 1 kHz of virtual time, prints a table, and writes what was asked for. With

@@ -1,7 +1,6 @@
 #include "player/touch_session.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 #include "player/field_probe.hpp"
 #include "player/interrupt.hpp"
@@ -16,13 +15,11 @@ constexpr std::int64_t shortest_run_ns = 3'000'000'000;
 
 TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
                            const TouchSessionSettings& settings)
-    : scene_(scene), feed_(feed), hand_(hand), solver_(solver), settings_(settings) {
-    const auto fingers = static_cast<std::size_t>(settings.fingers);
-    goals_.resize(fingers);
-    fingers_.resize(fingers);
-    contacts_.resize(fingers);
-    guards_.assign(fingers, ForceGuard(settings.guard));
-    forces_.resize(fingers);
+    : scene_(scene),
+      feed_(feed),
+      hand_(hand),
+      settings_(settings),
+      step_(solver, settings.guard, settings.fingers) {
     if (!settings_.time_of_tick) settings_.time_of_tick = [](std::int64_t tick) { return tick * tick_ns; };
 }
 
@@ -49,18 +46,8 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     // A clip whose length only reading tells may turn out to have ended before this tick.
     if (is_over(tick)) return {};
     const HeightField field(scene_, *pair);
-    hand_.goals_at(tick, FieldProbe(field), goals_);
-
-    const auto start = std::chrono::steady_clock::now();
-    const HeightField solver_field(scene_, *pair);
-    solver_.tick(solver_field, goals_, fingers_, contacts_);
-    for (std::size_t k = 0; k < guards_.size(); ++k) forces_[k] = guards_[k].guard(contacts_[k]);
-    const double solve_us =
-        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-
-    const TouchTick done{tick,    time_ns,   field,   *pair,
-                         goals_,  contacts_, forces_, solver_.settings().metres_per_scene_unit,
-                         solve_us};
+    hand_.goals_at(tick, FieldProbe(field), step_.goals());
+    const TouchTick done = step_.run(tick, time_ns, scene_, *pair);
     for (TouchSink* sink : sinks)
         if (auto taken = sink->take(done); !taken.ok()) return taken;
     return {};

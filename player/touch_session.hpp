@@ -9,23 +9,10 @@
 #include <vector>
 
 #include "device/hand.hpp"
-#include "haptics_cpu/force_guard.hpp"
-#include "haptics_cpu/touch_solver.hpp"
+#include "haptics_cpu/touch_step.hpp"
 #include "player/surface_feed.hpp"
 
 namespace touchable {
-
-/// What happened in one tick; spans hold one element per finger.
-struct TouchTick {
-    std::int64_t tick = 0, time_ns = 0;
-    const HeightField& field;
-    const FramePair& pair;
-    std::span<const glm::dvec3> goals;  ///< as the hand gave them
-    std::span<const Contact> contacts;
-    std::span<const GuardedForce> forces;
-    double metres_per_scene_unit;
-    double solve_us;  ///< field, solver and guard of all fingers, wall time
-};
 
 /// Somebody who wants to know of every tick: figures, a file of forces, a recording, a comparison.
 class TouchSink {
@@ -63,13 +50,8 @@ private:
     const Scene& scene_;
     SurfaceFeed& feed_;
     Hand& hand_;
-    const TouchSolver& solver_;
     TouchSessionSettings settings_;
-    std::vector<glm::dvec3> goals_;
-    std::vector<FingerState> fingers_;
-    std::vector<Contact> contacts_;
-    std::vector<ForceGuard> guards_;
-    std::vector<GuardedForce> forces_;
+    TouchStep step_;
 };
 
 }  // namespace touchable

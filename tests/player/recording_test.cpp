@@ -32,7 +32,8 @@ protected:
         EXPECT_TRUE(recording.ok());
         for (std::int64_t tick = 0; tick < 4; ++tick) {
             const auto k = static_cast<std::size_t>(tick);
-            const TouchTick one{tick, times_[k], field, pair_, goals_[k], contacts_, forces_[k], 0.001, 1.5};
+            const TouchTick one{tick,      times_[k],  pair_,      field.blend(),
+                                goals_[k], contacts_,  forces_[k], 0.001};
             EXPECT_TRUE((*recording)->take(one).ok());
         }
         EXPECT_TRUE((*recording)->finish(facts_).ok());

@@ -1,0 +1,70 @@
+#include "haptics_cpu/haptic_loop.hpp"
+
+#include <algorithm>
+
+namespace touchable {
+
+using std::chrono::steady_clock;
+
+namespace {
+constexpr std::chrono::milliseconds tick_time(1);
+}
+
+HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log)
+    : scene_(scene),
+      timeline_(timeline),
+      step_(step),
+      port_(port),
+      log_(log),
+      newtons_(static_cast<std::size_t>(step.fingers())) {}
+
+HapticLoop::~HapticLoop() { stop(); }
+
+void HapticLoop::start() {
+    ended_.store(false, std::memory_order_release);
+    thread_ = std::thread([this] { run(); });
+}
+
+void HapticLoop::stop() {
+    stopping_.store(true, std::memory_order_relaxed);
+    if (thread_.joinable()) thread_.join();
+}
+
+void HapticLoop::run() {
+    facts_.grant = become_realtime();
+    const auto start = steady_clock::now();
+    for (std::int64_t tick = 0; !stopping_.load(std::memory_order_relaxed); ++tick) {
+        sleep_until(start + tick * tick_time);
+        const auto late = steady_clock::now() - (start + tick * tick_time);
+        if (late >= tick_time) {
+            ++facts_.late;
+            const std::int64_t missed = late / tick_time;
+            facts_.skipped += missed;
+            tick += missed;
+        }
+        ++facts_.ticks;
+        if (!this->tick(tick, std::chrono::duration<double, std::micro>(late).count())) {
+            facts_.port_failed = true;
+            break;
+        }
+    }
+    std::fill(newtons_.begin(), newtons_.end(), glm::dvec3(0.0));
+    port_.write_forces(newtons_);
+    ended_.store(true, std::memory_order_release);
+}
+
+bool HapticLoop::tick(std::int64_t tick, double late_us) {
+    const std::int64_t time_ns = std::chrono::nanoseconds(tick * tick_time).count();
+    time_ns_.store(time_ns, std::memory_order_relaxed);
+    FramePair pair;
+    timeline_.pair_at(time_ns, pair);
+    if (!port_.read_goals(tick, HeightField(scene_, pair), step_.goals())) return false;
+    TouchTick done = step_.run(tick, time_ns, scene_, pair);
+    done.late_us = late_us;
+    for (std::size_t k = 0; k < newtons_.size(); ++k) newtons_[k] = done.forces[k].force;
+    const bool written = port_.write_forces(newtons_);
+    if (!log_.push(done)) ++facts_.lost;
+    return written;
+}
+
+}  // namespace touchable

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include "haptics_cpu/haptic_port.hpp"
+#include "haptics_cpu/realtime.hpp"
+#include "haptics_cpu/tick_log.hpp"
+#include "haptics_cpu/touch_step.hpp"
+
+namespace touchable {
+
+/// How a loop went; complete once it has ended.
+struct LoopFacts {
+    RealtimeGrant grant;
+    std::int64_t ticks = 0;
+    std::int64_t late = 0;     ///< ticks begun when the next one was due already
+    std::int64_t skipped = 0;  ///< ticks whose time had passed by then; never made up for
+    std::int64_t lost = 0;     ///< ticks for which the log had no room
+    bool port_failed = false;
+};
+
+/// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time. It never
+/// waits for anybody, never allocates; a tick that comes too late is counted and the missed ones are skipped.
+class HapticLoop {
+public:
+    /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.
+    HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log);
+    ~HapticLoop();  ///< stops it
+    HapticLoop(const HapticLoop&) = delete;
+    HapticLoop& operator=(const HapticLoop&) = delete;
+
+    /// Begins tick 0, at time 0 of the timeline, now. At least one frame has been published.
+    void start();
+    /// Ends after the tick in progress, with zero force written; does nothing once it has ended.
+    void stop();
+    bool running() const { return !ended_.load(std::memory_order_acquire); }
+    /// Time of the newest tick begun, on the timeline.
+    std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }
+    /// After `stop`, or once it is not running.
+    const LoopFacts& facts() const { return facts_; }
+
+private:
+    void run();
+    bool tick(std::int64_t tick, double late_us);
+
+    const Scene& scene_;
+    SurfaceTimeline& timeline_;
+    TouchStep& step_;
+    HapticPort& port_;
+    TickLog& log_;
+    std::vector<glm::dvec3> newtons_;
+    LoopFacts facts_;
+    std::atomic<bool> stopping_{false}, ended_{true};
+    std::atomic<std::int64_t> time_ns_{0};
+    std::thread thread_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,44 @@
+#include "haptics_cpu/touch_step.hpp"
+
+#include <chrono>
+
+namespace touchable {
+
+namespace {
+
+// A proxy is on the surface by construction; this is room for the roundings of checking it in the world.
+constexpr double behind_tolerance = 1e-9;
+
+}  // namespace
+
+TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers) : solver_(solver) {
+    const auto count = static_cast<std::size_t>(fingers);
+    goals_.resize(count);
+    fingers_.resize(count);
+    contacts_.resize(count);
+    guards_.assign(count, ForceGuard(guard));
+    forces_.resize(count);
+}
+
+TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair) {
+    const auto start = std::chrono::steady_clock::now();
+    const HeightField field(scene, pair);
+    solver_.tick(field, goals_, fingers_, contacts_);
+    for (std::size_t k = 0; k < guards_.size(); ++k) forces_[k] = guards_[k].guard(contacts_[k]);
+    const auto end = std::chrono::steady_clock::now();
+
+    TouchTick done;
+    done.tick = tick;
+    done.time_ns = time_ns;
+    done.pair = pair;
+    done.blend = field.blend();
+    done.goals = goals_;
+    done.contacts = contacts_;
+    done.forces = forces_;
+    done.metres_per_scene_unit = solver_.settings().metres_per_scene_unit;
+    done.solve_us = std::chrono::duration<double, std::micro>(end - start).count();
+    for (const Contact& contact : contacts_) done.behind |= is_behind_surface(field, contact.proxy, behind_tolerance);
+    return done;
+}
+
+}  // namespace touchable

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "haptics_cpu/touch_tick.hpp"
+
+namespace touchable {
+
+/// N fingers from tick to tick: solver, guard, and what they carry over. The one way a tick is made, offline and live.
+class TouchStep {
+public:
+    /// `solver` outlives this.
+    TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers);
+
+    int fingers() const { return static_cast<int>(goals_.size()); }
+    /// Where to put the goals of the next `run`.
+    std::span<glm::dvec3> goals() { return goals_; }
+    /// No allocation, lock or I/O. The spans stay as they are until the next call.
+    TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
+
+private:
+    const TouchSolver& solver_;
+    std::vector<glm::dvec3> goals_;
+    std::vector<FingerState> fingers_;
+    std::vector<Contact> contacts_;
+    std::vector<ForceGuard> guards_;
+    std::vector<GuardedForce> forces_;
+};
+
+}  // namespace touchable

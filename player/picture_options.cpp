@@ -1,0 +1,69 @@
+#include "player/picture_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <utility>
+
+#include "player/output_file.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int largest_side = 8192;
+
+Result<void> read_size(const std::string& text, PictureSettings& settings) {
+    const char *begin = text.data(), *end = begin + text.size();
+    const auto width = std::from_chars(begin, end, settings.width);
+    const bool has_both = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
+    const auto height = has_both ? std::from_chars(width.ptr + 1, end, settings.height) : width;
+    auto fits = [](int side) { return side >= 1 && side <= largest_side; };
+    if (has_both && height.ec == std::errc() && height.ptr == end && fits(settings.width) &&
+        fits(settings.height))
+        return {};
+    return usage_error("--picture-size " + text + " is no size; right would be WIDTHxHEIGHT, each 1 to " +
+                       std::to_string(largest_side) + ", such as 1280x720");
+}
+
+}  // namespace
+
+void add_picture_options(CLI::App& sub, PictureOptions& options) {
+    auto* picture = sub.add_option("--picture", options.file, "draw the scene to this PNG file");
+    sub.add_option("--view", options.view,
+                   "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES, "
+                   "each optional")
+        ->needs(picture)
+        ->capture_default_str();
+    sub.add_option("--painter", options.painter,
+                   "cpu, raster (compute), mesh (triangles), or auto: mesh on a GPU, else what there is")
+        ->needs(picture)
+        ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
+        ->capture_default_str();
+    sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
+}
+
+Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options) {
+    if (!options.file) return std::optional<PictureOrder>();
+    PictureOrder order;
+    order.file = *options.file;
+    const auto viewpoint = parse_viewpoint(options.view);
+    if (!viewpoint.ok()) return viewpoint.error();
+    order.settings.viewpoint = *viewpoint;
+    if (auto read = read_size(options.size, order.settings); !read.ok()) return read.error();
+    auto painter = make_painter(options.painter);
+    if (!painter.ok()) return painter.error();
+    order.painter = std::move(*painter);
+    // Only looked at: the picture's own writer makes the file.
+    if (auto writable = OutputFile::create("--picture", order.file); !writable.ok()) return writable.error();
+    return std::optional<PictureOrder>(std::move(order));
+}
+
+Result<void> PictureOrder::deliver(const HeightField& field, const PlaneView& colour,
+                                   std::span<const FingerMark> fingers, const MarkSizes& sizes) {
+    const ViewSurface surface = make_view_surface(field, colour);
+    const auto image =
+        make_picture(settings, field.scene(), surface, middle_of(field), fingers, sizes, *painter);
+    if (!image.ok()) return image.error();
+    return write_png(file, image->view());
+}
+
+}  // namespace touchable

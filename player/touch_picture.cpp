@@ -1,0 +1,105 @@
+#include "player/touch_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/surface/surface_builder.hpp"
+#include "player/field_probe.hpp"
+
+namespace touchable {
+namespace {
+
+// On the device; in the scene they are as large as that is there.
+constexpr double finger_radius_m = 0.003;
+constexpr double newton_m = 0.012;
+
+constexpr std::size_t trail_ticks = 800;
+constexpr std::size_t trail_step = 4;  // ticks between two points that are drawn
+
+/// A frame of the clip, read and built once more.
+struct FrameAgain {
+    RawFrame raw;
+    SurfaceFrame surface;
+};
+
+/// Reads on until frame `number`, and builds it.
+Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number, FrameAgain& frame) {
+    for (;;) {
+        auto raw = reader.next();
+        if (!raw.ok()) return raw.error();
+        if (!*raw) return input_error("the clip ends before frame " + std::to_string(number) + " this time");
+        if ((*raw)->number != number) continue;
+        frame.raw = **raw;
+        return builder.build(frame.raw, frame.surface);
+    }
+}
+
+}  // namespace
+
+std::int64_t usual_picture_tick(const TouchSetup& setup) {
+    const auto known = setup.settings.ticks ? setup.settings.ticks : setup.hand->ticks();
+    if (known) return *known * 6 / 10;
+    const auto frames = setup.feed->reader().frame_count();
+    const std::int64_t clip_ms = frames ? setup.scene.rate.time_ns(*frames) / 1'000'000 : 0;
+    return std::max<std::int64_t>(clip_ms, 3000) * 6 / 10;
+}
+
+Result<void> TouchPicture::take(const TouchTick& tick) {
+    if (tick.tick > tick_) return {};
+    trails_.resize(tick.contacts.size());
+    for (std::size_t k = 0; k < trails_.size(); ++k) {
+        const Contact& contact = tick.contacts[k];
+        if (!contact.touching || !std::isfinite(contact.pixel_x) || !std::isfinite(contact.pixel_y)) {
+            trails_[k].clear();
+            continue;
+        }
+        trails_[k].emplace_back(contact.pixel_x, contact.pixel_y);
+        if (trails_[k].size() > trail_ticks) trails_[k].pop_front();
+    }
+    if (tick.tick < tick_) return {};
+    moment_ = Moment{tick.pair.prev.number, tick.pair.next.number, tick.pair.blend,
+                     tick.metres_per_scene_unit, {}};
+    for (std::size_t k = 0; k < trails_.size(); ++k) {
+        const Contact& contact = tick.contacts[k];
+        moment_->fingers.push_back({contact.goal, contact.proxy, tick.forces[k].force, contact.touching, {}});
+    }
+    return {};
+}
+
+std::vector<FingerMark> TouchPicture::fingers_on(const HeightField& field) const {
+    const FieldProbe probe(field);
+    std::vector<FingerMark> fingers = moment_->fingers;
+    for (std::size_t k = 0; k < fingers.size(); ++k) {
+        const std::deque<Place>& trail = trails_[k];
+        for (std::size_t at = trail.empty() ? 0 : (trail.size() - 1) % trail_step; at < trail.size();
+             at += trail_step)
+            if (const auto depth = probe.depth_under(trail[at].x, trail[at].y))
+                fingers[k].trail.push_back(probe.unproject(trail[at].x, trail[at].y, *depth));
+    }
+    return fingers;
+}
+
+Result<void> TouchPicture::finish(const TouchSetup& setup) {
+    if (!moment_)
+        return usage_error("--picture: the run ended before " + std::to_string(tick_) +
+                           " ms, the moment to draw; --picture-at says another");
+    auto reader = open_clip(setup.clip, setup.scene_file);
+    if (!reader.ok()) return reader.error();
+    const auto builder = make_cpu_builder(setup.scene);
+    FrameAgain prev, next;
+    if (auto read = read_frame(**reader, *builder, moment_->frame_prev, prev); !read.ok()) return read;
+    const bool between = moment_->frame_next != moment_->frame_prev;
+    if (between)
+        if (auto read = read_frame(**reader, *builder, moment_->frame_next, next); !read.ok()) return read;
+
+    FramePair pair;
+    pair.prev = {moment_->frame_prev, 0, &prev.surface};
+    pair.next = {moment_->frame_next, 0, between ? &next.surface : &prev.surface};
+    pair.blend = moment_->blend;
+    const HeightField field(setup.scene, pair);
+    const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
+    const double S = moment_->metres_per_scene_unit;
+    return order_.deliver(field, nearer.colour, fingers_on(field), {finger_radius_m / S, newton_m / S});
+}
+
+}  // namespace touchable

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <deque>
+#include <glm/vec2.hpp>
+#include <vector>
+
+#include "player/picture_options.hpp"
+#include "player/touch_session.hpp"
+#include "player/touch_setup.hpp"
+
+namespace touchable {
+
+/// `touch --picture`: remembers the fingers at a moment of the run and where they went just before; once the
+/// run is over, reads the frames of that moment again and draws them.
+class TouchPicture final : public TouchSink {
+public:
+    /// `tick`: the moment.
+    TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
+    Result<void> take(const TouchTick& tick) override;
+    /// Refused (ErrorKind::usage) where the run ended before the moment.
+    Result<void> finish(const TouchSetup& setup);
+
+private:
+    using Place = glm::dvec2;  // of a proxy in the image, pixels
+    struct Moment {
+        std::int64_t frame_prev = 0, frame_next = 0;
+        double blend = 0, metres_per_scene_unit = 0;
+        std::vector<FingerMark> fingers;  // trails are still empty
+    };
+    std::vector<FingerMark> fingers_on(const HeightField& field) const;
+
+    PictureOrder order_;
+    std::int64_t tick_;
+    std::vector<std::deque<Place>> trails_;  // of each finger, since it last came into contact
+    std::optional<Moment> moment_;
+};
+
+/// The tick that a picture shows where nobody says: 60 % of the run, or of its shortest length (3 s) where
+/// only reading the clip tells how long it is.
+std::int64_t usual_picture_tick(const TouchSetup& setup);
+
+}  // namespace touchable

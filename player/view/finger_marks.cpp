@@ -1,0 +1,70 @@
+#include "player/view/finger_marks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "player/view/solids.hpp"
+
+namespace touchable {
+namespace {
+
+// Five that are told apart by people of any colour vision, then again.
+constexpr std::array<PackedColour, 5> finger_colours{pack_colour(245, 166, 35), pack_colour(232, 74, 95),
+                                                     pack_colour(64, 196, 255), pack_colour(170, 225, 70),
+                                                     pack_colour(190, 120, 245)};
+
+/// Darkens what is drawn near a ball: its soft shadow on the surface it touches.
+void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& camera, LightPicture& picture) {
+    const double reach = 2.6 * radius;
+    const auto middle = camera.project(centre);
+    if (!middle) return;
+    const double distance = std::max(camera.near / middle->z, reach * 1.01);
+    const double pixels = reach / (distance - reach) * camera.width * glm::length(glm::dvec3(camera.clip_from_world[0][0], camera.clip_from_world[1][0], camera.clip_from_world[2][0])) / 2;
+    auto span = [&](double at, int size) {
+        return std::array<int, 2>{static_cast<int>(std::clamp(at - pixels, 0.0, static_cast<double>(size))),
+                                  static_cast<int>(std::clamp(at + pixels + 1, 0.0, static_cast<double>(size)))};
+    };
+    const auto [x0, x1] = span(middle->x, picture.width);
+    const auto [y0, y1] = span(middle->y, picture.height);
+    for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) {
+            const std::size_t at = picture.index(x, y);
+            if (!(picture.z[at] > 0)) continue;
+            const glm::dvec3 point = camera.unproject(x + 0.5, y + 0.5, static_cast<double>(picture.z[at]));
+            const double share = glm::length(point - centre) / reach;
+            if (share >= 1) continue;
+            const double fade = (1 - share * share);
+            picture.light[at] *= static_cast<float>(1 - 0.72 * fade * fade);
+        }
+}
+
+}  // namespace
+
+void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
+                  LightPicture& picture) {
+    const double radius = sizes.finger_radius;
+    for (const FingerMark& finger : fingers) draw_shadow(finger.proxy, radius, camera, picture);
+    for (std::size_t k = 0; k < fingers.size(); ++k) {
+        const FingerMark& finger = fingers[k];
+        const Material solid{light_of(finger_colours[k % finger_colours.size()]), 1};
+        const auto points = static_cast<double>(finger.trail.size());
+        auto thread = [&](std::size_t at) { return 0.22 * radius * (0.15 + 0.85 * static_cast<double>(at) / points); };
+        for (std::size_t at = 1; at < finger.trail.size(); ++at)
+            draw_rod(camera, finger.trail[at - 1], finger.trail[at], thread(at - 1), thread(at), solid, picture);
+        draw_sphere(camera, finger.proxy, radius, solid, picture);
+        if (finger.touching)
+            draw_arrow(camera, finger.proxy, finger.proxy + finger.force * sizes.length_per_newton, 0.34 * radius,
+                       {glm::mix(solid.light, glm::vec3(1.0F), 0.35F), 1}, picture);
+    }
+    for (std::size_t k = 0; k < fingers.size(); ++k) {
+        const FingerMark& finger = fingers[k];
+        if (!finger.touching) continue;
+        const glm::vec3 light = glm::mix(light_of(finger_colours[k % finger_colours.size()]), glm::vec3(1.0F), 0.3F);
+        draw_rod(camera, finger.goal, finger.proxy, 0.14 * radius, 0.14 * radius, {light, 0.9F}, picture);
+        draw_sphere(camera, finger.goal, 0.8 * radius, {light, 0.8F}, picture);
+    }
+}
+
+}  // namespace touchable

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "player/view/light_picture.hpp"
+#include "player/view/view_camera.hpp"
+#include "player/view/view_surface.hpp"
+
+namespace touchable {
+
+/// A finger as a picture shows it. World, scene units, newtons.
+struct FingerMark {
+    glm::dvec3 goal{0.0}, proxy{0.0}, force{0.0};
+    bool touching = false;
+    std::vector<glm::dvec3> trail;  ///< where the proxy went, oldest first, as points of the surface drawn
+};
+
+/// How large fingers are drawn.
+struct MarkSizes {
+    double finger_radius = 1;     ///< scene units
+    double length_per_newton = 1;  ///< of the arrow, scene units
+};
+
+/// Draws every finger: its proxy as a ball in its colour, the goal as a bubble seen through what hides it, a
+/// rod between them, the force on the finger as an arrow, and the trail as a thread that thins with age.
+void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
+                  LightPicture& picture);
+
+}  // namespace touchable

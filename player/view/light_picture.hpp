@@ -1,0 +1,32 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "engine/media/image_file.hpp"
+#include "player/view/picture_planes.hpp"
+
+namespace touchable {
+
+/// A picture while it is put together: light, 0 to 1 a channel, not yet brightness as eyes see it (sRGB), so
+/// that mixing and averaging are right; and z as painters have it.
+struct LightPicture {
+    int width = 0, height = 0;
+    std::vector<float> z;
+    std::vector<glm::vec3> light;
+
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    }
+};
+
+/// Light of a colour of three bytes.
+glm::vec3 light_of(PackedColour colour);
+
+/// The drawn surface before a quiet dark background, a little lighter below.
+LightPicture on_background(PicturePlanes planes);
+
+/// Averages blocks of samples x samples; `picture`'s sides are multiples of that. RGB of 8 bits.
+Image developed(const LightPicture& picture, int samples);
+
+}  // namespace touchable

@@ -1,0 +1,97 @@
+#include "player/view/surface_light.hpp"
+
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "shaders/cut_rule.h"
+
+namespace touchable {
+namespace {
+
+// Directions to the lights, world axes: one that models, one that keeps shadows from being black.
+const glm::dvec3 key_light = glm::normalize(glm::dvec3(-0.55, 0.65, 0.55));
+const glm::dvec3 fill_light = glm::normalize(glm::dvec3(0.7, -0.1, 0.5));
+
+/// Sums of the normals of the triangles at each vertex, as long as those are large. Cut triangles have none.
+std::vector<glm::vec3> vertex_normals(const Camera& camera, const ViewSurface& surface) {
+    std::vector<glm::vec3> normals(surface.q.size(), glm::vec3(0.0F));
+    auto point = [&](int x, int y) {
+        return unproject(camera, x, y, 1.0 / static_cast<double>(surface.q[surface.index(x, y)]));
+    };
+    auto add = [&](std::array<glm::ivec2, 3> at) {
+        const std::size_t a = surface.index(at[0].x, at[0].y), b = surface.index(at[1].x, at[1].y),
+                          c = surface.index(at[2].x, at[2].y);
+        if (triangle_is_cut(surface.q[a], surface.q[b], surface.q[c])) return;
+        const glm::dvec3 origin = point(at[0].x, at[0].y);
+        const glm::vec3 normal =
+            glm::cross(point(at[1].x, at[1].y) - origin, point(at[2].x, at[2].y) - origin);
+        for (const std::size_t vertex : {a, b, c}) normals[vertex] += normal;
+    };
+    for (int y = 0; y + 1 < surface.height; ++y)
+        for (int x = 0; x + 1 < surface.width; ++x) {
+            add({{{x, y}, {x + 1, y + 1}, {x + 1, y}}});
+            add({{{x, y}, {x, y + 1}, {x + 1, y + 1}}});
+        }
+    return normals;
+}
+
+/// Light on a surface of a normal, 0 to about 1.
+double light_on(const glm::dvec3& normal) {
+    const double sky = 0.5 + 0.5 * normal.y;
+    return 0.22 + 0.16 * sky + 0.55 * std::max(0.0, glm::dot(normal, key_light)) +
+           0.12 * std::max(0.0, glm::dot(normal, fill_light));
+}
+
+/// q that 4 % and 96 % of the valid pixels do not exceed.
+std::array<float, 2> usual_q(const std::vector<float>& q) {
+    std::vector<float> valid;
+    const std::size_t step = 1 + q.size() / 100'000;
+    for (std::size_t k = 0; k < q.size(); k += step)
+        if (q[k] > 0) valid.push_back(q[k]);
+    if (valid.empty()) return {0, 1};
+    auto quantile = [&valid](std::size_t percent) {
+        const auto at = valid.begin() + static_cast<std::ptrdiff_t>((valid.size() - 1) * percent / 100);
+        std::nth_element(valid.begin(), at, valid.end());
+        return *at;
+    };
+    return {quantile(4), quantile(96)};
+}
+
+PackedColour packed(const glm::dvec3& colour) {
+    const glm::uvec3 byte(glm::clamp(colour, 0.0, 255.0) + 0.5);
+    return pack_colour(byte.r, byte.g, byte.b);
+}
+
+}  // namespace
+
+std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
+                                      const PlaneView& colour) {
+    const std::vector<glm::vec3> normals = vertex_normals(camera, surface);
+    const auto [farthest_q, nearest_q] = usual_q(surface.q);
+    const double q_range = std::max(static_cast<double>(nearest_q - farthest_q), 1e-30);
+    constexpr glm::dvec3 near_clay(246, 214, 178), far_clay(120, 148, 182);
+
+    std::vector<PackedColour> colours;
+    colours.reserve(surface.q.size());
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < surface.width; ++x) {
+            const std::size_t at = surface.index(x, y);
+            const double length = glm::length(glm::dvec3(normals[at]));
+            const glm::dvec3 normal = length > 0 ? glm::dvec3(normals[at]) / length : glm::dvec3(0, 0, 1);
+            const double light = light_on(normal);
+            if (!colour.empty()) {
+                const std::uint8_t* rgb = colour.row(y) + std::ptrdiff_t{3} * x;
+                colours.push_back(packed(glm::dvec3(rgb[0], rgb[1], rgb[2]) * (0.45 + 0.7 * light)));
+                continue;
+            }
+            const double nearness =
+                std::clamp((static_cast<double>(surface.q[at]) - farthest_q) / q_range, 0.0, 1.0);
+            colours.push_back(packed(glm::mix(far_clay, near_clay, nearness) * (0.12 + 1.0 * light)));
+        }
+    return colours;
+}
+
+}  // namespace touchable

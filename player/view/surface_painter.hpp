@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "engine/result.hpp"
+#include "player/view/picture_planes.hpp"
+#include "player/view/view_camera.hpp"
+#include "player/view/view_surface.hpp"
+
+namespace touchable {
+
+/// Draws the triangles of a surface that shaders/cut_rule.h keeps, at full resolution, both sides, nearest
+/// first. Painters differ in where they do it, not in what: pixels agree but for the roundings of z.
+class SurfacePainter {
+public:
+    virtual ~SurfacePainter() = default;
+    virtual std::string_view name() const = 0;
+    virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
+};
+
+/// On this thread, without a GPU: the definition that the others are tested against.
+std::unique_ptr<SurfacePainter> make_cpu_painter();
+
+/// "cpu", "raster", "mesh", or "auto": see docs.
+Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name);
+
+}  // namespace touchable

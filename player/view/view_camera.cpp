@@ -1,0 +1,146 @@
+#include "player/view/view_camera.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <string_view>
+
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double degree = pi / 180.0;
+
+/// Share of the distance to what is looked at that lies before the near plane.
+constexpr double near_share = 0.02;
+
+/// Rows to the columns that GLM wants.
+glm::dmat4 from_rows(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& z, const glm::dvec4& w) {
+    return glm::transpose(glm::dmat4(x, y, z, w));
+}
+
+/// (x, y, 1, q) -> homogeneous world point ((x - cx)/fx, -(y - cy)/fy, -1, q).
+glm::dmat4 world_from_lattice(const Camera& camera) {
+    return from_rows({1.0 / camera.fx, 0, -camera.cx / camera.fx, 0},
+                     {0, -1.0 / camera.fy, camera.cy / camera.fy, 0}, {0, 0, -1, 0}, {0, 0, 0, 1});
+}
+
+/// Lens of the focal lengths and centre given, all in pixels of the picture.
+glm::dmat4 lens(glm::dvec2 focal, glm::dvec2 centre, int width, int height, double near) {
+    const glm::dvec2 half(width / 2.0, height / 2.0);
+    return from_rows({focal.x / half.x, 0, 1.0 - centre.x / half.x, 0},
+                     {0, -focal.y / half.y, 1.0 - centre.y / half.y, 0}, {0, 0, 0, near}, {0, 0, -1, 0});
+}
+
+double fit(const Scene& scene, int width, int height) {
+    return std::min(static_cast<double>(width) / scene.width, static_cast<double>(height) / scene.height);
+}
+
+ViewCamera view_of(const glm::dmat4& clip_from_world, const glm::dvec3& eye, const Scene& scene, int width,
+                   int height, double near) {
+    return {clip_from_world, clip_from_world * world_from_lattice(scene.camera), eye, width, height, near};
+}
+
+ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
+                      int height) {
+    const double az = viewpoint.azimuth * degree, el = viewpoint.elevation * degree;
+    const glm::dvec3 back(sine(az) * cosine(el), sine(el), cosine(az) * cosine(el));
+    const glm::dvec3 right(cosine(az), 0, -sine(az));
+    const glm::dvec3 up = glm::cross(back, right);
+    const double distance = -centre.z / viewpoint.zoom, near = near_share * distance;
+    const glm::dvec3 eye = centre + distance * back;
+    const glm::dmat4 eye_from_world =
+        from_rows({right, -glm::dot(right, eye)}, {up, -glm::dot(up, eye)}, {back, -glm::dot(back, eye)},
+                  {0, 0, 0, 1});
+    glm::dvec2 focal = glm::dvec2(scene.camera.fx, scene.camera.fy) * fit(scene, width, height);
+    if (viewpoint.fov) {
+        const double half = *viewpoint.fov * 0.5 * degree;
+        focal = glm::dvec2(height / 2.0 * cosine(half) / sine(half));
+    }
+    const glm::dmat4 lens_of_eye =
+        lens(focal, {width / 2.0, height / 2.0}, width, height, near);
+    return view_of(lens_of_eye * eye_from_world, eye, scene, width, height, near);
+}
+
+/// What is wrong with "key=value" of an orbit; nothing where it is right.
+std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoint) {
+    double fov = 0;
+    const struct {
+        std::string_view key;
+        double least, most;
+        double* value;
+    } keys[] = {{"az", -180, 180, &viewpoint.azimuth},
+                {"el", -89, 89, &viewpoint.elevation},
+                {"zoom", 0.1, 20, &viewpoint.zoom},
+                {"fov", 5, 120, &fov}};
+    const std::size_t equals = word.find('=');
+    for (const auto& key : keys) {
+        if (equals == std::string_view::npos || word.substr(0, equals) != key.key) continue;
+        const std::string_view digits = word.substr(equals + 1);
+        const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), *key.value);
+        if (failure == std::errc() && end == digits.data() + digits.size() && *key.value >= key.least &&
+            *key.value <= key.most) {
+            if (key.value == &fov) viewpoint.fov = fov;
+            return std::nullopt;
+        }
+        char range[64];
+        std::snprintf(range, sizeof range, " must be a number from %g to %g", key.least, key.most);
+        return std::string(key.key) + range;
+    }
+    return std::string(word) + " is none of az=, el=, zoom=, fov=";
+}
+
+}  // namespace
+
+Result<Viewpoint> parse_viewpoint(const std::string& words) {
+    Viewpoint viewpoint;
+    if (words == "own") {
+        viewpoint.own = true;
+        return viewpoint;
+    }
+    std::string_view rest = words;
+    if (!rest.starts_with("orbit") || (rest.size() > 5 && rest[5] != ':'))
+        return usage_error("--view " + words + " is not known; there are own and orbit:az=20,el=10,zoom=1");
+    rest.remove_prefix(std::min<std::size_t>(rest.size(), 6));
+    while (!rest.empty()) {
+        const std::size_t comma = std::min(rest.find(','), rest.size());
+        if (const auto fault = read_orbit(rest.substr(0, comma), viewpoint))
+            return usage_error("--view " + words + ": " + *fault);
+        rest.remove_prefix(std::min(rest.size(), comma + 1));
+    }
+    return viewpoint;
+}
+
+std::optional<glm::dvec3> ViewCamera::project(const glm::dvec3& world) const {
+    const glm::dvec4 clip = clip_from_world * glm::dvec4(world, 1.0);
+    if (!(clip.z <= clip.w)) return std::nullopt;
+    return glm::dvec3((clip.x / clip.w + 1.0) * width / 2.0, (clip.y / clip.w + 1.0) * height / 2.0,
+                      clip.z / clip.w);
+}
+
+glm::dvec3 ViewCamera::unproject(double x, double y, double z) const {
+    const glm::dvec4 ndc(2.0 * x / width - 1.0, 2.0 * y / height - 1.0, z, 1.0);
+    const glm::dvec4 world = glm::inverse(clip_from_world) * ndc;
+    return glm::dvec3(world) / world.w;
+}
+
+ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
+    const Camera& camera = scene.camera;
+    const double scale = fit(scene, width, height);
+    const glm::dvec2 margin((width - scale * scene.width) / 2.0, (height - scale * scene.height) / 2.0);
+    const glm::dvec2 centre = margin + scale * glm::dvec2(camera.cx + 0.5, camera.cy + 0.5);
+    return view_of(lens(scale * glm::dvec2(camera.fx, camera.fy), centre, width, height, nearest),
+                   glm::dvec3(0.0), scene, width, height, nearest);
+}
+
+ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
+                     int height) {
+    // Nothing that a clip holds is nearer than a thousandth of its middle.
+    if (viewpoint.own) return own_view(scene, width, height, -centre.z * 1e-3);
+    return orbit_view(viewpoint, scene, centre, width, height);
+}
+
+}  // namespace touchable

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// From where a surface is looked at, as a person says it: "own", the clip's camera, or
+/// "orbit:az=20,el=10,zoom=1", round the middle of what is seen.
+struct Viewpoint {
+    bool own = false;
+    double azimuth = 0;         ///< degrees to the right of the clip's camera, -180 to 180
+    double elevation = 0;       ///< degrees above it, -89 to 89
+    double zoom = 1;            ///< 0.1 to 20; 1 is as far away as the clip's camera, 2 half as far
+    std::optional<double> fov;  ///< vertical, degrees, 5 to 120; nothing: the clip's
+};
+Result<Viewpoint> parse_viewpoint(const std::string& words);
+
+/// A pinhole view of a clip's lattice. Screen: x to the right, y down, picture from (0, 0) to (width, height)
+/// pixels, pixel (i, j) has its centre at (i + 0.5, j + 0.5).
+///
+/// With z = near / distance along the viewing direction, what is drawn has 0 < z <= 1, nearer is more, and 0
+/// is empty: in floating point equally precise relative to any distance, and linear on the screen.
+struct ViewCamera {
+    glm::dmat4 clip_from_world{1.0};    ///< (X, Y, Z, 1) -> clip space, where 0 < z <= w is seen
+    glm::dmat4 clip_from_lattice{1.0};  ///< (x, y, 1, q) -> clip space; q = 1 / planar depth
+    glm::dvec3 eye{0.0};                ///< world
+    int width = 0, height = 0;          ///< pixels
+    double near = 0;                    ///< scene units
+
+    /// Screen position and z of a world point; nothing where it is not in front of the near plane.
+    std::optional<glm::dvec3> project(const glm::dvec3& world) const;
+    /// The world point at a screen position and z > 0.
+    glm::dvec3 unproject(double x, double y, double z) const;
+};
+
+/// The clip's own view, as large as fits into the picture. Nothing nearer than `nearest` (scene units, along
+/// -Z) is seen.
+ViewCamera own_view(const Scene& scene, int width, int height, double nearest);
+
+/// The viewpoint's view. `centre`: what an orbit goes round, world.
+ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
+                     int height);
+
+}  // namespace touchable

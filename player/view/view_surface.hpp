@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "engine/frame/plane_view.hpp"
+#include "haptics_cpu/height_field.hpp"
+
+namespace touchable {
+
+/// A colour of 8 bits a channel: red in the lowest byte, then green and blue; the highest is 255.
+using PackedColour = std::uint32_t;
+constexpr PackedColour pack_colour(std::uint32_t r, std::uint32_t g, std::uint32_t b) {
+    return r | g << 8 | b << 16 | 255U << 24;
+}
+
+/// Tiles of TileGrid worth drawing, as row * tiles_x + column.
+struct ViewTiles {
+    std::vector<std::uint32_t> whole;  ///< no triangle in them is cut (shaders/cut_rule.h)
+    std::vector<std::uint32_t> mixed;  ///< each triangle has to be looked at
+};
+
+/// What a painter draws: the lattice at one moment, with a colour at every vertex.
+struct ViewSurface {
+    int width = 0, height = 0;
+    std::vector<float> q;               ///< 1 / planar depth, height taken off; 0: invalid. Row-major
+    std::vector<PackedColour> colours;  ///< row-major
+    ViewTiles tiles;
+
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    }
+};
+
+/// q of every pixel of a field: what the solver touches, to the nearest float.
+std::vector<float> q_of(const HeightField& field);
+
+/// Which tiles are worth drawing, by the bounds of their depths alone: a tile left out has no valid pixel;
+/// one called mixed may turn out to be whole.
+ViewTiles classify_tiles(const HeightField& field);
+
+/// The surface of a field. Colours are those of `colour` (3 channels of the field's size), gently lit; where
+/// that is empty, light and depth alone.
+ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);
+
+/// The lower medians of X, Y and Z over the valid pixels, world: the middle of what is seen. The point at the
+/// far plane on the optical axis where none is valid.
+glm::dvec3 middle_of(const HeightField& field);
+
+}  // namespace touchable
