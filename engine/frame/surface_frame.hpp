@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/frame/frame_array.hpp"
 #include "engine/frame/raw_frame.hpp"
 #include "engine/frame/vertex_source.hpp"
 #include "engine/scene/scene.hpp"
@@ -25,7 +26,8 @@ struct TileGrid {
 };
 
 /// Over the valid codes of a tile's vertices inside the picture; least > greatest (65535, 0): none is valid.
-struct TileBounds {
+/// Eight bytes, as kernels write them.
+struct alignas(8) TileBounds {
     std::uint16_t least = 65535, greatest = 0;
     bool any_invalid = false;
     bool operator==(const TileBounds&) const = default;
@@ -35,13 +37,13 @@ struct TileBounds {
 /// lives in the SurfaceTimeline, because an unchanged frame is published again at a later one.
 struct SurfaceFrame {
     int width = 0, height = 0;
-    DepthCoding coding;                ///< of `codes`; a filter that adds precision has its own
-    std::vector<std::uint16_t> codes;  ///< width x height, row-major; empty where nobody asked (lazy, exact)
-    std::vector<std::uint32_t> validity;  ///< one bit per pixel, rows padded to whole words, low bit first
-    std::vector<TileBounds> tiles;        ///< tiles_x x tiles_y of TileGrid::of(width, height), row-major
-    std::vector<std::uint8_t> haptic;     ///< width x height x 3, never filtered; empty: the scene's defaults
-    std::vector<std::uint16_t> heights;   ///< width x height codes, never filtered; empty: no height
-    RawFrame raw;                         ///< what it was built from, where the vertices still read it (lazy)
+    DepthCoding coding;               ///< of `codes`; a filter that adds precision has its own
+    FrameArray<std::uint16_t> codes;  ///< width x height, row-major; empty where nobody asked (lazy, exact)
+    FrameArray<std::uint32_t> validity;  ///< one bit per pixel, rows padded to whole words, low bit first
+    FrameArray<TileBounds> tiles;        ///< tiles_x x tiles_y of TileGrid::of(width, height), row-major
+    std::vector<std::uint8_t> haptic;    ///< width x height x 3, never filtered; empty: the scene's defaults
+    std::vector<std::uint16_t> heights;  ///< width x height codes, never filtered; empty: no height
+    RawFrame raw;                        ///< what it was built from, where the vertices still read it (lazy)
     std::unique_ptr<VertexSource> vertices;  ///< how the solver reads this frame; set by the builder
 
     int validity_words_per_row() const { return (width + 31) / 32; }

@@ -66,7 +66,7 @@ TEST(Builders, RefusePlanesThatAreNotTheScenes) {
             FullFrame full(19, 7);
             SurfaceFrame frame;
             ASSERT_TRUE(builder->build(full.raw, frame));
-            const std::vector<std::uint16_t> codes = frame.codes;
+            const FrameArray<std::uint16_t> codes = frame.codes;
             spoil(full.raw);
             const Result<void> refused = builder->build(full.raw, frame);
             ASSERT_FALSE(refused.ok()) << what << ", " << builder->name();
