@@ -12,9 +12,14 @@
 namespace touchable {
 namespace {
 
-/// Depthkit's own limit: a colour means a depth where R + G + B > 0.3, of bytes as 0 to 1.
-constexpr int depthkit_least_sum = 77;
-constexpr FilterSettings depthkit_filter{5, 2};
+/// A colour means a depth where R + G + B > 0.3, of bytes as 0 to 1.
+constexpr int least_sum = 77;
+/// Hue is a circle: what lies at the near plane, red, slips past it to the far end when it is compressed. So
+/// the last 1/32 of the circle means no depth.
+constexpr int deepest_code = DepthCoding::hue_circle - DepthCoding::hue_circle / 32;
+/// Textures are compressed in blocks of 4x4 pixels; a median of 5x5 sees beyond one. Holes are specks and the
+/// blocks' dark rims.
+constexpr FilterSettings usual_filter{5, 2};
 
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
@@ -131,7 +136,7 @@ Result<void> check_layout(const Metadata& metadata, int width, int height) {
 Result<Scene> scene_from(const Metadata& metadata) {
     Scene scene;
     scene.metres_per_unit = 1;
-    scene.filter = depthkit_filter;
+    scene.filter = usual_filter;
     const auto width = whole(metadata, "depthImageSize", metadata.component("depthImageSize", "x"));
     if (!width) return width.error();
     const auto height = whole(metadata, "depthImageSize", metadata.component("depthImageSize", "y"));
@@ -153,8 +158,10 @@ Result<Scene> scene_from(const Metadata& metadata) {
     scene.depth.kind = DepthCodingKind::hue;
     scene.depth.semantics = DepthSemantics::planar;
     scene.depth.near_is_high = false;
-    scene.depth.code_max = DepthCoding::hue_circle;
-    scene.depth.least_sum = depthkit_least_sum;
+    scene.depth.code_max = deepest_code;
+    scene.depth.far = scene.depth.near + (scene.depth.far - scene.depth.near) * deepest_code /
+                                             static_cast<double>(DepthCoding::hue_circle);
+    scene.depth.least_sum = least_sum;
     if (auto valid = validate(scene); !valid)
         return input_error(metadata.file() + ": " + valid.error().message);
     derive_valid_range(scene.depth);
