@@ -1,6 +1,7 @@
 #include "engine/gpu/vulkan_instance.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
@@ -146,7 +147,11 @@ VulkanInstance::~VulkanInstance() {
     if (messenger_)
         function_of<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
             instance_, messenger_, nullptr);
-    if (instance_) vkDestroyInstance(instance_, nullptr);
+    // The first of a process stays: it keeps the driver loaded, which when unloaded leaves its static memory
+    // behind (lavapipe and the validation layer do), and which is slow to load again.
+    static std::atomic<VkInstance> first = VK_NULL_HANDLE;
+    VkInstance none = VK_NULL_HANDLE;
+    if (instance_ && !first.compare_exchange_strong(none, instance_)) vkDestroyInstance(instance_, nullptr);
 }
 
 Result<std::vector<VkPhysicalDevice>> VulkanInstance::devices() const {
