@@ -97,13 +97,15 @@ Scene random_scene(Random& random) {
     scene.metres_per_unit = random.between(1e-6, 2);
     scene.camera = {random.between(1, 5000), random.between(1, 5000), random.between(-100, 9000),
                     random.between(-100, 9000)};
-    scene.depth.kind = static_cast<DepthCodingKind>(random.below(3));
+    scene.depth.kind = static_cast<DepthCodingKind>(random.below(4));
     scene.depth.semantics = static_cast<DepthSemantics>(random.below(2));
     scene.depth.near = random.between(0.3, 50);
     scene.depth.far = scene.depth.near + random.between(1, 100);
-    scene.depth_bits = 8 + static_cast<int>(random.below(9));
-    scene.depth.code_max =
-        static_cast<std::uint16_t>((1 << scene.depth_bits) - 1 - static_cast<int>(random.below(20)));
+    const bool hue = scene.depth.kind == DepthCodingKind::hue;
+    if (hue) scene.depth.least_sum = static_cast<int>(random.below(766));
+    scene.depth_bits = hue ? 8 : 8 + static_cast<int>(random.below(9));
+    scene.depth.code_max = static_cast<std::uint16_t>((hue ? 1536 : (1 << scene.depth_bits) - 1) -
+                                                      static_cast<int>(random.below(20)));
     if (scene.depth.kind == DepthCodingKind::metric) {
         scene.depth.scale = 2 * scene.depth.far / scene.depth.code_max;
         scene.far_from_frames = random.below(2);
@@ -184,6 +186,29 @@ TEST(SceneFile, GlobeIsReadAsWritten) {
     EXPECT_EQ(scene.haptic.dynamic_friction.max, 0.8);
     EXPECT_FALSE(scene.folder);
     EXPECT_FALSE(scene.device_metres_per_unit);
+}
+
+TEST(SceneFile, HueHasDefaultsOfItsOwn) {
+    const char* text = R"({"touchable_scene": 1, "width": 4, "height": 3,
+        "camera": {"fx": 4, "fy": 4, "cx": 2, "cy": 1}, "depth": {"coding": "hue", "near": 1, "far": 10}})";
+    const DepthCoding usual = parsed(text).depth;
+    EXPECT_EQ(usual.kind, DepthCodingKind::hue);
+    EXPECT_EQ(usual.semantics, DepthSemantics::planar);
+    EXPECT_FALSE(usual.near_is_high);
+    EXPECT_EQ(usual.code_max, 1536);
+    EXPECT_EQ(usual.valid_max, 1536);
+    EXPECT_EQ(usual.least_sum, 0);
+    EXPECT_EQ(usual.depth(0), 1);
+    EXPECT_EQ(usual.depth(768), 5.5);
+
+    std::string given = text;
+    given.replace(given.find("\"near\""), 0,
+                  R"("near_is": "high", "code_max": 1280, "least_sum": 77, "invalid": [1279], )");
+    const DepthCoding other = parsed(given.c_str()).depth;
+    EXPECT_EQ(other.depth(1280), 1);
+    EXPECT_EQ(other.least_sum, 77);
+    EXPECT_FALSE(other.is_valid(1279));
+    EXPECT_FALSE(other.is_valid(1281));
 }
 
 TEST(SceneFile, EverythingThatMayBeLeftOutHasItsDefault) {
