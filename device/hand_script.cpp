@@ -55,6 +55,7 @@ public:
     }
 
     glm::dvec2 pixel() const override { return pixel_; }
+    bool moves() const override { return true; }
 
     void advance(const Ground& ground, const SurfaceProbe&) override {
         keep_near_the_surface(ground);
@@ -121,6 +122,7 @@ public:
           direction_(cosine(settings.angle), sine(settings.angle)) {}
 
     glm::dvec2 pixel() const override { return pixel_; }
+    bool moves() const override { return true; }
 
     void advance(const Ground& ground, const SurfaceProbe&) override {
         glm::dvec2 step = pixel_step(direction_, settings_.speed * tick_s, ground);
@@ -151,6 +153,7 @@ public:
     Press(const PressSettings& settings, int fingers) : settings_(settings), fingers_(fingers) {}
 
     glm::dvec2 pixel() const override { return settings_.pixel; }
+    bool moves() const override { return false; }
 
     void advance(const Ground&, const SurfaceProbe&) override { ++tick_; }
 
@@ -175,6 +178,7 @@ public:
     }
 
     glm::dvec2 pixel() const override { return pixel_; }
+    bool moves() const override { return pixel_ != target_; }
 
     void advance(const Ground& ground, const SurfaceProbe& probe) override {
         if (pixel_ != target_) {

@@ -24,6 +24,8 @@ public:
     virtual glm::dvec2 pixel() const = 0;
     /// Moves on by one tick.
     virtual void advance(const Ground& ground, const SurfaceProbe& probe) = 0;
+    /// Whether it is on its way; if not, it stays over its pixel.
+    virtual bool moves() const = 0;
     /// Device metres under the surface; negative: above it.
     virtual double penetration(int finger) const = 0;
 };

@@ -12,34 +12,34 @@
 namespace touchable {
 namespace {
 
-constexpr double entry_s = 0.25;       // a hand comes down in this time ...
-constexpr double entry_height = 0.05;  // ... from this far above, device metres
-constexpr double settling_s = 0.1;     // time constant of the depth that pixels are measured at
+constexpr double entry_s = 0.25;          // a hand comes down in this time ...
+constexpr double entry_height = 0.05;     // ... from this far above, device metres
+constexpr double settling_s = 0.1;        // time constant of the depth that pixels are measured at
+constexpr double reach = 0.0005;          // a finger looks this far about itself, device metres
+constexpr double clearance = 0.001;       // it crosses broken ground this far above it, device metres
+constexpr double longest_glide = 0.001;   // it glides this far over rough ground, device metres
+constexpr double greatest_lag = 0.00025;  // the script waits for one that is farther off, device metres
 constexpr double nearest_goal = 0.1;  // a goal stays this share of the surface's depth in front of the camera
-
-/// Device metres that one pixel spans at `depth`, across and down.
-glm::dvec2 pixel_size(const SurfaceProbe& probe, const glm::dvec2& pixel, double depth,
-                      double metres_per_unit) {
-    const glm::dvec3 here = probe.unproject(pixel.x, pixel.y, depth);
-    const glm::dvec3 right = probe.unproject(pixel.x + 1, pixel.y, depth);
-    const glm::dvec3 below = probe.unproject(pixel.x, pixel.y + 1, depth);
-    return glm::dvec2(right.x - here.x, here.y - below.y) * metres_per_unit;
-}
 
 }  // namespace
 
+bool ScriptedHand::Finger::hops() const {
+    return ridge && glided > longest_glide;
+}
+
 ScriptedHand::ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script,
                            const SurfaceProbe& probe)
-    : settings_(settings), script_(std::move(script)) {
-    for (int finger = 0; finger < settings.fingers; ++finger) {
-        offsets_.push_back(finger_offset(finger, settings.fingers, settings.spread));
-    }
+    : settings_(settings),
+      footing_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit, settings.box),
+      script_(std::move(script)) {
     centre_depth_ = start_depth(probe, script_->pixel());
     look_at_ground(probe);
-    for (int finger = 0; finger < settings.fingers; ++finger) {
-        depths_.push_back(start_depth(probe, finger_pixel(finger)));
+    for (int k = 0; k < settings.fingers; ++k) {
+        Finger finger{finger_offset(k, settings.fingers, settings.spread), 0, glm::dvec3(0), {}};
+        finger.depth = start_depth(probe, finger_pixel(finger));
+        finger.goal = aim(finger, script_->penetration(k), entry_height, probe);
+        fingers_.push_back(finger);
     }
-    previous_.resize(offsets_.size());
 }
 
 /// The depth at or nearest to `pixel`; where nothing is to be seen, that of the device's centre.
@@ -49,17 +49,23 @@ double ScriptedHand::start_depth(const SurfaceProbe& probe, const glm::dvec2& pi
 }
 
 void ScriptedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) {
-    assert(goals.size() == offsets_.size());
-    if (tick > 0) script_->advance(ground_, probe);
-    look_at_ground(probe);
-    const double longest_step = settings_.max_speed * tick_s / settings_.workspace.metres_per_scene_unit;
-    for (int finger = 0; finger < settings_.fingers; ++finger) {
-        const auto f = static_cast<std::size_t>(finger);
-        goals[f] = aim(finger, tick, probe);
-        const glm::dvec3 step = goals[f] - previous_[f];
-        const double length = glm::length(step);
-        if (tick > 0 && length > longest_step) goals[f] = previous_[f] + step * (longest_step / length);
-        previous_[f] = goals[f];
+    assert(goals.size() == fingers_.size());
+    const bool moves = tick > 0 && !waits_;
+    if (moves) script_->advance(ground_, probe);
+    if (!waits_) look_at_ground(probe);
+    waits_ = false;
+    const double to_come = std::max(0.0, 1 - static_cast<double>(tick) * tick_s / entry_s);
+    for (std::size_t k = 0; k < fingers_.size(); ++k) {
+        Finger& finger = fingers_[k];
+        if (moves) finger.glided += settings_.speed * tick_s;
+        const double penetration = script_->penetration(static_cast<int>(k));
+        const bool there = move(finger, aim(finger, penetration, entry_height * to_come, probe));
+        if (!finger.hops()) {
+            waits_ = waits_ || !there;
+        } else if (there) {
+            finger.ridge.reset();
+        }
+        goals[k] = finger.goal;
     }
 }
 
@@ -74,21 +80,52 @@ void ScriptedHand::look_at_ground(const SurfaceProbe& probe) {
         pixel_size(probe, pixel, centre_depth_, settings_.workspace.metres_per_scene_unit);
 }
 
-glm::dvec2 ScriptedHand::finger_pixel(int finger) const {
-    const glm::dvec2 offset = offsets_[static_cast<std::size_t>(finger)] / ground_.metres_per_pixel;
+glm::dvec2 ScriptedHand::finger_pixel(const Finger& finger) const {
+    const glm::dvec2 offset = finger.offset / ground_.metres_per_pixel;
     const glm::dvec2 pixel = script_->pixel() + glm::dvec2(offset.x, -offset.y);
     return glm::clamp(pixel, settings_.box.least, settings_.box.greatest);
 }
 
-glm::dvec3 ScriptedHand::aim(int finger, std::int64_t tick, const SurfaceProbe& probe) {
+/// A finger on its way minds the ground about it; one that stays over its pixel minds only that.
+ScriptedHand::Stance ScriptedHand::stance(Finger& finger, const glm::dvec2& pixel,
+                                          const SurfaceProbe& probe) const {
+    const std::optional<double> under = probe.depth_under(pixel.x, pixel.y);
+    finger.depth = under.value_or(finger.depth);
+    if (!script_->moves()) return {finger.depth, under.has_value()};
+    const Footing footing = footing_.about(pixel, finger.depth, probe);
+    if (!under || footing.kind == Footing::Kind::broken) {
+        finger.ridge.reset();
+        return {footing.highest, false};
+    }
+    if (footing.kind == Footing::Kind::rough && !finger.ridge) {
+        finger.ridge = footing.highest;
+        finger.glided = 0;
+    }
+    if (finger.ridge) finger.ridge = std::min(*finger.ridge, footing.highest);
+    return finger.hops() ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
+}
+
+/// `penetration` along -Z where the ground is firm. A finger that crosses other ground or has yet to come
+/// down by `height` is lifted along its pixel's ray, on which nothing else stands.
+glm::dvec3 ScriptedHand::aim(Finger& finger, double penetration, double height,
+                             const SurfaceProbe& probe) const {
+    const double metres_per_unit = settings_.workspace.metres_per_scene_unit;
     const glm::dvec2 pixel = finger_pixel(finger);
-    double& depth = depths_[static_cast<std::size_t>(finger)];
-    depth = probe.depth_under(pixel.x, pixel.y).value_or(depth);
-    const double to_come = std::max(0.0, 1 - static_cast<double>(tick) * tick_s / entry_s);
-    const double under = script_->penetration(finger) - entry_height * to_come;  // device metres
-    glm::dvec3 goal = probe.unproject(pixel.x, pixel.y, depth);
-    goal.z = std::min(goal.z - under / settings_.workspace.metres_per_scene_unit, -nearest_goal * depth);
+    const auto [depth, firm] = stance(finger, pixel, probe);
+    const double lift = height + (firm ? 0 : std::max(-penetration, clearance));
+    const double nearest = nearest_goal * depth;
+    glm::dvec3 goal = probe.unproject(pixel.x, pixel.y, std::max(depth - lift / metres_per_unit, nearest));
+    if (firm) goal.z = std::min(goal.z - penetration / metres_per_unit, -nearest);
     return goal;
+}
+
+/// Moves the finger's goal to `target` as far as it gets within one tick; whether that is about there.
+bool ScriptedHand::move(Finger& finger, const glm::dvec3& target) const {
+    const glm::dvec3 way = target - finger.goal;
+    const double length = glm::length(way) * settings_.workspace.metres_per_scene_unit;
+    const double longest = settings_.max_speed * tick_s;
+    finger.goal = length > longest ? finger.goal + way * (longest / length) : target;
+    return length - longest <= greatest_lag;
 }
 
 namespace {
@@ -156,7 +193,11 @@ std::optional<Result<std::unique_ptr<Hand>>> make_scripted_hand(std::string_view
                            "': max_speed is below speed; raise it to at least speed");
     }
     const PixelBox box = middle_of(probe, name == "press" ? 1 : given->number(extent.name));
-    const ScriptedHand::Settings settings{fingers, workspace, box, given->number(spread.name),
+    const ScriptedHand::Settings settings{fingers,
+                                          workspace,
+                                          box,
+                                          given->number(spread.name),
+                                          name == "press" ? 0 : given->number(speed.name),
                                           given->number(max_speed.name)};
     std::unique_ptr<HandScript> script = make_script(name, *given, fingers, box, probe);
     return std::unique_ptr<Hand>(std::make_unique<ScriptedHand>(settings, std::move(script), probe));

@@ -133,6 +133,7 @@ void add_export_command(CLI::App& app, Command& command) {
     sub->callback([options, range, mesh, one, many, &command] {
         command = [=]() -> Result<void> {
             ExportOptions chosen = *options;
+            if (chosen.out.empty()) return usage_error("--out names no folder; right would be --out FOLDER");
             if (one->count() + many->count() == 0)
                 return usage_error("export needs --frame N or --frames A-B|all; see touchable export -h");
             if (chosen.out.empty() && !chosen.picture.file)

@@ -129,6 +129,13 @@ TEST_F(Export, ImpossibleSettingsAreCode2AndLeaveNothing) {
         EXPECT_EQ(run_touchable({"export", clip(), "--frames", range, "--out", out()}).code, 2) << range;
 }
 
+TEST_F(Export, FolderWithoutANameIsCode2) {
+    make("plane", 1);
+    const Outcome run = run_touchable({"export", clip(), "--frame", "0", "--out", ""});
+    EXPECT_EQ(run.code, 2);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+}
+
 TEST_F(Export, PlaceThatIsAFileIsCode3AndStaysAsItWas) {
     make("plane", 1);
     const std::string before = file_contents(clip());

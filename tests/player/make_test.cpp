@@ -1,4 +1,7 @@
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
 
 #include "engine/content/scenes.hpp"
 #include "engine/media/clip.hpp"
@@ -107,6 +110,16 @@ TEST(Make, UnwritableFileIsCode3) {
         run_touchable({"make", "plane", "/no-such-folder/out.mkv", "--size", "16x12", "--frames", "1"});
     EXPECT_EQ(run.code, 3);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
+}
+
+TEST(Make, FullDiskIsCode3AndLeavesNothing) {
+    const TemporaryFolder folder;
+    const std::string limited = "ulimit -f 40; exec " + std::string(TOUCHABLE_PROGRAM) + " make noise " +
+                                (folder / "out.mkv") + " --size 320x240 --frames 20 2>/dev/null";
+    const int status = std::system(limited.c_str());
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 3);
+    EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
 TEST(Make, InterruptedIsCode130AndLeavesNothing) {

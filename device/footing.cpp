@@ -1,0 +1,58 @@
+#include "device/footing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int rings = 4;
+constexpr double least_cliff = 0.004;  // device metres: a lower step is rough ground, however steep
+constexpr double steepest = 2.14;      // rise per length, as the camera sees it: 65 degrees
+constexpr double hollow = 0.0001;      // device metres: how far rough ground rises to both sides, together
+
+}  // namespace
+
+FootingSearch::FootingSearch(double reach, double metres_per_scene_unit, const PixelBox& box)
+    : reach_(reach), metres_per_scene_unit_(metres_per_scene_unit), box_(box) {
+    for (int k = 0; k < directions; ++k) {
+        const double angle = 2 * pi * k / directions;
+        directions_[static_cast<std::size_t>(k)] = {cosine(angle), -sine(angle)};
+    }
+}
+
+Footing FootingSearch::about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const {
+    const glm::dvec2 size = pixel_size(probe, pixel, depth, metres_per_scene_unit_);
+    bool broken = false, rough = false;
+    double highest = depth;
+    for (int ring = 1; ring <= rings; ++ring) {
+        const double radius = reach_ * ring / rings;
+        std::array<double, directions> rise{};  // towards the camera, device metres
+        for (std::size_t k = 0; k < directions; ++k) {
+            const glm::dvec2 aside = pixel + radius * directions_[k] / size;
+            const glm::dvec2 place = glm::clamp(aside, box_.least, box_.greatest);
+            const std::optional<double> there = probe.depth_under(place.x, place.y);
+            rise[k] = (depth - there.value_or(depth)) * metres_per_scene_unit_;
+            broken = broken || !there || std::fabs(rise[k]) > std::max(least_cliff, steepest * radius);
+            highest = std::min(highest, there.value_or(depth));
+        }
+        // A slope that rises to one side falls to the other: only where it bends does the sum stay.
+        for (std::size_t k = 0; k < directions / 2; ++k) {
+            rough = rough || rise[k] + rise[k + directions / 2] > hollow;
+        }
+    }
+    return {broken ? Footing::Kind::broken : rough ? Footing::Kind::rough : Footing::Kind::smooth, highest};
+}
+
+glm::dvec2 pixel_size(const SurfaceProbe& probe, const glm::dvec2& pixel, double depth,
+                      double metres_per_scene_unit) {
+    const glm::dvec3 here = probe.unproject(pixel.x, pixel.y, depth);
+    const glm::dvec3 right = probe.unproject(pixel.x + 1, pixel.y, depth);
+    const glm::dvec3 below = probe.unproject(pixel.x, pixel.y + 1, depth);
+    return glm::dvec2(right.x - here.x, here.y - below.y) * metres_per_scene_unit;
+}
+
+}  // namespace touchable
