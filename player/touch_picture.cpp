@@ -10,8 +10,8 @@ namespace touchable {
 namespace {
 
 // On the device; in the scene they are as large as that is there.
-constexpr double finger_radius_m = 0.003;
-constexpr double newton_m = 0.012;
+constexpr double finger_radius_m = 0.0018;
+constexpr double newton_m = 0.008;
 
 constexpr std::size_t trail_ticks = 800;
 constexpr std::size_t trail_step = 4;  // ticks between two points that are drawn

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "player/view/solids.hpp"
+#include "shaders/cut_rule.h"
 
 namespace touchable {
 namespace {
@@ -21,7 +22,7 @@ void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& came
     const auto middle = camera.project(centre);
     if (!middle) return;
     const double distance = std::max(camera.near / middle->z, reach * 1.01);
-    const double pixels = reach / (distance - reach) * camera.width * glm::length(glm::dvec3(camera.clip_from_world[0][0], camera.clip_from_world[1][0], camera.clip_from_world[2][0])) / 2;
+    const double pixels = camera.focal * reach / (distance - reach);
     auto span = [&](double at, int size) {
         return std::array<int, 2>{static_cast<int>(std::clamp(at - pixels, 0.0, static_cast<double>(size))),
                                   static_cast<int>(std::clamp(at + pixels + 1, 0.0, static_cast<double>(size)))};
@@ -51,8 +52,11 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
         const Material solid{light_of(finger_colours[k % finger_colours.size()]), 1};
         const auto points = static_cast<double>(finger.trail.size());
         auto thread = [&](std::size_t at) { return 0.22 * radius * (0.15 + 0.85 * static_cast<double>(at) / points); };
-        for (std::size_t at = 1; at < finger.trail.size(); ++at)
-            draw_rod(camera, finger.trail[at - 1], finger.trail[at], thread(at - 1), thread(at), solid, picture);
+        for (std::size_t at = 1; at < finger.trail.size(); ++at) {
+            const glm::dvec3 &from = finger.trail[at - 1], &to = finger.trail[at];
+            if (std::max(from.z / to.z, to.z / from.z) < CUT_RULE_RATIO)
+                draw_rod(camera, from, to, thread(at - 1), thread(at), solid, picture);
+        }
         draw_sphere(camera, finger.proxy, radius, solid, picture);
         if (finger.touching)
             draw_arrow(camera, finger.proxy, finger.proxy + finger.force * sizes.length_per_newton, 0.34 * radius,

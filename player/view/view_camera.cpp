@@ -39,9 +39,25 @@ double fit(const Scene& scene, int width, int height) {
     return std::min(static_cast<double>(width) / scene.width, static_cast<double>(height) / scene.height);
 }
 
-ViewCamera view_of(const glm::dmat4& clip_from_world, const glm::dvec3& eye, const Scene& scene, int width,
-                   int height, double near) {
-    return {clip_from_world, clip_from_world * world_from_lattice(scene.camera), eye, width, height, near};
+/// An eye, before which the world's points are `eye_from_world`'s, and its lens.
+struct Sight {
+    glm::dmat4 eye_from_world{1.0};
+    glm::dvec3 eye{0.0};
+    glm::dvec2 focal, centre;  // pixels
+    double near;               // scene units
+};
+
+ViewCamera view_of(const Sight& sight, const Scene& scene, int width, int height) {
+    ViewCamera view;
+    view.clip_from_world =
+        lens(sight.focal, sight.centre, width, height, sight.near) * sight.eye_from_world;
+    view.clip_from_lattice = view.clip_from_world * world_from_lattice(scene.camera);
+    view.eye = sight.eye;
+    view.width = width;
+    view.height = height;
+    view.near = sight.near;
+    view.focal = std::max(sight.focal.x, sight.focal.y);
+    return view;
 }
 
 ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
@@ -50,7 +66,7 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
     const glm::dvec3 back(sine(az) * cosine(el), sine(el), cosine(az) * cosine(el));
     const glm::dvec3 right(cosine(az), 0, -sine(az));
     const glm::dvec3 up = glm::cross(back, right);
-    const double distance = -centre.z / viewpoint.zoom, near = near_share * distance;
+    const double distance = -centre.z / viewpoint.zoom;
     const glm::dvec3 eye = centre + distance * back;
     const glm::dmat4 eye_from_world =
         from_rows({right, -glm::dot(right, eye)}, {up, -glm::dot(up, eye)}, {back, -glm::dot(back, eye)},
@@ -60,9 +76,8 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
         const double half = *viewpoint.fov * 0.5 * degree;
         focal = glm::dvec2(height / 2.0 * cosine(half) / sine(half));
     }
-    const glm::dmat4 lens_of_eye =
-        lens(focal, {width / 2.0, height / 2.0}, width, height, near);
-    return view_of(lens_of_eye * eye_from_world, eye, scene, width, height, near);
+    return view_of({eye_from_world, eye, focal, {width / 2.0, height / 2.0}, near_share * distance}, scene,
+                   width, height);
 }
 
 /// What is wrong with "key=value" of an orbit; nothing where it is right.
@@ -132,8 +147,8 @@ ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
     const double scale = fit(scene, width, height);
     const glm::dvec2 margin((width - scale * scene.width) / 2.0, (height - scale * scene.height) / 2.0);
     const glm::dvec2 centre = margin + scale * glm::dvec2(camera.cx + 0.5, camera.cy + 0.5);
-    return view_of(lens(scale * glm::dvec2(camera.fx, camera.fy), centre, width, height, nearest),
-                   glm::dvec3(0.0), scene, width, height, nearest);
+    return view_of({glm::dmat4(1.0), glm::dvec3(0.0), scale * glm::dvec2(camera.fx, camera.fy), centre, nearest},
+                   scene, width, height);
 }
 
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,

@@ -34,6 +34,7 @@ struct ViewCamera {
     glm::dvec3 eye{0.0};                ///< world
     int width = 0, height = 0;          ///< pixels
     double near = 0;                    ///< scene units
+    double focal = 0;                   ///< pixels: how large a thing of its own distance's size is at most
 
     /// Screen position and z of a world point; nothing where it is not in front of the near plane.
     std::optional<glm::dvec3> project(const glm::dvec3& world) const;

@@ -79,7 +79,7 @@ glm::dvec3 middle_of(const HeightField& field) {
     for (int y = 0; y < field.height(); y += step)
         for (int x = 0; x < field.width(); x += step) {
             const FieldVertex vertex = field.vertex(x, y);
-            if (!vertex.valid) continue;
+            if (!vertex.valid || vertex.depth >= 0.999 * scene.depth.far) continue;
             const double depth = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
             const glm::dvec3 point = unproject(scene.camera, x, y, depth);
             for (int axis = 0; axis < 3; ++axis)

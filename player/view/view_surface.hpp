@@ -44,8 +44,9 @@ ViewTiles classify_tiles(const HeightField& field);
 /// that is empty, light and depth alone.
 ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);
 
-/// The lower medians of X, Y and Z over the valid pixels, world: the middle of what is seen. The point at the
-/// far plane on the optical axis where none is valid.
+/// The lower medians of X, Y and Z, world, over the valid pixels that are not at the far plane, where
+/// backgrounds are: the middle of what is seen. The point at the far plane on the optical axis where there
+/// are none.
 glm::dvec3 middle_of(const HeightField& field);
 
 }  // namespace touchable
