@@ -10,6 +10,8 @@
 
 #include "player/builder_facts.hpp"
 #include "player/machine_facts.hpp"
+#include "player/vulkan_facts.hpp"
+#include "player/vulkan_report.hpp"
 
 namespace touchable {
 namespace {
@@ -18,6 +20,7 @@ struct MachineReport {
     CpuFacts cpu;
     TimerFacts timer;
     FfmpegFacts ffmpeg;
+    VulkanFacts vulkan;
     std::vector<BuilderFacts> builders;
 
     std::vector<std::string> faults() const {
@@ -26,6 +29,8 @@ struct MachineReport {
             if (!codec.present) found.push_back("FFmpeg here has no " + codec.name);
         for (const BuilderFacts& facts : builders)
             if (!facts.identical) found.push_back("the builders differ on " + facts.scene);
+        // No device is no fault, the CPU does the same work; one that does not do as it says is.
+        if (vulkan.used && !vulkan.unusable.empty()) found.push_back(vulkan.unusable);
         return found;
     }
 };
@@ -43,11 +48,13 @@ void print_text(const MachineReport& report, const std::vector<std::string>& fau
         std::cout << (&codec == &report.ffmpeg.needed.front() ? " " : ", ") << (codec.present ? "" : "NO ")
                   << codec.name;
     std::cout << '\n';
+    print_vulkan(std::cout, report.vulkan);
     for (const BuilderFacts& facts : report.builders)
         std::cout << "builders  " << facts.scene << ' ' << facts.width << "x" << facts.height << ": cpu "
                   << facts.cpu_ms << " ms, reference " << facts.reference_ms << " ms, lazy " << facts.lazy_ms
                   << " ms (every pixel); " << (facts.identical ? "the same bits" : "DIFFERENT bits") << '\n';
-    std::cout << "verdict   " << (faults.empty() ? "ready" : "not ready") << '\n';
+    std::cout << "verdict   " << (faults.empty() ? "ready" : "not ready")
+              << (report.vulkan.unusable.empty() ? "\n" : ", without Vulkan\n");
 }
 
 void print_json(const MachineReport& report, const std::vector<std::string>& faults) {
@@ -61,6 +68,7 @@ void print_json(const MachineReport& report, const std::vector<std::string>& fau
                     {"realtime_permitted", report.timer.realtime_permitted}};
     out["ffmpeg"] = {{"version", report.ffmpeg.version}, {"needed", ordered_json::object()}};
     for (const CodecFact& codec : report.ffmpeg.needed) out["ffmpeg"]["needed"][codec.name] = codec.present;
+    out["vulkan"] = vulkan_json(report.vulkan);
     out["builders"] = ordered_json::array();
     for (const BuilderFacts& facts : report.builders)
         out["builders"].push_back({{"scene", facts.scene},
@@ -78,7 +86,7 @@ void print_json(const MachineReport& report, const std::vector<std::string>& fau
 }  // namespace
 
 Result<void> run_check(const CheckOptions& options) {
-    MachineReport report{cpu_facts(), timer_facts(), ffmpeg_facts(), {}};
+    MachineReport report{cpu_facts(), timer_facts(), ffmpeg_facts(), vulkan_facts(), {}};
     for (const char* scene : {"globe", "noise"}) {
         auto facts = builder_facts(scene);
         if (!facts.ok()) return facts.error();

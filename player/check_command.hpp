@@ -13,8 +13,9 @@ struct CheckOptions {
     bool json = false;
 };
 
-/// Prints what this machine is and whether it can do the work: CPU, timers, codecs, and the builders compared
-/// bit for bit. Fails (ErrorKind::check) where a clip could not be read or written, or where builders differ.
+/// Prints what this machine is and whether it can do the work: CPU, timers, codecs, Vulkan, and the builders
+/// compared bit for bit. Fails (ErrorKind::check) where a clip could not be read or written, where a Vulkan
+/// device does not do as it says (none at all is no fault), or where builders differ.
 Result<void> run_check(const CheckOptions& options);
 
 void add_check_command(CLI::App& app, Command& command);
