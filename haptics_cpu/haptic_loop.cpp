@@ -10,7 +10,8 @@ namespace {
 constexpr std::chrono::milliseconds tick_time(1);
 }
 
-HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log)
+HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port,
+                       TickLog& log)
     : scene_(scene),
       timeline_(timeline),
       step_(step),
@@ -18,7 +19,9 @@ HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep&
       log_(log),
       newtons_(static_cast<std::size_t>(step.fingers())) {}
 
-HapticLoop::~HapticLoop() { stop(); }
+HapticLoop::~HapticLoop() {
+    stop();
+}
 
 void HapticLoop::start() {
     ended_.store(false, std::memory_order_release);

@@ -22,12 +22,14 @@ struct LoopFacts {
     bool port_failed = false;
 };
 
-/// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time. It never
-/// waits for anybody, never allocates; a tick that comes too late is counted and the missed ones are skipped.
+/// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time.
+/// It never waits for anybody, never allocates; a tick that comes too late is counted and the missed ones are
+/// skipped.
 class HapticLoop {
 public:
     /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.
-    HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log);
+    HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port,
+               TickLog& log);
     ~HapticLoop();  ///< stops it
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;

@@ -8,14 +8,15 @@
 
 namespace touchable {
 
-/// What the haptic thread is plugged into: where goals come from and forces go. Called every millisecond from that
-/// thread alone; must not wait.
+/// What the haptic thread is plugged into: where goals come from and forces go. Called every millisecond from
+/// that thread alone; must not wait.
 class HapticPort {
 public:
     virtual ~HapticPort() = default;
     /// Goals of a tick, world, scene units, one per finger. False: the device is gone, and the loop ends.
     virtual bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) = 0;
-    /// Guarded forces, newtons, world axes. False as above. The last call of a loop, however it ends, writes zeros.
+    /// Guarded forces, newtons, world axes. False as above. The last call of a loop, however it ends, writes
+    /// zeros.
     virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
 };
 

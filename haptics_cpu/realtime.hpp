@@ -7,12 +7,13 @@ namespace touchable {
 
 /// How much of what a real-time thread wants this machine allows.
 struct RealtimeGrant {
-    bool fifo = false;           ///< SCHED_FIFO
-    bool memory_locked = false;  ///< mlockall: no page is fetched in a tick
+    bool fifo = false;             ///< SCHED_FIFO
+    bool memory_locked = false;    ///< mlockall: no page is fetched in a tick
     std::string in_words() const;  ///< "SCHED_FIFO, memory locked", or what is missing
 };
 
-/// Asks for it, for the calling thread: SCHED_FIFO, memory locked, timer slack 1 ns. Goes on without what is refused.
+/// Asks for it, for the calling thread: SCHED_FIFO, memory locked, timer slack 1 ns. Goes on without what is
+/// refused.
 RealtimeGrant become_realtime();
 
 /// Sleeps until a moment of the monotonic clock, absolutely.

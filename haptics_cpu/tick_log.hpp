@@ -8,8 +8,8 @@
 
 namespace touchable {
 
-/// Ticks on their way from the haptic thread to whoever keeps them: a ring between one writer and one reader. Neither
-/// waits; all memory is there from the start.
+/// Ticks on their way from the haptic thread to whoever keeps them: a ring between one writer and one reader.
+/// Neither waits; all memory is there from the start.
 class TickLog {
 public:
     TickLog(int ticks, int fingers);

@@ -37,7 +37,8 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     done.forces = forces_;
     done.metres_per_scene_unit = solver_.settings().metres_per_scene_unit;
     done.solve_us = std::chrono::duration<double, std::micro>(end - start).count();
-    for (const Contact& contact : contacts_) done.behind |= is_behind_surface(field, contact.proxy, behind_tolerance);
+    for (const Contact& contact : contacts_)
+        done.behind |= is_behind_surface(field, contact.proxy, behind_tolerance);
     return done;
 }
 

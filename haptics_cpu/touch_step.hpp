@@ -6,7 +6,8 @@
 
 namespace touchable {
 
-/// N fingers from tick to tick: solver, guard, and what they carry over. The one way a tick is made, offline and live.
+/// N fingers from tick to tick: solver, guard, and what they carry over. The one way a tick is made, offline
+/// and live.
 class TouchStep {
 public:
     /// `solver` outlives this.

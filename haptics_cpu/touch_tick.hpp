@@ -13,15 +13,15 @@ namespace touchable {
 /// What happened in one tick; spans hold one element per finger.
 struct TouchTick {
     std::int64_t tick = 0, time_ns = 0;
-    FramePair pair;                     ///< in a log only its numbers, times and blend mean anything: frames are recycled
-    double blend = 0;                   ///< that the surface had: 0 where it holds the earlier frame
+    FramePair pair;    ///< in a log only its numbers, times and blend mean anything: frames are recycled
+    double blend = 0;  ///< that the surface had: 0 where it holds the earlier frame
     std::span<const glm::dvec3> goals;  ///< as the hand gave them
     std::span<const Contact> contacts;
     std::span<const GuardedForce> forces;
     double metres_per_scene_unit = 0;
-    bool behind = false;   ///< a proxy was behind the surface by more than rounding explains
-    double solve_us = 0;   ///< solver and guard of all fingers, wall time
-    double late_us = 0;    ///< after its time it began; 0 in virtual time
+    bool behind = false;  ///< a proxy was behind the surface by more than rounding explains
+    double solve_us = 0;  ///< solver and guard of all fingers, wall time
+    double late_us = 0;   ///< after its time it began; 0 in virtual time
 };
 
 }  // namespace touchable

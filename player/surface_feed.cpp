@@ -42,25 +42,36 @@ SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<Sur
 
 SurfaceFeed::~SurfaceFeed() = default;
 
-Result<void> SurfaceFeed::publish_next() {
-    auto start = std::chrono::steady_clock::now();
+Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
+    const auto start = std::chrono::steady_clock::now();
     auto raw = reader_->next();
+    if (raw.ok() && *raw) read_ms_.push_back(milliseconds_since(start));
+    return raw;
+}
+
+Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
+    SurfaceFrame* slot = timeline_.acquire();
+    if (!slot) return false;
+    const auto start = std::chrono::steady_clock::now();
+    if (auto built = builder_->build(raw, *slot); !built.ok()) return built.error();
+    build_ms_.push_back(milliseconds_since(start));
+    for (const PlaneView* plane : {&raw.depth, &raw.haptic, &raw.height}) hash_->add(*plane);
+    if (auto published = timeline_.publish(raw.number, raw.time_ns); !published.ok()) return published.error();
+    ++frames_;
+    return true;
+}
+
+Result<void> SurfaceFeed::publish_next() {
+    const auto raw = read_next();
     if (!raw.ok()) return raw.error();
     if (!*raw) {
         ended_ = true;
-        end_ns_ = rate_.time_ns(frames_);
         return {};
     }
-    read_ms_.push_back(milliseconds_since(start));
-    for (const PlaneView* plane : {&(*raw)->depth, &(*raw)->haptic, &(*raw)->height}) hash_->add(*plane);
-
-    start = std::chrono::steady_clock::now();
-    SurfaceFrame* slot = timeline_.acquire();
-    assert(slot && "the reader of virtual time never holds more than a pair");
-    if (auto built = builder_->build(**raw, *slot); !built.ok()) return built;
-    build_ms_.push_back(milliseconds_since(start));
-    ++frames_;
-    return timeline_.publish((*raw)->number, (*raw)->time_ns);
+    const auto published = publish(**raw);
+    if (!published.ok()) return published.error();
+    assert(*published && "the reader of virtual time never holds more than a pair");
+    return {};
 }
 
 Result<FramePair> SurfaceFeed::pair_at(std::int64_t time_ns) {
@@ -72,6 +83,17 @@ Result<FramePair> SurfaceFeed::pair_at(std::int64_t time_ns) {
     }
     if (!timeline_.pair_at(time_ns, pair))
         return input_error("the clip has no frames; there is nothing to touch");
+    return pair;
+}
+
+Result<FramePair> SurfaceFeed::pair_of(std::int64_t prev, std::int64_t next, double blend) {
+    auto pair = pair_at(rate_.time_ns(prev));
+    if (!pair.ok()) return pair;
+    if (next == prev) pair->next = pair->prev;
+    if (pair->prev.number != prev || pair->next.number != next)
+        return input_error("the clip has no frames " + std::to_string(prev) + " and " + std::to_string(next) +
+                           " side by side");
+    pair->blend = next == prev ? 0.0 : blend;
     return pair;
 }
 

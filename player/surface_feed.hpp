@@ -23,12 +23,22 @@ public:
     /// pair around that time. Times must not go backward. An empty clip is an error.
     Result<FramePair> pair_at(std::int64_t time_ns);
 
+    /// The pair of these frames (the same, or neighbours) at a blend: what a live tick found, whatever its time.
+    Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend);
+
+    // The parts, for a thread each (FeedThreads).
+    /// Decodes a frame; nothing after the last.
+    Result<std::optional<RawFrame>> read_next();
+    /// Builds and publishes it; false while the timeline has no room.
+    Result<bool> publish(const RawFrame& raw);
+    SurfaceTimeline& timeline() { return timeline_; }
+
     const ClipReader& reader() const { return *reader_; }
     std::string_view builder_name() const { return builder_->name(); }
     std::int64_t frames() const { return frames_; }  ///< published so far
     bool ended() const { return ended_; }
-    /// End of the last frame's time on screen, once the clip has ended.
-    std::int64_t end_ns() const { return end_ns_; }
+    /// End of the newest frame's time on screen.
+    std::int64_t end_ns() const { return rate_.time_ns(frames_); }
     /// Per frame, milliseconds.
     const std::vector<double>& read_ms() const { return read_ms_; }
     const std::vector<double>& build_ms() const { return build_ms_; }
@@ -46,7 +56,7 @@ private:
     FrameRate rate_;
     SurfaceTimeline timeline_{4};
     std::unique_ptr<PlanesHash> hash_;
-    std::int64_t frames_ = 0, end_ns_ = 0;
+    std::int64_t frames_ = 0;
     bool ended_ = false;
     std::vector<double> read_ms_, build_ms_;
 };

@@ -78,6 +78,7 @@ void add_touch_command(CLI::App& app, Command& command) {
             ->check(CLI::Range(0.001, 1e6));
     words->fixed_by_recording = {
         words->duration,
+        sub->add_flag("--live", o.live, "in real time on the wall clock, each part on a thread of its own"),
         sub->add_option("--hand", o.hand,
                         "wander, stroke, press, poke or csv:FILE, each with :key=value,... "
                         "(docs/hands.md)")

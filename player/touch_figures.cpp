@@ -57,6 +57,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     capped_ticks_ += capped;
     guarded_ticks_ += guarded;
     tick_us_.push_back(tick.solve_us);
+    late_us_.push_back(tick.late_us);
     return {};
 }
 
@@ -71,7 +72,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"nonfinite_ticks", nonfinite_ticks_},
             {"capped_ticks", capped_ticks_},
             {"guarded_ticks", guarded_ticks_},
-            {"late_ticks", 0},  // virtual time is never late
+            {"late_ticks", 0},  // virtual time is never late; a live run knows better
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},
             {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
@@ -108,6 +109,10 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     line("not finite", count("nonfinite_ticks") + " ticks");
     line("event limit reached", count("capped_ticks") + " ticks");
     line("time per tick", spread(r["tick_us"]) + " us, all fingers");
+    if (r["clock"] == "wall")
+        line("on the wall clock", count("late_ticks") + " ticks late by 1 ms or more, " + count("skipped_ticks") +
+                                      " skipped; began " + spread(r["late_us"]) + " us after their time; " +
+                                      r["scheduling"].get<std::string>());
     line("time per frame", spread(r["frame_ms"]) + " ms");
     line("force hash", r["force_hash"].get<std::string>());
     return text;

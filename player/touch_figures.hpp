@@ -21,6 +21,8 @@ public:
     Result<void> take(const TouchTick& tick) override;
 
     std::int64_t ticks() const { return ticks_; }
+    /// How late ticks began; all 0 in virtual time.
+    Spread late_us() const { return spread_of(late_us_); }
     std::string force_hash() const { return hash_.hex(); }
     /// Names are part of the interface: add to them, do not rename.
     nlohmann::ordered_json to_json() const;
@@ -31,7 +33,7 @@ private:
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
     std::int64_t events_ = 0;
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
-    std::vector<double> tick_us_;
+    std::vector<double> tick_us_, late_us_;
     ForceHash hash_;
 };
 

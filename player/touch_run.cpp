@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "player/forces_file.hpp"
+#include "player/live_session.hpp"
 #include "player/machine_facts.hpp"
 #include "player/output_file.hpp"
 #include "player/recording.hpp"
@@ -22,7 +23,7 @@ Json to_json(const Spread& s) {
     return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
 }
 
-Json make_report(const TouchSetup& setup, const TouchFigures& figures) {
+Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LoopFacts* loop) {
     Json report{{"format", 1},
                 {"clip", setup.clip.string()},
                 {"hand", setup.hand_words},
@@ -33,12 +34,28 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures) {
                 {"frames", setup.feed->frames()},
                 {"fingers", setup.settings.fingers}};
     report.update(figures.to_json());
+    report["clock"] = loop ? "wall" : "virtual";
+    if (loop) {
+        report["late_ticks"] = loop->late;
+        report["skipped_ticks"] = loop->skipped;
+        report["late_us"] = to_json(figures.late_us());
+        report["scheduling"] = loop->grant.in_words();
+    }
     // The lazy builder computes no tile as a whole, the others compute all of them.
     report["skipped_tiles_pct"] = setup.feed->builder_name() == "lazy" ? 100.0 : 0.0;
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
     report["stages_ms"] = {{"read", spread_of(setup.feed->read_ms()).p50},
                            {"build", spread_of(setup.feed->build_ms()).p50}};
     return report;
+}
+
+/// On the wall clock where the run is live; a replay is always offline.
+Result<void> run_session(TouchSetup& s, bool replay, std::span<TouchSink* const> sinks, LoopFacts& loop) {
+    if (!s.live || replay) return TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(sinks);
+    LiveSession session(s.scene, *s.feed, *s.hand, *s.solver, s.settings);
+    auto ran = session.run(sinks);
+    loop = session.facts();
+    return ran;
 }
 
 /// What a replay found; the recorded frames and forces against these.
@@ -100,10 +117,10 @@ Result<void> run_touch(const TouchOptions& options) {
     std::optional<ReplayCheck> check;
     if (recording) sinks.push_back(&check.emplace(*recording));
 
-    TouchSession session(s.scene, *s.feed, *s.hand, *s.solver, s.settings);
-    if (auto ran = session.run(sinks); !ran.ok()) return ran;
+    LoopFacts loop;
+    if (auto ran = run_session(s, recording.has_value(), sinks, loop); !ran.ok()) return ran;
 
-    const Json report = make_report(s, figures);
+    const Json report = make_report(s, figures, s.live && !recording ? &loop : nullptr);
     std::cout << report_to_text(report);
     if (forces)
         if (auto done = forces->finish(); !done.ok()) return done;

@@ -23,6 +23,7 @@ struct TouchOptions {
     std::optional<int> median, fill_holes;            ///< instead of the scene's own
     std::optional<FrameInterpolation> interpolation;  ///< likewise
     GuardSettings guard;
+    bool live = false;  ///< on the wall clock, in real time
     std::optional<std::filesystem::path> json, forces, record, replay;
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick

@@ -8,11 +8,6 @@
 
 namespace touchable {
 
-namespace {
-constexpr std::int64_t tick_ns = 1'000'000;
-constexpr std::int64_t shortest_run_ns = 3'000'000'000;
-}
-
 TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
                            const TouchSessionSettings& settings)
     : scene_(scene),
@@ -41,7 +36,7 @@ Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
 
 Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> sinks) {
     const std::int64_t time_ns = settings_.time_of_tick(tick);
-    const auto pair = feed_.pair_at(time_ns);
+    const auto pair = settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(time_ns);
     if (!pair.ok()) return pair.error();
     // A clip whose length only reading tells may turn out to have ended before this tick.
     if (is_over(tick)) return {};

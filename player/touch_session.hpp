@@ -21,6 +21,10 @@ public:
     virtual Result<void> take(const TouchTick& tick) = 0;
 };
 
+inline constexpr std::int64_t tick_ns = 1'000'000;
+/// A run without a length of its own lasts at least this long; a clip that has ended stands still.
+inline constexpr std::int64_t shortest_run_ns = 3'000'000'000;
+
 /// Everything about a run but the clip and the hand.
 struct TouchSessionSettings {
     int fingers = 1;
@@ -30,6 +34,8 @@ struct TouchSessionSettings {
     std::optional<std::int64_t> ticks;
     /// Time of a tick on the clip's clock; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
+    /// Frames of a tick; those around its time by default.
+    std::function<Result<FramePair>(std::int64_t)> pair_of_tick;
 };
 
 /// Offline touch: hand -> solver -> guard at 1 kHz of virtual time over a clip. When the clip has ended its

@@ -103,6 +103,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     setup->settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
     setup->settings.guard = options.guard;
     setup->settings.ticks = options.ticks;
+    setup->live = options.live;
     if (auto made = make_solver(*setup); !made.ok()) return made.error();
     return setup;
 }
@@ -114,6 +115,7 @@ Json TouchSetup::facts() const {
                {"scene", Json::parse(scene_to_json(scene))},
                {"hand", hand_words},
                {"builder", feed->builder_name()},
+               {"clock", live ? "wall" : "virtual"},
                {"metric", touch.metric == TouchMetric::world ? "world" : "pixel"},
                {"S", touch.metres_per_scene_unit},
                {"event_limit", touch.event_limit},
@@ -141,6 +143,7 @@ Json read_facts(const Json& facts, TouchSetup& setup) {
     setup.clip = facts.at("clip").get<std::string>();
     if (facts.contains("scene_file")) setup.scene_file = facts["scene_file"].get<std::string>();
     setup.hand_words = facts.at("hand").get<std::string>();
+    setup.live = facts.value("clock", "virtual") == "wall";
     const auto metric = facts.at("metric").get<std::string>();
     if (metric != "world" && metric != "pixel") throw std::out_of_range("metric must be world or pixel");
     TouchSettings& touch = setup.settings.touch;
@@ -183,6 +186,13 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
         const auto last = static_cast<std::int64_t>(recording.ticks.size()) - 1;
         return recording.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
     };
+    if (setup->live) {
+        // Which frames a tick found was a matter of the moment; the recording knows.
+        setup->settings.pair_of_tick = [&recording, feed = setup->feed.get()](std::int64_t tick) {
+            const RecordedTick& recorded = recording.ticks[static_cast<std::size_t>(tick)];
+            return feed->pair_of(recorded.frame_prev, recorded.frame_next, recorded.blend);
+        };
+    }
     if (auto made = make_solver(*setup); !made.ok()) return made.error();
     return setup;
 }

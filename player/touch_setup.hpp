@@ -19,6 +19,7 @@ struct TouchSetup {
     std::unique_ptr<Hand> hand;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
+    bool live = false;  ///< on the wall clock, or recorded so
 
     /// What a recording keeps of it; `setup_from_recording` reads the same members.
     nlohmann::ordered_json facts() const;

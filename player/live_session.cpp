@@ -1,0 +1,79 @@
+#include "player/live_session.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "player/feed_threads.hpp"
+#include "player/field_probe.hpp"
+#include "player/interrupt.hpp"
+
+namespace touchable {
+
+namespace {
+
+// Ticks that may wait for the sinks: four seconds, far longer than a disk sleeps.
+constexpr int log_ticks = 4096;
+constexpr std::chrono::milliseconds sink_pause(2);
+
+/// A scripted or recorded hand in place of a device; nobody feels the forces.
+class HandPort final : public HapticPort {
+public:
+    explicit HandPort(Hand& hand) : hand_(hand) {}
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override {
+        hand_.goals_at(tick, FieldProbe(field), goals);
+        return true;
+    }
+    bool write_forces(std::span<const glm::dvec3>) override { return true; }
+
+private:
+    Hand& hand_;
+};
+
+}  // namespace
+
+LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
+                         const TouchSessionSettings& settings)
+    : scene_(scene), feed_(feed), hand_(hand), solver_(solver), settings_(settings) {}
+
+Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
+    TouchStep step(solver_, settings_.guard, settings_.fingers);
+    HandPort port(hand_);
+    TickLog log(log_ticks, settings_.fingers);
+    FeedThreads threads(feed_);
+    HapticLoop loop(scene_, feed_.timeline(), step, port, log);
+
+    Result<void> taken;
+    auto drain = [&] {
+        const auto give = [&](const TouchTick& tick) {
+            for (TouchSink* sink : sinks)
+                if (taken.ok()) taken = sink->take(tick);
+        };
+        while (log.pop(give)) {
+        }
+    };
+    const auto is_over = [&] {
+        if (const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks())
+            return loop.time_ns() >= (*ticks - 1) * tick_ns;
+        const auto end = threads.end_ns();
+        return end && loop.time_ns() + tick_ns >= std::max(*end, shortest_run_ns);
+    };
+    loop.start();
+    while (loop.running() && taken.ok() && !interrupted() && !threads.error() && !is_over()) {
+        drain();
+        std::this_thread::sleep_for(sink_pause);
+    }
+    loop.stop();
+    threads.stop();
+    drain();
+    facts_ = loop.facts();
+    if (interrupted()) return interrupted_error();
+    if (const auto error = threads.error()) return *error;
+    if (facts_.lost > 0)
+        return Error{ErrorKind::internal, std::to_string(facts_.lost) +
+                                              " ticks were lost on their way to the files; the disk "
+                                              "is too slow for what was asked to be written"};
+    return taken;
+}
+
+}  // namespace touchable

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+
+#include "haptics_cpu/haptic_loop.hpp"
+#include "player/touch_session.hpp"
+
+namespace touchable {
+
+/// Touch on the wall clock: decoding, building and the haptic loop each on a thread of its own, the sinks on
+/// the caller's. Which frames a tick found is part of what a recording keeps, so that the session replays
+/// exactly.
+class LiveSession {
+public:
+    /// All references outlive the session; `feed` has published its first frame.
+    LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
+                const TouchSessionSettings& settings);
+
+    /// To the end, or until the person asks to stop (an error then).
+    Result<void> run(std::span<TouchSink* const> sinks);
+    const LoopFacts& facts() const { return facts_; }
+
+private:
+    const Scene& scene_;
+    SurfaceFeed& feed_;
+    Hand& hand_;
+    const TouchSolver& solver_;
+    TouchSessionSettings settings_;
+    LoopFacts facts_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,158 @@
+// The real-time thread: what it promises whatever the machine's load. No test here depends on a deadline
+// being met.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "haptics_cpu/haptic_loop.hpp"
+#include "tests/haptics/small_field.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Goals that press into a wall; remembers what was written.
+class PressingPort final : public HapticPort {
+public:
+    bool read_goals(std::int64_t tick, const HeightField&, std::span<glm::dvec3> goals) override {
+        ticks.push_back(tick);
+        for (glm::dvec3& goal : goals)
+            goal = {0, 0, -100 - 0.02 * static_cast<double>(std::min<std::int64_t>(tick, 100))};
+        return static_cast<int>(ticks.size()) != fails_at;
+    }
+    bool write_forces(std::span<const glm::dvec3> newtons) override {
+        last.assign(newtons.begin(), newtons.end());
+        for (const glm::dvec3& force : newtons) largest = std::max(largest, force.z);
+        ++writes;
+        return true;
+    }
+
+    int fails_at = -1;
+    std::vector<std::int64_t> ticks;
+    std::vector<glm::dvec3> last;
+    double largest = 0;
+    int writes = 0;
+};
+
+class LoopRig {
+public:
+    explicit LoopRig(int log_ticks)
+        : wall(17, 17, 100.0),
+          solver(TouchSolver::create(wall.scene, {}).value()),
+          step(solver, GuardSettings{}, 2),
+          log(log_ticks, 2) {
+        SurfaceFrame* slot = timeline.acquire();
+        slot->width = slot->height = 17;
+        slot->coding = wall.scene.depth;
+        slot->vertices = std::make_unique<ExactVertices>(17, 17, std::vector<double>(17 * 17, 100.0));
+        EXPECT_TRUE(timeline.publish(0, 0).ok());
+    }
+
+    SmallField wall;
+    TouchSolver solver;
+    SurfaceTimeline timeline{3};
+    TouchStep step;
+    TickLog log;
+    PressingPort port;
+};
+
+TEST(HapticLoop, TicksInOrderLogsEachAndEndsWithZeroForce) {
+    LoopRig rig(4096);
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    loop.start();
+    std::vector<std::int64_t> logged;
+    double largest = 0;
+    while (largest < 0.5) {
+        rig.log.pop([&](const TouchTick& tick) {
+            logged.push_back(tick.tick);
+            EXPECT_EQ(tick.contacts.size(), 2U);
+            EXPECT_EQ(tick.time_ns, tick.tick * 1'000'000);
+            EXPECT_FALSE(tick.behind);
+            largest = std::max(largest, tick.forces[1].force.z);
+        });
+    }
+    loop.stop();
+    while (rig.log.pop([&](const TouchTick& tick) { logged.push_back(tick.tick); })) {
+    }
+    EXPECT_FALSE(loop.running());
+    EXPECT_EQ(logged, rig.port.ticks);
+    for (std::size_t k = 1; k < logged.size(); ++k) EXPECT_GT(logged[k], logged[k - 1]);
+    const LoopFacts& facts = loop.facts();
+    EXPECT_EQ(facts.ticks, static_cast<std::int64_t>(logged.size()));
+    EXPECT_EQ(facts.skipped, logged.back() + 1 - facts.ticks) << "a tick is run or counted as skipped";
+    EXPECT_EQ(facts.lost, 0);
+    EXPECT_GT(rig.port.largest, 0.4);
+    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+    EXPECT_EQ(rig.port.writes, facts.ticks + 1);
+}
+
+TEST(HapticLoop, ADeviceThatIsGoneEndsTheLoopWithZeroForce) {
+    LoopRig rig(4096);
+    rig.port.fails_at = 5;
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    loop.start();
+    while (loop.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    loop.stop();
+    EXPECT_TRUE(loop.facts().port_failed);
+    EXPECT_EQ(rig.port.ticks.size(), 5U);
+    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+}
+
+TEST(HapticLoop, ALogThatNobodyReadsCostsTicksOfTheLogButNoForce) {
+    LoopRig rig(8);
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    loop.start();
+    while (loop.time_ns() < 50'000'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    loop.stop();
+    EXPECT_EQ(loop.facts().lost, loop.facts().ticks - 8);
+    EXPECT_EQ(rig.port.writes, loop.facts().ticks + 1);
+}
+
+TEST(HapticLoop, StopsWhereItNeverStarted) {
+    LoopRig rig(8);
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    loop.stop();
+    EXPECT_FALSE(loop.running());
+    EXPECT_EQ(rig.port.writes, 0);
+}
+
+TEST(TickLog, HandsOverWholeTicksInOrderUnderASaturatingWriter) {
+    constexpr std::int64_t count = 200'000;
+    TickLog log(16, 3);
+    std::atomic<std::int64_t> refused{0};
+    std::thread writer([&] {
+        std::vector<glm::dvec3> goals(3);
+        std::vector<Contact> contacts(3);
+        std::vector<GuardedForce> forces(3);
+        for (std::int64_t k = 0; k < count;) {
+            for (auto& goal : goals) goal.x = static_cast<double>(k);
+            for (auto& contact : contacts) contact.force.y = static_cast<double>(2 * k);
+            for (auto& force : forces) force.force.z = static_cast<double>(3 * k);
+            TouchTick tick;
+            tick.tick = k;
+            tick.goals = goals;
+            tick.contacts = contacts;
+            tick.forces = forces;
+            if (log.push(tick))
+                ++k;
+            else
+                ++refused;
+        }
+    });
+    std::int64_t next = 0, torn = 0;
+    while (next < count)
+        log.pop([&](const TouchTick& tick) {
+            torn += tick.tick != next;
+            for (std::size_t f = 0; f < 3; ++f)
+                torn += tick.goals[f].x != static_cast<double>(next) ||
+                        tick.contacts[f].force.y != static_cast<double>(2 * next) ||
+                        tick.forces[f].force.z != static_cast<double>(3 * next);
+            ++next;
+        });
+    writer.join();
+    EXPECT_EQ(torn, 0);
+    EXPECT_GT(refused, 0) << "the writer never met a full ring";
+}
+
+}  // namespace
+}  // namespace touchable::test

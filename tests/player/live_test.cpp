@@ -1,0 +1,55 @@
+// Touch in real time: decoding, building and the haptic loop on threads of their own. No test depends on a
+// deadline.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/player/program.hpp"
+
+namespace touchable::testing {
+namespace {
+
+class Live : public ::testing::Test {
+protected:
+    Live() {
+        const Outcome made = run_touchable({"make", "moving", clip, "--size", "64x48", "--frames", "12"});
+        EXPECT_EQ(made.code, 0) << made.err;
+    }
+    nlohmann::json touch(std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), "touch");
+        arguments.insert(arguments.end(), {"--json", folder / "report.json"});
+        const Outcome outcome = run_touchable(arguments);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return nlohmann::json::parse(file_contents(folder / "report.json"), nullptr, false);
+    }
+
+    TemporaryFolder folder;
+    std::string clip = folder / "moving.mkv";
+};
+
+TEST_F(Live, ASessionReplaysToItsHashWithEveryBuilder) {
+    const auto live =
+        touch({clip, "--live", "--fingers", "3", "--seconds", "0.6", "--record", folder / "live.rec"});
+    EXPECT_EQ(live["clock"], "wall");
+    EXPECT_EQ(live["proxy_behind_mesh_ticks"], 0);
+    EXPECT_EQ(live["nonfinite_ticks"], 0);
+    EXPECT_GT(live["contact_ticks"], 20);
+    EXPECT_TRUE(live["scheduling"].is_string());
+    EXPECT_GE(live["late_ticks"], 0);
+    for (const char* builder : {"cpu", "lazy", "reference"}) {
+        const auto replay = touch({"--replay", folder / "live.rec", "--builder", builder});
+        EXPECT_EQ(replay["force_hash"], live["force_hash"]) << builder;
+        EXPECT_EQ(replay["ticks"], live["ticks"]);
+        EXPECT_EQ(replay["clock"], "virtual");
+    }
+}
+
+TEST_F(Live, ATickIsRunOrCountedAsSkipped) {
+    const auto live = touch({clip, "--live", "--seconds", "0.3"});
+    const auto run = live["ticks"].get<int>(), skipped = live["skipped_ticks"].get<int>();
+    EXPECT_GE(run + skipped, 300);
+    EXPECT_GE(skipped, live["late_ticks"].get<int>());
+}
+
+}  // namespace
+}  // namespace touchable::testing
