@@ -23,10 +23,6 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 std::string described(std::span<const GpuFacts> gpus) {
-    if (gpus.empty())
-        return "Vulkan finds no device here; install a driver (Debian: mesa-vulkan-drivers, which also "
-               "computes on "
-               "the CPU)";
     std::string all = "devices here: ";
     for (std::size_t i = 0; i < gpus.size(); ++i) {
         const GpuFacts& gpu = gpus[i];
@@ -89,9 +85,14 @@ std::string_view name_of(GpuKind kind) {
 }
 
 Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request) {
+    if (gpus.empty())
+        return Error{
+            ErrorKind::gpu,
+            "Vulkan finds no device here; install a driver (Debian's mesa-vulkan-drivers can do it all on "
+            "the CPU)"};
     if (request.empty())
         return refusal("the GPU asked for has no name, use auto, an index or a part of a name", gpus);
-    if (gpus.empty() || request == "auto") return best(gpus);
+    if (request == "auto") return best(gpus);
 
     std::size_t index = 0;
     const auto [end, fault] = std::from_chars(request.data(), request.data() + request.size(), index);
