@@ -2,6 +2,7 @@
 
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
 
 // Every builder gives the bits of the obvious one, whatever the picture.
 namespace touchable::test {
@@ -47,6 +48,14 @@ protected:
         ASSERT_TRUE(make_cpu_builder(scene)->build(plane.frame(), cpu_));
         ASSERT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy_));
         ASSERT_EQ(first_difference(reference, cpu_), "");
+        for (const StripMapping& mapping : all_mappings) {
+            auto vulkan = make_vulkan_builder(scene, test_kernels(), mapping);
+            ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;
+            const auto built = (*vulkan)->build(plane.frame(), vulkan_);
+            ASSERT_TRUE(built.ok()) << built.error().message;
+            ASSERT_EQ(first_difference(reference, vulkan_), "") << "vulkan, " << mapping_text(mapping);
+        }
+        ASSERT_EQ(first_vertex_difference(reference, *vulkan_.vertices), "") << "vulkan";
         ASSERT_EQ(first_vertex_difference(reference, *cpu_.vertices), "") << "cpu";
         ASSERT_EQ(first_vertex_difference(reference, *lazy_.vertices), "") << "lazy";
         ASSERT_EQ(first_tile_not_enclosed(reference, *cpu_.vertices), "") << "cpu";
@@ -93,7 +102,7 @@ protected:
     }
 
     Coverage seen_;
-    SurfaceFrame cpu_, lazy_;  // recycled from picture to picture, of whatever size
+    SurfaceFrame cpu_, lazy_, vulkan_;  // recycled from picture to picture, of whatever size
 };
 
 class SameBitsWithFilter : public SameBits, public testing::WithParamInterface<FilterSettings> {};

@@ -1,0 +1,88 @@
+#include "engine/surface/surface_kernels.hpp"
+
+#include <algorithm>
+
+#include "engine/frame/surface_frame.hpp"
+#include "shaders/decode.spv.h"
+#include "shaders/fill_holes.spv.h"
+#include "shaders/hue_codes.spv.h"
+#include "shaders/median3.spv.h"
+#include "shaders/median5.spv.h"
+#include "shaders/tile_bounds.spv.h"
+
+namespace touchable {
+namespace {
+
+constexpr GpuBindingKind buffer = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
+
+struct KernelSource {
+    const char* name;
+    std::span<const std::uint32_t> spirv;
+};
+
+KernelSource source_of(StripKernel kernel) {
+    switch (kernel) {
+        case StripKernel::decode:
+            return {"decode", decode_spv};
+        case StripKernel::median3:
+            return {"median3", median3_spv};
+        case StripKernel::median5:
+            return {"median5", median5_spv};
+        case StripKernel::fill_holes:
+            break;
+    }
+    return {"fill_holes", fill_holes_spv};
+}
+
+}  // namespace
+
+StripMapping mapping_for(const GpuFacts& facts) {
+    return facts.kind == GpuKind::software ? StripMapping{8, 0, false} : StripMapping{64, 4, true};
+}
+
+ValidCodes valid_codes_of(const DepthCoding& coding) {
+    int low = coding.valid_min, high = coding.valid_max;
+    while (low <= high && !coding.is_valid(static_cast<std::uint16_t>(low))) ++low;
+    while (low <= high && !coding.is_valid(static_cast<std::uint16_t>(high))) --high;
+    ValidCodes codes{no_such_code, 0, {no_such_code, no_such_code, no_such_code, no_such_code}};
+    if (low > high) return codes;
+    codes.valid_min = static_cast<std::uint32_t>(low);
+    codes.valid_span = static_cast<std::uint32_t>(high - low);
+    static_assert(DepthCoding::max_invalid_codes == std::size(decltype(codes.excluded){}));
+    for (int k = 0, count = 0; k < coding.invalid_code_count; ++k) {
+        const int code = coding.invalid_codes[static_cast<std::size_t>(k)];
+        if (code > low && code < high) codes.excluded[count++] = static_cast<std::uint32_t>(code);
+    }
+    return codes;
+}
+
+Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstants& c) {
+    const Constants constants{c.group_size, c.sample_bytes, c.may_be_invalid, c.may_be_excluded, c.ragged};
+    GpuProgram& program = strips_[{kernel, constants}];
+    if (program) return program;
+    GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
+    if (kernel != StripKernel::fill_holes) layout.bindings.insert(layout.bindings.end(), 3, buffer);
+    const KernelSource source = source_of(kernel);
+    auto made = GpuProgram::create(*device_, source.name, source.spirv, std::move(layout), constants);
+    if (made.ok()) program = *made;
+    return made;
+}
+
+Result<GpuProgram> SurfaceKernels::tile_bounds() {
+    if (tile_bounds_) return tile_bounds_;
+    auto made =
+        GpuProgram::create(*device_, "tile_bounds", tile_bounds_spv,
+                           {sizeof(TileBoundsPush), {buffer, buffer, buffer}, {tile_bounds_group, 1, 1}});
+    if (made.ok()) tile_bounds_ = *made;
+    return made;
+}
+
+Result<GpuProgram> SurfaceKernels::hue_codes() {
+    if (hue_codes_) return hue_codes_;
+    auto made = GpuProgram::create(*device_, "hue_codes", hue_codes_spv,
+                                   {sizeof(HueCodesPush), {buffer, buffer}, {hue_codes_group, 1, 1}});
+    if (made.ok()) hue_codes_ = *made;
+    return made;
+}
+
+}  // namespace touchable

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "engine/gpu/gpu_program.hpp"
+#include "engine/scene/depth_coding.hpp"
+#include "shaders/surface_codes.h"
+
+namespace touchable {
+
+/// The kernels that march along strips (shaders/strip.h). The first three end a frame, and take it from
+/// stored values to codes, validity and parts of bounds.
+enum class StripKernel { decode, median3, median5, fill_holes };
+
+/// How rows are shared among lanes. The same bits come of any.
+struct StripMapping {
+    std::uint32_t group_size = 8;      ///< lanes of a workgroup
+    std::uint32_t segment_texels = 0;  ///< of a row for one lane, a multiple of 4; 0: the whole row
+    bool along_x = false;              ///< neighbouring lanes take neighbouring segments, not rows
+};
+/// What a kind of device likes: few long marches on a CPU, many short ones with coalesced loads elsewhere.
+StripMapping mapping_for(const GpuFacts& facts);
+
+/// `coding`, as kernels test it. Codes at the ends of the range that are marked invalid narrow it.
+ValidCodes valid_codes_of(const DepthCoding& coding);
+
+/// The programs of the surface on one device, each made when it is first asked for. One thread at a time.
+class SurfaceKernels {
+public:
+    explicit SurfaceKernels(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+    const std::shared_ptr<GpuDevice>& device() const { return device_; }
+
+    Result<GpuProgram> strip(StripKernel kernel, const StripConstants& constants);
+    Result<GpuProgram> tile_bounds();
+    Result<GpuProgram> hue_codes();
+
+private:
+    using Constants = std::array<std::uint32_t, 5>;
+
+    std::shared_ptr<GpuDevice> device_;
+    std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
+    GpuProgram tile_bounds_, hue_codes_;
+};
+
+}  // namespace touchable

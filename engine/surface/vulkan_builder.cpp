@@ -1,0 +1,273 @@
+#include "engine/surface/vulkan_builder.hpp"
+
+#include <cassert>
+#include <cstddef>
+#include <cstring>
+
+#include "engine/surface/raw_check.hpp"
+#include "engine/surface/vulkan_vertices.hpp"
+
+namespace touchable {
+namespace {
+
+static_assert(sizeof(TileBounds) == 8 && offsetof(TileBounds, least) == 0 &&
+              offsetof(TileBounds, greatest) == 2 && offsetof(TileBounds, any_invalid) == 4);
+
+std::uint32_t whole(std::uint32_t count, std::uint32_t size) {
+    return groups_for(count, size);
+}
+
+/// Where a strip kernel reads from: stored values or codes, in rows of whole texels.
+struct StoredRows {
+    GpuBuffer buffer;
+    std::uint32_t sample_bytes = 2, pitch = 0;  ///< pitch in texels
+};
+
+class Builder final : public VulkanSurfaceBuilder {
+public:
+    Builder(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels, const StripMapping& mapping)
+        : scene_(scene),
+          kernels_(std::move(kernels)),
+          mapping_(mapping),
+          valid_(valid_codes_of(scene.depth)),
+          width_(static_cast<std::uint32_t>(scene.width)),
+          height_(static_cast<std::uint32_t>(scene.height)),
+          pitch_(whole(width_, 8)),
+          strips_(whole(height_, 2)),
+          grid_(TileGrid::of(scene.width, scene.height)) {
+        assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
+    }
+
+    std::string_view name() const override { return "vulkan"; }
+    const std::vector<GpuTime>& stages() const override { return stages_; }
+    Result<void> reserve();
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override;
+
+private:
+    const GpuDevice& device() const { return *kernels_->device(); }
+    bool is_hue() const { return scene_.depth.kind == DepthCodingKind::hue; }
+    std::size_t codes_bytes() const { return std::size_t{16} * pitch_ * height_; }
+    bool may_be_invalid(std::uint32_t sample_bytes) const {
+        return valid_.valid_min > 0 || valid_.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||
+               valid_.excluded[0] != no_such_code;
+    }
+
+    Result<StoredRows> upload(const PlaneView& depth);
+    Result<void> record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot);
+    Result<void> run_strips(GpuCommands& commands, StripKernel kernel, const StoredRows& rows,
+                            const GpuBuffer& codes, const VulkanVertices* slot);
+    Result<StoredRows> record_hue(GpuCommands& commands, const StoredRows& rows);
+    Result<StoredRows> record_filling(GpuCommands& commands, StoredRows rows);
+    Result<void> record_bounds(GpuCommands& commands, const VulkanVertices& slot);
+    void record_reading_back(GpuCommands& commands, const VulkanVertices& slot) const;
+    void show(const VulkanVertices& slot, SurfaceFrame& out) const;
+
+    Scene scene_;
+    std::shared_ptr<SurfaceKernels> kernels_;
+    StripMapping mapping_;
+    ValidCodes valid_;
+    std::uint32_t width_, height_, pitch_, strips_;  // pitch in texels, of codes
+    TileGrid grid_;
+    GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
+    GpuBuffer between_[2];       // codes between stages
+    GpuBuffer parts_, tops_;     // of tile bounds
+    std::vector<GpuTime> stages_;
+};
+
+/// What does not depend on the form of the frames.
+Result<void> Builder::reserve() {
+    const std::size_t tiles_x = static_cast<std::size_t>(grid_.tiles_x) * sizeof(TilePart);
+    const bool fills = scene_.filter.fill_holes > 0;
+    const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
+        {parts_, "parts of bounds", strips_ * tiles_x},
+        {tops_, "tops of tiles", whole(strips_, strips_per_tile) * tiles_x},
+        {between_[0], "codes between stages", is_hue() || fills ? codes_bytes() : 0},
+        {between_[1], "codes between passes", fills ? codes_bytes() : 0}};
+    for (const auto& [buffer, name, bytes] : buffers) {
+        if (bytes == 0) continue;
+        auto created = GpuBuffer::create(device(), name, bytes, GpuMemory::device);
+        if (!created.ok()) return created.error();
+        buffer = *created;
+    }
+    return {};
+}
+
+Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
+    if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+    auto* slot = dynamic_cast<VulkanVertices*>(out.vertices.get());
+    if (slot == nullptr || !slot->serves(device(), scene_.width, scene_.height)) {
+        auto created = VulkanVertices::create(device(), out, scene_.width, scene_.height);
+        if (!created.ok()) return created.error();
+        slot = created->get();
+        out.vertices = std::move(*created);
+    }
+    auto rows = upload(raw.depth);
+    if (!rows.ok()) return rows.error();
+    auto commands = GpuCommands::begin(kernels_->device(), "surface");
+    if (!commands.ok()) return commands.error();
+    if (auto recorded = record(*commands, *rows, *slot); !recorded.ok()) return recorded;
+    const auto submission = std::move(*commands).submit();
+    if (!submission.ok()) return submission.error();
+    if (auto done = submission->wait(); !done.ok()) return done;
+    stages_ = submission->times();
+    show(*slot, out);
+    copy_touch_planes(raw, out);
+    return {};
+}
+
+/// The rows of a plane, one after the other from texel to texel.
+Result<StoredRows> Builder::upload(const PlaneView& depth) {
+    const std::size_t row_bytes = std::size_t{width_} * static_cast<std::size_t>(depth.channels) *
+                                  static_cast<std::size_t>(depth.bytes_per_sample);
+    const std::size_t pitch = (row_bytes + 15) / 16 * 16, bytes = pitch * height_;
+    if (!upload_ || upload_.bytes() != bytes) {
+        const bool unified = device().facts().unified_memory;
+        auto mapped = GpuBuffer::create(device(), "stored values", bytes, GpuMemory::upload);
+        if (!mapped.ok()) return mapped.error();
+        auto own = unified
+                       ? mapped
+                       : GpuBuffer::create(device(), "stored values of the GPU", bytes, GpuMemory::device);
+        if (!own.ok()) return own.error();
+        upload_ = *mapped;
+        stored_ = *own;
+    }
+    std::byte* to = upload_.mapped<std::byte>().data();
+    if (depth.stride == static_cast<std::ptrdiff_t>(pitch)) {
+        std::memcpy(to, depth.data, bytes - (pitch - row_bytes));
+    } else {
+        for (int y = 0; y < depth.height; ++y, to += pitch) std::memcpy(to, depth.row(y), row_bytes);
+    }
+    return StoredRows{stored_, static_cast<std::uint32_t>(depth.bytes_per_sample),
+                      static_cast<std::uint32_t>(pitch / 16)};
+}
+
+Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot) {
+    if (upload_.handle() != stored_.handle()) {
+        commands.copy(upload_, 0, stored_, 0, upload_.bytes());
+        commands.barrier(GpuStage::transfer, GpuStage::compute);
+        commands.mark("read in");
+    }
+    if (is_hue()) {
+        auto hues = record_hue(commands, rows);
+        if (!hues.ok()) return hues.error();
+        rows = *hues;
+    }
+    if (scene_.filter.fill_holes > 0 && may_be_invalid(rows.sample_bytes)) {
+        auto filled = record_filling(commands, rows);
+        if (!filled.ok()) return filled.error();
+        rows = *filled;
+    }
+    const int side = scene_.filter.median;
+    const StripKernel last = side == 0   ? StripKernel::decode
+                             : side == 3 ? StripKernel::median3
+                                         : StripKernel::median5;
+    if (auto ran = run_strips(commands, last, rows, slot.codes.gpu, &slot); !ran.ok()) return ran;
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.mark(side == 0 ? "decode" : "median");
+    if (auto bounded = record_bounds(commands, slot); !bounded.ok()) return bounded;
+    if (slot.codes.is_copied()) record_reading_back(commands, slot);
+    return {};
+}
+
+Result<void> Builder::run_strips(GpuCommands& commands, StripKernel kernel, const StoredRows& rows,
+                                 const GpuBuffer& codes, const VulkanVertices* slot) {
+    const StripConstants constants{mapping_.group_size, rows.sample_bytes,
+                                   may_be_invalid(rows.sample_bytes) ? 1U : 0U,
+                                   valid_.excluded[0] != no_such_code ? 1U : 0U, width_ % 8 != 0 ? 1U : 0U};
+    auto program = kernels_->strip(kernel, constants);
+    if (!program.ok()) return program.error();
+    StripPush push{};
+    push.width = width_;
+    push.height = height_;
+    push.in_pitch = rows.pitch;
+    push.out_pitch = pitch_;
+    push.segment_texels = mapping_.segment_texels > 0 ? mapping_.segment_texels : pitch_;
+    push.segments = whole(pitch_, push.segment_texels);
+    push.along_x = mapping_.along_x ? 1 : 0;
+    push.validity_words = whole(width_, 32);
+    push.tiles_x = static_cast<std::uint32_t>(grid_.tiles_x);
+    push.valid = valid_;
+    const GpuGroups groups{whole(strips_ * push.segments, mapping_.group_size)};
+    if (slot == nullptr)
+        commands.dispatch(*program, push, {rows.buffer, codes}, groups);
+    else
+        commands.dispatch(*program, push, {rows.buffer, codes, slot->validity.gpu, parts_, tops_}, groups);
+    return {};
+}
+
+Result<StoredRows> Builder::record_hue(GpuCommands& commands, const StoredRows& rows) {
+    auto program = kernels_->hue_codes();
+    if (!program.ok()) return program.error();
+    const HueCodesPush push{width_, height_, rows.pitch * 4, pitch_,
+                            static_cast<std::uint32_t>(scene_.depth.least_sum)};
+    commands.dispatch(*program, push, {rows.buffer, between_[0]}, {whole(pitch_, hue_codes_group), height_});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.mark("hue");
+    return StoredRows{between_[0], 2, pitch_};
+}
+
+Result<StoredRows> Builder::record_filling(GpuCommands& commands, StoredRows rows) {
+    for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) {
+        const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
+        if (auto ran = run_strips(commands, StripKernel::fill_holes, rows, to, nullptr); !ran.ok())
+            return ran.error();
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        rows = {to, 2, pitch_};
+    }
+    commands.mark("fill");
+    return rows;
+}
+
+Result<void> Builder::record_bounds(GpuCommands& commands, const VulkanVertices& slot) {
+    auto program = kernels_->tile_bounds();
+    if (!program.ok()) return program.error();
+    const TileBoundsPush push{static_cast<std::uint32_t>(grid_.tiles_x),
+                              static_cast<std::uint32_t>(grid_.tiles_y), strips_};
+    commands.dispatch(*program, push, {parts_, tops_, slot.tiles.gpu},
+                      {whole(push.tiles_x * push.tiles_y, tile_bounds_group)});
+    commands.mark("bounds");
+    return {};
+}
+
+void Builder::record_reading_back(GpuCommands& commands, const VulkanVertices& slot) const {
+    commands.barrier(GpuStage::compute, GpuStage::transfer);
+    for (const SharedPlane* plane : {&slot.codes, &slot.validity, &slot.tiles})
+        commands.copy(plane->gpu, 0, plane->host, 0, plane->gpu.bytes());
+    commands.mark("read back");
+}
+
+void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
+    out.width = scene_.width;
+    out.height = scene_.height;
+    out.coding = scene_.depth;
+    out.raw = {};
+    const auto codes = slot.codes.host.mapped<std::uint16_t>();
+    if (width_ % 8 == 0) {
+        out.codes.adopt(codes, slot.codes.host.keep_alive());
+    } else {
+        out.codes.resize(std::size_t{width_} * height_);
+        for (std::size_t y = 0; y < height_; ++y)
+            std::memcpy(out.codes.data() + y * width_, codes.data() + y * pitch_ * 8,
+                        std::size_t{2} * width_);
+    }
+    out.validity.adopt(slot.validity.host.mapped<std::uint32_t>(), slot.validity.host.keep_alive());
+    out.tiles.adopt(slot.tiles.host.mapped<TileBounds>(), slot.tiles.host.keep_alive());
+}
+
+}  // namespace
+
+Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
+                                                                  std::shared_ptr<SurfaceKernels> kernels,
+                                                                  const StripMapping& mapping) {
+    auto builder = std::make_unique<Builder>(scene, std::move(kernels), mapping);
+    if (auto reserved = builder->reserve(); !reserved.ok()) return reserved.error();
+    return std::unique_ptr<VulkanSurfaceBuilder>(std::move(builder));
+}
+
+Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
+                                                                  std::shared_ptr<GpuDevice> device) {
+    const StripMapping mapping = mapping_for(device->facts());
+    return make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(std::move(device)), mapping);
+}
+
+}  // namespace touchable

@@ -1,0 +1,39 @@
+#include "engine/surface/vulkan_vertices.hpp"
+
+namespace touchable {
+
+Result<SharedPlane> SharedPlane::create(const GpuDevice& device, const std::string& name, std::size_t bytes) {
+    const bool unified = device.facts().unified_memory;
+    auto gpu = GpuBuffer::create(device, name, bytes, unified ? GpuMemory::shared : GpuMemory::device);
+    if (!gpu.ok()) return gpu.error();
+    if (unified) return SharedPlane{*gpu, *gpu};
+    auto host = GpuBuffer::create(device, name + " read back", bytes, GpuMemory::readback);
+    if (!host.ok()) return host.error();
+    return SharedPlane{*gpu, *host};
+}
+
+Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& device,
+                                                               const SurfaceFrame& frame, int width,
+                                                               int height) {
+    std::unique_ptr<VulkanVertices> made(new VulkanVertices(device, frame, width, height));
+    const auto rows = static_cast<std::size_t>(height), columns = static_cast<std::size_t>(width);
+    const TileGrid grid = TileGrid::of(width, height);
+    const std::tuple<SharedPlane&, const char*, std::size_t> planes[] = {
+        {made->codes, "codes", rows * ((columns + 7) / 8) * 16},
+        {made->validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t)},
+        {made->tiles, "tiles",
+         static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y) *
+             sizeof(TileBounds)}};
+    for (const auto& [plane, name, bytes] : planes) {
+        auto created = SharedPlane::create(device, name, bytes);
+        if (!created.ok()) return created.error();
+        plane = *created;
+    }
+    return made;
+}
+
+bool VulkanVertices::serves(const GpuDevice& device, int width, int height) const {
+    return vulkan_ == device.vulkan() && width_ == width && height_ == height;
+}
+
+}  // namespace touchable

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "engine/frame/surface_frame.hpp"
+#include "engine/gpu/gpu_commands.hpp"
+
+namespace touchable {
+
+/// An array that kernels write and the CPU reads: one buffer where the GPU's memory is the CPU's too, else
+/// one that is copied to another.
+struct SharedPlane {
+    GpuBuffer gpu, host;
+
+    static Result<SharedPlane> create(const GpuDevice& device, const std::string& name, std::size_t bytes);
+    bool is_copied() const { return gpu.handle() != host.handle(); }
+};
+
+/// What a slot of the Vulkan builder keeps: the memory of its frame, which its vertices read.
+class VulkanVertices final : public VertexSource {
+public:
+    /// Codes with rows of whole texels; validity and bounds as in a SurfaceFrame.
+    static Result<std::unique_ptr<VulkanVertices>> create(const GpuDevice& device, const SurfaceFrame& frame,
+                                                          int width, int height);
+    /// Whether its memory serves frames of this size on this device.
+    bool serves(const GpuDevice& device, int width, int height) const;
+
+    DepthSample at(int x, int y) const override { return filtered_.at(x, y); }
+    TileDepths tile(int tx, int ty) const override { return filtered_.tile(tx, ty); }
+
+    SharedPlane codes, validity, tiles;
+
+private:
+    VulkanVertices(const GpuDevice& device, const SurfaceFrame& frame, int width, int height)
+        : filtered_(frame), vulkan_(device.vulkan()), width_(width), height_(height) {}
+
+    FilteredVertices filtered_;
+    std::shared_ptr<VulkanDevice> vulkan_;
+    int width_, height_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,46 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+
+// One pass of hole filling: an invalid code with at least three valid neighbours becomes their lower median,
+// which is that of its 3x3 window, because it does not count itself. All others stay as they are stored.
+
+#include "shaders/median3.h"
+#include "shaders/surface_codes.h"
+
+const int strip_rows = 4, strip_centre = 1, strip_reach = 1;
+const bool outside_repeats = false;
+
+#include "shaders/columns3.h"
+#include "shaders/strip.h"
+
+layout(set = 0, binding = 1, scalar) writeonly buffer Codes { uvec4 out_codes[]; };
+
+const uint most_invalid = 9u - 3u;
+
+Pixels filtered(Column columns[8 + 2 * strip_reach]) {
+    Pixels pixels;
+    [[unroll]] for (int k = 0; k < 8; ++k) {
+        const Column left = columns[k], centre = columns[k + 1], right = columns[k + 2];
+        const uint upper_invalid = left.upper_invalid + centre.upper_invalid + right.upper_invalid;
+        const uint lower_invalid = left.lower_invalid + centre.lower_invalid + right.lower_invalid;
+        const uint upper = median9(paired3(left.upper, centre.upper), right.upper);
+        const uint lower = median9(paired3(left.lower, centre.lower), right.lower);
+        pixels.upper[k] = centre.upper_valid || upper_invalid > most_invalid ? centre.upper_code : upper;
+        pixels.lower[k] = centre.lower_valid || lower_invalid > most_invalid ? centre.lower_code : lower;
+        pixels.upper_valid[k] = pixels.lower_valid[k] = true;  // nobody asks
+    }
+    return pixels;
+}
+
+void emit(Task task, uint texel, Pixels pixels, Pixels next) {
+    const uint row = 2u * task.strip;
+    out_codes[row * push.out_pitch + texel] = packed(pixels.upper);
+    if (row + 1u < push.height) out_codes[(row + 1u) * push.out_pitch + texel] = packed(pixels.lower);
+}
+
+void main() {
+    const Task task = task_of(gl_GlobalInvocationID.x);
+    if (task.there) march(task);
+}

@@ -1,0 +1,171 @@
+// The march along a strip, for GLSL: a lane holds two rows and goes along them texel by texel. Columns of the
+// window are ranked once and rolled on; a value is loaded once per strip. On lavapipe this is 16 to 26 times
+// cheaper than a lane per pixel: texels are its only fast loads, and its lanes have no shared registers.
+//
+// The includer defines before: strip_rows, how many rows the window of the two has; strip_centre, which of them
+// is the upper of the two; strip_reach, how many columns the window has to each side, at least 1;
+// outside_repeats, whether the border repeats beyond the picture, or nothing there is valid; `Column`, what is
+// kept of a column of the window, and rank_column. And after: filtered, emit, and main, which calls `march`.
+#ifndef TOUCHABLE_SHADERS_STRIP_H
+#define TOUCHABLE_SHADERS_STRIP_H
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 1) const uint sample_bytes = 2u;
+layout(constant_id = 2) const uint may_be_invalid = 1u;
+layout(constant_id = 3) const uint may_be_excluded = 1u;
+layout(constant_id = 4) const uint ragged = 1u;
+
+layout(push_constant, scalar) uniform Push { StripPush push; };
+layout(set = 0, binding = 0) uniform utextureBuffer stored_texels;
+
+const uint greatest_code = 65535u;
+
+/// One lane's work: strip `strip` from texel `first` to before `end`; not there: none.
+struct Task {
+    bool there;
+    uint strip, first, end;
+};
+
+/// What comes of eight neighbours in both rows.
+struct Pixels {
+    uint upper[8], lower[8];
+    bool upper_valid[8], lower_valid[8];
+};
+
+/// Pixel 8 t - strip_reach + k for k = 0 to 7, from the columns 8 t - 2 strip_reach and on.
+Pixels filtered(Column columns[8 + 2 * strip_reach]);
+/// Takes a finished texel. `next` starts strip_reach pixels before the texel after it.
+void emit(Task task, uint texel, Pixels pixels, Pixels next);
+
+/// Eight neighbours of a row.
+struct Eight {
+    uint v[8];
+};
+
+Eight unpacked_halves(uvec4 texel) {
+    Eight codes;
+    [[unroll]] for (int k = 0; k < 4; ++k) {
+        codes.v[2 * k] = texel[k] & 0xFFFFu;
+        codes.v[2 * k + 1] = texel[k] >> 16;
+    }
+    return codes;
+}
+
+Eight unpacked_bytes(uvec2 words) {
+    Eight codes;
+    [[unroll]] for (int k = 0; k < 8; ++k) codes.v[k] = bitfieldExtract(words[k / 4], 8 * (k % 4), 8);
+    return codes;
+}
+
+uvec4 packed(uint v[8]) {
+    return uvec4(v[0] | v[1] << 16, v[2] | v[3] << 16, v[4] | v[5] << 16, v[6] | v[7] << 16);
+}
+
+/// Stored values 8 `texel` to 8 `texel` + 7 of a row inside the picture; the last one stands for those beyond
+/// the width. The texel at the width is asked for too: its first values are the last one.
+Eight load(uint row, uint texel) {
+    const uint last = (push.width - 1u) >> 3;
+    const uint there = min(texel, last);
+    Eight codes;
+    if (sample_bytes == 1u) {
+        const uvec4 bytes = texelFetch(stored_texels, int(row * push.in_pitch + (there >> 1)));
+        codes = unpacked_bytes((there & 1u) == 0u ? bytes.xy : bytes.zw);
+    } else {
+        codes = unpacked_halves(texelFetch(stored_texels, int(row * push.in_pitch + there)));
+    }
+    if (ragged != 0u) {
+        [[unroll]] for (int k = 1; k < 8; ++k)
+            codes.v[k] = 8u * there + uint(k) < push.width ? codes.v[k] : codes.v[k - 1];
+    }
+    [[unroll]] for (int k = 0; k < strip_reach; ++k) codes.v[k] = texel > last ? codes.v[7] : codes.v[k];
+    return codes;
+}
+
+Task task_of(uint lane) {
+    const uint strips = (push.height + 1u) >> 1, texels = (push.width + 7u) >> 3;
+    Task task;
+    const uint segment = push.along_x != 0u ? lane % push.segments : lane / strips;
+    task.strip = push.along_x != 0u ? lane / push.segments : lane % strips;
+    task.there = task.strip < strips && segment < push.segments;
+    task.first = segment * push.segment_texels;
+    task.end = min(task.first + push.segment_texels, texels);
+    return task;
+}
+
+/// The rows of a strip's window from one texel, or what stands for them.
+struct Window {
+    Eight rows[strip_rows];
+};
+
+Window load_window(uint strip, uint texel) {
+    Window window;
+    [[unroll]] for (int k = 0; k < strip_rows; ++k) {
+        const int row = 2 * int(strip) + k - strip_centre;
+        window.rows[k] = load(uint(clamp(row, 0, int(push.height) - 1)), texel);
+    }
+    return window;
+}
+
+/// Column `k` of a window, which is column `x` of the picture.
+Column column_of(Window window, uint strip, int k, int x) {
+    uint codes[strip_rows];
+    bool valid[strip_rows];
+    [[unroll]] for (int n = 0; n < strip_rows; ++n) {
+        codes[n] = window.rows[n].v[k];
+        valid[n] = true;
+        if (may_be_invalid != 0u) {
+            const int row = 2 * int(strip) + n - strip_centre;
+            valid[n] = code_is_in_range(codes[n], push.valid);
+            if (may_be_excluded != 0u) valid[n] = valid[n] && !code_is_excluded(codes[n], push.valid);
+            if (!outside_repeats)
+                valid[n] = valid[n] && row >= 0 && row < int(push.height) && x >= 0 && x < int(push.width);
+        }
+    }
+    return rank_column(codes, valid);
+}
+
+/// The columns before the first of a task.
+void start_columns(Task task, inout Column columns[8 + 2 * strip_reach]) {
+    const bool border = task.first == 0u;
+    Window window = load_window(task.strip, border ? 0u : task.first - 1u);
+    [[unroll]] for (int k = 0; k < 2 * strip_reach; ++k) {
+        const int from = 8 - 2 * strip_reach + k;
+        [[unroll]] for (int n = 0; n < strip_rows; ++n)
+            if (border) window.rows[n].v[from] = window.rows[n].v[0];
+        columns[k] = column_of(window, task.strip, from, 8 * int(task.first) - 2 * strip_reach + k);
+    }
+}
+
+void march(Task task) {
+    Column columns[8 + 2 * strip_reach];
+    start_columns(task, columns);
+    Pixels before;
+    for (uint texel = task.first; texel <= task.end; ++texel) {
+        const Window window = load_window(task.strip, texel);
+        [[unroll]] for (int k = 0; k < 8; ++k)
+            columns[2 * strip_reach + k] = column_of(window, task.strip, k, int(8u * texel) + k);
+        const Pixels now = filtered(columns);
+        if (texel > task.first) {
+            Pixels done;
+            [[unroll]] for (int k = 0; k < 8; ++k) {
+                const bool is_new = k >= 8 - strip_reach;
+                const int from = is_new ? k - (8 - strip_reach) : k + strip_reach;
+                done.upper[k] = is_new ? now.upper[from] : before.upper[from];
+                done.lower[k] = is_new ? now.lower[from] : before.lower[from];
+                done.upper_valid[k] = is_new ? now.upper_valid[from] : before.upper_valid[from];
+                done.lower_valid[k] = is_new ? now.lower_valid[from] : before.lower_valid[from];
+            }
+            emit(task, texel - 1u, done, now);
+        }
+        before = now;
+        [[unroll]] for (int k = 0; k < 2 * strip_reach; ++k) columns[k] = columns[8 + k];
+    }
+}
+
+/// Bits 0 to 7: which of a texel's codes lie inside the picture.
+uint inside_bits(uint texel) {
+    const int inside = clamp(int(push.width) - 8 * int(texel), 0, 8);
+    return (1u << inside) - 1u;
+}
+
+#endif

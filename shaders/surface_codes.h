@@ -1,0 +1,84 @@
+// What the kernels that turn stored values into filtered codes share with each other and with C++. Planes are
+// rows of texels of 16 bytes, so of 8 codes or 16 stored bytes; bytes beyond the picture's width mean nothing.
+#ifndef TOUCHABLE_SHADERS_SURFACE_CODES_H
+#define TOUCHABLE_SHADERS_SURFACE_CODES_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace touchable {
+using uint = std::uint32_t;
+#define SURFACE_CODES_FUNCTION constexpr
+#else
+#define SURFACE_CODES_FUNCTION
+#endif
+
+/// Valid codes lie within valid_min to valid_min + valid_span and are none of `excluded`, of which
+/// no_such_code excludes nothing.
+struct ValidCodes {
+    uint valid_min, valid_span;
+    uint excluded[4];
+};
+const uint no_such_code = 65536u;
+/// What a colour without a hue becomes.
+const uint no_hue_code = 65535u;
+
+/// Below valid_min the difference wraps around to something beyond every span.
+SURFACE_CODES_FUNCTION bool code_is_in_range(uint code, ValidCodes codes) {
+    return code - codes.valid_min <= codes.valid_span;
+}
+SURFACE_CODES_FUNCTION bool code_is_excluded(uint code, ValidCodes codes) {
+    return code == codes.excluded[0] || code == codes.excluded[1] || code == codes.excluded[2] ||
+           code == codes.excluded[3];
+}
+
+/// Of the kernels that march along strips (strip.h).
+struct StripPush {
+    uint width, height;       // pixels
+    uint in_pitch, out_pitch;  // texels from one row to the next
+    uint segments;            // parts of a row that are marched side by side
+    uint segment_texels;      // codes of a segment / 8; a multiple of 4
+    uint along_x;             // 1: neighbouring lanes are neighbours along x, as GPUs like it
+    uint validity_words;      // of a row
+    uint tiles_x;
+    ValidCodes valid;
+};
+
+/// Specialisation constants of those kernels, in order.
+struct StripConstants {
+    uint group_size;
+    uint sample_bytes;    // of a stored value: 1 or 2
+    uint may_be_invalid;  // 0 where every stored value is a valid code
+    uint may_be_excluded;  // 0 where ValidCodes excludes nothing
+    uint ragged;          // 0 where the width is a multiple of 8
+};
+
+/// What a strip of two rows knows of a tile: rows 2 n and 2 n + 1 of its columns, the next tile's first column
+/// included. One word least | greatest << 16 over valid codes, another that is not 0 where one is invalid.
+struct TilePart {
+    uint extremes, any_invalid;
+};
+
+/// Of tile_bounds.
+struct TileBoundsPush {
+    uint tiles_x, tiles_y, strips;  // strips: pairs of rows
+};
+
+/// Of hue_codes.
+struct HueCodesPush {
+    uint width, height;
+    uint in_pitch;   // words of 4 bytes from one row to the next
+    uint out_pitch;  // texels
+    uint least_sum;
+};
+
+const uint tile_bounds_group = 32u;
+const uint hue_codes_group = 32u;
+const uint tile_cells = 16u;
+const uint strips_per_tile = 8u;
+
+#ifdef __cplusplus
+}  // namespace touchable
+#endif
+#undef SURFACE_CODES_FUNCTION
+
+#endif

@@ -1,0 +1,45 @@
+#include "tests/surface/test_gpu.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace touchable::test {
+namespace {
+
+class TestGpu : public testing::Environment {
+public:
+    std::shared_ptr<SurfaceKernels> kernels() {
+        if (!kernels_) {
+            auto device = GpuDevice::open({.validation = true});
+            if (!device.ok()) throw std::runtime_error(device.error().message);
+            messages_ = (*device)->messages();
+            kernels_ = std::make_shared<SurfaceKernels>(*device);
+        }
+        return kernels_;
+    }
+    void TearDown() override {
+        kernels_.reset();
+        if (!messages_) return;
+        for (const std::string& message : messages_->all()) ADD_FAILURE() << message;
+    }
+
+private:
+    std::shared_ptr<SurfaceKernels> kernels_;
+    std::shared_ptr<const GpuMessages> messages_;
+};
+
+TestGpu& test_gpu = dynamic_cast<TestGpu&>(*testing::AddGlobalTestEnvironment(new TestGpu));
+
+}  // namespace
+
+std::shared_ptr<SurfaceKernels> test_kernels() {
+    return test_gpu.kernels();
+}
+
+std::string mapping_text(const StripMapping& mapping) {
+    return "groups of " + std::to_string(mapping.group_size) + ", segments of " +
+           std::to_string(mapping.segment_texels) + (mapping.along_x ? " along x" : "");
+}
+
+}  // namespace touchable::test

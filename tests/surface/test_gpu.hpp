@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "engine/surface/vulkan_builder.hpp"
+
+namespace touchable::test {
+
+/// The kernels on the GPU that is here, which the validation layer watches; one for all tests of a program.
+/// Where there is none, or the layer has something to say in the end, the tests fail.
+std::shared_ptr<SurfaceKernels> test_kernels();
+
+/// Few lanes that march whole rows, as on a CPU; many that march segments side by side, as on a GPU.
+/// between.
+inline constexpr StripMapping all_mappings[] = {{8, 0, false}, {64, 4, true}, {16, 8, false}};
+std::string mapping_text(const StripMapping& mapping);
+
+}  // namespace touchable::test

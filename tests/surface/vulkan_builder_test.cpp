@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+
+#include "engine/surface/vulkan_builder.hpp"
+#include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
+
+namespace touchable::test {
+namespace {
+
+StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed) {
+    Random random(seed);
+    return store_plane(scene.width, scene.height, fill_picture(scene, fill, random), {});
+}
+
+std::unique_ptr<VulkanSurfaceBuilder> vulkan_builder(const Scene& scene) {
+    auto made = make_vulkan_builder(scene, test_kernels(), all_mappings[0]);
+    if (!made.ok()) throw std::runtime_error(made.error().message);
+    return std::move(*made);
+}
+
+TEST(ValidCodes, AreTheCodingsForEveryCode) {
+    for (const int bits : {8, 10, 16})
+        for (const Marking marking : all_markings) {
+            const Scene scene = depth_scene(1, 1, bits, marking);
+            const ValidCodes codes = valid_codes_of(scene.depth);
+            for (int code = 0; code <= 65535; ++code) {
+                const auto c = static_cast<std::uint16_t>(code);
+                ASSERT_EQ(code_is_in_range(c, codes) && !code_is_excluded(c, codes), scene.depth.is_valid(c))
+                    << code << " of " << bits << " bits, marking " << static_cast<int>(marking);
+            }
+        }
+}
+
+TEST(ValidCodes, AreNoneWhereNoCodeIsValid) {
+    Scene scene = depth_scene(1, 1, 8, Marking::none);
+    scene.depth.valid_min = 1;
+    scene.depth.valid_max = 0;
+    for (int code = 0; code <= 65535; ++code)
+        ASSERT_FALSE(code_is_in_range(static_cast<std::uint32_t>(code), valid_codes_of(scene.depth)));
+}
+
+TEST(VulkanBuilder, LeavesFramesInMappedMemoryThatARecycledSlotKeeps) {
+    const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
+    const auto builder = vulkan_builder(scene);
+    SurfaceFrame slot, reference;
+    ASSERT_TRUE(builder->build(noisy_plane(scene, Fill::blob, 1).frame(), slot));
+    EXPECT_TRUE(slot.codes.adopted() && slot.validity.adopted() && slot.tiles.adopted());
+    const auto* codes = slot.codes.data();
+    const auto* validity = slot.validity.data();
+    const auto* tiles = slot.tiles.data();
+    const StoredPlane second = noisy_plane(scene, Fill::few_holes, 2);
+    ASSERT_TRUE(builder->build(second.frame(), slot));
+    EXPECT_TRUE(slot.codes.data() == codes && slot.validity.data() == validity && slot.tiles.data() == tiles);
+    ASSERT_TRUE(make_reference_builder(scene)->build(second.frame(), reference));
+    EXPECT_EQ(first_difference(reference, slot), "");
+}
+
+TEST(VulkanBuilder, FramesOutliveTheirBuilder) {
+    const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
+    const StoredPlane plane = noisy_plane(scene, Fill::blob, 1);
+    SurfaceFrame frame, reference;
+    ASSERT_TRUE(vulkan_builder(scene)->build(plane.frame(), frame));
+    ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
+    EXPECT_EQ(first_difference(reference, frame), "");
+}
+
+TEST(VulkanBuilder, TellsItsStages) {
+    const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 2});
+    const auto builder = vulkan_builder(scene);
+    SurfaceFrame slot;
+    ASSERT_TRUE(builder->build(noisy_plane(scene, Fill::blob, 1).frame(), slot));
+    std::string labels;
+    for (const GpuTime& stage : builder->stages()) {
+        EXPECT_GT(stage.ms, 0);
+        if (stage.label.rfind("read ", 0) != 0) labels += stage.label + " ";
+    }
+    EXPECT_EQ(labels, "fill median bounds ");
+}
+
+}  // namespace
+}  // namespace touchable::test
