@@ -26,12 +26,17 @@ bool is_scene_file(const std::filesystem::path& path) {
 Result<std::unique_ptr<ClipReader>> open_file(const std::filesystem::path& file,
                                               const std::optional<Scene>& scene) {
     std::array<char, 4> first{};
-    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
-    const std::string_view magic(first.data(), first.size());
+    std::ifstream in(file, std::ios::binary);
+    in.read(first.data(), first.size());
+    const std::string_view magic(first.data(), static_cast<std::size_t>(in.gcount()));
     if (magic.starts_with("\xff\xd8\xff")) return open_gdepth_image(file, scene);
-    if (magic != "\x1a\x45\xdf\xa3")  // what a Matroska file begins with
+    if (magic.size() == first.size() && magic != "\x1a\x45\xdf\xa3") {  // what a Matroska file begins with
         if (const auto metadata = depthkit_metadata_of(file))
             return open_depthkit_clip(file, *metadata, scene);
+        return input_error(file.string() +
+                           ": is not a Matroska file, nor a JPEG, nor a Depthkit video with " +
+                           depthkit_metadata_name(file).string() + " beside it");
+    }
     return open_matroska_clip(file, scene);
 }
 

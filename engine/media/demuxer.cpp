@@ -1,8 +1,14 @@
 #include "engine/media/demuxer.hpp"
 
+#include <array>
+#include <fstream>
 #include <utility>
 
 #include "engine/media/matroska_check.hpp"
+
+extern "C" {
+#include <libavutil/intreadwrite.h>
+}
 
 namespace touchable {
 namespace {
@@ -16,6 +22,29 @@ std::optional<std::string> entry(const AVDictionary* dictionary, const char* nam
     return found->value;
 }
 
+/// Whether a QuickTime file's outermost boxes, each a length, a type and a content, fill it exactly. FFmpeg
+/// is content with a last box that is cut.
+bool boxes_are_whole(const std::filesystem::path& file) {
+    std::error_code failure;
+    const std::uint64_t length = std::filesystem::file_size(file, failure);
+    std::ifstream in(file, std::ios::binary);
+    std::uint64_t position = 0;
+    while (!failure && position < length) {
+        std::array<std::uint8_t, 16> head{};
+        in.seekg(static_cast<std::streamoff>(position));
+        in.read(reinterpret_cast<char*>(head.data()), head.size());
+        if (in.gcount() < 8) return false;
+        in.clear();  // a last box may be shorter than a long head
+        const std::uint64_t stated = AV_RB32(head.data());
+        const std::uint64_t size = stated == 0   ? length - position  // to the end of the file
+                                   : stated == 1 ? AV_RB64(head.data() + 8)
+                                                 : stated;
+        if (size < 8 || size > length - position) return false;
+        position += size;
+    }
+    return position == length && length > 0;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const std::filesystem::path& file) {
@@ -24,6 +53,8 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const std::filesystem::p
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const std::filesystem::path& file) {
+    if (!boxes_are_whole(file))
+        return input_error(file.string() + ": is truncated, or no QuickTime or MP4 file");
     return open(file, "mov", "QuickTime or MP4");
 }
 

@@ -173,9 +173,12 @@ Result<void> DepthkitReader::check_time(const TrackDecoder::Picture& picture) {
 
 }  // namespace
 
+std::filesystem::path depthkit_metadata_name(const std::filesystem::path& video) {
+    return video.stem().concat(".Metadata.asset");
+}
+
 std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem::path& video) {
-    std::filesystem::path metadata = video;
-    metadata.replace_extension(".Metadata.asset");
+    std::filesystem::path metadata = video.parent_path() / depthkit_metadata_name(video);
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(metadata, ignored)) return std::nullopt;
     return metadata;

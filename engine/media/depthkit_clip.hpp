@@ -8,7 +8,9 @@
 
 namespace touchable {
 
-/// The description of a Depthkit video, "Test.Metadata.asset" beside "Test.mov"; nothing where there is none.
+/// The name of a Depthkit video's description: "Test.Metadata.asset" for "Test.mov".
+std::filesystem::path depthkit_metadata_name(const std::filesystem::path& video);
+/// The description beside a video; nothing where there is none.
 std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem::path& video);
 
 /// A Depthkit video, QuickTime or MP4: colour in the upper half of each picture, depth as hue in the lower.

@@ -56,7 +56,7 @@ TEST(ClipRefusal, RolesMustBeKnownAndSingle) {
 
 TEST(ClipRefusal, RolesMustFitWhatIsStored) {
     EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"colour", "depth"}}}),
-                   "track depth, frame 0: has pixel format bgr0");
+                   "track depth, frame 0: is 8-bit RGB, but the scene's depth.bits, 16, needs 16-bit grey");
     EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"height", "depth"}}}), "needs 16-bit grey");
     EXPECT_REFUSED(Remux({.roles = {{"depth", "height"}, {"height", "depth"}}}),
                    "track depth, frame 0: is 8-bit grey");

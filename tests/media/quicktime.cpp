@@ -1,0 +1,48 @@
+#include "tests/media/quicktime.hpp"
+
+#include <cstring>
+
+#include "tests/media/encoded_picture.hpp"
+
+namespace touchable::test {
+
+void write_quicktime(const std::filesystem::path& file, const std::vector<Image>& pictures,
+                     const FrameRate& rate, const std::function<std::int64_t(int)>& time_of) {
+    AVFormatContext* out = nullptr;
+    ASSERT_GE(avformat_alloc_output_context2(&out, nullptr, "mov", nullptr), 0);
+    AVStream* stream = avformat_new_stream(out, nullptr);
+    stream->codecpar->codec_type = AVMEDIA_TYPE_VIDEO;
+    stream->codecpar->codec_id = AV_CODEC_ID_PNG;
+    stream->codecpar->width = pictures.front().width;
+    stream->codecpar->height = pictures.front().height;
+    const AVRational base = av_make_q(1, static_cast<int>(rate.num));
+    stream->time_base = base;
+    ASSERT_GE(avio_open(&out->pb, file_url(file).c_str(), AVIO_FLAG_WRITE), 0);
+    AVDictionary* options = nullptr;
+    av_dict_set_int(&options, "video_track_timescale", rate.num, 0);
+    ASSERT_GE(avformat_write_header(out, &options), 0);
+    av_dict_free(&options);
+    for (std::size_t n = 0; n < pictures.size(); ++n) {
+        const Image& picture = pictures[n];
+        const std::string bytes =
+            encoded("png", AV_PIX_FMT_RGB24, picture.width, picture.height, [&](AVFrame& frame) {
+                for (int y = 0; y < picture.height; ++y)
+                    std::memcpy(frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y, picture.view().row(y),
+                                static_cast<std::size_t>(picture.width) * 3);
+            });
+        const PacketPtr packet(av_packet_alloc());
+        ASSERT_GE(av_new_packet(packet.get(), static_cast<int>(bytes.size())), 0);
+        std::memcpy(packet->data, bytes.data(), bytes.size());
+        const int number = static_cast<int>(n);
+        packet->pts = packet->dts = time_of ? time_of(number) : number * rate.den;
+        packet->duration = rate.den;
+        packet->flags |= AV_PKT_FLAG_KEY;
+        av_packet_rescale_ts(packet.get(), base, stream->time_base);
+        ASSERT_GE(av_write_frame(out, packet.get()), 0);
+    }
+    ASSERT_GE(av_write_trailer(out), 0);
+    avio_closep(&out->pb);
+    avformat_free_context(out);
+}
+
+}  // namespace touchable::test

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable::test {
+
+/// Writes 8-bit RGB pictures without loss as a QuickTime file. `time_of` gives each frame's time in units of
+/// 1/rate.num seconds; its number times rate.den where evenly spaced.
+void write_quicktime(const std::filesystem::path& file, const std::vector<Image>& pictures,
+                     const FrameRate& rate, const std::function<std::int64_t(int)>& time_of = {});
+
+}  // namespace touchable::test
