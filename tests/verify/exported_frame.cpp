@@ -48,14 +48,14 @@ void range(const Json& haptic, const char* member, real unit, real& low, real& h
 
 void read_depth(const Json& depth, Meaning& m) {
     const std::string coding = depth.value("coding", std::string());
-    if (coding == "linear")
+    if (coding == "linear" || coding == "hue")  // codes.png holds the codes that hues were turned into
         m.kind = Meaning::Kind::linear;
     else if (coding == "inverse")
         m.kind = Meaning::Kind::inverse;
     else if (coding == "metric")
         m.kind = Meaning::Kind::metric;
     else
-        throw Refusal{"member depth.coding must be linear, inverse or metric"};
+        throw Refusal{"member depth.coding must be linear, inverse, metric or hue"};
     m.range = either(depth, "semantics", "range", "planar");
     m.near = number(depth, "near");
     m.far = number(depth, "far");
