@@ -35,6 +35,10 @@ std::int64_t thread_cpu_ns() {
     return now_ns(CLOCK_THREAD_CPUTIME_ID);
 }
 
+std::int64_t process_cpu_ns() {
+    return now_ns(CLOCK_PROCESS_CPUTIME_ID);
+}
+
 long involuntary_switches() {
     rusage usage = {};
     getrusage(RUSAGE_THREAD, &usage);

@@ -7,6 +7,8 @@ namespace touchable {
 std::int64_t monotonic_ns();
 /// CPU time of this thread.
 std::int64_t thread_cpu_ns();
+/// CPU time of all threads of this process.
+std::int64_t process_cpu_ns();
 /// How often the kernel has taken the core from this thread (getrusage, RUSAGE_THREAD).
 long involuntary_switches();
 

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::array suites{
     BenchSuite{"touch", "the touch solver: time per tick, accuracy, following, energy", touch_cases},
+    BenchSuite{"surface", "frames by kernels and by the CPU builder: time per frame", surface_cases},
 };
 
 struct Options {

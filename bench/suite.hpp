@@ -13,7 +13,7 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", or "" for a count
+    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", or "" for a count
 };
 using Figures = std::vector<Figure>;
 
@@ -33,5 +33,6 @@ struct BenchSuite {
 };
 
 std::vector<BenchCase> touch_cases(bool quick);
+std::vector<BenchCase> surface_cases(bool quick);
 
 }  // namespace touchable

@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "bench/clocks.hpp"
+#include "bench/suite.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+
+namespace touchable {
+namespace {
+
+struct SurfaceCase {
+    int width, height, bits;
+    int holes_pct = 0;  ///< pixels without depth
+};
+
+std::string name_of(const SurfaceCase& c) {
+    return std::to_string(c.width) + "x" + std::to_string(c.height) + "-" + std::to_string(c.bits) +
+           (c.holes_pct > 0 ? "-holes" + std::to_string(c.holes_pct) : "");
+}
+
+/// Depth as cameras give it: a slope with noise, and code 0 where there is none.
+struct Picture {
+    Scene scene;
+    std::vector<std::uint8_t> memory;
+    RawFrame raw;
+
+    explicit Picture(const SurfaceCase& c) {
+        scene.width = c.width;
+        scene.height = c.height;
+        scene.depth_bits = c.bits;
+        scene.depth.near = 500;
+        scene.depth.far = 1000;
+        scene.depth.code_max = static_cast<std::uint16_t>((1 << c.bits) - 1);
+        scene.depth.invalid_code_count = c.holes_pct > 0 ? 1 : 0;
+        derive_valid_range(scene.depth);
+        const int bytes = c.bits > 8 ? 2 : 1;
+        memory.resize(static_cast<std::size_t>(c.width) * static_cast<std::size_t>(c.height * bytes));
+        std::uint64_t state = 7;
+        const auto random = [&state] {
+            return (state = state * 6364136223846793005U + 1442695040888963407U) >> 33;
+        };
+        for (int y = 0; y < c.height; ++y)
+            for (int x = 0; x < c.width; ++x) {
+                auto code =
+                    static_cast<std::uint16_t>(1 + (static_cast<std::uint64_t>(scene.depth.code_max - 1) *
+                                                        static_cast<std::uint64_t>(x + y) /
+                                                        static_cast<std::uint64_t>(c.width + c.height) +
+                                                    random() % 20) %
+                                                       scene.depth.code_max);
+                if (static_cast<int>(random() % 100) < c.holes_pct) code = 0;
+                std::memcpy(memory.data() + (static_cast<std::ptrdiff_t>(y) * c.width + x) * bytes, &code,
+                            static_cast<std::size_t>(bytes));
+            }
+        raw.depth = {memory.data(), std::ptrdiff_t{c.width} * bytes, c.width, c.height, bytes, 1};
+    }
+};
+
+long mismatches(const SurfaceFrame& expected, const SurfaceFrame& actual) {
+    if (expected.codes.size() != actual.codes.size()) return static_cast<long>(expected.codes.size());
+    long different = 0;
+    for (std::size_t n = 0; n < expected.codes.size(); ++n) different += expected.codes[n] != actual.codes[n];
+    return different + (expected.validity == actual.validity ? 0 : 1) +
+           (expected.tiles == actual.tiles ? 0 : 1);
+}
+
+/// The least of some frames, milliseconds.
+struct FrameTimes {
+    double wall_ms = HUGE_VAL, cpu_ms = HUGE_VAL;
+};
+
+Result<FrameTimes> time_frames(SurfaceBuilder& builder, const RawFrame& raw, SurfaceFrame& out, int frames) {
+    FrameTimes times;
+    for (int n = 0; n < frames; ++n) {
+        const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
+        if (auto built = builder.build(raw, out); !built.ok()) return built.error();
+        times.wall_ms = std::min(times.wall_ms, static_cast<double>(monotonic_ns() - wall) * 1e-6);
+        times.cpu_ms = std::min(times.cpu_ms, static_cast<double>(process_cpu_ns() - cpu) * 1e-6);
+    }
+    return times;
+}
+
+Result<void> measure(const SurfaceCase& c, int frames, const std::shared_ptr<SurfaceKernels>& kernels,
+                     Figures& figures) {
+    Picture picture(c);
+    long mismatched = 0;
+    for (const int side : {3, 5, 0}) {
+        picture.scene.filter.median = side;
+        const std::string what = std::to_string(side);
+        const auto cpu = make_cpu_builder(picture.scene);
+        auto vulkan = make_vulkan_builder(picture.scene, kernels, mapping_for(kernels->device()->facts()));
+        if (!vulkan.ok()) return vulkan.error();
+        SurfaceFrame expected, frame;
+        if (auto built = cpu->build(picture.raw, expected); !built.ok()) return built;
+        const auto first = time_frames(**vulkan, picture.raw, frame, 1);
+        if (!first.ok()) return first.error();
+        mismatched += mismatches(expected, frame);
+        if (mismatched > 0)
+            return Error{ErrorKind::check, name_of(c) + ": " + std::to_string(mismatched) +
+                                               " codes differ from the CPU builder's, median " + what};
+        const auto times = time_frames(**vulkan, picture.raw, frame, frames);
+        if (!times.ok()) return times.error();
+        double kernels_ms = 0;
+        for (const GpuTime& stage : (*vulkan)->stages()) kernels_ms += stage.ms;
+        const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));
+        if (!cpu_times.ok()) return cpu_times.error();
+        figures.push_back({"codes" + what + "_ms", times->wall_ms, "ms"});
+        figures.push_back({"codes" + what + "_cpu_ms", times->cpu_ms, "ms"});
+        figures.push_back({"codes" + what + "_kernels_ms", kernels_ms, "ms"});
+        figures.push_back({"codes" + what + "_first_ms", first->wall_ms, "ms"});
+        figures.push_back({"cpu_builder" + what + "_ms", cpu_times->wall_ms, "ms"});
+    }
+    figures.push_back({"mismatched_codes", static_cast<double>(mismatched), ""});
+    return {};
+}
+
+/// One device for all cases, opened when the first is measured.
+class Shelf {
+public:
+    Result<std::shared_ptr<SurfaceKernels>> take() {
+        if (!kernels_) {
+            auto device = GpuDevice::open();
+            if (!device.ok()) return device.error();
+            kernels_ = std::make_shared<SurfaceKernels>(*device);
+        }
+        return kernels_;
+    }
+
+private:
+    std::shared_ptr<SurfaceKernels> kernels_;
+};
+
+}  // namespace
+
+std::vector<BenchCase> surface_cases(bool quick) {
+    const auto shelf = std::make_shared<Shelf>();
+    std::vector<BenchCase> cases;
+    for (const SurfaceCase& c : {SurfaceCase{320, 240, 16},
+                                 {720, 480, 8},
+                                 {720, 480, 16},
+                                 {1920, 1080, 8},
+                                 {1920, 1080, 16},
+                                 {1920, 1080, 16, 40},
+                                 {3840, 2160, 16}}) {
+        if (quick && c.width > 1920) continue;
+        cases.push_back({name_of(c), [c, quick, shelf](Figures& figures) -> Result<void> {
+                             auto kernels = shelf->take();
+                             if (!kernels.ok()) return kernels.error();
+                             return measure(c, quick ? 50 : 300, *kernels, figures);
+                         }});
+    }
+    return cases;
+}
+
+}  // namespace touchable
