@@ -1,5 +1,6 @@
 # Kernels: shaders/name.comp, which includes shaders/name.h as C++ does, becomes SPIR-V words in a header under the
-# build folder: #include "shaders/name.spv.h" gives touchable::name_spv.
+# build folder: #include "shaders/name.spv.h" gives touchable::name_spv. A name with an ending, for drawing, is the file's:
+# name.vert gives touchable::name_vert_spv.
 
 find_program(TOUCHABLE_GLSLANG glslangValidator REQUIRED DOC "GLSL to SPIR-V (Debian: glslang-tools)")
 
@@ -14,7 +15,11 @@ function(touchable_shaders target)
       "${PROJECT_SOURCE_DIR}/${SHADERS_FROM}/*.h" "${PROJECT_SOURCE_DIR}/shaders/*.h")
   foreach(name IN LISTS SHADERS_UNPARSED_ARGUMENTS)
     if(NOT TARGET shader_${name})
-      touchable_kernel(${name} "${PROJECT_SOURCE_DIR}/${SHADERS_FROM}/${name}.comp" "${shared_headers}")
+      set(source "${PROJECT_SOURCE_DIR}/${SHADERS_FROM}/${name}")
+      if(NOT name MATCHES "[.]")
+        string(APPEND source ".comp")
+      endif()
+      touchable_kernel(${name} "${source}" "${shared_headers}")
     endif()
     add_dependencies(${target} shader_${name})
   endforeach()
@@ -24,13 +29,14 @@ endfunction()
 # The header is written while configuring and includes the words, which are made while building.
 function(touchable_kernel name source shared_headers)
   set(words "${PROJECT_BINARY_DIR}/shaders/${name}.spv.inc")
+  string(REPLACE "." "_" identifier "${name}")
   file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/shaders/${name}.spv.h" @ONLY CONTENT [[
 #pragma once
 
 #include <cstdint>
 
 namespace touchable {
-inline constexpr std::uint32_t @name@_spv[] = {
+inline constexpr std::uint32_t @identifier@_spv[] = {
 #include "shaders/@name@.spv.inc"
 };
 }  // namespace touchable

@@ -85,8 +85,8 @@ Result<void> run_export(const ExportOptions& options) {
     if (frames && wanted >= *frames) return beyond_the_end(options, wanted, *frames);
     const auto scene = effective_scene(**reader, options);
     if (!scene.ok()) return scene.error();
-    const auto builder =
-        options.builder == "reference" ? make_reference_builder(*scene) : make_cpu_builder(*scene);
+    const auto builder = make_builder(options.builder, *scene);
+    if (!builder.ok()) return builder.error();
     auto picture = order_picture(options.picture);
     if (!picture.ok()) return picture.error();
 
@@ -115,7 +115,8 @@ void add_export_command(CLI::App& app, Command& command) {
     auto range = std::make_shared<std::string>();
     auto mesh = std::make_shared<bool>(false);
     sub->add_option("CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
-    sub->add_option("--out", options->out, "folder to write to; may be left out with --picture");
+    auto* folder =
+        sub->add_option("--out", options->out, "folder to write to; may be left out with --picture");
     auto* one = sub->add_option("--frame", options->first, "this frame, from 0, into the folder itself")
                     ->check(CLI::NonNegativeNumber);
     auto* many =
@@ -127,13 +128,12 @@ void add_export_command(CLI::App& app, Command& command) {
     sub->add_option("--scene", options->scene, "scene file that describes the clip instead of its own");
     sub->add_option("--median", options->median, "window side instead of the scene's: 0 (off), 3 or 5");
     sub->add_option("--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
-    sub->add_option("--builder", options->builder, "cpu, or reference (slow, the same bits)")
-        ->check(CLI::IsMember({"cpu", "reference"}))
-        ->capture_default_str();
-    sub->callback([options, range, mesh, one, many, &command] {
+    add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
+    sub->callback([options, range, mesh, folder, one, many, &command] {
         command = [=]() -> Result<void> {
             ExportOptions chosen = *options;
-            if (chosen.out.empty()) return usage_error("--out names no folder; right would be --out FOLDER");
+            if (folder->count() > 0 && chosen.out.empty())
+                return usage_error("--out names no folder; right would be --out FOLDER");
             if (one->count() + many->count() == 0)
                 return usage_error("export needs --frame N or --frames A-B|all; see touchable export -h");
             if (chosen.out.empty() && !chosen.picture.file)

@@ -57,8 +57,8 @@ Result<void> TouchPicture::take(const TouchTick& tick) {
         if (trails_[k].size() > trail_ticks) trails_[k].pop_front();
     }
     if (tick.tick < tick_) return {};
-    moment_ = Moment{tick.pair.prev.number, tick.pair.next.number, tick.pair.blend,
-                     tick.metres_per_scene_unit, {}};
+    moment_ =
+        Moment{tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, tick.metres_per_scene_unit, {}};
     for (std::size_t k = 0; k < trails_.size(); ++k) {
         const Contact& contact = tick.contacts[k];
         moment_->fingers.push_back({contact.goal, contact.proxy, tick.forces[k].force, contact.touching, {}});

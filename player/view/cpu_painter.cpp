@@ -15,8 +15,7 @@ public:
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
         PicturePlanes planes{camera.width, camera.height, {}, {}};
-        const auto pixels =
-            static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+        const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
         planes.z.assign(pixels, 0.0F);
         planes.colours.assign(pixels, 0);
         const TileGrid grid = TileGrid::of(surface.width, surface.height);
@@ -51,22 +50,23 @@ private:
                           glm::vec3(c & 255U, c >> 8 & 255U, c >> 16 & 255U)};
         }
         if (triangle_is_cut(q[0], q[1], q[2])) return;
-        fill_triangle(corners, planes.width, planes.height,
-                      [&](int x, int y, float z, const glm::vec3& colour) {
-                          const std::size_t pixel = planes.index(x, y);
-                          const glm::uvec3 byte(colour + 0.5F);
-                          const PackedColour packed = pack_colour(byte.r, byte.g, byte.b);
-                          // Where two are equally near, the greater colour: no order of drawing decides.
-                          if (z < planes.z[pixel] || (z == planes.z[pixel] && packed <= planes.colours[pixel]))
-                              return;
-                          planes.z[pixel] = z;
-                          planes.colours[pixel] = packed;
-                      });
+        fill_triangle(
+            corners, planes.width, planes.height, [&](int x, int y, float z, const glm::vec3& colour) {
+                const std::size_t pixel = planes.index(x, y);
+                const glm::uvec3 byte(colour + 0.5F);
+                const PackedColour packed = pack_colour(byte.r, byte.g, byte.b);
+                // Where two are equally near, the greater colour: no order of drawing decides.
+                if (z < planes.z[pixel] || (z == planes.z[pixel] && packed <= planes.colours[pixel])) return;
+                planes.z[pixel] = z;
+                planes.colours[pixel] = packed;
+            });
     }
 };
 
 }  // namespace
 
-std::unique_ptr<SurfacePainter> make_cpu_painter() { return std::make_unique<CpuPainter>(); }
+std::unique_ptr<SurfacePainter> make_cpu_painter() {
+    return std::make_unique<CpuPainter>();
+}
 
 }  // namespace touchable

@@ -24,8 +24,9 @@ void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& came
     const double distance = std::max(camera.near / middle->z, reach * 1.01);
     const double pixels = camera.focal * reach / (distance - reach);
     auto span = [&](double at, int size) {
-        return std::array<int, 2>{static_cast<int>(std::clamp(at - pixels, 0.0, static_cast<double>(size))),
-                                  static_cast<int>(std::clamp(at + pixels + 1, 0.0, static_cast<double>(size)))};
+        return std::array<int, 2>{
+            static_cast<int>(std::clamp(at - pixels, 0.0, static_cast<double>(size))),
+            static_cast<int>(std::clamp(at + pixels + 1, 0.0, static_cast<double>(size)))};
     };
     const auto [x0, x1] = span(middle->x, picture.width);
     const auto [y0, y1] = span(middle->y, picture.height);
@@ -51,7 +52,9 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
         const FingerMark& finger = fingers[k];
         const Material solid{light_of(finger_colours[k % finger_colours.size()]), 1};
         const auto points = static_cast<double>(finger.trail.size());
-        auto thread = [&](std::size_t at) { return 0.22 * radius * (0.15 + 0.85 * static_cast<double>(at) / points); };
+        auto thread = [&](std::size_t at) {
+            return 0.22 * radius * (0.15 + 0.85 * static_cast<double>(at) / points);
+        };
         for (std::size_t at = 1; at < finger.trail.size(); ++at) {
             const glm::dvec3 &from = finger.trail[at - 1], &to = finger.trail[at];
             if (std::max(from.z / to.z, to.z / from.z) < CUT_RULE_RATIO)
@@ -59,13 +62,14 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
         }
         draw_sphere(camera, finger.proxy, radius, solid, picture);
         if (finger.touching)
-            draw_arrow(camera, finger.proxy, finger.proxy + finger.force * sizes.length_per_newton, 0.34 * radius,
-                       {glm::mix(solid.light, glm::vec3(1.0F), 0.35F), 1}, picture);
+            draw_arrow(camera, finger.proxy, finger.proxy + finger.force * sizes.length_per_newton,
+                       0.34 * radius, {glm::mix(solid.light, glm::vec3(1.0F), 0.35F), 1}, picture);
     }
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         const FingerMark& finger = fingers[k];
         if (!finger.touching) continue;
-        const glm::vec3 light = glm::mix(light_of(finger_colours[k % finger_colours.size()]), glm::vec3(1.0F), 0.3F);
+        const glm::vec3 light =
+            glm::mix(light_of(finger_colours[k % finger_colours.size()]), glm::vec3(1.0F), 0.3F);
         draw_rod(camera, finger.goal, finger.proxy, 0.14 * radius, 0.14 * radius, {light, 0.9F}, picture);
         draw_sphere(camera, finger.goal, 0.8 * radius, {light, 0.8F}, picture);
     }

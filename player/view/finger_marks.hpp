@@ -20,7 +20,7 @@ struct FingerMark {
 
 /// How large fingers are drawn.
 struct MarkSizes {
-    double finger_radius = 1;     ///< scene units
+    double finger_radius = 1;      ///< scene units
     double length_per_newton = 1;  ///< of the arrow, scene units
 };
 

@@ -1,10 +1,28 @@
-#include "player/view/surface_painter.hpp"
+#include <string>
+
+#include "player/view/gpu_painters.hpp"
 
 namespace touchable {
+namespace {
+
+Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name) {
+    auto device = GpuDevice::open();
+    if (!device.ok()) return device.error();
+    const bool is_cpu = (*device)->facts().kind == GpuKind::software;
+    if (name == "mesh" || (name == "auto" && !is_cpu)) return make_mesh_painter(std::move(*device));
+    return make_raster_painter(std::move(*device));
+}
+
+}  // namespace
 
 Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name) {
-    if (name == "cpu" || name == "auto") return make_cpu_painter();
-    return usage_error("--painter " + std::string(name) + " is not known; there are cpu and auto");
+    if (name == "cpu") return make_cpu_painter();
+    if (name != "auto" && name != "raster" && name != "mesh")
+        return usage_error("--painter " + std::string(name) +
+                           " is not known; there are auto, cpu, raster and mesh");
+    auto painter = gpu_painter(name);
+    if (!painter.ok() && name == "auto") return make_cpu_painter();
+    return painter;
 }
 
 }  // namespace touchable

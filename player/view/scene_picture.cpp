@@ -18,8 +18,8 @@ Result<Image> make_picture(const PictureSettings& settings, const Scene& scene, 
                            const glm::dvec3& centre, std::span<const FingerMark> fingers,
                            const MarkSizes& sizes, SurfacePainter& painter) {
     const int samples = samples_for(settings);
-    const ViewCamera camera = make_view(settings.viewpoint, scene, centre, settings.width * samples,
-                                        settings.height * samples);
+    const ViewCamera camera =
+        make_view(settings.viewpoint, scene, centre, settings.width * samples, settings.height * samples);
     auto planes = painter.paint(surface, camera);
     if (!planes.ok()) return planes.error();
     LightPicture picture = on_background(std::move(*planes));

@@ -23,7 +23,8 @@ struct Painter {
     glm::vec3 lit(const glm::dvec3& normal) const {
         static const glm::dvec3 key = glm::normalize(glm::dvec3(-0.55, 0.65, 0.55));
         const double facing = std::max(0.0, glm::dot(normal, to_eye));
-        const double diffuse = 0.30 + 0.12 * normal.y + 0.55 * std::max(0.0, glm::dot(normal, key)) + 0.12 * facing;
+        const double diffuse =
+            0.30 + 0.12 * normal.y + 0.55 * std::max(0.0, glm::dot(normal, key)) + 0.12 * facing;
         const glm::dvec3 half = glm::normalize(key + to_eye);
         const double gloss = std::max(0.0, glm::dot(normal, half));
         const double gloss2 = gloss * gloss, gloss4 = gloss2 * gloss2, gloss8 = gloss4 * gloss4;
@@ -46,7 +47,8 @@ struct Painter {
         if (facing <= 0) return;
         const double rim = (1 - facing) * (1 - facing);
         const double opacity = material.opacity * (hidden ? 0.75 : 1.0) * (0.45 + 1.3 * rim);
-        picture.light[at] = glm::mix(picture.light[at], lit(normal), static_cast<float>(std::min(opacity, 1.0)));
+        picture.light[at] =
+            glm::mix(picture.light[at], lit(normal), static_cast<float>(std::min(opacity, 1.0)));
     }
 };
 
@@ -104,7 +106,8 @@ void draw_arrow(const ViewCamera& camera, const glm::dvec3& from, const glm::dve
     const Ring collar[] = {{neck, 0, -1, 0}, {neck, head_radius, -1, 0}};
     const Ring cone[] = {{neck, head_radius, slope, 1}, {length, 0, slope, 1}};
     const glm::dvec3 along = (to - from) / length;
-    for (const auto& part : {std::span<const Ring>(shaft), std::span<const Ring>(collar), std::span<const Ring>(cone)})
+    for (const auto& part :
+         {std::span<const Ring>(shaft), std::span<const Ring>(collar), std::span<const Ring>(cone)})
         draw_solid(camera, from, along, part, material, picture);
 }
 

@@ -18,7 +18,7 @@ struct Ring {
 /// What a solid is made of.
 struct Material {
     glm::vec3 light{1.0F};  ///< colour, as light
-    float opacity = 1;      ///< below 1: seen through, and behind other things too, more faintly; leaves z alone
+    float opacity = 1;  ///< below 1: seen through, and behind other things too, more faintly; leaves z alone
 };
 
 /// Draws what the outline `rings` sweeps round the axis from `foot` towards `along` (a unit vector), world,

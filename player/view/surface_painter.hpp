@@ -23,7 +23,9 @@ public:
 /// On this thread, without a GPU: the definition that the others are tested against.
 std::unique_ptr<SurfacePainter> make_cpu_painter();
 
-/// "cpu", "raster", "mesh", or "auto": see docs.
+/// "cpu", "raster" or "mesh" (gpu_painters.hpp) on the GPU that GpuOptions chooses where nobody says, or
+/// "auto": mesh on a GPU, raster where Vulkan computes on the CPU, cpu where there is neither. Refused
+/// (ErrorKind::gpu) where what is asked for by name is not to be had.
 Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name);
 
 }  // namespace touchable

@@ -49,8 +49,7 @@ struct Sight {
 
 ViewCamera view_of(const Sight& sight, const Scene& scene, int width, int height) {
     ViewCamera view;
-    view.clip_from_world =
-        lens(sight.focal, sight.centre, width, height, sight.near) * sight.eye_from_world;
+    view.clip_from_world = lens(sight.focal, sight.centre, width, height, sight.near) * sight.eye_from_world;
     view.clip_from_lattice = view.clip_from_world * world_from_lattice(scene.camera);
     view.eye = sight.eye;
     view.width = width;
@@ -68,9 +67,8 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
     const glm::dvec3 up = glm::cross(back, right);
     const double distance = -centre.z / viewpoint.zoom;
     const glm::dvec3 eye = centre + distance * back;
-    const glm::dmat4 eye_from_world =
-        from_rows({right, -glm::dot(right, eye)}, {up, -glm::dot(up, eye)}, {back, -glm::dot(back, eye)},
-                  {0, 0, 0, 1});
+    const glm::dmat4 eye_from_world = from_rows({right, -glm::dot(right, eye)}, {up, -glm::dot(up, eye)},
+                                                {back, -glm::dot(back, eye)}, {0, 0, 0, 1});
     glm::dvec2 focal = glm::dvec2(scene.camera.fx, scene.camera.fy) * fit(scene, width, height);
     if (viewpoint.fov) {
         const double half = *viewpoint.fov * 0.5 * degree;
@@ -147,8 +145,9 @@ ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
     const double scale = fit(scene, width, height);
     const glm::dvec2 margin((width - scale * scene.width) / 2.0, (height - scale * scene.height) / 2.0);
     const glm::dvec2 centre = margin + scale * glm::dvec2(camera.cx + 0.5, camera.cy + 0.5);
-    return view_of({glm::dmat4(1.0), glm::dvec3(0.0), scale * glm::dvec2(camera.fx, camera.fy), centre, nearest},
-                   scene, width, height);
+    return view_of(
+        {glm::dmat4(1.0), glm::dvec3(0.0), scale * glm::dvec2(camera.fx, camera.fy), centre, nearest}, scene,
+        width, height);
 }
 
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <memory>
+#include <string>
+
+#include "engine/gpu/gpu_device.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A picture in the GPU's memory that is drawn to and copied from. A handle, as GpuBuffer is.
+class GpuImage {
+public:
+    GpuImage() = default;
+    /// Fails (ErrorKind::gpu) where it is larger than the device's images, or memory is short.
+    static Result<GpuImage> create(const GpuDevice& device, const std::string& name, int width, int height,
+                                   VkFormat format);
+
+    VkImage handle() const { return state_->image; }
+    VkImageView view() const { return state_->view; }
+    VkImageAspectFlags aspect() const { return state_->aspect; }
+    VkExtent2D extent() const { return state_->extent; }
+    std::shared_ptr<const void> keep_alive() const { return state_; }
+
+private:
+    struct State {
+        ~State();
+
+        std::shared_ptr<VulkanDevice> vulkan;
+        VkImage image = VK_NULL_HANDLE;
+        VkDeviceMemory memory = VK_NULL_HANDLE;
+        VkImageView view = VK_NULL_HANDLE;
+        VkImageAspectFlags aspect = 0;
+        VkExtent2D extent{};
+    };
+    std::shared_ptr<const State> state_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,74 @@
+#include <algorithm>
+
+#include "player/view/gpu_painters.hpp"
+#include "player/view/mesh_pipeline.hpp"
+
+namespace touchable {
+namespace {
+
+/// The whole image, rows packed, once it has been drawn.
+void record_copy(GpuCommands& commands, const GpuImage& image, const GpuBuffer& buffer) {
+    VkBufferImageCopy region{};
+    region.imageSubresource = {image.aspect(), 0, 0, 1};
+    region.imageExtent = {image.extent().width, image.extent().height, 1};
+    vkCmdCopyImageToBuffer(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           buffer.handle(), 1, &region);
+    commands.keep(buffer.keep_alive());
+}
+
+class MeshPainter final : public SurfacePainter {
+public:
+    MeshPainter(std::shared_ptr<GpuDevice> device, MeshPipeline pipeline)
+        : device_(std::move(device)), pipeline_(std::move(pipeline)), upload_(device_) {}
+
+    std::string_view name() const override { return "mesh"; }
+
+    Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
+        const auto lattice = upload_.upload(surface);
+        if (!lattice.ok()) return lattice.error();
+        const std::size_t pixels =
+            static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+        const auto colour = GpuImage::create(*device_, "picture colour", camera.width, camera.height,
+                                             MeshPipeline::colour_format);
+        if (!colour.ok()) return colour.error();
+        const auto z =
+            GpuImage::create(*device_, "picture z", camera.width, camera.height, MeshPipeline::z_format);
+        if (!z.ok()) return z.error();
+        const auto colour_back =
+            GpuBuffer::create(*device_, "picture colour read back", pixels * 4, GpuMemory::readback);
+        if (!colour_back.ok()) return colour_back.error();
+        const auto z_back =
+            GpuBuffer::create(*device_, "picture z read back", pixels * 4, GpuMemory::readback);
+        if (!z_back.ok()) return z_back.error();
+
+        auto commands = GpuCommands::begin(device_, "mesh");
+        if (!commands.ok()) return commands.error();
+        pipeline_.record(*commands, *lattice, camera, *colour, *z);
+        record_copy(*commands, *colour, *colour_back);
+        record_copy(*commands, *z, *z_back);
+        const auto submission = std::move(*commands).submit();
+        if (!submission.ok()) return submission.error();
+        if (auto done = submission->wait(); !done.ok()) return done.error();
+
+        const auto z_read = z_back->mapped<float>();
+        const auto colour_read = colour_back->mapped<PackedColour>();
+        return PicturePlanes{camera.width, camera.height, std::vector<float>(z_read.begin(), z_read.end()),
+                             std::vector<PackedColour>(colour_read.begin(), colour_read.end())};
+    }
+
+private:
+    std::shared_ptr<GpuDevice> device_;
+    MeshPipeline pipeline_;
+    LatticeUpload upload_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SurfacePainter>> make_mesh_painter(std::shared_ptr<GpuDevice> device) {
+    auto pipeline = MeshPipeline::create(*device);
+    if (!pipeline.ok()) return pipeline.error();
+    return std::unique_ptr<SurfacePainter>(
+        std::make_unique<MeshPainter>(std::move(device), std::move(*pipeline)));
+}
+
+}  // namespace touchable

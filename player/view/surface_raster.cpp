@@ -1,0 +1,71 @@
+#include "player/view/surface_raster.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "engine/frame/surface_frame.hpp"
+#include "player/view/view_rows.hpp"
+#include "shaders/raster.h"
+#include "shaders/raster.spv.h"
+#include "shaders/raster_large.spv.h"
+
+namespace touchable {
+
+namespace {
+constexpr std::uint32_t groups_in_a_row = 32768;  // every device takes that many
+}
+
+static_assert(RASTER_TILE == TileGrid::cells);
+static_assert(std::is_trivially_copyable_v<RasterPush> && sizeof(RasterPush) == 92);
+
+Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
+    if (!device.facts().int64_atomics)
+        return Error{ErrorKind::gpu,
+                     device.facts().name +
+                         " has no 64-bit atomics, which --painter raster needs; mesh and cpu do not"};
+    SurfaceRaster made;
+    const auto storage = GpuBindingKind::storage_buffer;
+    auto raster = GpuProgram::create(
+        device, "raster", raster_spv,
+        {sizeof(RasterPush), {storage, storage, storage, storage, storage}, {RASTER_LANES, 1, 1}});
+    if (!raster.ok()) return raster.error();
+    made.raster_ = std::move(*raster);
+    auto large = GpuProgram::create(
+        device, "raster_large", raster_large_spv,
+        {sizeof(RasterPush), {storage, storage, storage, storage}, {RASTER_LARGE_LANES, 1, 1}});
+    if (!large.ok()) return large.error();
+    made.large_ = std::move(*large);
+    return made;
+}
+
+std::size_t SurfaceRaster::large_bytes(int width, int height) {
+    return 4 * (RASTER_LARGE_HEADER + static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+}
+
+void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera,
+                           const GpuBuffer& pixels, const GpuBuffer& large) const {
+    RasterPush push{};
+    push.rows = rows_of(camera);
+    push.width = static_cast<std::uint32_t>(lattice.width);
+    push.height = static_cast<std::uint32_t>(lattice.height);
+    push.tiles_x = static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x);
+    push.tile_count = lattice.whole_tiles + lattice.mixed_tiles;
+    push.picture_width = static_cast<std::uint32_t>(camera.width);
+    push.picture_height = static_cast<std::uint32_t>(camera.height);
+    push.large_capacity = push.width * push.height;
+
+    commands.fill(pixels, 0, 0, std::size_t{8} * push.picture_width * push.picture_height);
+    // No groups yet in x, one in y and z, no cells.
+    commands.fill(large, 0, 0, 4);
+    commands.fill(large, 1, 4, 8);
+    commands.fill(large, 0, 12, 4);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    commands.dispatch(
+        raster_, push, {lattice.q, lattice.colours, pixels, large, lattice.tiles},
+        {std::min(push.tile_count, groups_in_a_row), groups_for(push.tile_count, groups_in_a_row), 1});
+    commands.barrier(GpuStage::compute, GpuStage::indirect);
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.dispatch_indirect(large_, push, {lattice.q, lattice.colours, pixels, large}, large);
+}
+
+}  // namespace touchable

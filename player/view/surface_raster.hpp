@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+
+#include "engine/gpu/gpu_commands.hpp"
+#include "engine/gpu/gpu_program.hpp"
+#include "player/view/gpu_lattice.hpp"
+#include "player/view/view_camera.hpp"
+
+namespace touchable {
+
+/// The kernels raster and raster_large: triangles by compute, for devices that have 64-bit atomics.
+class SurfaceRaster {
+public:
+    /// Fails (ErrorKind::gpu) on a device without 64-bit atomics.
+    static Result<SurfaceRaster> create(const GpuDevice& device);
+
+    /// Records the drawing of a lattice into `pixels`, which are cleared first: 64 bits for each pixel of the
+    /// camera, row-major, as shaders/raster.h says. `large` has `large_bytes` at least.
+    void record(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera,
+                const GpuBuffer& pixels, const GpuBuffer& large) const;
+    static std::size_t large_bytes(int width, int height);
+
+private:
+    GpuProgram raster_, large_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,137 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_shader_atomic_int64 : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+
+// Triangles of a tile, small on the screen, into packed pixels.
+
+#include "shaders/raster_common.h"
+
+layout(local_size_x = RASTER_LANES) in;
+
+layout(set = 0, binding = RASTER_TILES, scalar) readonly buffer Tiles {
+    uint tiles[];
+};
+
+struct Corner {
+    ivec2 at;  // subpixels
+    float z, q;
+    vec3 colour;
+    bool in_front;  // of the near plane
+};
+
+Corner corner(uint i, uint j) {
+    const uint index = j * push.width + i;
+    Corner c;
+    c.q = q_at[index];
+    c.colour = unpacked(colour_at[index]);
+    const vec4 clip = view_clip(push.rows, float(i), float(j), c.q);
+    c.in_front = clip.z <= clip.w;
+    c.z = clip.z / clip.w;
+    c.at = ivec2(view_subpixels(clip.x / clip.w, float(push.picture_width)),
+                 view_subpixels(clip.y / clip.w, float(push.picture_height)));
+    return c;
+}
+
+// Twice the signed area of a, b, p.
+int edge(ivec2 a, ivec2 b, ivec2 p) {
+    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+}
+
+// A triangle's three edge functions at a pixel, turned so that inside is positive, and their steps to the
+// right and down. A pixel centre on an upper or left edge is inside: `least` of each that is.
+struct Edges {
+    ivec3 here, right, down, least;
+    float scale;  // 1 / twice the area; 0 for a triangle without one
+};
+
+Edges edges_of(ivec2 a, ivec2 b, ivec2 c, ivec2 p) {
+    const int area = edge(a, b, c);
+    const int turn = area < 0 ? -1 : 1;
+    const ivec3 dx = turn * ivec3(b.x - a.x, c.x - b.x, a.x - c.x);
+    const ivec3 dy = turn * ivec3(b.y - a.y, c.y - b.y, a.y - c.y);
+    Edges e;
+    e.here = turn * ivec3(edge(a, b, p), edge(b, c, p), edge(c, a, p));
+    e.right = -dy * VIEW_SUBPIXELS;
+    e.down = dx * VIEW_SUBPIXELS;
+    const bvec3 upper = bvec3(uvec3(equal(dy, ivec3(0))) & uvec3(greaterThan(dx, ivec3(0))));
+    e.least = ivec3(1) - ivec3(uvec3(lessThan(dy, ivec3(0))) | uvec3(upper));
+    e.scale = area == 0 ? 0.0f : 1.0f / float(abs(area));
+    return e;
+}
+
+bool inside(Edges e, ivec3 here) {
+    return e.scale > 0.0f && all(greaterThanEqual(here, e.least));
+}
+
+void plot_in(int x, int y, Edges e, ivec3 here, Corner a, Corner b, Corner c) {
+    const float of_b = float(here.z) * e.scale, of_c = float(here.x) * e.scale;
+    plot(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
+         a.colour + of_b * (b.colour - a.colour) + of_c * (c.colour - a.colour));
+}
+
+void leave_to_large(uint cell) {
+    const uint slot = atomicAdd(large_count, 1u);
+    if (slot < push.large_capacity) {
+        large_cells[slot] = cell;
+        atomicMax(groups_x, min(slot + 1u, RASTER_MOST_GROUPS));
+    }
+}
+
+void draw_cell(uint cell, Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left) {
+    const bool no_lower = triangle_is_cut(top_left.q, top_right.q, bottom_right.q);
+    const bool no_upper = triangle_is_cut(top_left.q, bottom_right.q, bottom_left.q);
+    if (no_lower && no_upper) return;
+    if (no_lower) top_right = top_left;  // a triangle without area is not drawn
+    if (no_upper) bottom_left = top_left;
+
+    const ivec2 low = min(min(top_left.at, top_right.at), min(bottom_right.at, bottom_left.at));
+    const ivec2 high = max(max(top_left.at, top_right.at), max(bottom_right.at, bottom_left.at));
+    const ivec2 size = high - low;
+    const bool in_front =
+        top_left.in_front && top_right.in_front && bottom_right.in_front && bottom_left.in_front;
+    // Where part of a cell is behind the eye, its corners say nothing of where it is seen.
+    const bool is_large = !in_front || max(size.x, size.y) >= RASTER_LARGE_CELL;
+    const int half_pixel = VIEW_SUBPIXELS / 2;
+    const ivec2 picture = ivec2(push.picture_width, push.picture_height);
+    const ivec2 first = max((low + (half_pixel - 1)) >> 8, ivec2(0));
+    const ivec2 last = min((high - half_pixel) >> 8, picture - 1);
+    const bool on_screen = all(lessThanEqual(first, last));
+    if (is_large && (!in_front || on_screen)) leave_to_large(cell);
+    if (is_large || !on_screen) return;
+
+    const ivec2 start = first * VIEW_SUBPIXELS + half_pixel;
+    const Edges lower = edges_of(top_left.at, top_right.at, bottom_right.at, start);
+    const Edges upper = edges_of(top_left.at, bottom_right.at, bottom_left.at, start);
+    ivec3 lower_row = lower.here, upper_row = upper.here, in_lower = lower_row, in_upper = upper_row;
+    ivec2 at = first;
+    // One loop, not two: lanes of a software GPU wait for each other at every loop's end.
+    while (at.y <= last.y) {
+        if (inside(lower, in_lower)) plot_in(at.x, at.y, lower, in_lower, top_left, top_right, bottom_right);
+        if (inside(upper, in_upper)) plot_in(at.x, at.y, upper, in_upper, top_left, bottom_right, bottom_left);
+        const bool row_ends = at.x >= last.x;
+        lower_row += row_ends ? lower.down : ivec3(0);
+        upper_row += row_ends ? upper.down : ivec3(0);
+        in_lower = row_ends ? lower_row : in_lower + lower.right;
+        in_upper = row_ends ? upper_row : in_upper + upper.right;
+        at = row_ends ? ivec2(first.x, at.y + 1) : ivec2(at.x + 1, at.y);
+    }
+}
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (group >= push.tile_count) return;
+    const uint tile = tiles[group];
+    const uint i = tile % push.tiles_x * RASTER_TILE + gl_LocalInvocationID.x;
+    const uint first_row = tile / push.tiles_x * RASTER_TILE;
+    const uint end = min(first_row + RASTER_TILE, push.height - 1u);
+    if (i + 1u >= push.width) return;
+    Corner top_left = corner(i, first_row), top_right = corner(i + 1u, first_row);
+    for (uint j = first_row; j < end; ++j) {
+        const Corner bottom_left = corner(i, j + 1u), bottom_right = corner(i + 1u, j + 1u);
+        draw_cell(j * push.width + i, top_left, top_right, bottom_right, bottom_left);
+        top_left = bottom_left;
+        top_right = bottom_right;
+    }
+}

@@ -1,0 +1,47 @@
+// What the kernels raster.comp and raster_large.comp and their callers agree on. Compiled as GLSL and as C++.
+//
+// raster.comp draws a tile of 16x16 cells with a lane for each column of cells, which marches down, so that a
+// cell costs two new vertices. It leaves cells that reach before the near plane, or over RASTER_LARGE_CELL
+// subpixels, in a list for raster_large.comp, which draws each with a whole workgroup.
+//
+// A pixel is z's bits above the colour's (PackedColour): z > 0, so the greatest of all is the nearest, whoever
+// comes first; 0 is empty.
+#ifndef TOUCHABLE_SHADERS_RASTER_H
+#define TOUCHABLE_SHADERS_RASTER_H
+
+#include "shaders/view_project.h"
+
+#ifdef __cplusplus
+namespace touchable {
+using uint = unsigned int;
+#endif
+
+#define RASTER_TILE 16
+#define RASTER_LANES 16
+#define RASTER_LARGE_LANES 8
+/// 64 pixels: products of two such lengths, and their differences, fit into 32 bits.
+#define RASTER_LARGE_CELL 16384
+
+#define RASTER_Q 0
+#define RASTER_COLOURS 1
+#define RASTER_PIXELS 2  // 64 bits each
+#define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells
+#define RASTER_TILES 4   // of raster.comp: row * tiles_x + column of each to draw
+
+struct RasterPush {
+    ViewRows rows;
+    uint width, height;                  // of the lattice
+    uint tiles_x, tile_count;            // tiles in a row of it; tiles to draw
+    uint picture_width, picture_height;  // pixels
+    uint large_capacity;                 // cells the list has room for: all there are
+};
+
+/// Words before the cells (row * width + column): workgroups in x, y, z, and how many cells follow.
+#define RASTER_LARGE_HEADER 4
+#define RASTER_MOST_GROUPS 4096u
+
+#ifdef __cplusplus
+}  // namespace touchable
+#endif
+
+#endif

@@ -1,0 +1,36 @@
+// What raster.comp and raster_large.comp share; GLSL alone.
+#ifndef TOUCHABLE_SHADERS_RASTER_COMMON_H
+#define TOUCHABLE_SHADERS_RASTER_COMMON_H
+
+#include "shaders/cut_rule.h"
+#include "shaders/raster.h"
+
+layout(push_constant, scalar) uniform Push {
+    RasterPush push;
+};
+layout(set = 0, binding = RASTER_Q, scalar) readonly buffer Lattice {
+    float q_at[];
+};
+layout(set = 0, binding = RASTER_COLOURS, scalar) readonly buffer Colours {
+    uint colour_at[];
+};
+layout(set = 0, binding = RASTER_PIXELS, scalar) buffer Pixels {
+    uint64_t pixels[];
+};
+layout(set = 0, binding = RASTER_LARGE, scalar) buffer Large {
+    uint groups_x, groups_y, groups_z, large_count;
+    uint large_cells[];
+};
+
+vec3 unpacked(uint colour) {
+    return vec3(colour & 255u, colour >> 8 & 255u, colour >> 16 & 255u);
+}
+
+void plot(int x, int y, float z, vec3 colour) {
+    const uvec3 byte = uvec3(colour + 0.5f);
+    const uint packed_colour = byte.r | byte.g << 8 | byte.b << 16 | 255u << 24;
+    atomicMax(pixels[uint(y) * push.picture_width + uint(x)],
+              uint64_t(floatBitsToUint(z)) << 32 | uint64_t(packed_colour));
+}
+
+#endif

@@ -1,0 +1,8 @@
+#version 460
+
+layout(location = 0) noperspective in vec3 colour;
+layout(location = 0) out vec4 drawn;
+
+void main() {
+    drawn = vec4(colour, 1.0f);
+}

@@ -1,0 +1,34 @@
+// What the shaders view_mesh.vert and view_mesh.frag and their caller agree on. Compiled as GLSL and as C++.
+//
+// An instance is a tile of 16x16 cells. Where no triangle of it is cut, its 17x17 vertices are shared by the
+// triangles of an index list that is the same for all tiles. Else each cell is two triangles of their own,
+// six vertices, and a triangle that is cut shrinks to a point, which draws nothing.
+#ifndef TOUCHABLE_SHADERS_VIEW_MESH_H
+#define TOUCHABLE_SHADERS_VIEW_MESH_H
+
+#include "shaders/view_project.h"
+
+#ifdef __cplusplus
+namespace touchable {
+using uint = unsigned int;
+#endif
+
+#define MESH_TILE 16
+#define MESH_TILE_CELLS 256
+#define MESH_TILE_SIDE 17  // vertices
+
+#define MESH_Q 0
+#define MESH_COLOURS 1
+#define MESH_TILES 2  // row * tiles_x + column of each
+
+struct MeshPush {
+    ViewRows rows;
+    uint width, height;  // of the lattice
+    uint tiles_x;        // tiles in a row of it
+};
+
+#ifdef __cplusplus
+}  // namespace touchable
+#endif
+
+#endif

@@ -1,0 +1,62 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+// A vertex of a tile's triangles, read where it lies.
+
+#include "shaders/cut_rule.h"
+#include "shaders/view_mesh.h"
+
+layout(constant_id = 0) const bool is_mixed = false;
+
+layout(push_constant, scalar) uniform Push {
+    MeshPush push;
+};
+layout(set = 0, binding = MESH_Q, scalar) readonly buffer Lattice {
+    float q_at[];
+};
+layout(set = 0, binding = MESH_COLOURS, scalar) readonly buffer Colours {
+    uint colour_at[];
+};
+layout(set = 0, binding = MESH_TILES, scalar) readonly buffer Tiles {
+    uint tiles[];
+};
+
+// As compute and CPU have it: straight on the screen.
+layout(location = 0) noperspective out vec3 colour;
+
+invariant gl_Position;
+
+// Corners of a cell's triangles: the lower one, then the upper one.
+const uvec2 corners[6] = uvec2[6](uvec2(0, 0), uvec2(1, 0), uvec2(1, 1), uvec2(0, 0), uvec2(1, 1), uvec2(0, 1));
+
+float q_of(uvec2 at) {
+    return q_at[at.y * push.width + at.x];
+}
+
+void main() {
+    const uint tile = tiles[gl_InstanceIndex];
+    const uvec2 origin = uvec2(tile % push.tiles_x, tile / push.tiles_x) * MESH_TILE;
+    const uvec2 last = uvec2(push.width, push.height) - 1u;
+    const uint vertex = uint(gl_VertexIndex);
+    uvec2 at;
+    if (is_mixed) {
+        const uint cell = vertex / 6u, corner = vertex % 6u, first = corner / 3u * 3u;
+        const uvec2 cell_at = origin + uvec2(cell % MESH_TILE, cell / MESH_TILE);
+        const bool is_there = all(lessThan(cell_at, last));
+        const uvec2 base = min(cell_at, last);
+        at = base + corners[corner];
+        if (!is_there || triangle_is_cut(q_of(base + corners[first]), q_of(base + corners[first + 1u]),
+                                         q_of(base + corners[first + 2u]))) {
+            gl_Position = vec4(2.0f, 2.0f, 0.0f, 1.0f);
+            colour = vec3(0.0f);
+            return;
+        }
+    } else {
+        // Beyond the picture's last row and column triangles have no area.
+        at = min(origin + uvec2(vertex % MESH_TILE_SIDE, vertex / MESH_TILE_SIDE), last);
+    }
+    const uint packed_colour = colour_at[at.y * push.width + at.x];
+    gl_Position = view_clip(push.rows, float(at.x), float(at.y), q_of(at));
+    colour = vec3(packed_colour & 255u, packed_colour >> 8 & 255u, packed_colour >> 16 & 255u) / 255.0f;
+}
