@@ -100,7 +100,7 @@ Result<void> run_export(const ExportOptions& options) {
         if (!*raw) break;
         progress.at(number);
         if (number < options.first) continue;
-        if (auto built = builder->build(**raw, surface); !built.ok()) return built;
+        if (auto built = (*builder)->build(**raw, surface); !built.ok()) return built;
         if (auto done = export_frame(**raw, *scene, surface, options); !done.ok()) return done;
         if (*picture)
             if (auto drawn = draw(**picture, **raw, *scene, surface); !drawn.ok()) return drawn;

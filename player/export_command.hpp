@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/result.hpp"
+#include "player/builder_choice.hpp"
 #include "player/command.hpp"
 #include "player/picture_options.hpp"
 
@@ -24,7 +25,7 @@ struct ExportOptions {
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/
     bool mesh = true;
     std::optional<int> median, fill_holes;  ///< instead of the scene's own
-    std::string builder = "cpu";            ///< "cpu" or "reference"
+    BuilderChoice builder;
     PictureOptions picture;                 ///< of a single frame
 };
 

@@ -55,10 +55,7 @@ void add_touch_command(CLI::App& app, Command& command) {
 
     words->clip = sub->add_option("CLIP", o.clip, "a clip, a folder of images, or a scene file");
     sub->add_option("--scene", o.scene, "scene file that describes the clip instead of its own");
-    sub->add_option("--builder", o.builder,
-                    "how frames become a surface: cpu, lazy (only where touched), or reference")
-        ->check(CLI::IsMember({"cpu", "lazy", "reference"}))
-        ->capture_default_str();
+    add_builder_options(*sub, o.builder, {"cpu", "vulkan", "lazy", "reference"});
     sub->add_option("--json", o.json, "write the figures as JSON");
     sub->add_option("--forces", o.forces, "write goal, proxy and force of every tick and finger as CSV");
     auto* record = sub->add_option("--record", o.record, "keep what it takes to repeat the run");

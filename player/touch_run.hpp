@@ -8,6 +8,7 @@
 #include "engine/result.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "player/builder_choice.hpp"
 #include "player/picture_options.hpp"
 
 namespace touchable {
@@ -18,7 +19,7 @@ struct TouchOptions {
     std::string hand = "wander";
     int fingers = 1;
     std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
-    std::string builder = "cpu";        ///< "cpu", "lazy" or "reference"
+    BuilderChoice builder;
     TouchMetric metric = TouchMetric::world;
     std::optional<int> median, fill_holes;            ///< instead of the scene's own
     std::optional<FrameInterpolation> interpolation;  ///< likewise

@@ -9,7 +9,6 @@
 #include "device/workspace.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/surface/surface_builder.hpp"
 #include "player/field_probe.hpp"
 
 namespace touchable {
@@ -31,13 +30,6 @@ double median_depth(const Scene& scene, const SurfaceFrame& frame) {
     return *middle;
 }
 
-Result<std::unique_ptr<SurfaceBuilder>> make_builder(const std::string& name, const Scene& scene) {
-    if (name == "cpu") return make_cpu_builder(scene);
-    if (name == "lazy") return make_lazy_builder(scene);
-    if (name == "reference") return make_reference_builder(scene);
-    return usage_error("--builder " + name + " is not known; there are cpu, lazy and reference");
-}
-
 Result<void> check_guard(const GuardSettings& guard) {
     if (!(guard.max_force > 0 && std::isfinite(guard.max_force)))
         return usage_error("--max-force must be a number above 0 N");
@@ -47,8 +39,7 @@ Result<void> check_guard(const GuardSettings& guard) {
 }
 
 /// Opens the clip and makes its feed; `scene` is what the run applies.
-Result<void> open_feed(TouchSetup& setup, const std::string& builder_name,
-                       const std::optional<Scene>& recorded, const TouchOptions& options) {
+Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, const TouchOptions& options) {
     auto reader = open_clip(setup.clip, setup.scene_file);
     if (!reader.ok()) return reader.error();
     setup.scene = recorded ? *recorded : (*reader)->scene();
@@ -63,7 +54,7 @@ Result<void> open_feed(TouchSetup& setup, const std::string& builder_name,
         return input_error(setup.clip.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(setup.scene.width) + "x" + std::to_string(setup.scene.height));
-    auto builder = make_builder(builder_name, setup.scene);
+    auto builder = make_builder(options.builder, setup.scene);
     if (!builder.ok()) return builder.error();
     setup.feed = std::make_unique<SurfaceFeed>(std::move(*reader), std::move(*builder), setup.scene);
     return {};
@@ -84,8 +75,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     setup->clip = options.clip;
     setup->scene_file = options.scene;
     setup->hand_words = options.hand;
-    if (auto opened = open_feed(*setup, options.builder, std::nullopt, options); !opened.ok())
-        return opened.error();
+    if (auto opened = open_feed(*setup, std::nullopt, options); !opened.ok()) return opened.error();
 
     const auto first = setup->feed->pair_at(0);
     if (!first.ok()) return first.error();
@@ -178,8 +168,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     if (!scene.ok()) return scene.error();
     if (!options.clip.empty()) setup->clip = options.clip;
     if (options.scene) setup->scene_file = options.scene;
-    if (auto opened = open_feed(*setup, options.builder, *scene, options); !opened.ok())
-        return opened.error();
+    if (auto opened = open_feed(*setup, *scene, options); !opened.ok()) return opened.error();
     setup->hand = std::make_unique<ReplayHand>(recording);
     setup->settings.fingers = recording.fingers;
     setup->settings.time_of_tick = [&recording](std::int64_t tick) {

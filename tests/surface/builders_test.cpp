@@ -5,6 +5,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
 
 namespace touchable::test {
 namespace {
@@ -14,6 +15,7 @@ std::vector<std::unique_ptr<SurfaceBuilder>> all_builders(const Scene& scene) {
     builders.push_back(make_reference_builder(scene));
     builders.push_back(make_cpu_builder(scene));
     builders.push_back(make_lazy_builder(scene));
+    builders.push_back(test_vulkan_builder(scene));
     return builders;
 }
 
@@ -102,7 +104,7 @@ TEST(Builders, ReuseASlotOfAnyBuilderAndSize) {
         const StoredPlane plane = noisy_plane(scene, Fill::few_holes, random.next());
         SurfaceFrame reference;
         ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
-        const auto builder = std::move(all_builders(scene)[static_cast<std::size_t>(random.below(3))]);
+        const auto builder = std::move(all_builders(scene)[static_cast<std::size_t>(random.below(4))]);
         ASSERT_TRUE(builder->build(plane.frame(), slot));
         last = std::string(builder->name());
         EXPECT_EQ(first_vertex_difference(reference, *slot.vertices), "") << round << ": " << last;

@@ -8,6 +8,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
 
 // Depth stored as hue: every builder gives the bits of the reference, which are those of the same codes
 // stored as grey.
@@ -64,13 +65,15 @@ void expect_the_same_bits(const Scene& scene, const PlaneView& depth) {
         for (int x = 0; x < depth.width; ++x) codes.push_back(stored_code(depth, scene.depth, x, y));
     const StoredPlane grey = store_plane(depth.width, depth.height, codes, {});
 
-    SurfaceFrame from_grey, reference, cpu, lazy;
+    SurfaceFrame from_grey, reference, cpu, lazy, vulkan;
     ASSERT_TRUE(make_reference_builder(grey_scene(scene))->build(grey.frame(), from_grey));
     ASSERT_TRUE(make_reference_builder(scene)->build(hue, reference));
     ASSERT_TRUE(make_cpu_builder(scene)->build(hue, cpu));
     ASSERT_TRUE(make_lazy_builder(scene)->build(hue, lazy));
     EXPECT_TRUE(reference.codes == from_grey.codes && reference.validity == from_grey.validity);
+    ASSERT_TRUE(test_vulkan_builder(scene)->build(hue, vulkan));
     EXPECT_EQ(first_difference(reference, cpu), "");
+    EXPECT_EQ(first_difference(reference, vulkan), "");
     EXPECT_EQ(first_vertex_difference(reference, *cpu.vertices), "") << "cpu";
     EXPECT_EQ(first_vertex_difference(reference, *lazy.vertices), "") << "lazy";
     EXPECT_EQ(first_tile_not_enclosed(reference, *lazy.vertices), "") << "lazy";

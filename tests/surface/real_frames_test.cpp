@@ -5,6 +5,7 @@
 #include "engine/media/image_file.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
 
 // Depth cameras and scanners as they are: the fast and the lazy builder against the reference.
 namespace touchable::test {
@@ -41,7 +42,7 @@ TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
     RawFrame raw;
     raw.depth = image.value().view();
 
-    SurfaceFrame unfiltered, reference, cpu, lazy;
+    SurfaceFrame unfiltered, reference, cpu, lazy, vulkan;
     ASSERT_TRUE(make_reference_builder(scene)->build(raw, unfiltered));
     for (const FilterSettings filter : {FilterSettings{0, 0}, {3, 0}, {5, 2}}) {
         SCOPED_TRACE("median " + std::to_string(filter.median) + ", fill_holes " +
@@ -50,7 +51,9 @@ TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
         ASSERT_TRUE(make_reference_builder(scene)->build(raw, reference));
         ASSERT_TRUE(make_cpu_builder(scene)->build(raw, cpu));
         ASSERT_TRUE(make_lazy_builder(scene)->build(raw, lazy));
+        ASSERT_TRUE(test_vulkan_builder(scene)->build(raw, vulkan));
         ASSERT_EQ(first_difference(reference, cpu), "");
+        ASSERT_EQ(first_difference(reference, vulkan), "");
         ASSERT_EQ(first_vertex_difference(reference, *lazy.vertices), "");
         ASSERT_EQ(first_tile_not_enclosed(reference, *lazy.vertices), "");
         EXPECT_EQ(reference.codes == unfiltered.codes, filter == FilterSettings{})

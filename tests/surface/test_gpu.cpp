@@ -37,6 +37,12 @@ std::shared_ptr<SurfaceKernels> test_kernels() {
     return test_gpu.kernels();
 }
 
+std::unique_ptr<VulkanSurfaceBuilder> test_vulkan_builder(const Scene& scene) {
+    auto made = make_vulkan_builder(scene, test_kernels(), all_mappings[0]);
+    if (!made.ok()) throw std::runtime_error(made.error().message);
+    return std::move(*made);
+}
+
 std::string mapping_text(const StripMapping& mapping) {
     return "groups of " + std::to_string(mapping.group_size) + ", segments of " +
            std::to_string(mapping.segment_texels) + (mapping.along_x ? " along x" : "");

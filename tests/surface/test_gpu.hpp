@@ -10,6 +10,9 @@ namespace touchable::test {
 /// Where there is none, or the layer has something to say in the end, the tests fail.
 std::shared_ptr<SurfaceKernels> test_kernels();
 
+/// On that GPU; throws where that cannot be.
+std::unique_ptr<VulkanSurfaceBuilder> test_vulkan_builder(const Scene& scene);
+
 /// Few lanes that march whole rows, as on a CPU; many that march segments side by side, as on a GPU.
 inline constexpr StripMapping all_mappings[] = {{8, 0, false}, {8, 4, true}};
 std::string mapping_text(const StripMapping& mapping);

@@ -12,12 +12,6 @@ StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed) {
     return store_plane(scene.width, scene.height, fill_picture(scene, fill, random), {});
 }
 
-std::unique_ptr<VulkanSurfaceBuilder> vulkan_builder(const Scene& scene) {
-    auto made = make_vulkan_builder(scene, test_kernels(), all_mappings[0]);
-    if (!made.ok()) throw std::runtime_error(made.error().message);
-    return std::move(*made);
-}
-
 TEST(ValidCodes, AreTheCodingsForEveryCode) {
     for (const int bits : {8, 10, 16})
         for (const Marking marking : all_markings) {
@@ -41,7 +35,7 @@ TEST(ValidCodes, AreNoneWhereNoCodeIsValid) {
 
 TEST(VulkanBuilder, LeavesFramesInMappedMemoryThatARecycledSlotKeeps) {
     const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
-    const auto builder = vulkan_builder(scene);
+    const auto builder = test_vulkan_builder(scene);
     SurfaceFrame slot, reference;
     ASSERT_TRUE(builder->build(noisy_plane(scene, Fill::blob, 1).frame(), slot));
     EXPECT_TRUE(slot.codes.adopted() && slot.validity.adopted() && slot.tiles.adopted());
@@ -59,14 +53,14 @@ TEST(VulkanBuilder, FramesOutliveTheirBuilder) {
     const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
     const StoredPlane plane = noisy_plane(scene, Fill::blob, 1);
     SurfaceFrame frame, reference;
-    ASSERT_TRUE(vulkan_builder(scene)->build(plane.frame(), frame));
+    ASSERT_TRUE(test_vulkan_builder(scene)->build(plane.frame(), frame));
     ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
     EXPECT_EQ(first_difference(reference, frame), "");
 }
 
 TEST(VulkanBuilder, TellsItsStages) {
     const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 2});
-    const auto builder = vulkan_builder(scene);
+    const auto builder = test_vulkan_builder(scene);
     SurfaceFrame slot;
     ASSERT_TRUE(builder->build(noisy_plane(scene, Fill::blob, 1).frame(), slot));
     std::string labels;

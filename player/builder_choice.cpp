@@ -1,0 +1,58 @@
+#include "player/builder_choice.hpp"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "engine/surface/fallback_builder.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+
+namespace touchable {
+namespace {
+
+void warn(const std::string& line) {
+    std::cerr << "touchable: warning: " << line << std::endl;
+}
+
+Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const std::string& request, const Scene& scene) {
+    auto device = GpuDevice::open({.request = request});
+    if (!device.ok()) return device.error();
+    auto builder = make_vulkan_builder(scene, std::move(*device));
+    if (!builder.ok()) return builder.error();
+    return make_fallback_builder(std::move(*builder), make_cpu_builder(scene), warn);
+}
+
+}  // namespace
+
+void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names) {
+    std::string what = "how frames become a surface, all with the same bits:";
+    for (const std::string& name : names) {
+        what += (&name == &names.front() ? " " : ", ") + name;
+        if (name == "lazy") what += " (only where touched)";
+        if (name == "reference") what += " (slow)";
+        if (name == "vulkan") what += " (on a GPU)";
+    }
+    auto* builder =
+        sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();
+    sub.add_option("--gpu", choice.gpu,
+                   "with --builder vulkan: auto, or index or part of the name of a device (touchable check)")
+        ->needs(builder)
+        ->capture_default_str();
+    sub.add_flag("--gpu-fallback", choice.gpu_fallback,
+                 "with --builder vulkan: where no GPU is usable, the cpu builder instead of exit code 4")
+        ->needs(builder);
+}
+
+Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene) {
+    if (choice.name != "vulkan" && (choice.gpu != "auto" || choice.gpu_fallback))
+        return usage_error("--gpu and --gpu-fallback go with --builder vulkan, not " + choice.name);
+    if (choice.name == "cpu") return make_cpu_builder(scene);
+    if (choice.name == "lazy") return make_lazy_builder(scene);
+    if (choice.name == "reference") return make_reference_builder(scene);
+    if (choice.name != "vulkan") return usage_error("--builder " + choice.name + " is not known");
+    auto vulkan = make_vulkan(choice.gpu, scene);
+    if (vulkan.ok() || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
+    warn(vulkan.error().message + "; the cpu builder does its work");
+    return make_cpu_builder(scene);
+}
+
+}  // namespace touchable

@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include "engine/surface/fallback_builder.hpp"
+#include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Fails at one frame; until then it gives what another builder gives.
+class FailingBuilder final : public SurfaceBuilder {
+public:
+    FailingBuilder(const Scene& scene, std::int64_t at, Error error)
+        : builder_(make_cpu_builder(scene)), at_(at), error_(std::move(error)) {}
+    std::string_view name() const override { return "failing"; }
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (raw.number >= at_) return error_;
+        return builder_->build(raw, out);
+    }
+
+private:
+    std::unique_ptr<SurfaceBuilder> builder_;
+    std::int64_t at_;
+    Error error_;
+};
+
+const Scene scene = depth_scene(70, 45, 16, Marking::zero, {3, 1});
+
+StoredPlane stored(std::int64_t number) {
+    Random random(static_cast<std::uint64_t>(number) + 1);
+    return store_plane(scene.width, scene.height, fill_picture(scene, Fill::blob, random), {});
+}
+
+/// Builds frame `number` into `slot`, and fails the test where it is not as the reference's.
+void expect_built(SurfaceBuilder& builder, std::int64_t number, SurfaceFrame& slot) {
+    const StoredPlane plane = stored(number);
+    RawFrame raw = plane.frame();
+    raw.number = number;
+    SurfaceFrame reference;
+    ASSERT_TRUE(make_reference_builder(scene)->build(raw, reference));
+    const auto built = builder.build(raw, slot);
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_EQ(first_difference(reference, slot), "") << number;
+    EXPECT_EQ(first_vertex_difference(reference, *slot.vertices), "") << number;
+}
+
+TEST(FallbackBuilder, BuildsTheFrameThatFailedAndAllLaterOnesWithTheSecond) {
+    std::vector<std::string> told;
+    const auto builder = make_fallback_builder(
+        std::make_unique<FailingBuilder>(scene, 3, Error{ErrorKind::gpu, "the cable is out"}),
+        make_cpu_builder(scene), [&](const std::string& line) { told.push_back(line); });
+    SurfaceFrame slots[2];
+    for (std::int64_t number = 0; number < 8; ++number) {
+        EXPECT_EQ(builder->name(), number <= 3 ? "failing" : "cpu");
+        expect_built(*builder, number, slots[number % 2]);
+    }
+    EXPECT_EQ(told, std::vector<std::string>{"frame 3: the cable is out; the cpu builder goes on"});
+}
+
+TEST(FallbackBuilder, PassesOtherErrorsOn) {
+    const auto builder = make_fallback_builder(
+        std::make_unique<FailingBuilder>(scene, 0, Error{ErrorKind::input, "no such plane"}),
+        make_cpu_builder(scene), [](const std::string& line) { FAIL() << line; });
+    SurfaceFrame slot;
+    const auto built = builder->build(stored(0).frame(), slot);
+    ASSERT_FALSE(built.ok());
+    EXPECT_EQ(built.error().kind, ErrorKind::input);
+    EXPECT_EQ(builder->name(), "failing");
+}
+
+TEST(FallbackBuilder, GoesOnWhereTheGpuIsLost) {
+    auto opened = GpuDevice::open();  // of its own, to be lost
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    auto vulkan = make_vulkan_builder(scene, *opened);
+    ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;
+    std::vector<std::string> told;
+    const auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
+                                               [&](const std::string& line) { told.push_back(line); });
+    SurfaceFrame slots[3];
+    for (std::int64_t number = 0; number < 9; ++number) {
+        if (number == 4) (*opened)->lose();
+        expect_built(*builder, number, slots[number % 3]);
+        EXPECT_EQ(builder->name(), number < 4 ? "vulkan" : "cpu");
+        // What the solver still reads of the lost device's frames stays as it was.
+        if (number == 4)
+            for (const std::int64_t earlier : {2, 3}) {
+                const StoredPlane plane = stored(earlier);
+                SurfaceFrame reference;
+                ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
+                EXPECT_EQ(first_difference(reference, slots[earlier % 3]), "");
+            }
+    }
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0].rfind("frame 4: ", 0), 0U) << told[0];
+}
+
+}  // namespace
+}  // namespace touchable::test
