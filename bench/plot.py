@@ -260,10 +260,9 @@ def draw_options(axes, options):
         colour_of_mode, shape = MODES[option["mode"]][0], BITS[option["bits"]][0]
         axes.plot(option["time"], option["error"], shape, markersize=7, markeredgewidth=1.5, alpha=0.9,
                   markeredgecolor=colour_of_mode, color="white" if option["lazy"] else colour_of_mode)
-        if not option["lazy"]:
-            continue
-        words = f"{option['median']}x{option['median']}" if option["median"] else "no median"
-        height = 7
+        if not option["median"] or not option["lazy"]:
+            continue  # a frame filtered beforehand costs its ticks nothing
+        words, height = f"{option['median']}x{option['median']}", 7 if option["mode"] == "pixel" else -14
         if is_papers_own(option):
             words, height = f"the paper's own,\n{words}", 12
             axes.plot(option["time"], option["error"], "o", markersize=16, color="none",
@@ -278,7 +277,7 @@ def option_legend():
     handles += [Line2D([], [], marker=marker, color="#666666", label=label, **shape)
                 for marker, label in BITS.values()]
     handles.append(Line2D([], [], marker="s", color="white", markeredgecolor="#666666",
-                          label="filtered where touched", **shape))
+                          label="filtered where touched: none, 3x3, 5x5", **shape))
     handles.append(Line2D([], [], color="#999999", linewidth=1, label="nothing is better in both"))
     return handles
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
+#include <limits>
 
 #include "engine/trigonometry.hpp"
 
@@ -10,9 +10,10 @@ namespace touchable {
 namespace {
 
 constexpr int rings = 4;
-constexpr double least_cliff = 0.004;  // device metres: a lower step is rough ground, however steep
+constexpr double least_cliff = 0.006;  // device metres: a lower step is rough ground, however steep
 constexpr double steepest = 2.14;      // rise per length, as the camera sees it: 65 degrees
-constexpr double hollow = 0.0001;      // device metres: how far rough ground rises to both sides, together
+constexpr double least_bend = 0.0001;  // device metres: by which rough ground leaves the straight ...
+constexpr double sharpest = 1.0 / 6;   // ... or, per length, if that is more: 9.5 degrees
 
 }  // namespace
 
@@ -30,18 +31,20 @@ Footing FootingSearch::about(const glm::dvec2& pixel, double depth, const Surfac
     double highest = depth;
     for (int ring = 1; ring <= rings; ++ring) {
         const double radius = reach_ * ring / rings;
-        std::array<double, directions> rise{};  // towards the camera, device metres
+        std::array<double, directions> rise;  // towards the camera, device metres; where it was looked at
+        rise.fill(std::numeric_limits<double>::quiet_NaN());
         for (std::size_t k = 0; k < directions; ++k) {
-            const glm::dvec2 aside = pixel + radius * directions_[k] / size;
-            const glm::dvec2 place = glm::clamp(aside, box_.least, box_.greatest);
+            const glm::dvec2 place = pixel + radius * directions_[k] / size;
+            if (!box_.contains(place)) continue;
             const std::optional<double> there = probe.depth_under(place.x, place.y);
-            rise[k] = (depth - there.value_or(depth)) * metres_per_scene_unit_;
+            if (there) rise[k] = (depth - *there) * metres_per_scene_unit_;
             broken = broken || !there || std::fabs(rise[k]) > std::max(least_cliff, steepest * radius);
             highest = std::min(highest, there.value_or(depth));
         }
-        // A slope that rises to one side falls to the other: only where it bends does the sum stay.
+        // A slope that rises to one side falls to the other; at a bend a sum is left.
         for (std::size_t k = 0; k < directions / 2; ++k) {
-            rough = rough || rise[k] + rise[k + directions / 2] > hollow;
+            rough = rough ||
+                    std::fabs(rise[k] + rise[k + directions / 2]) > std::max(least_bend, sharpest * radius);
         }
     }
     return {broken ? Footing::Kind::broken : rough ? Footing::Kind::rough : Footing::Kind::smooth, highest};

@@ -11,7 +11,7 @@ namespace touchable {
 struct Footing {
     enum class Kind {
         smooth,
-        rough,  ///< a foot of a step or a pit lies within reach: what presses there may be held
+        rough,  ///< it bends sharply within reach, as at a step: what presses there may be held
         broken  ///< the surface ends within reach, at a cliff up or down or at a hole
     };
     Kind kind;

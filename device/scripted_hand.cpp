@@ -15,7 +15,7 @@ namespace {
 constexpr double entry_s = 0.25;          // a hand comes down in this time ...
 constexpr double entry_height = 0.05;     // ... from this far above, device metres
 constexpr double settling_s = 0.1;        // time constant of the depth that pixels are measured at
-constexpr double reach = 0.0005;          // a finger looks this far about itself, device metres
+constexpr double reach = 0.0006;          // a finger looks this far about itself, device metres
 constexpr double clearance = 0.001;       // it crosses broken ground this far above it, device metres
 constexpr double longest_glide = 0.001;   // it glides this far over rough ground, device metres
 constexpr double greatest_lag = 0.00025;  // the script waits for one that is farther off, device metres
@@ -139,7 +139,7 @@ constexpr HandKey lift{"lift", "mm", 0, 50, 2};
 constexpr HandKey seed{"seed", "", 0, 0x1p53, 1, Kind::whole};
 constexpr HandKey spread{"spread", "m", 0, 0.2, 0.02};
 constexpr HandKey extent{"extent", "of the picture", 0.05, 1, 0.8};
-constexpr HandKey max_speed{"max_speed", "m/s", 0.01, 10, 1};
+constexpr HandKey max_speed{"max_speed", "m/s", 0.01, 10, 2};
 constexpr HandKey angle{"angle", "degrees", -360, 360, 0};
 constexpr HandKey x{"x", "of the picture's width", 0, 1, 0.5};
 constexpr HandKey y{"y", "of the picture's height", 0, 1, 0.5};

@@ -60,43 +60,37 @@ FaceExit exit_of_face(Feature face, double a, double b, double dx, double dy, co
     return exit;
 }
 
-/// A place after part of a motion; `arrived` if it went the whole share it was to go.
-struct Moved {
-    Proxy proxy;
-    bool arrived;
-};
-
-/// Over a face of cell (motion.i, motion.j), at most `length` image steps far.
-Moved move_over_face(const Proxy& from, const Motion& motion, const ImageStep& step, double length) {
+/// Over a face of cell (motion.i, motion.j), at most `length` image steps far. True if it went all of it.
+bool move_over_face(const Proxy& from, const Motion& motion, const ImageStep& step, double length,
+                    Proxy& to) {
     const double a = static_cast<double>(from.i - motion.i) + from.a;
     const double b = static_cast<double>(from.j - motion.j) + from.b;
     const FaceExit exit =
         exit_of_face(motion.feature, a, b, step.dx, step.dy, start_edges(from.feature, motion.feature, a, b));
-    if (length < exit.length)
-        return {face_place(motion.feature, motion.i, motion.j, a + length * step.dx, b + length * step.dy),
-                true};
+    if (length < exit.length) {
+        to = face_place(motion.feature, motion.i, motion.j, a + length * step.dx, b + length * step.dy);
+        return true;
+    }
+    if (exit.edge == Feature::free) {  // no way out and none to go: a motion of no length
+        to = from;
+        return true;
+    }
     const double end_a = a + exit.length * step.dx, end_b = b + exit.length * step.dy;
     const bool lower = motion.feature == Feature::face_lower;
-    switch (exit.edge) {
-        case Feature::edge_h:
-            return {edge_place(exit.edge, motion.i, motion.j + (lower ? 0 : 1), end_a), false};
-        case Feature::edge_v:
-            return {edge_place(exit.edge, motion.i + (lower ? 1 : 0), motion.j, end_b), false};
-        case Feature::edge_d:
-            return {edge_place(exit.edge, motion.i, motion.j, end_a), false};
-        default:
-            return {from, true};  // no way out and none to go: a motion of no length
-    }
+    const int below = exit.edge == Feature::edge_h && !lower, right = exit.edge == Feature::edge_v && lower;
+    to = edge_place(exit.edge, motion.i + right, motion.j + below,
+                    exit.edge == Feature::edge_v ? end_b : end_a);
+    return false;
 }
 
-/// Along an edge, at most `length` image steps far.
-Moved move_along_edge(const Proxy& from, const Motion& motion, const ImageStep& step, double length) {
+/// Along an edge, at most `length` image steps far. True if it went all of it.
+bool move_along_edge(const Proxy& from, const Motion& motion, const ImageStep& step, double length,
+                     Proxy& to) {
     const bool vertical = motion.feature == Feature::edge_v;
     const double start = vertical ? static_cast<double>(from.j - motion.j) + from.b
                                   : static_cast<double>(from.i - motion.i) + from.a;
-    const double end = start + length * (vertical ? step.dy : step.dx);
-    const Proxy place = edge_place(motion.feature, motion.i, motion.j, end);
-    return {place, place.feature != Feature::vertex};
+    to = edge_place(motion.feature, motion.i, motion.j, start + length * (vertical ? step.dy : step.dx));
+    return to.feature != Feature::vertex;
 }
 
 constexpr int stall_limit = 8;
@@ -130,10 +124,8 @@ public:
             } else {
                 const FrictionCone cone = friction_cone(space_, proxy_);
                 if (rests(cone, motion)) return rest();
-                const Moved moved = move(motion, sliding_share(cone, motion));
-                next = moved.proxy;
                 // Held back by friction, the place may have another cone than the start: look again.
-                arrived = moved.arrived && cone.stopping == 0;
+                arrived = move(motion, sliding_share(cone, motion), next) && cone.stopping == 0;
                 next.sliding = cone.stopping > 0;
             }
             const Progress progress = take(next, pull);
@@ -151,12 +143,12 @@ public:
     }
 
 private:
-    Moved move(const Motion& motion, double share) {
+    bool move(const Motion& motion, double share, Proxy& to) {
         ++counts_.cells;
         const ImageStep step = space_.image_step(proxy_.point, motion.way);
         const double length = step.length_at(share);
-        return motion.kind == Motion::Kind::face ? move_over_face(proxy_, motion, step, length)
-                                                 : move_along_edge(proxy_, motion, step, length);
+        return motion.kind == Motion::Kind::face ? move_over_face(proxy_, motion, step, length, to)
+                                                 : move_along_edge(proxy_, motion, step, length, to);
     }
 
     enum class Progress { nearer, same, none };

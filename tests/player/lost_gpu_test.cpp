@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "device/hand.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/surface/fallback_builder.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+#include "player/field_probe.hpp"
+#include "player/touch_figures.hpp"
+#include "player/touch_session.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+// A session over a clip during which the GPU is lost.
+namespace touchable::testing {
+namespace {
+
+constexpr std::int64_t frames = 20, ticks = 900;
+
+/// Loses its device just before a frame.
+class DoomedBuilder final : public SurfaceBuilder {
+public:
+    DoomedBuilder(const Scene& scene, std::shared_ptr<GpuDevice> device, std::int64_t at)
+        : device_(std::move(device)), at_(at) {
+        auto made = make_vulkan_builder(scene, device_);
+        if (!made.ok()) throw std::runtime_error(made.error().message);
+        builder_ = std::move(*made);
+    }
+    std::string_view name() const override { return builder_->name(); }
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (raw.number == at_) device_->lose();
+        return builder_->build(raw, out);
+    }
+
+private:
+    std::shared_ptr<GpuDevice> device_;
+    std::int64_t at_;
+    std::unique_ptr<SurfaceBuilder> builder_;
+};
+
+struct Touched {
+    std::string force_hash;
+    std::int64_t frames = 0, ticks = 0;
+};
+
+/// The scene's own filter, but a median of 3x3.
+Scene scene_of(const ClipReader& reader) {
+    Scene scene = reader.scene();
+    scene.filter.median = 3;
+    return scene;
+}
+
+Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder) {
+    const Scene scene = scene_of(*reader);
+    SurfaceFeed feed(std::move(reader), std::move(builder), scene);
+    const auto first = feed.pair_at(0);
+    EXPECT_TRUE(first.ok());
+    const HeightField field(scene, *first);
+    TouchSessionSettings settings;
+    settings.fingers = 3;
+    settings.ticks = ticks;
+    const Workspace workspace = default_workspace(scene.width, scene.camera.fx, scene.depth.near);
+    settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
+    auto hand = make_hand("wander", settings.fingers, workspace, FieldProbe(field));
+    EXPECT_TRUE(hand.ok());
+    const auto solver = TouchSolver::create(scene, settings.touch);
+    EXPECT_TRUE(solver.ok());
+    TouchFigures figures;
+    const std::array<TouchSink*, 1> sinks{&figures};
+    const auto ran = TouchSession(scene, feed, **hand, *solver, settings).run(sinks);
+    EXPECT_TRUE(ran.ok()) << ran.error().message;
+    EXPECT_GT(figures.to_json()["finger_contact_pct"].get<double>(), 20) << "hardly a test of forces";
+    return {figures.force_hash(), feed.frames(), figures.ticks()};
+}
+
+TEST(LostGpu, CostsNeitherFrameNorForce) {
+    const TemporaryFolder folder;
+    make_clip("globe", folder / "clip.mkv", {"--size", "160x120", "--frames", std::to_string(frames)});
+    const auto reader = [&] {
+        auto opened = open_clip(folder / "clip.mkv", std::nullopt);
+        EXPECT_TRUE(opened.ok());
+        return std::move(*opened);
+    };
+    auto whole = reader();
+    const Scene scene = scene_of(*whole);
+    const Touched expected = touched_with(std::move(whole), make_cpu_builder(scene));
+    EXPECT_EQ(expected.ticks, ticks);
+
+    for (const std::int64_t lost_at : {std::int64_t{0}, std::int64_t{7}, frames - 1}) {
+        auto device = GpuDevice::open();
+        ASSERT_TRUE(device.ok()) << device.error().message;
+        std::vector<std::string> told;
+        const Touched run = touched_with(
+            reader(), make_fallback_builder(std::make_unique<DoomedBuilder>(scene, *device, lost_at),
+                                            make_cpu_builder(scene),
+                                            [&](const std::string& line) { told.push_back(line); }));
+        EXPECT_EQ(run.force_hash, expected.force_hash) << "lost at frame " << lost_at;
+        EXPECT_EQ(run.frames, expected.frames);
+        EXPECT_EQ(run.ticks, expected.ticks);
+        ASSERT_EQ(told.size(), 1U);
+        EXPECT_EQ(told[0].rfind("frame " + std::to_string(lost_at) + ": ", 0), 0U) << told[0];
+    }
+}
+
+}  // namespace
+}  // namespace touchable::testing

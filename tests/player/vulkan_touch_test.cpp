@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+// touch with --builder vulkan: the forces of the other builders, and what it says where it cannot.
+namespace touchable::testing {
+namespace {
+namespace fs = std::filesystem;
+
+using Words = std::vector<std::string>;
+
+/// The environment of a machine without a Vulkan driver, while it lives.
+class WithoutDriver {
+public:
+    WithoutDriver() {
+        for (const char* name : names) setenv(name, "/nonexistent/driver.json", 1);
+    }
+    ~WithoutDriver() {
+        for (const char* name : names) unsetenv(name);
+    }
+
+private:
+    static constexpr const char* names[] = {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"};
+};
+
+/// The forces of the CPU and the lazy builder, to the bit, and nothing said by the validation layer.
+void expect_the_same_forces(Words words) {
+    words.insert(words.end(), {"--fingers", "3", "--seconds", "0.5"});
+    const auto with = [&](const Words& more) {
+        Words all = words;
+        all.insert(all.end(), more.begin(), more.end());
+        return force_hash(all);
+    };
+    for (const char* median : {"0", "3", "5"}) {
+        const std::string cpu = with({"--median", median, "--builder", "cpu"});
+        EXPECT_EQ(with({"--median", median, "--builder", "lazy"}), cpu) << median;
+        EXPECT_EQ(with({"--median", median, "--builder", "vulkan"}), cpu) << median;
+    }
+    const std::string cpu = with({"--median", "3", "--fill-holes", "2", "--builder", "cpu"});
+    EXPECT_EQ(with({"--median", "3", "--fill-holes", "2", "--builder", "vulkan"}), cpu);
+}
+
+class VulkanTouchGenerated : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(VulkanTouchGenerated, HasTheForcesOfTheOtherBuilders) {
+    const TemporaryFolder folder;
+    make_clip(GetParam(), folder / "clip.mkv", {"--size", "150x90", "--frames", "9"});
+    expect_the_same_forces({folder / "clip.mkv"});
+}
+
+INSTANTIATE_TEST_SUITE_P(, VulkanTouchGenerated,
+                         ::testing::Values("globe", "bumps", "moving", "noise", "spheres", "cliffs"));
+
+class VulkanTouchReal : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(VulkanTouchReal, HasTheForcesOfTheOtherBuilders) {
+    const std::string clip = std::string(TOUCHABLE_TEST_DATA "/") + GetParam();
+    if (!fs::exists(clip)) GTEST_SKIP() << clip << " is not here; set TOUCHABLE_TEST_DATA to where it is";
+    const std::string name = fs::path(GetParam()).filename();
+    expect_the_same_forces({clip, "--scene", TOUCHABLE_SOURCE_DIR "/tests/scenes/" + name + ".json"});
+}
+
+INSTANTIATE_TEST_SUITE_P(, VulkanTouchReal,
+                         ::testing::Values("castel_sr300", "visp_cube_realsense", "stills/redwood5",
+                                           "stills/icl_nuim5"),
+                         [](const auto& test) { return fs::path(test.param).filename().string(); });
+
+TEST(VulkanTouch, TheValidationLayerHasNothingToSay) {
+    const TemporaryFolder folder;
+    make_clip("noise", folder / "clip.mkv", {"--size", "150x90", "--frames", "9"});
+    setenv("TOUCHABLE_VULKAN_VALIDATION", "1", 1);
+    const Outcome run = run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan", "--median", "5",
+                                       "--fill-holes", "1", "--seconds", "0.3"});
+    unsetenv("TOUCHABLE_VULKAN_VALIDATION");
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(run.err, "");
+}
+
+TEST(VulkanTouch, WithoutADriverEndsWithExitCode4AndSaysWhatIsMissing) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const WithoutDriver none;
+    const Outcome run = run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan"});
+    EXPECT_EQ(run.code, 4);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    EXPECT_NE(run.err.find("install a driver"), std::string::npos) << run.err;
+}
+
+TEST(VulkanTouch, WithoutADriverTheCpuBuilderDoesItsWorkWhereAsked) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const Words words{folder / "clip.mkv", "--seconds", "0.5"};
+    const std::string cpu = force_hash(words);
+    const WithoutDriver none;
+    Words fallback = words;
+    fallback.insert(fallback.end(), {"--builder", "vulkan", "--gpu-fallback"});
+    const auto report = touch(fallback);
+    EXPECT_EQ(report["force_hash"], cpu);
+    EXPECT_EQ(report["builder"], "cpu");
+}
+
+TEST(VulkanTouch, ADeviceThatIsNotThereIsRefusedWithThoseThatAre) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const Outcome run =
+        run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan", "--gpu", "no such device"});
+    EXPECT_EQ(run.code, 4);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
+}
+
+TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
+    for (const Words& words : {Words{"--gpu", "0"}, {"--gpu-fallback"}, {"--builder", "cpu", "--gpu", "0"}}) {
+        Words all{"touch", "clip.mkv"};
+        all.insert(all.end(), words.begin(), words.end());
+        EXPECT_EQ(run_touchable(all).code, words.size() == 4 ? 3 : 2);
+    }
+}
+
+}  // namespace
+}  // namespace touchable::testing

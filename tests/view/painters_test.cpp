@@ -1,0 +1,272 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "player/view/gpu_painters.hpp"
+#include "tests/gpu/gpu_fixture.hpp"
+#include "tests/view/shown.hpp"
+
+namespace touchable::test {
+namespace {
+
+using testing::must;
+
+struct Difference {
+    std::size_t covered = 0;   // by the first
+    std::size_t coverage = 0;  // pixels that only one covers
+    std::size_t z = 0;         // pixels both cover, farther apart than they may be
+    std::size_t colour = 0;    // likewise, more than 2 of 255 apart
+
+    /// `subpixels`: by which places may differ, beside 1e-6 of z.
+    static Difference between(const PicturePlanes& a, const PicturePlanes& b, float subpixels) {
+        Difference d;
+        for (std::size_t k = 0; k < a.z.size(); ++k) {
+            d.covered += a.z[k] > 0;
+            if ((a.z[k] > 0) != (b.z[k] > 0)) ++d.coverage;
+            if (!(a.z[k] > 0 && b.z[k] > 0)) continue;
+            d.z += std::fabs(a.z[k] - b.z[k]) > 1e-6F + subpixels / 256 * slope(a, k);
+            int most = 0;
+            for (const unsigned shift : {0U, 8U, 16U})
+                most = std::max(most, std::abs(static_cast<int>(a.colours[k] >> shift & 255U) -
+                                               static_cast<int>(b.colours[k] >> shift & 255U)));
+            d.colour += most > 2;
+        }
+        return d;
+    }
+
+    /// Difference of z to the pixel beside or below.
+    static float slope(const PicturePlanes& planes, std::size_t k) {
+        float most = 0;
+        for (const std::size_t other : {k + 1, k + static_cast<std::size_t>(planes.width)})
+            if (other < planes.z.size() && planes.z[other] > 0)
+                most = std::max(most, std::fabs(planes.z[other] - planes.z[k]));
+        return most;
+    }
+};
+
+/// A picture's silhouettes may differ by the rounding of a projection, and nothing else may.
+void expect_alike(const PicturePlanes& cpu, const PicturePlanes& other, float subpixels,
+                  const std::string& what) {
+    ASSERT_EQ(cpu.z.size(), other.z.size()) << what;
+    const Difference d = Difference::between(cpu, other, subpixels);
+    const std::size_t few = 1 + d.covered / 1000;
+    EXPECT_LE(d.coverage, few) << what << ", of " << d.covered;
+    EXPECT_LE(d.z, few) << what << ", of " << d.covered;
+    EXPECT_LE(d.colour, few) << what << ", of " << d.covered;
+}
+
+class Painters : public testing::GpuTest {
+protected:
+    void compare(const ViewSurface& surface, const ViewCamera& camera, const std::string& what) {
+        const PicturePlanes cpu = must(make_cpu_painter()->paint(surface, camera));
+        expect_alike(cpu, must(must(make_raster_painter(gpu))->paint(surface, camera)), 0, "raster, " + what);
+        // Triangle hardware rounds places, and the way to z from them, in its own way.
+        expect_alike(cpu, must(must(make_mesh_painter(gpu))->paint(surface, camera)), 2, "mesh, " + what);
+    }
+
+    void compare_views(const Shown& shown, double blend) {
+        const HeightField field = shown.field(blend);
+        const ViewSurface surface = make_view_surface(field, shown.raw_prev.colour);
+        for (const char* words :
+             {"own", "orbit:az=20,el=8", "orbit:az=45,el=18", "orbit:az=-35,el=-25,zoom=4"}) {
+            const auto viewpoint = parse_viewpoint(words);
+            compare(surface, make_view(*viewpoint, shown.scene, middle_of(field), 480, 320), words);
+        }
+    }
+};
+
+TEST_F(Painters, DrawTheGlobeAlike) {
+    compare_views(*shown_scene("globe", 360, 240), 0.35);
+}
+TEST_F(Painters, DrawAStepAlike) {
+    compare_views(*shown_scene("step", 200, 133), 0);
+}
+TEST_F(Painters, DrawNoiseAlike) {
+    compare_views(*shown_scene("noise", 128, 128), 0);
+}
+TEST_F(Painters, DrawARecordingAlike) {
+    const auto shown = shown_recording("castel_sr300", "castel_sr300");
+    if (!shown) GTEST_SKIP() << "no recording castel_sr300 beside the checkout";
+    compare_views(*shown, 0.6);
+}
+
+TEST_F(Painters, DrawTheirOwnViewPixelByPixel) {
+    const auto shown = shown_scene("globe", 96, 64);
+    const HeightField field = shown->field();
+    const ViewSurface surface = make_view_surface(field, {});
+    const ViewCamera camera = own_view(shown->scene, 96, 64, 10);
+    for (const auto& painter :
+         {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))}) {
+        const PicturePlanes planes = must(painter->paint(surface, camera));
+        int drawn = 0;
+        for (std::size_t k = 0; k < planes.z.size(); ++k) {
+            if (!(planes.z[k] > 0)) continue;
+            ++drawn;
+            EXPECT_NEAR(planes.z[k] / 10, surface.q[k], 1e-6 * static_cast<double>(surface.q[k]))
+                << painter->name() << " at " << k;
+        }
+        EXPECT_GT(drawn, 96 * 64 / 2);
+    }
+}
+
+/// A flat surface along -Z of one colour.
+ViewSurface flat(int width, int height, float depth) {
+    ViewSurface surface;
+    surface.width = width;
+    surface.height = height;
+    const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    surface.q.assign(pixels, 1 / depth);
+    surface.colours.assign(pixels, pack_colour(10, 200, 90));
+    const TileGrid grid = TileGrid::of(width, height);
+    for (int tile = 0; tile < grid.tiles_x * grid.tiles_y; ++tile)
+        surface.tiles.whole.push_back(static_cast<std::uint32_t>(tile));
+    return surface;
+}
+
+Scene scene_of(const ViewSurface& surface, double focal) {
+    Scene scene;
+    scene.width = surface.width;
+    scene.height = surface.height;
+    scene.camera = {focal, focal, surface.width / 2.0, surface.height / 2.0};
+    return scene;
+}
+
+/// Whether a ray of the camera meets the flat surface at a depth of 100 before the eye's near plane or not at
+/// all.
+bool meets(const ViewSurface& surface, const Scene& scene, const ViewCamera& camera, double x, double y) {
+    const glm::dvec3 near_point = camera.unproject(x, y, 1.0);
+    const glm::dvec3 along = near_point - camera.eye;
+    const double share = (-100 - camera.eye.z) / along.z;
+    if (!(share >= 1)) return false;  // at the near plane the share is 1
+    const auto pixel = project(scene.camera, camera.eye + share * along);
+    return pixel && pixel->x >= 0 && pixel->y >= 0 && pixel->x <= surface.width - 1 &&
+           pixel->y <= surface.height - 1;
+}
+
+TEST_F(Painters, LoseNothingWhereCellsReachBeforeTheNearPlane) {
+    const ViewSurface surface = flat(64, 64, 100);
+    const Scene scene = scene_of(surface, 32);
+    for (const double azimuth : {0.0, 88.0, -89.0}) {
+        const Viewpoint grazing{false, azimuth, azimuth == 0.0 ? 89.0 : 0.0, 1, 120.0};
+        const ViewCamera camera = make_view(grazing, scene, {0, 0, -100}, 300, 200);
+        for (const auto& painter :
+             {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))}) {
+            const PicturePlanes planes = must(painter->paint(surface, camera));
+            int drawn = 0;
+            for (int y = 1; y + 1 < camera.height; ++y)
+                for (int x = 1; x + 1 < camera.width; ++x) {
+                    int met = 0;  // at the pixel and round it: borders are left out
+                    for (const double dx : {-1.0, 0.0, 1.0})
+                        for (const double dy : {-1.0, 0.0, 1.0})
+                            met += meets(surface, scene, camera, x + 0.5 + dx, y + 0.5 + dy);
+                    if (met != 0 && met != 9) continue;
+                    drawn += met == 9;
+                    ASSERT_EQ(planes.z[planes.index(x, y)] > 0, met == 9)
+                        << painter->name() << " at " << x << ", " << y << ", azimuth " << azimuth;
+                }
+            EXPECT_GT(drawn, 1000) << painter->name();
+        }
+    }
+}
+
+TEST_F(Painters, DrawACellThatFillsThePicture) {
+    const ViewSurface surface = flat(2, 2, 100);
+    const Scene scene = scene_of(surface, 4);
+    compare(surface, own_view(scene, 900, 700, 1), "own");
+    compare(surface, make_view({false, 30, 20, 3, std::nullopt}, scene, {0, 0, -100}, 900, 700), "orbit");
+    const PicturePlanes planes =
+        must(must(make_raster_painter(gpu))->paint(surface, own_view(scene, 900, 700, 1)));
+    EXPECT_GT(planes.z[planes.index(450, 350)], 0.0F);
+}
+
+TEST_F(Painters, TrianglesThatShareEdgesNeitherOverlapNorLeaveGaps) {
+    // Where every pixel of a flat surface is drawn, no pixel is missed; from anywhere.
+    const ViewSurface surface = flat(40, 40, 100);
+    const Scene scene = scene_of(surface, 20);
+    for (const double azimuth : {0.0, 7.0, 33.0}) {
+        const ViewCamera camera =
+            make_view({false, azimuth, 11, 1.3, std::nullopt}, scene, {0, 0, -100}, 333, 222);
+        const PicturePlanes planes = must(make_cpu_painter()->paint(surface, camera));
+        for (int y = 90; y < 130; ++y)
+            for (int x = 140; x < 190; ++x) ASSERT_GT(planes.z[planes.index(x, y)], 0.0F) << x << ", " << y;
+        compare(surface, camera, "flat");
+    }
+}
+
+TEST_F(Painters, DrawNothingOfAnEmptySurface) {
+    ViewSurface surface = flat(40, 40, 100);
+    const Scene scene = scene_of(surface, 20);
+    const ViewCamera camera = own_view(scene, 60, 60, 1);
+    for (const bool tiles : {true, false}) {
+        surface.q.assign(surface.q.size(), 0.0F);
+        if (!tiles)
+            surface.tiles.whole.clear();
+        else
+            std::swap(surface.tiles.whole, surface.tiles.mixed);
+        for (const auto& painter :
+             {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))})
+            for (const float z : must(painter->paint(surface, camera)).z)
+                ASSERT_EQ(z, 0.0F) << painter->name();
+    }
+}
+
+TEST_F(Painters, DrawPicturesOfAnySize) {
+    const ViewSurface surface = flat(96, 64, 100);
+    const Scene scene = scene_of(surface, 50);
+    const int sizes[][2] = {{1, 1}, {2, 2}, {1, 700}, {700, 1}, {17, 33}};
+    for (const auto& [width, height] : sizes)
+        compare(surface, make_view({false, 20, 10, 1, std::nullopt}, scene, {0, 0, -100}, width, height),
+                std::to_string(width) + "x" + std::to_string(height));
+}
+
+TEST_F(Painters, DrawLatticesOfAnySize) {
+    const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {16, 16}, {17, 17}, {18, 18}, {33, 2}};
+    for (const auto& [width, height] : sizes) {
+        const ViewSurface surface = flat(width, height, 100);
+        const Scene scene = scene_of(surface, 40);
+        const std::string what = std::to_string(width) + "x" + std::to_string(height);
+        const ViewCamera camera = own_view(scene, 101, 77, 1);
+        compare(surface, camera, what);
+        std::size_t drawn = 0;
+        for (const float z : must(make_cpu_painter()->paint(surface, camera)).z) drawn += z > 0;
+        EXPECT_EQ(drawn > 0, width > 1 && height > 1) << what;
+    }
+}
+
+TEST_F(Painters, KeepTheirWordFromSurfaceToSurface) {
+    const auto painter = must(make_raster_painter(gpu));
+    const auto large = shown_scene("globe", 200, 133);
+    const auto small = shown_scene("step", 60, 40);
+    for (const auto& shown : {large.get(), small.get(), large.get()}) {
+        const HeightField field = shown->field();
+        const ViewSurface surface = make_view_surface(field, {});
+        const ViewCamera camera =
+            make_view({false, 15, 5, 1, std::nullopt}, shown->scene, middle_of(field), 240, 160);
+        expect_alike(must(make_cpu_painter()->paint(surface, camera)), must(painter->paint(surface, camera)),
+                     0, "again");
+    }
+}
+
+TEST_F(Painters, TellWhatIsTooLargeOrLost) {
+    const ViewSurface surface = flat(20, 20, 100);
+    const Scene scene = scene_of(surface, 20);
+    const auto raster = must(make_raster_painter(gpu));
+    if (gpu->facts().limits.max_storage_buffer_range < std::uint64_t{8} * 8192 * 8192) {
+        const auto refused = raster->paint(surface, own_view(scene, 8192, 8192, 1));
+        ASSERT_FALSE(refused.ok());
+        EXPECT_NE(refused.error().message.find("too large"), std::string::npos) << refused.error().message;
+    }
+    const auto mesh = must(make_mesh_painter(gpu));
+    gpu->lose();
+    for (SurfacePainter* painter : {raster.get(), mesh.get()}) {
+        const auto lost = painter->paint(surface, own_view(scene, 64, 64, 1));
+        ASSERT_FALSE(lost.ok());
+        EXPECT_EQ(lost.error().kind, ErrorKind::gpu);
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test

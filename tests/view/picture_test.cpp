@@ -1,0 +1,120 @@
+#include <gtest/gtest.h>
+
+#include "player/view/scene_picture.hpp"
+#include "tests/view/shown.hpp"
+
+namespace touchable::test {
+namespace {
+
+Result<Image> picture(const Shown& shown, const PictureSettings& settings,
+                      std::span<const FingerMark> fingers) {
+    const HeightField field = shown.field();
+    const auto painter = make_cpu_painter();
+    return make_picture(settings, shown.scene, make_view_surface(field, shown.raw_prev.colour),
+                        middle_of(field), fingers, {2, 6}, *painter);
+}
+
+TEST(ScenePicture, HasTheSizeAskedFor) {
+    const auto shown = shown_scene("globe", 96, 64);
+    const int sizes[][2] = {{1, 1}, {2, 2}, {5, 300}, {160, 90}};
+    for (const auto& [width, height] : sizes) {
+        const auto image = picture(*shown, {{}, width, height}, {});
+        ASSERT_TRUE(image.ok());
+        EXPECT_EQ(image->width, width);
+        EXPECT_EQ(image->height, height);
+        EXPECT_EQ(image->channels, 3);
+        EXPECT_EQ(image->samples.size(), static_cast<std::size_t>(3 * width * height));
+    }
+}
+
+TEST(ScenePicture, IsTheSameEveryTime) {
+    const auto shown = shown_scene("globe", 96, 64);
+    const FingerMark finger{{0, 0, -80}, {0, 0, -70}, {0, 0, 2}, true, {{-5, 0, -70}, {0, 0, -70}}};
+    const auto first = picture(*shown, {{}, 160, 90}, {&finger, 1});
+    const auto again = picture(*shown, {{}, 160, 90}, {&finger, 1});
+    EXPECT_EQ(first->samples, again->samples);
+}
+
+TEST(ScenePicture, OfNothingIsBackground) {
+    auto shown = shown_scene("globe", 96, 64);
+    shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, std::vector<double>(96 * 64, NAN));
+    const auto image = picture(*shown, {{}, 20, 10}, {});
+    ASSERT_TRUE(image.ok());
+    for (int y = 0; y < 10; ++y)
+        for (int x = 1; x < 20; ++x)
+            for (int channel = 0; channel < 3; ++channel)
+                EXPECT_EQ(image->view().sample(x, y, channel), image->view().sample(0, y, channel));
+}
+
+int pixels_that_differ(const Image& a, const Image& b) {
+    int count = 0;
+    for (std::size_t k = 0; k < a.samples.size(); k += 3)
+        count += a.samples[k] != b.samples[k] || a.samples[k + 1] != b.samples[k + 1] ||
+                 a.samples[k + 2] != b.samples[k + 2];
+    return count;
+}
+
+TEST(ScenePicture, ShowsAFingerWhereItIs) {
+    const auto shown = shown_scene("plane", 96, 64);
+    Viewpoint own;
+    own.own = true;
+    const auto bare = picture(*shown, {own, 192, 128}, {});
+    // Half a finger before the surface, over the pixel (60, 20).
+    const HeightField field = shown->field();
+    const Camera& camera = shown->scene.camera;
+    const double depth =
+        planar_depth(camera, shown->scene.depth.semantics, 60, 20, field.vertex(60, 20).depth);
+    FingerMark finger;
+    finger.proxy = finger.goal = unproject(camera, 60, 20, depth);
+    const auto marked = picture(*shown, {own, 192, 128}, {&finger, 1});
+    EXPECT_GT(pixels_that_differ(*bare, *marked), 10);
+    const auto ball = marked->view(), before = bare->view();
+    EXPECT_NE(ball.sample(121, 41, 0), before.sample(121, 41, 0));
+    // Away from the finger and its shadow nothing changes.
+    const double reach = 6.0 * camera.fx * 2 / depth + 3;
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 192; ++x) {
+            if (std::hypot(x - 121.0, y - 41.0) <= reach) continue;
+            for (int channel = 0; channel < 3; ++channel)
+                ASSERT_EQ(ball.sample(x, y, channel), before.sample(x, y, channel)) << x << ", " << y;
+        }
+}
+
+TEST(ScenePicture, HidesWhatIsBehindTheSurface) {
+    const auto shown = shown_scene("plane", 96, 64);
+    Viewpoint own;
+    own.own = true;
+    const auto bare = picture(*shown, {own, 96, 64}, {});
+    FingerMark hidden;
+    hidden.proxy = hidden.goal = {0, 0, -2 * shown->scene.depth.far};
+    const auto marked = picture(*shown, {own, 96, 64}, {&hidden, 1});
+    EXPECT_EQ(pixels_that_differ(*bare, *marked), 0);
+}
+
+TEST(ScenePicture, AFingerThatTouchesShowsItsGoalThroughTheSurface) {
+    const auto shown = shown_scene("plane", 96, 64);
+    Viewpoint own;
+    own.own = true;
+    FingerMark hidden;
+    hidden.touching = true;
+    hidden.proxy = {0, 0, -2 * shown->scene.depth.far};
+    hidden.goal = hidden.proxy - glm::dvec3(0, 0, 1);
+    const auto bare = picture(*shown, {own, 192, 128}, {});
+    const auto marked = picture(*shown, {own, 192, 128}, {&hidden, 1});
+    EXPECT_GT(pixels_that_differ(*bare, *marked), 0);
+}
+
+TEST(LightPicture, DevelopsEveryByteToItself) {
+    LightPicture picture{256, 1, {}, {}};
+    for (unsigned k = 0; k < 256; ++k) picture.light.push_back(light_of(pack_colour(k, k, k)));
+    const Image image = developed(picture, 1);
+    for (std::size_t k = 0; k < 256; ++k) EXPECT_EQ(image.samples[3 * k], k);
+}
+
+TEST(LightPicture, AveragesLightAndNotBrightness) {
+    LightPicture picture{2, 2, {}, {glm::vec3(0), glm::vec3(1), glm::vec3(1), glm::vec3(0)}};
+    EXPECT_EQ(developed(picture, 2).samples[0], 188);  // sRGB of half the light; brightness would be 128
+}
+
+}  // namespace
+}  // namespace touchable::test

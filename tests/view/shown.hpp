@@ -1,0 +1,67 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "engine/content/scenes.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/height_field.hpp"
+#include "player/view/view_surface.hpp"
+
+namespace touchable::test {
+
+/// Two frames of a clip, built.
+struct Shown {
+    Scene scene;
+    RawFrame raw_prev, raw_next;
+    SurfaceFrame prev, next;
+
+    HeightField field(double blend = 0) const {
+        FramePair pair;
+        pair.prev = {0, 0, &prev};
+        pair.next = {1, 33'000'000, &next};
+        pair.blend = blend;
+        return {scene, pair};
+    }
+    void build() {
+        const auto builder = make_cpu_builder(scene);
+        ASSERT_TRUE(builder->build(raw_prev, prev).ok());
+        ASSERT_TRUE(builder->build(raw_next, next).ok());
+    }
+};
+
+inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int height) {
+    SceneOptions options;
+    options.width = width;
+    options.height = height;
+    options.properties = std::string(name) == "globe";
+    auto made = make_scene(name, options);
+    EXPECT_TRUE(made.ok()) << made.error().message;
+    auto shown = std::make_unique<Shown>();
+    shown->scene = (*made)->scene();
+    shown->raw_prev = (*made)->frame(0);
+    shown->raw_next = (*made)->frame(1);
+    shown->build();
+    return shown;
+}
+
+/// Nothing where the recording is not there.
+inline std::unique_ptr<Shown> shown_recording(const char* name, const char* folder) {
+    const auto path = std::filesystem::path(TOUCHABLE_TEST_DATA) / folder;
+    if (!std::filesystem::exists(path)) return nullptr;
+    auto reader = open_clip(
+        path, std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / (std::string(name) + ".json"));
+    EXPECT_TRUE(reader.ok()) << reader.error().message;
+    auto shown = std::make_unique<Shown>();
+    shown->scene = (*reader)->scene();
+    shown->raw_prev = **(*reader)->next();
+    shown->raw_next = **(*reader)->next();
+    shown->build();
+    return shown;
+}
+
+}  // namespace touchable::test
