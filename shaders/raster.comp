@@ -17,7 +17,8 @@ layout(set = 0, binding = RASTER_TILES, scalar) readonly buffer Tiles {
 struct Corner {
     ivec2 at;  // subpixels
     float z, q;
-    vec3 colour;
+    float share;  // 1 / w
+    vec3 colour;  // times that
     bool in_front;  // of the near plane
 };
 
@@ -25,8 +26,9 @@ Corner corner(uint i, uint j) {
     const uint index = j * push.width + i;
     Corner c;
     c.q = q_at[index];
-    c.colour = unpacked(colour_at[index]);
     const vec4 clip = view_clip(push.rows, float(i), float(j), c.q);
+    c.share = 1.0f / clip.w;
+    c.colour = unpacked(colour_at[index]) * c.share;
     c.in_front = clip.z <= clip.w;
     c.z = clip.z / clip.w;
     c.at = ivec2(view_subpixels(clip.x / clip.w, float(push.picture_width)),
@@ -67,8 +69,9 @@ bool inside(Edges e, ivec3 here) {
 
 void plot_in(int x, int y, Edges e, ivec3 here, Corner a, Corner b, Corner c) {
     const float of_b = float(here.z) * e.scale, of_c = float(here.x) * e.scale;
+    const float share = a.share + of_b * (b.share - a.share) + of_c * (c.share - a.share);
     plot(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
-         a.colour + of_b * (b.colour - a.colour) + of_c * (c.colour - a.colour));
+         (a.colour + of_b * (b.colour - a.colour) + of_c * (c.colour - a.colour)) / share);
 }
 
 void leave_to_large(uint cell) {

@@ -13,12 +13,14 @@ layout(local_size_x = RASTER_LARGE_LANES) in;
 struct Point {
     int64_t x, y;  // subpixels
     float z;
-    vec3 colour;
+    float share;  // 1 / w
+    vec3 colour;  // times that
 };
 
 Point to_screen(vec4 clip, vec3 colour) {
     return Point(int64_t(view_subpixels(clip.x / clip.w, float(push.picture_width))),
-                 int64_t(view_subpixels(clip.y / clip.w, float(push.picture_height))), clip.z / clip.w, colour);
+                 int64_t(view_subpixels(clip.y / clip.w, float(push.picture_height))), clip.z / clip.w, 1.0f / clip.w,
+                 colour * (1.0f / clip.w));
 }
 
 int64_t edge(Point a, Point b, int64_t x, int64_t y) {
@@ -55,8 +57,9 @@ void fill_triangle(Point a, Point b, Point c) {
             const int64_t ab = edge(a, b, px, py), bc = edge(b, c, px, py), ca = edge(c, a, px, py);
             if (ab < least_inside(a, b) || bc < least_inside(b, c) || ca < least_inside(c, a)) continue;
             const float of_b = float(ca) * scale, of_c = float(ab) * scale;
+            const float share = a.share + of_b * (b.share - a.share) + of_c * (c.share - a.share);
             plot(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
-                 a.colour + of_b * (b.colour - a.colour) + of_c * (c.colour - a.colour));
+                 (a.colour + of_b * (b.colour - a.colour) + of_c * (c.colour - a.colour)) / share);
         }
 }
 

@@ -1,6 +1,6 @@
 #version 460
 
-layout(location = 0) noperspective in vec3 colour;
+layout(location = 0) in vec3 colour;
 layout(location = 0) out vec4 drawn;
 
 void main() {

@@ -22,8 +22,7 @@ layout(set = 0, binding = MESH_TILES, scalar) readonly buffer Tiles {
     uint tiles[];
 };
 
-// As compute and CPU have it: straight on the screen.
-layout(location = 0) noperspective out vec3 colour;
+layout(location = 0) out vec3 colour;
 
 invariant gl_Position;
 

@@ -21,7 +21,8 @@ namespace fill {
 struct Point {
     std::int64_t x, y;  // subpixels
     float z;
-    glm::vec3 value;
+    float share;      // 1 / w
+    glm::vec3 value;  // times that
 };
 
 /// Twice the signed area of a, b, (x, y); positive where these go clockwise on the screen.
@@ -35,7 +36,8 @@ inline std::int64_t least_inside(const Point& a, const Point& b) {
 inline Point to_screen(const FillCorner& corner, int width, int height) {
     const glm::vec4& c = corner.clip;
     return {view_subpixels(c.x / c.w, static_cast<float>(width)),
-            view_subpixels(c.y / c.w, static_cast<float>(height)), c.z / c.w, corner.value};
+            view_subpixels(c.y / c.w, static_cast<float>(height)), c.z / c.w, 1.0F / c.w,
+            corner.value * (1.0F / c.w)};
 }
 /// Pixels whose centres lie within [least, greatest] subpixels, as [first, last] on a side of `size`.
 inline std::array<int, 2> pixels_between(std::int64_t least, std::int64_t greatest, int size) {
@@ -63,8 +65,9 @@ void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plo
             const std::int64_t ab = edge(a, b, px, py), bc = edge(b, c, px, py), ca = edge(c, a, px, py);
             if (ab < least_inside(a, b) || bc < least_inside(b, c) || ca < least_inside(c, a)) continue;
             const float of_b = static_cast<float>(ca) * scale, of_c = static_cast<float>(ab) * scale;
+            const float share = a.share + of_b * (b.share - a.share) + of_c * (c.share - a.share);
             plot(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
-                 a.value + of_b * (b.value - a.value) + of_c * (c.value - a.value));
+                 (a.value + of_b * (b.value - a.value) + of_c * (c.value - a.value)) / share);
         }
 }
 
@@ -72,7 +75,7 @@ void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plo
 
 /// Calls plot(x, y, z, value) for every pixel whose centre the triangle covers, seen from either side: exact
 /// in subpixels of 1/256, so that triangles that share an edge neither overlap nor leave a gap. What is
-/// before the near plane is cut off. z and value are linear on the screen.
+/// before the near plane is cut off. z is linear on the screen, value on the triangle in space.
 template <class Plot>
 void fill_triangle(const std::array<FillCorner, 3>& corners, int width, int height, Plot&& plot) {
     std::array<fill::Point, 4> points;
