@@ -12,7 +12,7 @@
 namespace touchable {
 
 /// Fingers that follow a script over whatever surface is there: on a circle about the script's pixel, each
-/// its own penetration along -Z behind the surface under it, or above it along its pixel's ray. A finger
+/// its own penetration along -Z behind the surface under it. A finger
 /// rises over broken ground before it crosses it, and the script waits for it; it hops off rough ground now
 /// and then, lest what presses there stay behind.
 class ScriptedHand final : public Hand {
