@@ -73,7 +73,7 @@ TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
 
 TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
     make("noise", 1);
-    for (const char* builder : {"cpu", "reference"}) {
+    for (const char* builder : {"cpu", "reference", "vulkan"}) {
         ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "5",
                                  "--fill-holes", "2", "--builder", builder})
                       .code,

@@ -65,7 +65,7 @@ TEST_F(Replay, RecordedRunRepeatsToTheBit) {
 
 TEST_F(Replay, EveryBuilderRepeatsIt) {
     record("noise", {"--median", "3", "--seconds", "0.5"});
-    for (const char* builder : {"cpu", "lazy", "reference"})
+    for (const char* builder : {"cpu", "lazy", "reference", "vulkan"})
         EXPECT_EQ(replay({"--builder", builder}).code, 0) << builder;
 }
 

@@ -113,10 +113,17 @@ TEST(VulkanTouch, ADeviceThatIsNotThereIsRefusedWithThoseThatAre) {
 }
 
 TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
-    for (const Words& words : {Words{"--gpu", "0"}, {"--gpu-fallback"}, {"--builder", "cpu", "--gpu", "0"}}) {
-        Words all{"touch", "clip.mkv"};
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    for (const Words& words : {Words{"--gpu", "0"},
+                               {"--gpu-fallback"},
+                               {"--builder", "cpu", "--gpu", "0"},
+                               {"--builder", "lazy", "--gpu-fallback"}}) {
+        Words all{"touch", folder / "clip.mkv"};
         all.insert(all.end(), words.begin(), words.end());
-        EXPECT_EQ(run_touchable(all).code, words.size() == 4 ? 3 : 2);
+        const Outcome run = run_touchable(all);
+        EXPECT_EQ(run.code, 2) << words.back();
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
     }
 }
 
