@@ -90,7 +90,7 @@ Result<void> measure(const SurfaceCase& c, int frames, const std::shared_ptr<Sur
         picture.scene.filter.median = side;
         const std::string what = std::to_string(side);
         const auto cpu = make_cpu_builder(picture.scene);
-        auto vulkan = make_vulkan_builder(picture.scene, kernels, mapping_for(kernels->device()->facts()));
+        auto vulkan = make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts()));
         if (!vulkan.ok()) return vulkan.error();
         SurfaceFrame expected, frame;
         if (auto built = cpu->build(picture.raw, expected); !built.ok()) return built;

@@ -36,8 +36,11 @@ KernelSource source_of(StripKernel kernel) {
 
 }  // namespace
 
-StripMapping mapping_for(const GpuFacts& facts) {
-    return facts.kind == GpuKind::software ? StripMapping{8, 0, false} : StripMapping{64, 4, true};
+SurfacePlan plan_for(const GpuFacts& facts) {
+    SurfacePlan plan;
+    if (facts.kind != GpuKind::software) plan = {64, 4, true};
+    plan.copies = !facts.unified_memory;
+    return plan;
 }
 
 ValidCodes valid_codes_of(const DepthCoding& coding) {

@@ -15,14 +15,15 @@ namespace touchable {
 /// stored values to codes, validity and parts of bounds.
 enum class StripKernel { decode, median3, median5, fill_holes };
 
-/// How rows are shared among lanes. The same bits come of any.
-struct StripMapping {
+/// How rows are shared among lanes, and planes between GPU and CPU. The same bits come of any.
+struct SurfacePlan {
     std::uint32_t group_size = 8;      ///< lanes of a workgroup
     std::uint32_t segment_texels = 0;  ///< of a row for one lane, a multiple of 4; 0: the whole row
     bool along_x = false;              ///< neighbouring lanes take neighbouring segments, not rows
+    bool copies = false;  ///< to and from memory of the GPU's own, instead of working on the CPU's
 };
-/// What a kind of device likes: few long marches on a CPU, many short ones with coalesced loads elsewhere.
-StripMapping mapping_for(const GpuFacts& facts);
+/// What a device likes: few long marches on a CPU, many short ones with coalesced loads elsewhere.
+SurfacePlan plan_for(const GpuFacts& facts);
 
 /// `coding`, as kernels test it. Codes at the ends of the range that are marked invalid narrow it.
 ValidCodes valid_codes_of(const DepthCoding& coding);

@@ -25,10 +25,10 @@ struct StoredRows {
 
 class Builder final : public VulkanSurfaceBuilder {
 public:
-    Builder(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels, const StripMapping& mapping)
+    Builder(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels, const SurfacePlan& plan)
         : scene_(scene),
           kernels_(std::move(kernels)),
-          mapping_(mapping),
+          plan_(plan),
           valid_(valid_codes_of(scene.depth)),
           width_(static_cast<std::uint32_t>(scene.width)),
           height_(static_cast<std::uint32_t>(scene.height)),
@@ -64,7 +64,7 @@ private:
 
     Scene scene_;
     std::shared_ptr<SurfaceKernels> kernels_;
-    StripMapping mapping_;
+    SurfacePlan plan_;
     ValidCodes valid_;
     std::uint32_t width_, height_, pitch_, strips_;  // pitch in texels, of codes
     TileGrid grid_;
@@ -95,8 +95,8 @@ Result<void> Builder::reserve() {
 Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
     if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
     auto* slot = dynamic_cast<VulkanVertices*>(out.vertices.get());
-    if (slot == nullptr || !slot->serves(device(), scene_.width, scene_.height)) {
-        auto created = VulkanVertices::create(device(), out, scene_.width, scene_.height);
+    if (slot == nullptr || !slot->serves(device(), scene_.width, scene_.height, plan_.copies)) {
+        auto created = VulkanVertices::create(device(), out, scene_.width, scene_.height, plan_.copies);
         if (!created.ok()) return created.error();
         slot = created->get();
         out.vertices = std::move(*created);
@@ -121,12 +121,11 @@ Result<StoredRows> Builder::upload(const PlaneView& depth) {
                                   static_cast<std::size_t>(depth.bytes_per_sample);
     const std::size_t pitch = (row_bytes + 15) / 16 * 16, bytes = pitch * height_;
     if (!upload_ || upload_.bytes() != bytes) {
-        const bool unified = device().facts().unified_memory;
         auto mapped = GpuBuffer::create(device(), "stored values", bytes, GpuMemory::upload);
         if (!mapped.ok()) return mapped.error();
-        auto own = unified
-                       ? mapped
-                       : GpuBuffer::create(device(), "stored values of the GPU", bytes, GpuMemory::device);
+        auto own = plan_.copies
+                       ? GpuBuffer::create(device(), "stored values of the GPU", bytes, GpuMemory::device)
+                       : mapped;
         if (!own.ok()) return own.error();
         upload_ = *mapped;
         stored_ = *own;
@@ -171,7 +170,7 @@ Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const Vulka
 
 Result<void> Builder::run_strips(GpuCommands& commands, StripKernel kernel, const StoredRows& rows,
                                  const GpuBuffer& codes, const VulkanVertices* slot) {
-    const StripConstants constants{mapping_.group_size, rows.sample_bytes,
+    const StripConstants constants{plan_.group_size, rows.sample_bytes,
                                    may_be_invalid(rows.sample_bytes) ? 1U : 0U,
                                    valid_.excluded[0] != no_such_code ? 1U : 0U, width_ % 8 != 0 ? 1U : 0U};
     auto program = kernels_->strip(kernel, constants);
@@ -181,13 +180,13 @@ Result<void> Builder::run_strips(GpuCommands& commands, StripKernel kernel, cons
     push.height = height_;
     push.in_pitch = rows.pitch;
     push.out_pitch = pitch_;
-    push.segment_texels = mapping_.segment_texels > 0 ? mapping_.segment_texels : pitch_;
+    push.segment_texels = plan_.segment_texels > 0 ? plan_.segment_texels : pitch_;
     push.segments = whole(pitch_, push.segment_texels);
-    push.along_x = mapping_.along_x ? 1 : 0;
+    push.along_x = plan_.along_x ? 1 : 0;
     push.validity_words = whole(width_, 32);
     push.tiles_x = static_cast<std::uint32_t>(grid_.tiles_x);
     push.valid = valid_;
-    const GpuGroups groups{whole(strips_ * push.segments, mapping_.group_size)};
+    const GpuGroups groups{whole(strips_ * push.segments, plan_.group_size)};
     if (slot == nullptr)
         commands.dispatch(*program, push, {rows.buffer, codes}, groups);
     else
@@ -258,16 +257,16 @@ void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
 
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,
-                                                                  const StripMapping& mapping) {
-    auto builder = std::make_unique<Builder>(scene, std::move(kernels), mapping);
+                                                                  const SurfacePlan& plan) {
+    auto builder = std::make_unique<Builder>(scene, std::move(kernels), plan);
     if (auto reserved = builder->reserve(); !reserved.ok()) return reserved.error();
     return std::unique_ptr<VulkanSurfaceBuilder>(std::move(builder));
 }
 
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<GpuDevice> device) {
-    const StripMapping mapping = mapping_for(device->facts());
-    return make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(std::move(device)), mapping);
+    const SurfacePlan plan = plan_for(device->facts());
+    return make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(std::move(device)), plan);
 }
 
 }  // namespace touchable

@@ -27,7 +27,7 @@ public:
 /// are larger than the device's buffers may be.
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,
-                                                                  const StripMapping& mapping);
+                                                                  const SurfacePlan& plan);
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<GpuDevice> device);
 

@@ -2,11 +2,11 @@
 
 namespace touchable {
 
-Result<SharedPlane> SharedPlane::create(const GpuDevice& device, const std::string& name, std::size_t bytes) {
-    const bool unified = device.facts().unified_memory;
-    auto gpu = GpuBuffer::create(device, name, bytes, unified ? GpuMemory::shared : GpuMemory::device);
+Result<SharedPlane> SharedPlane::create(const GpuDevice& device, const std::string& name, std::size_t bytes,
+                                        bool copied) {
+    auto gpu = GpuBuffer::create(device, name, bytes, copied ? GpuMemory::device : GpuMemory::shared);
     if (!gpu.ok()) return gpu.error();
-    if (unified) return SharedPlane{*gpu, *gpu};
+    if (!copied) return SharedPlane{*gpu, *gpu};
     auto host = GpuBuffer::create(device, name + " read back", bytes, GpuMemory::readback);
     if (!host.ok()) return host.error();
     return SharedPlane{*gpu, *host};
@@ -14,7 +14,7 @@ Result<SharedPlane> SharedPlane::create(const GpuDevice& device, const std::stri
 
 Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& device,
                                                                const SurfaceFrame& frame, int width,
-                                                               int height) {
+                                                               int height, bool copied) {
     std::unique_ptr<VulkanVertices> made(new VulkanVertices(device, frame, width, height));
     const auto rows = static_cast<std::size_t>(height), columns = static_cast<std::size_t>(width);
     const TileGrid grid = TileGrid::of(width, height);
@@ -25,15 +25,15 @@ Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& 
          static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y) *
              sizeof(TileBounds)}};
     for (const auto& [plane, name, bytes] : planes) {
-        auto created = SharedPlane::create(device, name, bytes);
+        auto created = SharedPlane::create(device, name, bytes, copied);
         if (!created.ok()) return created.error();
         plane = *created;
     }
     return made;
 }
 
-bool VulkanVertices::serves(const GpuDevice& device, int width, int height) const {
-    return vulkan_ == device.vulkan() && width_ == width && height_ == height;
+bool VulkanVertices::serves(const GpuDevice& device, int width, int height, bool copied) const {
+    return codes.is_copied() == copied && vulkan_ == device.vulkan() && width_ == width && height_ == height;
 }
 
 }  // namespace touchable

@@ -5,12 +5,12 @@
 
 namespace touchable {
 
-/// An array that kernels write and the CPU reads: one buffer where the GPU's memory is the CPU's too, else
-/// one that is copied to another.
+/// An array that kernels write and the CPU reads: one buffer, or one that is copied to another.
 struct SharedPlane {
     GpuBuffer gpu, host;
 
-    static Result<SharedPlane> create(const GpuDevice& device, const std::string& name, std::size_t bytes);
+    static Result<SharedPlane> create(const GpuDevice& device, const std::string& name, std::size_t bytes,
+                                      bool copied);
     bool is_copied() const { return gpu.handle() != host.handle(); }
 };
 
@@ -19,9 +19,9 @@ class VulkanVertices final : public VertexSource {
 public:
     /// Codes with rows of whole texels; validity and bounds as in a SurfaceFrame.
     static Result<std::unique_ptr<VulkanVertices>> create(const GpuDevice& device, const SurfaceFrame& frame,
-                                                          int width, int height);
+                                                          int width, int height, bool copied);
     /// Whether its memory serves frames of this size on this device.
-    bool serves(const GpuDevice& device, int width, int height) const;
+    bool serves(const GpuDevice& device, int width, int height, bool copied) const;
 
     DepthSample at(int x, int y) const override { return filtered_.at(x, y); }
     TileDepths tile(int tx, int ty) const override { return filtered_.tile(tx, ty); }

@@ -48,12 +48,12 @@ protected:
         ASSERT_TRUE(make_cpu_builder(scene)->build(plane.frame(), cpu_));
         ASSERT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy_));
         ASSERT_EQ(first_difference(reference, cpu_), "");
-        for (const StripMapping& mapping : all_mappings) {
-            auto vulkan = make_vulkan_builder(scene, test_kernels(), mapping);
+        for (const SurfacePlan& plan : all_plans) {
+            auto vulkan = make_vulkan_builder(scene, test_kernels(), plan);
             ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;
             const auto built = (*vulkan)->build(plane.frame(), vulkan_);
             ASSERT_TRUE(built.ok()) << built.error().message;
-            ASSERT_EQ(first_difference(reference, vulkan_), "") << "vulkan, " << mapping_text(mapping);
+            ASSERT_EQ(first_difference(reference, vulkan_), "") << "vulkan, " << plan_text(plan);
         }
         ASSERT_EQ(first_vertex_difference(reference, *vulkan_.vertices), "") << "vulkan";
         ASSERT_EQ(first_vertex_difference(reference, *cpu_.vertices), "") << "cpu";

@@ -38,14 +38,15 @@ std::shared_ptr<SurfaceKernels> test_kernels() {
 }
 
 std::unique_ptr<VulkanSurfaceBuilder> test_vulkan_builder(const Scene& scene) {
-    auto made = make_vulkan_builder(scene, test_kernels(), all_mappings[0]);
+    auto made = make_vulkan_builder(scene, test_kernels(), all_plans[0]);
     if (!made.ok()) throw std::runtime_error(made.error().message);
     return std::move(*made);
 }
 
-std::string mapping_text(const StripMapping& mapping) {
-    return "groups of " + std::to_string(mapping.group_size) + ", segments of " +
-           std::to_string(mapping.segment_texels) + (mapping.along_x ? " along x" : "");
+std::string plan_text(const SurfacePlan& plan) {
+    return "groups of " + std::to_string(plan.group_size) + ", segments of " +
+           std::to_string(plan.segment_texels) + (plan.along_x ? " along x" : "") +
+           (plan.copies ? ", copied" : "");
 }
 
 }  // namespace touchable::test

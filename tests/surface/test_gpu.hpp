@@ -13,8 +13,9 @@ std::shared_ptr<SurfaceKernels> test_kernels();
 /// On that GPU; throws where that cannot be.
 std::unique_ptr<VulkanSurfaceBuilder> test_vulkan_builder(const Scene& scene);
 
-/// Few lanes that march whole rows, as on a CPU; many that march segments side by side, as on a GPU.
-inline constexpr StripMapping all_mappings[] = {{8, 0, false}, {8, 4, true}};
-std::string mapping_text(const StripMapping& mapping);
+/// Few lanes that march whole rows, as on a CPU; many that march segments side by side in memory of
+/// their own, as on a GPU.
+inline constexpr SurfacePlan all_plans[] = {{8, 0, false, false}, {8, 4, true, true}};
+std::string plan_text(const SurfacePlan& plan);
 
 }  // namespace touchable::test
