@@ -17,14 +17,13 @@ constexpr double entry_height = 0.05;     // ... from this far above, device met
 constexpr double settling_s = 0.1;        // time constant of the depth that pixels are measured at
 constexpr double reach = 0.0006;          // a finger looks this far about itself, device metres
 constexpr double clearance = 0.001;       // it crosses broken ground this far above it, device metres
-constexpr double longest_glide = 0.001;   // it glides this far over rough ground, device metres
 constexpr double greatest_lag = 0.00025;  // the script waits for one that is farther off, device metres
 constexpr double nearest_goal = 0.1;  // a goal stays this share of the surface's depth in front of the camera
 
 }  // namespace
 
-bool ScriptedHand::Finger::hops() const {
-    return ridge && glided > longest_glide;
+bool ScriptedHand::hops(const Finger& finger) const {
+    return finger.ridge && finger.glided > settings_.glide;
 }
 
 ScriptedHand::ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script,
@@ -60,7 +59,7 @@ void ScriptedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::s
         if (moves) finger.glided += settings_.speed * tick_s;
         const double penetration = script_->penetration(static_cast<int>(k));
         const bool there = move(finger, aim(finger, penetration, entry_height * to_come, probe));
-        if (!finger.hops()) {
+        if (!hops(finger)) {
             waits_ = waits_ || !there;
         } else if (there) {
             finger.ridge.reset();
@@ -102,7 +101,7 @@ ScriptedHand::Stance ScriptedHand::stance(Finger& finger, const glm::dvec2& pixe
         finger.glided = 0;
     }
     if (finger.ridge) finger.ridge = std::min(*finger.ridge, footing.highest);
-    return finger.hops() ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
+    return hops(finger) ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
 }
 
 /// `penetration` along -Z where the ground is firm. A finger that crosses other ground or has yet to come
@@ -140,15 +139,16 @@ constexpr HandKey seed{"seed", "", 0, 0x1p53, 1, Kind::whole};
 constexpr HandKey spread{"spread", "m", 0, 0.2, 0.02};
 constexpr HandKey extent{"extent", "of the picture", 0.05, 1, 0.8};
 constexpr HandKey max_speed{"max_speed", "m/s", 0.01, 10, 2};
+constexpr HandKey glide{"glide", "mm", 0, 1e6, 1};
 constexpr HandKey angle{"angle", "degrees", -360, 360, 0};
 constexpr HandKey x{"x", "of the picture's width", 0, 1, 0.5};
 constexpr HandKey y{"y", "of the picture's height", 0, 1, 0.5};
 
-constexpr std::array wander_keys{speed, depth, seed, spread, extent, max_speed};
-constexpr std::array stroke_keys{speed, depth, angle, spread, extent, max_speed};
+constexpr std::array wander_keys{speed, depth, seed, spread, extent, max_speed, glide};
+constexpr std::array stroke_keys{speed, depth, angle, spread, extent, max_speed, glide};
 constexpr std::array press_keys{x, y, depth, lift, HandKey{"period", "s", 0.05, 60, 1}, spread, max_speed};
-constexpr std::array poke_keys{speed, depth,  lift,   HandKey{"period", "s", 0.05, 60, 0.25},
-                               seed,  spread, extent, max_speed};
+constexpr std::array poke_keys{speed,  depth,     lift, HandKey{"period", "s", 0.05, 60, 0.25}, seed, spread,
+                               extent, max_speed, glide};
 
 std::span<const HandKey> keys_of(std::string_view name) {
     if (name == "wander") return wander_keys;
@@ -198,7 +198,8 @@ std::optional<Result<std::unique_ptr<Hand>>> make_scripted_hand(std::string_view
                                           box,
                                           given->number(spread.name),
                                           name == "press" ? 0 : given->number(speed.name),
-                                          given->number(max_speed.name)};
+                                          given->number(max_speed.name),
+                                          name == "press" ? 0 : given->number(glide.name) * millimetre};
     std::unique_ptr<HandScript> script = make_script(name, *given, fingers, box, probe);
     return std::unique_ptr<Hand>(std::make_unique<ScriptedHand>(settings, std::move(script), probe));
 }

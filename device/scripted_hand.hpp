@@ -24,6 +24,7 @@ public:
         double spread;     ///< radius of the fingers' circle, device metres
         double speed;      ///< at which the script moves, m/s of device space
         double max_speed;  ///< of a goal, m/s of device space
+        double glide;      ///< over rough ground before it hops, device metres
     };
 
     ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script, const SurfaceProbe& probe);
@@ -38,8 +39,6 @@ private:
         glm::dvec3 goal;              // of the tick before
         std::optional<double> ridge;  // least planar depth about its way since it came on rough ground
         double glided = 0;            // since then, device metres
-
-        bool hops() const;
     };
     /// What a finger keeps to.
     struct Stance {
@@ -47,6 +46,7 @@ private:
         bool firm;     // whether it may go behind `depth`
     };
 
+    bool hops(const Finger& finger) const;
     void look_at_ground(const SurfaceProbe& probe);
     glm::dvec2 finger_pixel(const Finger& finger) const;
     Stance stance(Finger& finger, const glm::dvec2& pixel, const SurfaceProbe& probe) const;

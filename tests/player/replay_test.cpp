@@ -43,10 +43,11 @@ protected:
 };
 
 TEST_F(Replay, RecordedRunRepeatsToTheBit) {
+    const std::string zigzag = zigzag_hand(folder / "zigzag.csv");
     const std::vector<std::pair<std::string, Words>> runs{
         {"globe", {"--fingers", "3", "--seconds", "0.6"}},
         {"moving", {"--interpolation", "hold", "--hand", "stroke:speed=0.3", "--seconds", "0.7"}},
-        {"noise", {"--median", "5", "--metric", "pixel", "--seconds", "0.5", "--max-force", "0.9"}},
+        {"noise", {"--median", "5", "--metric", "pixel", "--hand", zigzag, "--max-force", "0.9"}},
         {"bumps", {"--fingers", "2", "--seconds", "0.5", "--max-stiffness", "0.2"}}};
     for (const auto& [scene, words] : runs) {
         const auto recorded = record(scene, words);
@@ -64,7 +65,7 @@ TEST_F(Replay, RecordedRunRepeatsToTheBit) {
 }
 
 TEST_F(Replay, EveryBuilderRepeatsIt) {
-    record("noise", {"--median", "3", "--seconds", "0.5"});
+    record("noise", {"--median", "3", "--hand", zigzag_hand(folder / "zigzag.csv")});
     for (const char* builder : {"cpu", "lazy", "reference", "vulkan"})
         EXPECT_EQ(replay({"--builder", builder}).code, 0) << builder;
 }

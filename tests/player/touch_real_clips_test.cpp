@@ -15,7 +15,7 @@ using Words = std::vector<std::string>;
 // its files: the proxy is nowhere behind the surface, is the place nearest to the goal that friction allows,
 // and pulls as its spring says.
 
-/// Words of `touch` and of `verify_forces` that the runs share.
+/// Touches a clip whose frames are exported, with what is to be given to `touch`.
 void expect_verified(const Words& clip_and_hand, const std::string& exported) {
     const TemporaryFolder folder;
     const std::string csv = folder / "forces.csv";
@@ -73,7 +73,7 @@ TEST_P(TouchRealHand, EveryForceOnTheGlobeIsVerified) {
     ASSERT_EQ(run_touchable({"export", clip, "--frames", "all", "--out", exported}).code, 0);
     const std::string hand = "csv:" + file + ":" + GetParam().keys;
     expect_verified({clip, "--hand", hand}, exported);
-    expect_verified({clip, "--hand", hand, "--fingers", "3", "--max-force", "1000", "--seconds", "4"},
+    expect_verified({clip, "--hand", hand, "--fingers", "3", "--max-force", "1000", "--seconds", "2"},
                     exported);
 }
 

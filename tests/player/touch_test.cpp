@@ -136,11 +136,11 @@ TEST_F(Touch, ReportIsWhatTheForcesFileSays) {
     EXPECT_DOUBLE_EQ(report["force_n"]["max"].get<double>(), most);
 }
 
-TEST_F(Touch, HandThatWandersIsInContactMostOfTheTime) {
+TEST_F(Touch, HandThatWandersIsInContactMoreThanHalfOfTheTime) {
     for (const char* scene : {"globe", "bumps", "spheres", "moving"}) {
         make(scene);
         const auto report = touch(with({"--fingers", "5"}));
-        EXPECT_GT(report["finger_contact_pct"], 80) << scene;
+        EXPECT_GT(report["finger_contact_pct"], 50) << scene;
         EXPECT_EQ(report["proxy_behind_mesh_ticks"], 0) << scene;
         EXPECT_EQ(report["nonfinite_ticks"], 0) << scene;
         EXPECT_EQ(report["capped_ticks"], 0) << scene;
@@ -167,15 +167,17 @@ TEST_F(Touch, ForceIsStiffnessTimesTheWayFromGoalToProxy) {
 }
 
 TEST_F(Touch, EveryBuilderGivesTheSameForces) {
-    const std::map<std::string, Words> runs{
-        {"globe", {"--fingers", "3"}},
-        {"moving", {"--hand", "poke"}},
-        {"noise", {"--median", "5", "--fill-holes", "2", "--hand", "wander:speed=0.3"}}};
+    const std::string zigzag = zigzag_hand(folder / "zigzag.csv");
+    const std::map<std::string, Words> runs{{"globe", {"--fingers", "3"}},
+                                            {"moving", {"--hand", zigzag}},
+                                            {"noise", {"--hand", zigzag}},
+                                            {"cliffs", {"--hand", zigzag, "--median", "5"}}};
     for (const auto& [scene, more] : runs) {
         make(scene);
         Words words = with(more);
-        words.insert(words.end(), {"--seconds", "0.5", "--builder", "cpu"});
+        words.insert(words.end(), {"--seconds", "0.8", "--builder", "cpu"});
         const auto cpu = touch(words);
+        EXPECT_GT(cpu["finger_contact_pct"], 20) << scene;
         for (const char* builder : {"lazy", "reference"}) {
             words.back() = builder;
             const auto other = touch(words);
@@ -191,7 +193,7 @@ TEST_F(Touch, LazyBuilderSkipsEveryTile) {
 }
 
 TEST_F(Touch, SettingsOfTheRunAreFelt) {
-    const Words base{"--hand", "wander:speed=0.3"};
+    const Words base{"--hand", zigzag_hand(folder / "zigzag.csv")};
     const auto hash = [&](const Words& more) {
         Words words = with(base);
         words.insert(words.end(), more.begin(), more.end());
@@ -221,13 +223,14 @@ TEST_F(Touch, HolesAreFilledWhereTheSceneHasThem) {
     scene["depth"]["invalid"] = {128};  // of the five levels of the grain, the middle one
     const std::string file = folder / "holes.json";
     std::ofstream(file) << scene;
-    const Words base{"--scene", file, "--seconds", "0.6"};
+    const std::string zigzag = zigzag_hand(folder / "zigzag.csv");
+    const Words base{"--scene", file, "--hand", zigzag};
     const auto hash = [&](const Words& more) {
         Words words = with(base);
         words.insert(words.end(), more.begin(), more.end());
         return force_hash(words);
     };
-    EXPECT_NE(hash({}), force_hash(with({"--seconds", "0.6"})));
+    EXPECT_NE(hash({}), force_hash(with({"--hand", zigzag})));
     EXPECT_NE(hash({"--fill-holes", "1"}), hash({}));
     EXPECT_EQ(hash({"--fill-holes", "2", "--builder", "lazy"}), hash({"--fill-holes", "2"}));
     EXPECT_EQ(hash({"--fill-holes", "2", "--median", "5", "--builder", "reference"}),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "tests/player/program.hpp"
@@ -23,6 +24,14 @@ nlohmann::json scene_of(const std::string& clip) {
     const Outcome run = run_touchable({"export", clip, "--frame", "0", "--out", folder / "out"});
     EXPECT_EQ(run.code, 0) << run.err;
     return nlohmann::json::parse(file_contents(folder / "out/scene.json"), nullptr, false);
+}
+
+std::string zigzag_hand(const std::string& file) {
+    std::ofstream rows(file);  // tenths of a millimetre, 50 rows/s
+    for (int k = 0; k <= 50; ++k)
+        rows << std::abs(70 * k % 1000 - 500) << ',' << std::abs((30 * k + 200) % 600 - 300) << ','
+             << std::abs(11 * k % 40 - 20) << '\n';
+    return "csv:" + file + ":columns=1+2+3,rate=50,scale=0.0001,contact=0.8";
 }
 
 nlohmann::json touch(const std::vector<std::string>& more) {

@@ -12,6 +12,9 @@ namespace touchable::testing {
 void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more);
 /// A clip's scene file.
 nlohmann::json scene_of(const std::string& clip);
+/// Writes a motion of 1 s that zigzags over the picture, in and out of what is there, and gives the hand that
+/// repeats it. It knows nothing of the ground, so that it meets walls as well.
+std::string zigzag_hand(const std::string& file);
 
 /// Runs `touchable touch` with these words, which must succeed, and gives what --json wrote.
 nlohmann::json touch(const std::vector<std::string>& words);
