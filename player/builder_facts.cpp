@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "engine/content/scenes.hpp"
-#include "engine/surface/surface_builder.hpp"
+#include "engine/surface/vulkan_builder.hpp"
 
 namespace touchable {
 namespace {
@@ -30,6 +30,10 @@ bool same_depths(const SurfaceFrame& seen, const SurfaceFrame& filtered) {
     return same;
 }
 
+bool same_bits(const SurfaceFrame& a, const SurfaceFrame& b) {
+    return a.codes == b.codes && a.validity == b.validity && a.tiles == b.tiles;
+}
+
 }  // namespace
 
 Result<BuilderFacts> builder_facts(const char* name) {
@@ -44,8 +48,8 @@ Result<BuilderFacts> builder_facts(const char* name) {
     derive_valid_range(scene.depth);
     const RawFrame raw = (*source)->frame(0);
 
-    BuilderFacts facts{name, scene.width, scene.height, 0, 0, 0, false};
-    SurfaceFrame reference, cpu, lazy;
+    BuilderFacts facts{name, scene.width, scene.height, 0, 0, 0, std::nullopt, false};
+    SurfaceFrame reference, cpu, lazy, vulkan;
     Result<void> built;
     const auto build = [&](std::unique_ptr<SurfaceBuilder> builder, SurfaceFrame& out) {
         if (built.ok()) built = builder->build(raw, out);
@@ -59,8 +63,17 @@ Result<BuilderFacts> builder_facts(const char* name) {
         if (built.ok()) same_lazily = same_depths(lazy, reference);
     });
     if (!built.ok()) return built.error();
-    facts.identical = same_lazily && cpu.codes == reference.codes && cpu.validity == reference.validity &&
-                      cpu.tiles == reference.tiles;
+    facts.identical = same_lazily && same_bits(cpu, reference);
+    if (const auto device = GpuDevice::open(); device.ok()) {
+        auto builder = make_vulkan_builder(scene, *device);
+        if (!builder.ok()) return builder.error();
+        built = (*builder)->build(raw, vulkan);  // compiles the kernels
+        facts.vulkan_ms = milliseconds([&] {
+            if (built.ok()) built = (*builder)->build(raw, vulkan);
+        });
+        if (!built.ok()) return built.error();
+        facts.identical = facts.identical && same_bits(vulkan, reference);
+    }
     return facts;
 }
 

@@ -49,10 +49,13 @@ void print_text(const MachineReport& report, const std::vector<std::string>& fau
                   << codec.name;
     std::cout << '\n';
     print_vulkan(std::cout, report.vulkan);
-    for (const BuilderFacts& facts : report.builders)
+    for (const BuilderFacts& facts : report.builders) {
         std::cout << "builders  " << facts.scene << ' ' << facts.width << "x" << facts.height << ": cpu "
                   << facts.cpu_ms << " ms, reference " << facts.reference_ms << " ms, lazy " << facts.lazy_ms
-                  << " ms (every pixel); " << (facts.identical ? "the same bits" : "DIFFERENT bits") << '\n';
+                  << " ms (every pixel)";
+        if (facts.vulkan_ms) std::cout << ", vulkan " << *facts.vulkan_ms << " ms";
+        std::cout << "; " << (facts.identical ? "the same bits" : "DIFFERENT bits") << '\n';
+    }
     std::cout << "verdict   " << (faults.empty() ? "ready" : "not ready")
               << (report.vulkan.unusable.empty() ? "\n" : ", without Vulkan\n");
 }
@@ -71,13 +74,15 @@ void print_json(const MachineReport& report, const std::vector<std::string>& fau
     out["vulkan"] = vulkan_json(report.vulkan);
     out["builders"] = ordered_json::array();
     for (const BuilderFacts& facts : report.builders)
-        out["builders"].push_back({{"scene", facts.scene},
-                                   {"width", facts.width},
-                                   {"height", facts.height},
-                                   {"cpu_ms", facts.cpu_ms},
-                                   {"reference_ms", facts.reference_ms},
-                                   {"lazy_ms", facts.lazy_ms},
-                                   {"identical", facts.identical}});
+        out["builders"].push_back(
+            {{"scene", facts.scene},
+             {"width", facts.width},
+             {"height", facts.height},
+             {"cpu_ms", facts.cpu_ms},
+             {"reference_ms", facts.reference_ms},
+             {"lazy_ms", facts.lazy_ms},
+             {"vulkan_ms", facts.vulkan_ms ? nlohmann::json(*facts.vulkan_ms) : nlohmann::json()},
+             {"identical", facts.identical}});
     out["ready"] = faults.empty();
     out["faults"] = faults;
     std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';

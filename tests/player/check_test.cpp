@@ -21,6 +21,7 @@ TEST(Check, FindsThisMachineReady) {
     for (const auto& builder : facts["builders"]) {
         EXPECT_TRUE(builder["identical"].get<bool>());
         EXPECT_GT(builder["cpu_ms"].get<double>(), 0);
+        EXPECT_GT(builder["vulkan_ms"].get<double>(), 0);
     }
 }
 
