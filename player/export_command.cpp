@@ -35,7 +35,7 @@ Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene
                   const SurfaceFrame& surface) {
     FramePair still;
     still.prev = still.next = {raw.number, raw.time_ns, &surface};
-    return picture.deliver(HeightField(scene, still), raw.colour, {}, {});
+    return picture.deliver(HeightField(scene, still), still, raw.colour, {});
 }
 
 Result<void> export_frame(const RawFrame& raw, const Scene& scene, const SurfaceFrame& surface,

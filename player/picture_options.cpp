@@ -57,11 +57,14 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options)
     return std::optional<PictureOrder>(std::move(order));
 }
 
-Result<void> PictureOrder::deliver(const HeightField& field, const PlaneView& colour,
-                                   std::span<const FingerMark> fingers, const MarkSizes& sizes) {
-    const ViewSurface surface = make_view_surface(field, colour);
-    const auto image =
-        make_picture(settings, field.scene(), surface, middle_of(field), fingers, sizes, *painter);
+Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                                   std::span<const FingerMark> fingers) {
+    auto q = painter->q_of(field, pair);
+    if (!q.ok()) return q.error();
+    const ViewSurface surface = make_view_surface(field, std::move(*q), colour);
+    const glm::dvec3 middle = middle_of(field);
+    const auto image = make_picture(settings, field.scene(), surface, middle, fingers,
+                                    mark_sizes(field.scene(), middle), *painter);
     if (!image.ok()) return image.error();
     return write_png(file, image->view());
 }

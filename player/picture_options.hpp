@@ -31,9 +31,10 @@ struct PictureOrder {
     PictureSettings settings;
     std::unique_ptr<SurfacePainter> painter;
 
-    /// Draws the surface of `field`, coloured by `colour` where that is not empty, and writes the file.
-    Result<void> deliver(const HeightField& field, const PlaneView& colour,
-                         std::span<const FingerMark> fingers, const MarkSizes& sizes);
+    /// Draws the surface of `field`, which was made of `pair`, coloured by `colour` where that is not empty,
+    /// and writes the file.
+    Result<void> deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                         std::span<const FingerMark> fingers);
 };
 /// Nothing where no picture is asked for.
 Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options);

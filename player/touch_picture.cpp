@@ -9,11 +9,7 @@
 namespace touchable {
 namespace {
 
-// On the device; in the scene they are as large as that is there.
-constexpr double finger_radius_m = 0.0018;
-constexpr double newton_m = 0.008;
-
-constexpr std::size_t trail_ticks = 800;
+constexpr std::size_t trail_ticks = 500;
 constexpr std::size_t trail_step = 4;  // ticks between two points that are drawn
 
 /// A frame of the clip, read and built once more.
@@ -57,8 +53,7 @@ Result<void> TouchPicture::take(const TouchTick& tick) {
         if (trails_[k].size() > trail_ticks) trails_[k].pop_front();
     }
     if (tick.tick < tick_) return {};
-    moment_ =
-        Moment{tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, tick.metres_per_scene_unit, {}};
+    moment_ = Moment{tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, {}};
     for (std::size_t k = 0; k < trails_.size(); ++k) {
         const Contact& contact = tick.contacts[k];
         moment_->fingers.push_back({contact.goal, contact.proxy, tick.forces[k].force, contact.touching, {}});
@@ -98,8 +93,7 @@ Result<void> TouchPicture::finish(const TouchSetup& setup) {
     pair.blend = moment_->blend;
     const HeightField field(setup.scene, pair);
     const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
-    const double S = moment_->metres_per_scene_unit;
-    return order_.deliver(field, nearer.colour, fingers_on(field), {finger_radius_m / S, newton_m / S});
+    return order_.deliver(field, pair, nearer.colour, fingers_on(field));
 }
 
 }  // namespace touchable

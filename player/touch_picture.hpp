@@ -24,7 +24,7 @@ private:
     using Place = glm::dvec2;  // of a proxy in the image, pixels
     struct Moment {
         std::int64_t frame_prev = 0, frame_next = 0;
-        double blend = 0, metres_per_scene_unit = 0;
+        double blend = 0;
         std::vector<FingerMark> fingers;  // trails are still empty
     };
     std::vector<FingerMark> fingers_on(const HeightField& field) const;

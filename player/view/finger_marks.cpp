@@ -11,10 +11,10 @@
 namespace touchable {
 namespace {
 
-// Five that are told apart by people of any colour vision, then again.
-constexpr std::array<PackedColour, 5> finger_colours{pack_colour(245, 166, 35), pack_colour(232, 74, 95),
-                                                     pack_colour(64, 196, 255), pack_colour(170, 225, 70),
-                                                     pack_colour(190, 120, 245)};
+// Okabe and Ito's colours, in the order of the plots of bench/plot.py: told apart by every kind of eye.
+constexpr std::array<PackedColour, 7> finger_colours{
+    pack_colour(0, 114, 178),   pack_colour(230, 159, 0),  pack_colour(0, 158, 115), pack_colour(213, 94, 0),
+    pack_colour(204, 121, 167), pack_colour(86, 180, 233), pack_colour(240, 228, 66)};
 
 /// Darkens what is drawn near a ball: its soft shadow on the surface it touches.
 void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& camera, LightPicture& picture) {
@@ -44,6 +44,11 @@ void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& came
 
 }  // namespace
 
+MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle) {
+    const double width = -middle.z * scene.width / scene.camera.fx;
+    return {0.02 * width, 0.06 * width};
+}
+
 void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
                   LightPicture& picture) {
     const double radius = sizes.finger_radius;
@@ -59,6 +64,7 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
             const glm::dvec3 &from = finger.trail[at - 1], &to = finger.trail[at];
             if (std::max(from.z / to.z, to.z / from.z) < CUT_RULE_RATIO)
                 draw_rod(camera, from, to, thread(at - 1), thread(at), solid, picture);
+            draw_sphere(camera, to, thread(at), solid, picture);  // rods meet without a gap
         }
         draw_sphere(camera, finger.proxy, radius, solid, picture);
         if (finger.touching)

@@ -24,6 +24,10 @@ struct MarkSizes {
     double length_per_newton = 1;  ///< of the arrow, scene units
 };
 
+/// As large in every picture: a finger is 2 % of the width of what the clip's camera sees as far away as the
+/// middle, a newton's arrow 6 %.
+MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle);
+
 /// Draws every finger: its proxy as a ball in its colour, the goal as a bubble seen through what hides it, a
 /// rod between them, the force on the finger as an arrow, and the trail as a thread that thins with age.
 void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,

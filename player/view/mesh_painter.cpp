@@ -2,6 +2,7 @@
 
 #include "player/view/gpu_painters.hpp"
 #include "player/view/mesh_pipeline.hpp"
+#include "player/view/surface_unproject.hpp"
 
 namespace touchable {
 namespace {
@@ -18,10 +19,17 @@ void record_copy(GpuCommands& commands, const GpuImage& image, const GpuBuffer& 
 
 class MeshPainter final : public SurfacePainter {
 public:
-    MeshPainter(std::shared_ptr<GpuDevice> device, MeshPipeline pipeline)
-        : device_(std::move(device)), pipeline_(std::move(pipeline)), upload_(device_) {}
+    MeshPainter(std::shared_ptr<GpuDevice> device, SurfaceUnproject unproject, MeshPipeline pipeline)
+        : device_(std::move(device)),
+          unproject_(std::move(unproject)),
+          pipeline_(std::move(pipeline)),
+          upload_(device_) {}
 
     std::string_view name() const override { return "mesh"; }
+
+    Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair) override {
+        return unproject_.q_of(field, pair);
+    }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
         const auto lattice = upload_.upload(surface);
@@ -58,6 +66,7 @@ public:
 
 private:
     std::shared_ptr<GpuDevice> device_;
+    SurfaceUnproject unproject_;
     MeshPipeline pipeline_;
     LatticeUpload upload_;
 };
@@ -67,8 +76,10 @@ private:
 Result<std::unique_ptr<SurfacePainter>> make_mesh_painter(std::shared_ptr<GpuDevice> device) {
     auto pipeline = MeshPipeline::create(*device);
     if (!pipeline.ok()) return pipeline.error();
+    auto unproject = SurfaceUnproject::create(device);
+    if (!unproject.ok()) return unproject.error();
     return std::unique_ptr<SurfacePainter>(
-        std::make_unique<MeshPainter>(std::move(device), std::move(*pipeline)));
+        std::make_unique<MeshPainter>(std::move(device), std::move(*unproject), std::move(*pipeline)));
 }
 
 }  // namespace touchable

@@ -15,6 +15,10 @@ Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name) {
 
 }  // namespace
 
+Result<std::vector<float>> SurfacePainter::q_of(const HeightField& field, const FramePair&) {
+    return touchable::q_of(field);
+}
+
 Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name) {
     if (name == "cpu") return make_cpu_painter();
     if (name != "auto" && name != "raster" && name != "mesh")

@@ -4,16 +4,24 @@
 
 #include "player/view/gpu_painters.hpp"
 #include "player/view/surface_raster.hpp"
+#include "player/view/surface_unproject.hpp"
 
 namespace touchable {
 namespace {
 
 class RasterPainter final : public SurfacePainter {
 public:
-    RasterPainter(std::shared_ptr<GpuDevice> device, SurfaceRaster raster)
-        : device_(std::move(device)), raster_(std::move(raster)), upload_(device_) {}
+    RasterPainter(std::shared_ptr<GpuDevice> device, SurfaceUnproject unproject, SurfaceRaster raster)
+        : device_(std::move(device)),
+          unproject_(std::move(unproject)),
+          raster_(std::move(raster)),
+          upload_(device_) {}
 
     std::string_view name() const override { return "raster"; }
+
+    Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair) override {
+        return unproject_.q_of(field, pair);
+    }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
         const auto lattice = upload_.upload(surface);
@@ -68,6 +76,7 @@ private:
     }
 
     std::shared_ptr<GpuDevice> device_;
+    SurfaceUnproject unproject_;
     SurfaceRaster raster_;
     LatticeUpload upload_;
 };
@@ -77,8 +86,10 @@ private:
 Result<std::unique_ptr<SurfacePainter>> make_raster_painter(std::shared_ptr<GpuDevice> device) {
     auto raster = SurfaceRaster::create(*device);
     if (!raster.ok()) return raster.error();
+    auto unproject = SurfaceUnproject::create(device);
+    if (!unproject.ok()) return unproject.error();
     return std::unique_ptr<SurfacePainter>(
-        std::make_unique<RasterPainter>(std::move(device), std::move(*raster)));
+        std::make_unique<RasterPainter>(std::move(device), std::move(*unproject), std::move(*raster)));
 }
 
 }  // namespace touchable

@@ -38,6 +38,28 @@ std::vector<glm::vec3> vertex_normals(const Camera& camera, const ViewSurface& s
     return normals;
 }
 
+/// Replaces each of `count` values by the sum over those at most n away.
+template <class At>
+void box_sum(int count, int n, At at) {
+    std::vector<glm::vec3> values(static_cast<std::size_t>(count));
+    for (int k = 0; k < count; ++k) values[static_cast<std::size_t>(k)] = at(k);
+    for (int k = 0; k < count; ++k) {
+        glm::vec3 sum(0.0F);
+        for (int other = std::max(0, k - n); other <= std::min(count - 1, k + n); ++other)
+            sum += values[static_cast<std::size_t>(other)];
+        at(k) = sum;
+    }
+}
+
+/// Normals over 5x5 vertices: what a depth camera's steps make of light is no relief.
+void smooth(const ViewSurface& surface, std::vector<glm::vec3>& normals) {
+    constexpr int reach = 2;
+    for (int y = 0; y < surface.height; ++y)
+        box_sum(surface.width, reach, [&](int x) -> glm::vec3& { return normals[surface.index(x, y)]; });
+    for (int x = 0; x < surface.width; ++x)
+        box_sum(surface.height, reach, [&](int y) -> glm::vec3& { return normals[surface.index(x, y)]; });
+}
+
 /// Light on a surface of a normal, 0 to about 1.
 double light_on(const glm::dvec3& normal) {
     const double sky = 0.5 + 0.5 * normal.y;
@@ -69,7 +91,8 @@ PackedColour packed(const glm::dvec3& colour) {
 
 std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
                                       const PlaneView& colour) {
-    const std::vector<glm::vec3> normals = vertex_normals(camera, surface);
+    std::vector<glm::vec3> normals = vertex_normals(camera, surface);
+    smooth(surface, normals);
     const auto [farthest_q, nearest_q] = usual_q(surface.q);
     const double q_range = std::max(static_cast<double>(nearest_q - farthest_q), 1e-30);
     constexpr glm::dvec3 near_clay(246, 214, 178), far_clay(120, 148, 182);

@@ -17,6 +17,9 @@ class SurfacePainter {
 public:
     virtual ~SurfacePainter() = default;
     virtual std::string_view name() const = 0;
+    /// q of every pixel of `field`, which `pair` is behind: `touchable::q_of`, or what agrees with it to
+    /// 1e-6.
+    virtual Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair);
     virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
 };
 

@@ -1,19 +1,15 @@
 #include "player/view/surface_raster.hpp"
 
-#include <algorithm>
 #include <type_traits>
 
 #include "engine/frame/surface_frame.hpp"
+#include "player/view/group_rows.hpp"
 #include "player/view/view_rows.hpp"
 #include "shaders/raster.h"
 #include "shaders/raster.spv.h"
 #include "shaders/raster_large.spv.h"
 
 namespace touchable {
-
-namespace {
-constexpr std::uint32_t groups_in_a_row = 32768;  // every device takes that many
-}
 
 static_assert(RASTER_TILE == TileGrid::cells);
 static_assert(std::is_trivially_copyable_v<RasterPush> && sizeof(RasterPush) == 92);
@@ -60,9 +56,8 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     commands.fill(large, 1, 4, 8);
     commands.fill(large, 0, 12, 4);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
-    commands.dispatch(
-        raster_, push, {lattice.q, lattice.colours, pixels, large, lattice.tiles},
-        {std::min(push.tile_count, groups_in_a_row), groups_for(push.tile_count, groups_in_a_row), 1});
+    commands.dispatch(raster_, push, {lattice.q, lattice.colours, pixels, large, lattice.tiles},
+                      groups_in_rows(push.tile_count));
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.dispatch_indirect(large_, push, {lattice.q, lattice.colours, pixels, large}, large);

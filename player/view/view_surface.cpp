@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "player/view/surface_light.hpp"
 #include "shaders/cut_rule.h"
@@ -62,10 +63,14 @@ ViewTiles classify_tiles(const HeightField& field) {
 }
 
 ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour) {
+    return make_view_surface(field, q_of(field), colour);
+}
+
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, const PlaneView& colour) {
     ViewSurface surface;
     surface.width = field.width();
     surface.height = field.height();
-    surface.q = q_of(field);
+    surface.q = std::move(q);
     surface.tiles = classify_tiles(field);
     surface.colours = lit_colours(field.scene().camera, surface, colour);
     return surface;

@@ -40,9 +40,10 @@ std::vector<float> q_of(const HeightField& field);
 /// one called mixed may turn out to be whole.
 ViewTiles classify_tiles(const HeightField& field);
 
-/// The surface of a field. Colours are those of `colour` (3 channels of the field's size), gently lit; where
-/// that is empty, light and depth alone.
-ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);
+/// The surface of a field with these q. Colours are those of `colour` (3 channels of the field's size),
+/// gently lit; where that is empty, light and depth alone.
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, const PlaneView& colour);
+ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);  ///< with q_of(field)
 
 /// The lower medians of X, Y and Z, world, over the valid pixels that are not at the far plane, where
 /// backgrounds are: the middle of what is seen. The point at the far plane on the optical axis where there
