@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 // One pass of hole filling: an invalid code with at least three valid neighbours becomes their lower median,
 // which is that of its 3x3 window, because it does not count itself. All others stay as they are stored.
@@ -15,7 +16,7 @@ const bool outside_repeats = false;
 #include "shaders/columns3.h"
 #include "shaders/strip.h"
 
-layout(set = 0, binding = 1, scalar) writeonly buffer Codes { uvec4 out_codes[]; };
+layout(set = 0, binding = 1, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
 
 const uint most_invalid = 9u - 3u;
 

@@ -52,11 +52,9 @@ struct StripConstants {
     uint ragged;          // 0 where the width is a multiple of 8
 };
 
-/// What a strip of two rows knows of a tile: rows 2 n and 2 n + 1 of its columns, the next tile's first column
-/// included. One word least | greatest << 16 over valid codes, another that is not 0 where one is invalid.
-struct TilePart {
-    uint extremes, any_invalid;
-};
+/// What a strip of two rows knows of a tile, whose columns include the first of the next one, takes 8 bytes: a
+/// word least | greatest << 16 over valid codes, and one that is not 0 where a code is invalid.
+const uint tile_part_bytes = 8u;
 
 /// Of tile_bounds.
 struct TileBoundsPush {

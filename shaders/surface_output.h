@@ -2,11 +2,11 @@
 #ifndef TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 #define TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 
-layout(set = 0, binding = 1, scalar) writeonly buffer Codes { uvec4 out_codes[]; };
+layout(set = 0, binding = 1, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
 layout(set = 0, binding = 2, scalar) writeonly buffer Validity { uint out_validity[]; };
 /// Of each strip and tile; and of the first row alone of each strip that starts a tile, for the tile above.
-layout(set = 0, binding = 3, scalar) writeonly buffer Parts { TilePart out_parts[]; };
-layout(set = 0, binding = 4, scalar) writeonly buffer Tops { TilePart out_tops[]; };
+layout(set = 0, binding = 3, scalar) writeonly buffer Parts { uint64_t out_parts[]; };
+layout(set = 0, binding = 4, scalar) writeonly buffer Tops { uint64_t out_tops[]; };
 
 /// Least and greatest valid code of a stretch of a row, and whether one is invalid.
 struct Bounds {
@@ -17,13 +17,13 @@ const Bounds no_bounds = Bounds(greatest_code, 0u, 0u);
 Bounds joined(Bounds a, Bounds b) {
     return Bounds(min(a.least, b.least), max(a.greatest, b.greatest), a.any_invalid | b.any_invalid);
 }
-TilePart part_of(Bounds bounds) {
-    return TilePart(bounds.least | bounds.greatest << 16, bounds.any_invalid);
+uint64_t part_of(Bounds bounds) {
+    return packUint2x32(uvec2(bounds.least | bounds.greatest << 16, bounds.any_invalid));
 }
 
 /// A texel of a row as it is written, with its bounds.
 struct Finished {
-    uvec4 codes;
+    u64vec2 codes;
     uint validity;
     Bounds bounds;
 };

@@ -76,7 +76,7 @@ private:
 
 /// What does not depend on the form of the frames.
 Result<void> Builder::reserve() {
-    const std::size_t tiles_x = static_cast<std::size_t>(grid_.tiles_x) * sizeof(TilePart);
+    const std::size_t tiles_x = static_cast<std::size_t>(grid_.tiles_x) * tile_part_bytes;
     const bool fills = scene_.filter.fill_holes > 0;
     const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
         {parts_, "parts of bounds", strips_ * tiles_x},
