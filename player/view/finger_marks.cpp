@@ -67,9 +67,14 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
             draw_sphere(camera, to, thread(at), solid, picture);  // rods meet without a gap
         }
         draw_sphere(camera, finger.proxy, radius, solid, picture);
-        if (finger.touching)
-            draw_arrow(camera, finger.proxy, finger.proxy + finger.force * sizes.length_per_newton,
-                       0.34 * radius, {glm::mix(solid.light, glm::vec3(1.0F), 0.35F), 1}, picture);
+        if (!finger.touching) continue;
+        // From where it leaves the ball, so that a small force is not lost in it.
+        const glm::dvec3 arrow = finger.force * sizes.length_per_newton;
+        const double length = glm::length(arrow);
+        if (!(length > 0)) continue;
+        const glm::dvec3 from = finger.proxy + arrow * (0.95 * radius / length);
+        draw_arrow(camera, from, from + arrow, 0.34 * radius,
+                   {glm::mix(solid.light, glm::vec3(1.0F), 0.35F), 1}, picture);
     }
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         const FingerMark& finger = fingers[k];
