@@ -1,6 +1,7 @@
 // The march along a strip, for GLSL: a lane holds two rows and goes along them texel by texel. Columns of the
-// window are ranked once and rolled on; a value is loaded once per strip. On lavapipe this is 16 to 26 times
-// cheaper than a lane per pixel: texels are its only fast loads, and its lanes have no shared registers.
+// window are ranked once and rolled on, and no value is loaded twice by a lane. A software Vulkan likes it
+// because texels are its only fast loads and stores of single codes its slowest; it does not branch, so what
+// is invalid goes through the same minima and maxima as everything else.
 //
 // The includer defines before: strip_rows, how many rows the window of the two has; strip_centre, which of them
 // is the upper of the two; strip_reach, how many columns the window has to each side, at least 1;

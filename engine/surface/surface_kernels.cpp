@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/frame/surface_frame.hpp"
+#include "engine/frame/stored_code.hpp"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
 #include "shaders/hue_codes.spv.h"
@@ -12,6 +12,8 @@
 
 namespace touchable {
 namespace {
+
+static_assert(no_hue_code == no_hue);
 
 constexpr GpuBindingKind buffer = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
 

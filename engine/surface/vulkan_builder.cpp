@@ -1,5 +1,6 @@
 #include "engine/surface/vulkan_builder.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstring>
@@ -74,8 +75,13 @@ private:
     std::vector<GpuTime> stages_;
 };
 
-/// What does not depend on the form of the frames.
+/// The buffers that do not depend on the form of the frames.
 Result<void> Builder::reserve() {
+    const GpuLimits& limits = device().facts().limits;
+    const std::size_t most = std::max(codes_bytes(), std::size_t{24} * pitch_ * height_ * (is_hue() ? 1 : 0));
+    if (most / 16 > limits.max_texel_buffer_elements || most > limits.max_storage_buffer_range)
+        return Error{ErrorKind::gpu, "frames of " + std::to_string(width_) + "x" + std::to_string(height_) +
+                                         " are larger than a buffer may be on " + device().facts().name};
     const std::size_t tiles_x = static_cast<std::size_t>(grid_.tiles_x) * tile_part_bytes;
     const bool fills = scene_.filter.fill_holes > 0;
     const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
@@ -119,7 +125,10 @@ Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
 Result<StoredRows> Builder::upload(const PlaneView& depth) {
     const std::size_t row_bytes = std::size_t{width_} * static_cast<std::size_t>(depth.channels) *
                                   static_cast<std::size_t>(depth.bytes_per_sample);
-    const std::size_t pitch = (row_bytes + 15) / 16 * 16, bytes = pitch * height_;
+    // Whole texels, and whole groups of 8 pixels, which is what kernels read.
+    const std::size_t group_bytes = std::size_t{8} * static_cast<std::size_t>(depth.channels) *
+                                    static_cast<std::size_t>(depth.bytes_per_sample);
+    const std::size_t pitch = (group_bytes * pitch_ + 15) / 16 * 16, bytes = pitch * height_;
     if (!upload_ || upload_.bytes() != bytes) {
         auto mapped = GpuBuffer::create(device(), "stored values", bytes, GpuMemory::upload);
         if (!mapped.ok()) return mapped.error();

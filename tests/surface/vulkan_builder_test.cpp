@@ -58,6 +58,39 @@ TEST(VulkanBuilder, FramesOutliveTheirBuilder) {
     EXPECT_EQ(first_difference(reference, frame), "");
 }
 
+TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
+    const Scene scene = depth_scene(331, 97, 16, Marking::zero, {3, 1});
+    const StoredPlane plane = noisy_plane(scene, Fill::blob, 5);
+    SurfaceFrame reference, frame;
+    ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
+    for (const std::uint32_t group_size : {1U, 32U, 64U, 250U})
+        for (const std::uint32_t segment_texels : {0U, 4U, 20U})
+            for (const bool along_x : {false, true}) {
+                const SurfacePlan plan{group_size, segment_texels, along_x, false};
+                auto builder = make_vulkan_builder(scene, test_kernels(), plan);
+                ASSERT_TRUE(builder.ok()) << builder.error().message;
+                ASSERT_TRUE((*builder)->build(plane.frame(), frame));
+                EXPECT_EQ(first_difference(reference, frame), "") << plan_text(plan);
+            }
+}
+
+TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
+    auto device = GpuDevice::open();
+    ASSERT_TRUE(device.ok()) << device.error().message;
+    const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
+    EXPECT_TRUE(make_vulkan_builder(scene, *device).ok());
+    GpuLimits& limits = (*device)->vulkan()->facts.limits;
+    const GpuLimits whole = limits;
+    limits.max_texel_buffer_elements = 8 * 40 - 1;
+    const auto few_texels = make_vulkan_builder(scene, *device);
+    ASSERT_FALSE(few_texels.ok());
+    EXPECT_EQ(few_texels.error().kind, ErrorKind::gpu);
+    EXPECT_NE(few_texels.error().message.find("64x40"), std::string::npos) << few_texels.error().message;
+    limits = whole;
+    limits.max_storage_buffer_range = 2 * 64 * 40 - 1;
+    EXPECT_FALSE(make_vulkan_builder(scene, *device).ok());
+}
+
 TEST(VulkanBuilder, TellsItsStages) {
     const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 2});
     const auto builder = test_vulkan_builder(scene);
