@@ -1,6 +1,6 @@
 #pragma once
 
-/// Sine, cosine and angles from + - x / and sqrt alone, so that hands and generated scenes are the same bits
+/// Sine, cosine and angles from + - x /, sqrt and the exact fmod alone, so that hands and generated scenes are the same bits
 /// on every CPU, compiler and C library. Within 2 ulp of the correctly rounded value for |x| <= 1e6 (tested
 /// against long double), losing digits beyond; arguments in radians.
 namespace touchable {

@@ -106,7 +106,7 @@ public:
 private:
     double above_edge(double s, double i0, double j0, double i1, double j1, double fraction) const {
         auto vertex_w = [this](double i, double j) {
-            return space_.vertex(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j)).w;
+            return space_.vertex(lattice_index(i), lattice_index(j)).w;
         };
         return w(s) - along_edge(vertex_w(i0, j0), vertex_w(i1, j1), fraction);
     }

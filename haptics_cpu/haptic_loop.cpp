@@ -38,12 +38,13 @@ void HapticLoop::run() {
     const auto start = steady_clock::now();
     for (std::int64_t tick = 0; !stopping_.load(std::memory_order_relaxed); ++tick) {
         sleep_until(start + tick * tick_time);
-        const auto late = steady_clock::now() - (start + tick * tick_time);
+        auto late = steady_clock::now() - (start + tick * tick_time);
         if (late >= tick_time) {
             ++facts_.late;
             const std::int64_t missed = late / tick_time;
             facts_.skipped += missed;
             tick += missed;
+            late -= missed * tick_time;
         }
         ++facts_.ticks;
         if (!this->tick(tick, std::chrono::duration<double, std::micro>(late).count())) {

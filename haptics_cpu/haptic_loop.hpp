@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "haptics_cpu/haptic_port.hpp"
 #include "haptics_cpu/realtime.hpp"
@@ -16,7 +17,7 @@ namespace touchable {
 struct LoopFacts {
     RealtimeGrant grant;
     std::int64_t ticks = 0;
-    std::int64_t late = 0;     ///< ticks begun when the next one was due already
+    std::int64_t late = 0;     ///< wake-ups a whole tick or more too late
     std::int64_t skipped = 0;  ///< ticks whose time had passed by then; never made up for
     std::int64_t lost = 0;     ///< ticks for which the log had no room
     bool port_failed = false;

@@ -32,8 +32,8 @@ public:
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;
     /// No vertex of the tile, ring included, has a smaller depth. May be smaller than any of them.
     double nearest_depth(int tile_x, int tile_y) const;
-    /// Bounds on the depths of the tile's valid pixels, height taken off, ring left out; may be wider than they
-    /// need to be.
+    /// Bounds on the depths of the tile's valid pixels, height taken off, ring left out; may be wider than
+    /// they need to be.
     TileDepths depths(int tile_x, int tile_y) const;
     /// No depth of any frame of this scene is smaller.
     double nearest_depth_anywhere() const { return nearest_anywhere_; }

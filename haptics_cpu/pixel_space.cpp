@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics_cpu/surface_lattice.hpp"
+
 namespace touchable {
 
 double PixelSpace::level_of(double depth) const {
@@ -14,7 +16,8 @@ std::optional<glm::dvec3> PixelSpace::from_world(const glm::dvec3& point) const 
     if (!(point.z < 0)) return std::nullopt;
     const Scene& scene = field_.scene();
     const auto image = project(scene.camera, point);
-    if (!image) return std::nullopt;
+    if (!image || !(std::abs(image->x) < farthest_pixel) || !(std::abs(image->y) < farthest_pixel))
+        return std::nullopt;
     double depth = image->planar_depth;
     if (scene.depth.semantics == DepthSemantics::range) depth *= scene.camera.ray_length(image->x, image->y);
     return glm::dvec3{image->x, -image->y, level_of(depth)};

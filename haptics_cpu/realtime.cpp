@@ -18,9 +18,9 @@ std::string RealtimeGrant::in_words() const {
 RealtimeGrant become_realtime() {
     RealtimeGrant grant;
     sched_param priority{};
-    priority.sched_priority = 80;
+    priority.sched_priority = haptic_priority;
     grant.fifo = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
-    grant.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+    grant.memory_locked = mlockall(MCL_CURRENT) == 0;
     prctl(PR_SET_TIMERSLACK, 1UL);
     return grant;
 }

@@ -12,6 +12,9 @@ struct RealtimeGrant {
     std::string in_words() const;  ///< "SCHED_FIFO, memory locked", or what is missing
 };
 
+/// SCHED_FIFO priority of the haptic thread: above ordinary real-time work, below the kernel's own.
+inline constexpr int haptic_priority = 80;
+
 /// Asks for it, for the calling thread: SCHED_FIFO, memory locked, timer slack 1 ns. Goes on without what is
 /// refused.
 RealtimeGrant become_realtime();

@@ -54,12 +54,22 @@ inline Proxy face_place(Feature face, std::int64_t i, std::int64_t j, double a, 
     return at;
 }
 
-/// The face under image location (x, y), |x| and |y| below 2^62.
+/// Farther from the picture than any lattice place that means something, and well inside what integers can
+/// count.
+inline constexpr double farthest_pixel = 1e15;
+
+/// The lattice line of a whole number; beyond the farthest, the farthest.
+inline std::int64_t lattice_index(double whole) {
+    return static_cast<std::int64_t>(
+        whole < -farthest_pixel ? -farthest_pixel : (whole > farthest_pixel ? farthest_pixel : whole));
+}
+
+/// The face under image location (x, y).
 inline Proxy face_under(double x, double y) {
     const double fx = std::floor(x), fy = std::floor(y);
     const double a = x - fx, b = y - fy;
-    return face_place(a >= b ? Feature::face_lower : Feature::face_upper, static_cast<std::int64_t>(fx),
-                      static_cast<std::int64_t>(fy), a, b);
+    return face_place(a >= b ? Feature::face_lower : Feature::face_upper, lattice_index(fx),
+                      lattice_index(fy), a, b);
 }
 
 /// The place at fraction f of an edge; its ends are vertices.

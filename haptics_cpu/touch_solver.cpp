@@ -16,7 +16,7 @@ namespace {
 
 using glm::dvec3;
 
-// Far beyond any scene, and well inside what lattice coordinates can count.
+// Far beyond any scene.
 constexpr double largest_goal = 1e9;
 
 bool is_usable(const dvec3& goal) {
@@ -32,7 +32,7 @@ void lift_onto_risen_surface(const Space& space, Proxy& proxy) {
     const ChartPoint at = space.chart(proxy.point);
     // Beyond this a point so close to the camera's plane is seen under no pixel worth the name, and is in
     // front.
-    if (!(std::abs(at.x) < 1e15) || !(std::abs(at.y) < 1e15)) return;
+    if (!(std::abs(at.x) < farthest_pixel) || !(std::abs(at.y) < farthest_pixel)) return;
     const Proxy under = face_under(at.x, at.y);
     if (at.w < surface_w(space, under)) proxy = under;
 }
@@ -126,7 +126,7 @@ bool is_behind_surface(const HeightField& field, const dvec3& point, double tole
     if (!(point.z < 0)) return false;
     const WorldSpace world(field);
     const ChartPoint at = world.chart(point);
-    if (!(std::abs(at.x) < 1e15) || !(std::abs(at.y) < 1e15)) return false;
+    if (!(std::abs(at.x) < farthest_pixel) || !(std::abs(at.y) < farthest_pixel)) return false;
     return at.w < surface_w(world, face_under(at.x, at.y)) * (1.0 - tolerance);
 }
 

@@ -21,7 +21,7 @@ struct TouchTick {
     double metres_per_scene_unit = 0;
     bool behind = false;  ///< a proxy was behind the surface by more than rounding explains
     double solve_us = 0;  ///< solver and guard of all fingers, wall time
-    double late_us = 0;   ///< after its time it began; 0 in virtual time
+    double late_us = 0;   ///< how long after its time it began; 0 in virtual time
 };
 
 }  // namespace touchable

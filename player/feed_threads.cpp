@@ -1,6 +1,8 @@
 #include "player/feed_threads.hpp"
 
 #include <chrono>
+#include <exception>
+#include <string>
 
 namespace touchable {
 
@@ -14,8 +16,8 @@ constexpr std::chrono::milliseconds slot_wait(1);
 }  // namespace
 
 FeedThreads::FeedThreads(SurfaceFeed& feed) : feed_(feed) {
-    decoder_ = std::thread([this] { decode(); });
-    builder_ = std::thread([this] { build(); });
+    decoder_ = std::thread([this] { guarded(&FeedThreads::decode); });
+    builder_ = std::thread([this] { guarded(&FeedThreads::build); });
 }
 
 FeedThreads::~FeedThreads() {
@@ -30,6 +32,15 @@ void FeedThreads::stop() {
     changed_.notify_all();
     if (decoder_.joinable()) decoder_.join();
     if (builder_.joinable()) builder_.join();
+}
+
+/// Nothing thrown leaves a thread: the session ends with its reason, and the hand with zero force.
+void FeedThreads::guarded(void (FeedThreads::*work)()) {
+    try {
+        (this->*work)();
+    } catch (const std::exception& fault) {
+        fail({ErrorKind::internal, std::string("while frames were read: ") + fault.what()});
+    }
 }
 
 void FeedThreads::fail(const Error& error) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -28,6 +27,7 @@ public:
     std::optional<Error> error() const;
 
 private:
+    void guarded(void (FeedThreads::*work)());
     void decode();
     void build();
     void fail(const Error& error);

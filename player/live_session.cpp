@@ -69,11 +69,14 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     facts_ = loop.facts();
     if (interrupted()) return interrupted_error();
     if (const auto error = threads.error()) return *error;
+    if (!taken.ok()) return taken;
+    if (facts_.port_failed)
+        return Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
     if (facts_.lost > 0)
         return Error{ErrorKind::internal, std::to_string(facts_.lost) +
                                               " ticks were lost on their way to the files; the disk "
                                               "is too slow for what was asked to be written"};
-    return taken;
+    return {};
 }
 
 }  // namespace touchable

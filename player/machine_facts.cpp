@@ -16,6 +16,8 @@ extern "C" {
 #include <libavutil/avutil.h>
 }
 
+#include "haptics_cpu/realtime.hpp"
+
 namespace touchable {
 namespace {
 
@@ -31,7 +33,7 @@ bool may_run_realtime() {
     bool permitted = false;
     std::thread([&] {
         sched_param priority = {};
-        priority.sched_priority = sched_get_priority_min(SCHED_FIFO);
+        priority.sched_priority = haptic_priority;
         permitted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
     }).join();
     return permitted;

@@ -188,7 +188,7 @@ void ReplayHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm:
 
 Result<void> ReplayCheck::take(const TouchTick& tick) {
     if (difference_) return {};
-    const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick.tick)];
+    const RecordedTick& recorded = recording_.ticks[next_++];
     const std::string where = "tick " + std::to_string(tick.tick);
     if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
         recorded.blend != tick.blend) {

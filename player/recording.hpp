@@ -80,6 +80,7 @@ public:
 
 private:
     const Recording& recording_;
+    std::size_t next_ = 0;  // the tick that comes, by its place in the recording
     std::optional<std::string> difference_;
 };
 

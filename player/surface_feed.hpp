@@ -11,7 +11,7 @@
 
 namespace touchable {
 
-/// A clip's frames on their way into the timeline, in virtual time and on the caller's thread: whoever asks
+/// A clip's frames on their way into the timeline, and in virtual time on the caller's thread: whoever asks
 /// for a moment finds the frames around it published.
 class SurfaceFeed {
 public:

@@ -13,11 +13,11 @@ bool is_finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+}  // namespace
+
 nlohmann::ordered_json to_json(const Spread& s) {
     return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
 }
-
-}  // namespace
 
 Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};
@@ -72,7 +72,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"nonfinite_ticks", nonfinite_ticks_},
             {"capped_ticks", capped_ticks_},
             {"guarded_ticks", guarded_ticks_},
-            {"late_ticks", 0},  // virtual time is never late; a live run knows better
+            {"late_ticks", 0},  // a live run knows better
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},
             {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
@@ -82,9 +82,9 @@ nlohmann::ordered_json TouchFigures::to_json() const {
 std::string report_to_text(const nlohmann::ordered_json& r) {
     std::string text;
     auto line = [&text](const char* name, const std::string& value) {
-        char buffer[256];
-        std::snprintf(buffer, sizeof buffer, "  %-22s%s\n", name, value.c_str());
-        text += buffer;
+        std::string label = name;
+        label.resize(22, ' ');
+        text += "  " + label + value + '\n';
     };
     auto number = [](double value, const char* format) {
         char buffer[64];
@@ -110,9 +110,9 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     line("event limit reached", count("capped_ticks") + " ticks");
     line("time per tick", spread(r["tick_us"]) + " us, all fingers");
     if (r["clock"] == "wall")
-        line("on the wall clock", count("late_ticks") + " ticks late by 1 ms or more, " + count("skipped_ticks") +
-                                      " skipped; began " + spread(r["late_us"]) + " us after their time; " +
-                                      r["scheduling"].get<std::string>());
+        line("on the wall clock", count("late_ticks") + " ticks late by 1 ms or more, " +
+                                      count("skipped_ticks") + " skipped; began " + spread(r["late_us"]) +
+                                      " us after their time; " + r["scheduling"].get<std::string>());
     line("time per frame", spread(r["frame_ms"]) + " ms");
     line("force hash", r["force_hash"].get<std::string>());
     return text;

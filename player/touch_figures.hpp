@@ -14,6 +14,7 @@ struct Spread {
     double mean = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
 };
 Spread spread_of(std::vector<double> values);
+nlohmann::ordered_json to_json(const Spread& spread);
 
 /// Counts and sums of a run. Times are wall time on this machine; everything else repeats to the bit.
 class TouchFigures final : public TouchSink {

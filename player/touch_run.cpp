@@ -19,10 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Spread& s) {
-    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
-}
-
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LoopFacts* loop) {
     Json report{{"format", 1},
                 {"clip", setup.clip.string()},

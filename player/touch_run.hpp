@@ -30,9 +30,9 @@ struct TouchOptions {
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
 };
 
-/// Touches a clip offline, at 1 kHz of virtual time, prints a table, and writes what was asked for. With
-/// `replay`, does again what a recording holds: a first different force is an error of kind check that names
-/// tick and finger.
+/// Touches a clip at 1 kHz, of virtual time or (live) of the wall clock, prints a table, and writes what was
+/// asked for. With `replay`, does again what a recording holds: a first different force is an error of kind
+/// check that names tick and finger.
 Result<void> run_touch(const TouchOptions& options);
 
 }  // namespace touchable

@@ -42,7 +42,7 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     if (is_over(tick)) return {};
     const HeightField field(scene_, *pair);
     hand_.goals_at(tick, FieldProbe(field), step_.goals());
-    const TouchTick done = step_.run(tick, time_ns, scene_, *pair);
+    const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, *pair);
     for (TouchSink* sink : sinks)
         if (auto taken = sink->take(done); !taken.ok()) return taken;
     return {};

@@ -31,7 +31,7 @@ struct GpuOptions {
 };
 
 struct GpuTime;
-struct GpuRecording;  // a command buffer and what it needs (gpu_commands.cpp)
+struct GpuRecording;  // a command buffer and what it needs (gpu_recording.hpp)
 
 /// An open device with its one queue. Submissions run in order, each sees all that earlier ones wrote, and
 /// what they use is kept alive until they have completed. Safe from any thread.

