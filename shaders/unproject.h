@@ -1,10 +1,10 @@
 // What the kernel unproject.comp and its caller agree on. Compiled as GLSL and as C++.
 //
-// Filtered codes of a pair of frames become q = 1 / planar depth at a moment between them, height taken off; 0
-// stands for an invalid pixel. Each lane makes UNPROJECT_PIXELS of them, in the order they lie in memory.
+// Filtered codes of a pair of frames become q = 1 / planar depth at a moment between them, height taken off;
+// 0 stands for an invalid pixel. Each lane makes UNPROJECT_PIXELS of them, in the order they lie in memory.
 //
-// A code's length grows with its distance m from the end of its scale where the length is least (1 / length for
-// inverse codings), so base + step m adds what is never negative, and a depth is good to four roundings.
+// A code's length grows with its distance m from the end of its scale where the length is least (1 / length
+// for inverse codings), so base + step m adds what is never negative, and a depth is good to four roundings.
 #ifndef TOUCHABLE_SHADERS_UNPROJECT_H
 #define TOUCHABLE_SHADERS_UNPROJECT_H
 
