@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 
 #include "engine/surface/surface_builder.hpp"
 #include "player/field_probe.hpp"
@@ -41,7 +42,7 @@ std::int64_t usual_picture_tick(const TouchSetup& setup) {
 }
 
 Result<void> TouchPicture::take(const TouchTick& tick) {
-    if (tick.tick > tick_) return {};
+    if (moment_) return {};
     trails_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < trails_.size(); ++k) {
         const Contact& contact = tick.contacts[k];
@@ -93,7 +94,11 @@ Result<void> TouchPicture::finish(const TouchSetup& setup) {
     pair.blend = moment_->blend;
     const HeightField field(setup.scene, pair);
     const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
-    return order_.deliver(field, pair, nearer.colour, fingers_on(field));
+    if (auto done = order_.deliver(field, pair, nearer.colour, fingers_on(field)); !done.ok()) return done;
+    std::cout << "picture: " << order_.file.string() << " by the " << order_.painter->name()
+              << " painter; 1 N is " << mark_sizes(setup.scene, middle_of(field)).length_per_newton
+              << " units long\n";
+    return {};
 }
 
 }  // namespace touchable

@@ -14,7 +14,7 @@ namespace touchable {
 /// run is over, reads the frames of that moment again and draws them.
 class TouchPicture final : public TouchSink {
 public:
-    /// `tick`: the moment.
+    /// `tick`: the moment; the first tick that is not before it, where some are skipped.
     TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
     Result<void> take(const TouchTick& tick) override;
     /// Refused (ErrorKind::usage) where the run ended before the moment.

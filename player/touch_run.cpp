@@ -126,13 +126,13 @@ Result<void> run_touch(const TouchOptions& options) {
         facts["force_hash"] = figures.force_hash();
         if (auto done = record->finish(facts); !done.ok()) return done;
     }
-    if (picture)
-        if (auto done = picture->finish(s); !done.ok()) return done;
     if (json) {
         const std::string text = report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
         if (auto written = json->write(text); !written.ok()) return written;
         if (auto done = json->finish(); !done.ok()) return done;
     }
+    if (picture)
+        if (auto done = picture->finish(s); !done.ok()) return done;
     return recording ? judge_replay(*recording, *check, s, figures.force_hash()) : Result<void>{};
 }
 

@@ -112,7 +112,8 @@ void draw_cell(uint cell, Corner top_left, Corner top_right, Corner bottom_right
     // One loop, not two: lanes of a software GPU wait for each other at every loop's end.
     while (at.y <= last.y) {
         if (inside(lower, in_lower)) plot_in(at.x, at.y, lower, in_lower, top_left, top_right, bottom_right);
-        if (inside(upper, in_upper)) plot_in(at.x, at.y, upper, in_upper, top_left, bottom_right, bottom_left);
+        if (inside(upper, in_upper))
+            plot_in(at.x, at.y, upper, in_upper, top_left, bottom_right, bottom_left);
         const bool row_ends = at.x >= last.x;
         lower_row += row_ends ? lower.down : ivec3(0);
         upper_row += row_ends ? upper.down : ivec3(0);

@@ -4,8 +4,8 @@
 // cell costs two new vertices. It leaves cells that reach before the near plane, or over RASTER_LARGE_CELL
 // subpixels, in a list for raster_large.comp, which draws each with a whole workgroup.
 //
-// A pixel is z's bits above the colour's (PackedColour): z > 0, so the greatest of all is the nearest, whoever
-// comes first; 0 is empty.
+// A pixel is z's bits above the colour's (PackedColour): z > 0, so the greatest of all is the nearest,
+// whoever comes first; 0 is empty.
 #ifndef TOUCHABLE_SHADERS_RASTER_H
 #define TOUCHABLE_SHADERS_RASTER_H
 

@@ -19,11 +19,8 @@ void record_copy(GpuCommands& commands, const GpuImage& image, const GpuBuffer& 
 
 class MeshPainter final : public SurfacePainter {
 public:
-    MeshPainter(std::shared_ptr<GpuDevice> device, SurfaceUnproject unproject, MeshPipeline pipeline)
-        : device_(std::move(device)),
-          unproject_(std::move(unproject)),
-          pipeline_(std::move(pipeline)),
-          upload_(device_) {}
+    MeshPainter(std::shared_ptr<GpuDevice> device, MeshPipeline pipeline)
+        : device_(std::move(device)), unproject_(device_), pipeline_(std::move(pipeline)), upload_(device_) {}
 
     std::string_view name() const override { return "mesh"; }
 
@@ -76,10 +73,8 @@ private:
 Result<std::unique_ptr<SurfacePainter>> make_mesh_painter(std::shared_ptr<GpuDevice> device) {
     auto pipeline = MeshPipeline::create(*device);
     if (!pipeline.ok()) return pipeline.error();
-    auto unproject = SurfaceUnproject::create(device);
-    if (!unproject.ok()) return unproject.error();
     return std::unique_ptr<SurfacePainter>(
-        std::make_unique<MeshPainter>(std::move(device), std::move(*unproject), std::move(*pipeline)));
+        std::make_unique<MeshPainter>(std::move(device), std::move(*pipeline)));
 }
 
 }  // namespace touchable

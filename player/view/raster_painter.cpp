@@ -11,11 +11,8 @@ namespace {
 
 class RasterPainter final : public SurfacePainter {
 public:
-    RasterPainter(std::shared_ptr<GpuDevice> device, SurfaceUnproject unproject, SurfaceRaster raster)
-        : device_(std::move(device)),
-          unproject_(std::move(unproject)),
-          raster_(std::move(raster)),
-          upload_(device_) {}
+    RasterPainter(std::shared_ptr<GpuDevice> device, SurfaceRaster raster)
+        : device_(std::move(device)), unproject_(device_), raster_(std::move(raster)), upload_(device_) {}
 
     std::string_view name() const override { return "raster"; }
 
@@ -86,10 +83,8 @@ private:
 Result<std::unique_ptr<SurfacePainter>> make_raster_painter(std::shared_ptr<GpuDevice> device) {
     auto raster = SurfaceRaster::create(*device);
     if (!raster.ok()) return raster.error();
-    auto unproject = SurfaceUnproject::create(device);
-    if (!unproject.ok()) return unproject.error();
     return std::unique_ptr<SurfacePainter>(
-        std::make_unique<RasterPainter>(std::move(device), std::move(*unproject), std::move(*raster)));
+        std::make_unique<RasterPainter>(std::move(device), std::move(*raster)));
 }
 
 }  // namespace touchable

@@ -1,6 +1,7 @@
 #include "player/view/surface_unproject.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "player/view/group_rows.hpp"
@@ -11,7 +12,7 @@
 namespace touchable {
 namespace {
 
-static_assert(sizeof(UnprojectPush) == 64);
+static_assert(sizeof(UnprojectPush) == 60);
 
 /// Length = base + step m of a coding, and how m comes from the code; see shaders/unproject.h.
 void set_coding(const DepthCoding& coding, UnprojectPush& push) {
@@ -32,7 +33,6 @@ void set_coding(const DepthCoding& coding, UnprojectPush& push) {
     push.base = static_cast<float>(base);
     push.step = static_cast<float>(step);
     push.is_inverse = is_inverse;
-    push.is_range = coding.semantics == DepthSemantics::range;
 }
 
 template <class Values>
@@ -53,16 +53,18 @@ std::size_t SurfaceUnproject::q_bytes(int width, int height) {
     return 4 * UNPROJECT_PIXELS * ((pixels + UNPROJECT_PIXELS - 1) / UNPROJECT_PIXELS);
 }
 
-Result<SurfaceUnproject> SurfaceUnproject::create(std::shared_ptr<GpuDevice> device) {
+Result<GpuProgram> SurfaceUnproject::program_for(std::size_t bits) {
+    GpuProgram& program = programs_[bits];
+    if (program) return program;
+    const auto bit = [bits](unsigned n) { return static_cast<std::uint32_t>(bits >> n & 1U); };
+    const std::array<std::uint32_t, 4> constants{bit(0), bit(1), bit(2), bit(3)};
     const auto storage = GpuBindingKind::storage_buffer;
-    auto program = GpuProgram::create(*device, "unproject", unproject_spv,
-                                      {sizeof(UnprojectPush),
-                                       {storage, storage, storage, storage, storage, storage, storage},
-                                       {UNPROJECT_LANES, 1, 1}});
-    if (!program.ok()) return program.error();
-    SurfaceUnproject made;
-    made.device_ = std::move(device);
-    made.program_ = std::move(*program);
+    auto made = GpuProgram::create(*device_, "unproject", unproject_spv,
+                                   {sizeof(UnprojectPush),
+                                    {storage, storage, storage, storage, storage, storage, storage},
+                                    {UNPROJECT_LANES, 1, 1}},
+                                   constants);
+    if (made.ok()) program = *made;
     return made;
 }
 
@@ -76,9 +78,10 @@ Result<GpuFramePlanes> SurfaceUnproject::upload(const SurfaceFrame& frame) const
     return GpuFramePlanes{*codes, *validity, *heights};
 }
 
-void SurfaceUnproject::record(GpuCommands& commands, const Scene& scene, const SurfaceFrame& prev,
-                              const SurfaceFrame& next, double blend, const GpuFramePlanes& prev_planes,
-                              const GpuFramePlanes& next_planes, const GpuBuffer& q) const {
+Result<void> SurfaceUnproject::record(GpuCommands& commands, const Scene& scene, const SurfaceFrame& prev,
+                                      const SurfaceFrame& next, double blend,
+                                      const GpuFramePlanes& prev_planes, const GpuFramePlanes& next_planes,
+                                      const GpuBuffer& q) {
     UnprojectPush push{};
     push.width = static_cast<std::uint32_t>(prev.width);
     push.pixels = push.width * static_cast<std::uint32_t>(prev.height);
@@ -94,13 +97,20 @@ void SurfaceUnproject::record(GpuCommands& commands, const Scene& scene, const S
     push.next_height_per_code = next.heights.empty() ? 0.0F : per_code;
     push.blend = static_cast<float>(blend);
     push.rest = static_cast<float>(1.0 - blend);
-    commands.dispatch(program_, push,
+    const bool has_heights = !prev.heights.empty() || !next.heights.empty();
+    const std::size_t bits = (blend > 0 ? 1U : 0U) | (has_heights ? 2U : 0U) |
+                             (prev.width % UNPROJECT_PIXELS != 0 ? 4U : 0U) |
+                             (prev.coding.semantics == DepthSemantics::range ? 8U : 0U);
+    const auto program = program_for(bits);
+    if (!program.ok()) return program.error();
+    commands.dispatch(*program, push,
                       {prev_planes.codes, prev_planes.validity, prev_planes.heights, next_planes.codes,
                        next_planes.validity, next_planes.heights, q},
                       groups_in_rows(groups_for(push.pixels, UNPROJECT_LANES * UNPROJECT_PIXELS)));
+    return {};
 }
 
-Result<std::vector<float>> SurfaceUnproject::q_of(const HeightField& field, const FramePair& pair) const {
+Result<std::vector<float>> SurfaceUnproject::q_of(const HeightField& field, const FramePair& pair) {
     const double blend = field.blend();
     const SurfaceFrame& prev = *pair.prev.frame;
     const SurfaceFrame& next = blend > 0 ? *pair.next.frame : prev;
@@ -113,7 +123,9 @@ Result<std::vector<float>> SurfaceUnproject::q_of(const HeightField& field, cons
     if (!q.ok()) return q.error();
     auto commands = GpuCommands::begin(device_, "unproject");
     if (!commands.ok()) return commands.error();
-    record(*commands, field.scene(), prev, next, blend, *prev_planes, *next_planes, *q);
+    if (auto recorded = record(*commands, field.scene(), prev, next, blend, *prev_planes, *next_planes, *q);
+        !recorded.ok())
+        return recorded.error();
     const auto submission = std::move(*commands).submit();
     if (!submission.ok()) return submission.error();
     if (auto done = submission->wait(); !done.ok()) return done.error();

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "engine/gpu/gpu_buffer.hpp"
@@ -20,23 +22,25 @@ struct GpuFramePlanes {
 /// is taken off.
 class SurfaceUnproject {
 public:
-    static Result<SurfaceUnproject> create(std::shared_ptr<GpuDevice> device);
+    explicit SurfaceUnproject(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
 
     /// q of every pixel, row-major, as `q_of` has it, which also does what frames without codes (lazy, exact)
     /// need. `pair` is what `field` was made of.
-    Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair) const;
+    Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair);
 
     /// Records the kernel. `next` is `prev` again, and `blend` 0, where there is one frame. `q` has room for
     /// the pixels in whole eights.
-    void record(GpuCommands& commands, const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next,
-                double blend, const GpuFramePlanes& prev_planes, const GpuFramePlanes& next_planes,
-                const GpuBuffer& q) const;
+    Result<void> record(GpuCommands& commands, const Scene& scene, const SurfaceFrame& prev,
+                        const SurfaceFrame& next, double blend, const GpuFramePlanes& prev_planes,
+                        const GpuFramePlanes& next_planes, const GpuBuffer& q);
     Result<GpuFramePlanes> upload(const SurfaceFrame& frame) const;
     static std::size_t q_bytes(int width, int height);
 
 private:
+    Result<GpuProgram> program_for(std::size_t bits);
+
     std::shared_ptr<GpuDevice> device_;
-    GpuProgram program_;
+    std::array<GpuProgram, 16> programs_;  // by the bits of UnprojectConstants; made when first needed
 };
 
 }  // namespace touchable

@@ -1,5 +1,6 @@
 #include "tests/surface/test_gpu.hpp"
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -11,6 +12,8 @@ class TestGpu : public testing::Environment {
 public:
     std::shared_ptr<SurfaceKernels> kernels() {
         if (!kernels_) {
+            // Stays in memory, so that the leak checker can name it (tests/gpu/lsan.supp).
+            dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
             auto device = GpuDevice::open({.validation = true});
             if (!device.ok()) throw std::runtime_error(device.error().message);
             messages_ = (*device)->messages();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "engine/content/random.hpp"
@@ -17,6 +18,15 @@ using testing::must;
 
 class Unproject : public testing::GpuTest {
 protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        unproject.emplace(gpu);
+    }
+    void TearDown() override {
+        unproject.reset();
+        GpuTest::TearDown();
+    }
+
     /// q of the kernel against its twin: the same pixels invalid, the others 1e-6 of the depth before height
     /// is taken off, plus what that is of the depth after it.
     void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
@@ -25,8 +35,7 @@ protected:
         pair.next = {1, 1'000'000, &next};
         pair.blend = blend;
         const HeightField field(scene, pair);
-        const std::vector<float> twin = q_of(field),
-                                 made = must(must(SurfaceUnproject::create(gpu)).q_of(field, pair));
+        const std::vector<float> twin = q_of(field), made = must(unproject->q_of(field, pair));
         ASSERT_EQ(twin.size(), made.size());
         const double tallest = prev.heights.empty() ? 0 : largest_height(scene.height_coding, scene.depth);
         double worst = 0;
@@ -39,6 +48,8 @@ protected:
         }
         EXPECT_LE(worst, 1.0);
     }
+
+    std::optional<SurfaceUnproject> unproject;
 };
 
 /// Two frames of every code there is, or nearly so, some pixels invalid.
@@ -133,7 +144,7 @@ TEST_F(Unproject, AsksTheVerticesWhereThereAreNoCodes) {
     FramePair pair;
     pair.prev = pair.next = {0, 0, &lazy};
     const HeightField field(globe->scene, pair);
-    EXPECT_EQ(must(must(SurfaceUnproject::create(gpu)).q_of(field, pair)), q_of(globe->field()));
+    EXPECT_EQ(must(unproject->q_of(field, pair)), q_of(globe->field()));
 }
 
 }  // namespace
