@@ -14,6 +14,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "player/frame_files.hpp"
 #include "player/interrupt.hpp"
+#include "player/outputs_apart.hpp"
 #include "player/progress.hpp"
 #include "player/staged_folder.hpp"
 
@@ -89,6 +90,12 @@ Result<void> run_export(const ExportOptions& options) {
     if (!builder.ok()) return builder.error();
     auto picture = order_picture(options.picture);
     if (!picture.ok()) return picture.error();
+
+    std::vector<NamedFile> outputs, inputs{{"the clip", options.clip}};
+    if (options.picture.file) outputs.push_back({"--picture", *options.picture.file});
+    if (!options.out.empty()) outputs.push_back({"scene.json of --out", options.out / "scene.json"});
+    if (options.scene) inputs.push_back({"--scene", *options.scene});
+    if (auto apart = keep_outputs_apart(outputs, inputs); !apart.ok()) return apart;
 
     Progress progress("exporting frame", options.last ? *options.last + 1 : frames.value_or(0));
     SurfaceFrame surface;

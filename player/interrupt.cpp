@@ -17,6 +17,7 @@ void catch_interrupts() {
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
+    sigaction(SIGHUP, &action, nullptr);  // the terminal is gone
     std::signal(SIGXFSZ, SIG_IGN);  // a file at its allowed size is an error of that write, told as any other
 }
 

@@ -7,7 +7,7 @@ namespace touchable {
 /// Exit code of a program that was asked to stop (Ctrl-C) and did so cleanly.
 inline constexpr int interrupted_exit_code = 130;
 
-/// From here on the first SIGINT or SIGTERM only sets a flag; a second one ends the program at once. A
+/// From here on the first SIGINT, SIGTERM or SIGHUP only sets a flag; a second one ends the program at once. A
 /// file-size limit no longer ends it at all.
 void catch_interrupts();
 

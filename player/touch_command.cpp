@@ -26,10 +26,13 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     options.guard.max_stiffness = words.max_stiffness_n_mm * 1000;
     if (std::isnan(words.seconds)) return usage_error("--seconds is not a number; must be 0.001 to 1e6");
-    if (std::isnan(words.picture_seconds)) return usage_error("--picture-at is not a number; must be 0 to 1e6");
+    if (std::isnan(words.picture_seconds))
+        return usage_error("--picture-at is not a number; must be 0 to 1e6");
     if (words.picture_moment->count() > 0)
         options.picture_tick = static_cast<std::int64_t>(words.picture_seconds * 1000 + 0.5);
     if (words.duration->count() > 0) options.ticks = static_cast<std::int64_t>(words.seconds * 1000 + 0.5);
+    if (options.ticks && options.picture_tick && *options.picture_tick >= *options.ticks)
+        return usage_error("--picture-at lies beyond the run's end; --seconds says when that is");
     if (options.replay) {
         for (const CLI::Option* option : words.fixed_by_recording)
             if (option->count() > 0)
@@ -65,8 +68,9 @@ void add_touch_command(CLI::App& app, Command& command) {
 
     add_picture_options(*sub, o.picture);
     words->picture_moment =
-        sub->add_option("--picture-at", words->picture_seconds,
-                        "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)")
+        sub->add_option(
+               "--picture-at", words->picture_seconds,
+               "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)")
             ->needs("--picture")
             ->check(CLI::Range(0.0, 1e6));
     words->duration =

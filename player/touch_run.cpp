@@ -8,6 +8,7 @@
 #include "player/live_session.hpp"
 #include "player/machine_facts.hpp"
 #include "player/output_file.hpp"
+#include "player/outputs_apart.hpp"
 #include "player/recording.hpp"
 #include "player/touch_figures.hpp"
 #include "player/touch_picture.hpp"
@@ -54,6 +55,29 @@ Result<void> run_session(TouchSetup& s, bool replay, std::span<TouchSink* const>
     return ran;
 }
 
+/// Every file the run reads, and every file it is to write.
+Result<void> check_outputs(const TouchOptions& options, const TouchSetup& setup) {
+    std::vector<NamedFile> outputs, inputs{{"the clip", setup.clip}};
+    const auto add = [](std::vector<NamedFile>& files, const char* name,
+                        const std::optional<std::filesystem::path>& path) {
+        if (path) files.push_back({name, *path});
+    };
+    add(inputs, "--scene", setup.scene_file);
+    add(inputs, "--replay", options.replay);
+    if (setup.hand_words.starts_with("csv:")) {
+        // A file's name may hold ':': keys begin after the last one that is followed by a '='.
+        const std::string words = setup.hand_words.substr(4);
+        const std::size_t equals = words.find('=');
+        const std::size_t keys = equals == std::string::npos ? equals : words.rfind(':', equals);
+        inputs.push_back({"the hand's file", words.substr(0, keys)});
+    }
+    add(outputs, "--forces", options.forces);
+    add(outputs, "--record", options.record);
+    add(outputs, "--json", options.json);
+    add(outputs, "--picture", options.picture.file);
+    return keep_outputs_apart(outputs, inputs);
+}
+
 /// What a replay found; the recorded frames and forces against these.
 Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, const TouchSetup& setup,
                           const std::string& force_hash) {
@@ -80,6 +104,7 @@ Result<void> run_touch(const TouchOptions& options) {
     auto setup = recording ? setup_from_recording(*recording, options) : setup_from_options(options);
     if (!setup.ok()) return setup.error();
     TouchSetup& s = **setup;
+    if (auto apart = check_outputs(options, s); !apart.ok()) return apart;
 
     TouchFigures figures;
     std::vector<TouchSink*> sinks{&figures};

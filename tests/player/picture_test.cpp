@@ -121,7 +121,7 @@ TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
 }
 
 TEST_F(Picture, RefusesAMomentAfterTheEnd) {
-    expect_refused(touch({"--picture-at", "0.5"}), 2, "the run ended before 500 ms");
+    expect_refused(touch({"--picture-at", "0.5"}), 2, "beyond the run's end");
 }
 
 }  // namespace

@@ -39,6 +39,25 @@ protected:
     TemporaryFolder folder;
 };
 
+TEST_F(TouchRefusal, AnOutputNeverReplacesWhatTheRunReadsNorAnotherOutput) {
+    make();
+    const std::string before = file_contents(clip());
+    for (const char* option : {"--json", "--forces", "--record", "--picture"})
+        expect_refused({"touch", clip(), "--seconds", "0.1", option, clip()}, 2, "also the clip");
+    EXPECT_EQ(file_contents(clip()), before);
+    expect_refused({"touch", clip(), "--seconds", "0.1", "--json", out("x"), "--forces", out("../out/x")}, 2,
+                   "also --forces");
+    std::ofstream(folder / "h.csv") << "t_s,z\n0,0\n1,0.01\n";
+    expect_refused(
+        {"touch", clip(), "--hand", "csv:" + (folder / "h.csv") + ":columns=z", "--forces", folder / "h.csv"},
+        2, "the hand's file");
+    EXPECT_EQ(run_touchable({"touch", clip(), "--seconds", "0.1", "--record", out("a.rec")}).code, 0);
+    expect_refused({"touch", "--replay", out("a.rec"), "--json", out("a.rec")}, 2, "also --replay");
+    expect_refused({"export", clip(), "--frame", "0", "--picture", clip()}, 2, "also the clip");
+    expect_refused({"touch", clip(), "--seconds", "0.1", "--picture", out("p.png"), "--picture-at", "5"}, 2,
+                   "--picture-at");
+}
+
 TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
     make();
     const std::vector<std::pair<Words, std::string>> wrong{
