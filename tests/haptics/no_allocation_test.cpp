@@ -2,49 +2,18 @@
 // surfaces.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "engine/content/strokes.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/force_guard.hpp"
+#include "tests/frame/allocations.hpp"
 #include "tests/haptics/touch_rig.hpp"
-
-namespace {
-std::atomic<std::int64_t> allocations{0};
-}
-
-void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* memory = std::malloc(size ? size : 1)) return memory;
-    throw std::bad_alloc();
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-    ++allocations;
-    const auto step = static_cast<std::size_t>(alignment);
-    if (void* memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
-    throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
-}
 
 namespace touchable::test {
 namespace {
 
 using MakeBuilder = std::unique_ptr<SurfaceBuilder> (*)(const Scene&);
 
-std::int64_t allocations_in_ticks(MakeBuilder make_builder) {
+std::size_t allocations_in_ticks(MakeBuilder make_builder) {
     SceneOptions options;
     options.width = 320;
     options.height = 240;
@@ -67,7 +36,7 @@ std::int64_t allocations_in_ticks(MakeBuilder make_builder) {
     std::vector<ForceGuard> guards(10, ForceGuard(GuardSettings{}));
 
     int touching = 0;
-    const std::int64_t before = allocations;
+    const std::size_t before = allocations();
     for (int tick = 0; tick < 2000; ++tick) {
         const FramePair pair{{0, 0, &frames[0]}, {1, 1, &frames[1]}, tick % 100 * 0.01};
         for (std::size_t k = 0; k < goals.size(); ++k)
@@ -78,23 +47,23 @@ std::int64_t allocations_in_ticks(MakeBuilder make_builder) {
             touching += contacts[k].touching;
         }
     }
-    const std::int64_t during = allocations - before;
+    const std::size_t during = allocations() - before;
     EXPECT_GT(touching, 10000);
     return during;
 }
 
 TEST(NoAllocation, InATickOnAFilteredFrame) {
-    EXPECT_EQ(allocations_in_ticks(make_cpu_builder), 0);
+    EXPECT_EQ(allocations_in_ticks(make_cpu_builder), 0U);
 }
 TEST(NoAllocation, InATickOnALazyFrame) {
-    EXPECT_EQ(allocations_in_ticks(make_lazy_builder), 0);
+    EXPECT_EQ(allocations_in_ticks(make_lazy_builder), 0U);
 }
 
 TEST(NoAllocation, TheCounterCounts) {
-    const std::int64_t before = allocations;
+    const std::size_t before = allocations();
     std::vector<int> grown(100);
     grown.resize(1000);
-    EXPECT_EQ(allocations - before, 2);
+    EXPECT_EQ(allocations() - before, 2U);
 }
 
 }  // namespace
