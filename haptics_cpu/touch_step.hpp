@@ -16,6 +16,8 @@ public:
     int fingers() const { return static_cast<int>(goals_.size()); }
     /// Where to put the goals of the next `run`.
     std::span<glm::dvec3> goals() { return goals_; }
+    /// What the fingers carry over to the next tick.
+    std::span<const FingerState> states() const { return fingers_; }
     /// No allocation, lock or I/O. The spans stay as they are until the next call.
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 

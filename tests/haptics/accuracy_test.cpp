@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "engine/content/strokes.hpp"
-#include "tests/haptics/certificate.hpp"
 #include "tests/haptics/touch_rig.hpp"
 
 namespace touchable::test {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "engine/content/strokes.hpp"
-#include "tests/haptics/certificate.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"
+#include "tests/reference/certificate.hpp"
 
 namespace touchable::test {
 namespace {
@@ -80,7 +80,8 @@ TEST(MovingSurface, NoContactIsLostOnTheMovingReliefAtThirtyFramesASecond) {
         if (goal.under < 0.5) continue;
         ++under_ticks;
         ASSERT_TRUE(contact.touching) << "tick " << tick;
-        EXPECT_LT(excess_over_minimum(rig.field(), rig.finger().proxy, goal.goal), 1e-9L);
+        const reference::Surface surface(rig.scene(), rig.pair);
+        EXPECT_LT(reference::excess_over_minimum(surface, rig.finger().proxy, goal.goal), 1e-9L);
     }
     EXPECT_GT(under_ticks, 1500);
 }
@@ -125,7 +126,8 @@ TEST(Border, PicturesOfOneOrTwoPixelsCanBeTouched) {
             const Contact contact = tiny.touch(finger, {0, 0, -130});
             ASSERT_TRUE(contact.touching);
             EXPECT_FALSE(is_behind_surface(tiny.field(), contact.proxy, 1e-12));
-            EXPECT_LT(excess_over_minimum(tiny.field(), finger.proxy, contact.goal), 1e-9L);
+            const reference::Surface surface(tiny.scene, tiny.pair());
+            EXPECT_LT(reference::excess_over_minimum(surface, finger.proxy, contact.goal), 1e-9L);
         }
 }
 

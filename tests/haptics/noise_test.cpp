@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/content/strokes.hpp"
-#include "tests/haptics/certificate.hpp"
 #include "tests/haptics/touch_rig.hpp"
+#include "tests/reference/certificate.hpp"
 
 namespace touchable::test {
 namespace {
@@ -39,16 +39,12 @@ TEST_P(Noise, ProxyNeverGoesBehindAndEndsAtAMinimum) {
         leaves += touched && !contact.touching;
         touched = contact.touching;
         capped += contact.counts.capped;
-        if (contact.proxy.z < 0) {
-            const auto image = project(rig.scene().camera, contact.proxy);
-            const long double q = -1.0L / contact.proxy.z;
-            const long double surface = surface_q(rig.field(), image->x, image->y);
-            worst_deficit = std::max(worst_deficit, (surface - q) / surface);
-        }
+        const reference::Surface surface(rig.scene(), rig.pair);
+        worst_deficit = std::max(worst_deficit, reference::depth_behind(surface, contact.proxy));
         if (!touched) continue;
         ++touching;
         if (contact.counts.capped || GetParam().friction > 0) continue;
-        const long double excess = excess_over_minimum(rig.field(), rig.finger().proxy, contact.goal);
+        const long double excess = reference::excess_over_minimum(surface, rig.finger().proxy, contact.goal);
         ASSERT_LT(excess, 1e-9L * (1 + length(contact.proxy - contact.goal)))
             << "tick " << tick << " feature " << static_cast<int>(rig.finger().proxy.feature) << " at ("
             << rig.finger().proxy.x() << ", " << rig.finger().proxy.y() << "), " << contact.counts.events

@@ -45,13 +45,8 @@ public:
         refresh(frame);
     }
 
-    HeightField field(double blend = 0) const {
-        FramePair pair;
-        pair.prev = {0, 0, &prev};
-        pair.next = {1, 1'000'000, &next};
-        pair.blend = blend;
-        return {scene, pair};
-    }
+    FramePair pair(double blend = 0) const { return {{0, 0, &prev}, {1, 1'000'000, &next}, blend}; }
+    HeightField field(double blend = 0) const { return {scene, pair(blend)}; }
 
     /// One tick of one finger.
     Contact touch(FingerState& finger, const glm::dvec3& goal, double blend = 0,

@@ -1,0 +1,231 @@
+#include "tests/reference/solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace touchable::reference {
+
+namespace {
+
+using glm::dot;
+
+constexpr int event_limit = 100000;
+constexpr int stall_limit = 8;
+
+/// The part of a way that can meet the surface: what is nearer to the camera than half of anything there is
+/// cut off.
+struct Part {
+    Vec from, to;
+    bool from_the_start;
+};
+
+std::optional<Part> part_in_front(const Surface& surface, const Vec& from, const Vec& to) {
+    const Real margin = surface.least_planar_depth() / 2;
+    const Real d0 = -from.z - margin, d1 = -to.z - margin;
+    if (d0 < 0 && d1 < 0) return std::nullopt;
+    auto crossing = [&] { return from + (to - from) * (d0 / (d0 - d1)); };
+    return Part{d0 < 0 ? crossing() : from, d1 < 0 ? crossing() : to, d0 >= 0};
+}
+
+/// Parameters at which a way crosses the lines on which `line_of` is whole, from `first` to `last`: beyond
+/// them the surface does not bend. A line that the start lies on is not crossed.
+template <class LineOf>
+void add_crossings(std::vector<Real>& crossings, LineOf line_of, const ImagePoint& from, const ImagePoint& to,
+                   const Place* start, Real first, Real last) {
+    const Real h0 = line_of(from.x, from.y), h1 = line_of(to.x, to.y);
+    if (h0 == h1) return;
+    const Real low = std::max(std::ceil(std::min(h0, h1)), first), high = std::min(std::max(h0, h1), last);
+    for (Real line = low; line <= high; line += 1) {
+        const bool on_it =
+            start && std::all_of(start->parts.begin(), start->parts.end(), [&](const Place::Part& p) {
+                return line_of(p.corner.i, p.corner.j) == line;
+            });
+        const Real s = (line - h0) / (h1 - h0);
+        if (!on_it && s > 0 && s < 1) crossings.push_back(s);
+    }
+}
+
+Real static_mu(const Finger& finger, const Properties& p) {
+    return finger.sliding ? p.dynamic_friction : p.static_friction;
+}
+
+/// Goes the share (0 to 1) of a way, or as far as the triangle (edge) reaches. True where it went all of it.
+bool advance(const Surface& surface, const Place& from, const Way& way, Real share, Place& to) {
+    const std::vector<Real> change = weight_changes(surface, way.corners, way.step);
+    std::vector<Real> weight(way.corners.size(), 0);
+    for (std::size_t k = 0; k < weight.size(); ++k)
+        for (const Place::Part& part : from.parts)
+            if (part.corner == way.corners[k]) weight[k] = part.weight;
+    std::size_t out = weight.size();  // the corner that loses all its weight first
+    Real most = share;
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+        if (!(change[k] < 0) || weight[k] / -change[k] > most) continue;
+        most = weight[k] / -change[k];
+        out = k;
+    }
+    to.parts.clear();
+    Real sum = 0;
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+        const Real left = k == out ? 0 : weight[k] + most * change[k];
+        if (!(left > 0)) continue;
+        to.parts.push_back({way.corners[k], left});
+        sum += left;
+    }
+    for (Place::Part& part : to.parts) part.weight /= sum;
+    return out == weight.size();
+}
+
+/// The flow towards one goal.
+class Flow {
+public:
+    Flow(const Surface& surface, Solution& solution, const Vec& goal)
+        : surface_(surface), solution_(solution), finger_(solution.finger), goal_(goal) {}
+
+    void run() {
+        if (!finger_.place) {
+            auto hit = first_hit(surface_, finger_.point, nullptr, goal_);
+            if (!hit) return fly();
+            land(std::move(*hit));
+        }
+        finger_.place = reduced(*finger_.place);
+        finger_.point = point_of(surface_, *finger_.place);
+        bool may_leave = true;
+        int stalls = 0;
+        while (++solution_.events <= event_limit) {
+            const Real before = distance2();
+            Finger next;
+            bool arrived = false;
+            if (may_leave && height_of_departure(surface_, *finger_.place, goal_) > 0) {
+                auto hit = first_hit(surface_, finger_.point, &*finger_.place, goal_);
+                if (!hit) return fly();
+                next.place = reduced(*hit);
+            } else if (!step(next, arrived)) {
+                return;
+            }
+            next.point = point_of(surface_, *next.place);
+            const Real after = dot(goal_ - next.point, goal_ - next.point);
+            if (after < before) {
+                finger_ = next;
+                may_leave = true;
+                if (arrived) return;
+                continue;
+            }
+            // Rounding made a step or a flight end where it began.
+            const bool same = after <= before * (1 + Real(1e-16));
+            if (same) finger_ = next;
+            if (arrived || ++stalls > stall_limit || (!same && !may_leave)) return;
+            may_leave = false;
+        }
+        solution_.capped = true;
+    }
+
+private:
+    Real distance2() const { return dot(goal_ - finger_.point, goal_ - finger_.point); }
+
+    /// One step along the surface; false where the proxy rests.
+    bool step(Finger& next, bool& arrived) const {
+        const std::vector<Way> ways = ways_along(surface_, *finger_.place, goal_);
+        if (ways.empty()) return false;
+        const Way& way = *std::max_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
+            return dot(a.step, a.step) < dot(b.step, b.step);
+        });
+        const Real length = std::sqrt(dot(way.step, way.step));
+        if (length == 0) return false;
+        const Properties here = properties_at(surface_, *finger_.place);
+        const Real holds = static_mu(finger_, here) * way.load;
+        // What was stopped on the cone in double may lie beyond it by a rounding.
+        if (holds > 0 && length <= holds * (1 + Real(1e-9))) return false;
+        const Real mu = here.dynamic_friction;
+        const Real share = mu > 0 ? std::max(Real(0), 1 - mu * way.load / length) : 1;
+        next.place.emplace();
+        arrived = advance(surface_, *finger_.place, way, share, *next.place) && mu == 0;
+        next.sliding = mu > 0;
+        return true;
+    }
+
+    void land(Place place) {
+        finger_ = {};
+        finger_.place = std::move(place);
+    }
+    void fly() {
+        finger_ = {};
+        finger_.point = goal_;
+    }
+
+    const Surface& surface_;
+    Solution& solution_;
+    Finger& finger_;
+    const Vec& goal_;
+};
+
+}  // namespace
+
+std::optional<Place> first_hit(const Surface& surface, const Vec& from, const Place* start, const Vec& goal) {
+    const auto part = part_in_front(surface, from, goal);
+    if (!part) return std::nullopt;
+    const bool on_surface = start && part->from_the_start;
+    const ImagePoint a = on_surface ? image_of(surface, *start) : surface.image(part->from);
+    const ImagePoint b = surface.image(part->to);
+    const Real w = surface.scene().width, h = surface.scene().height;
+
+    std::vector<Real> stops{1};
+    const Place* origin = on_surface ? start : nullptr;
+    add_crossings(
+        stops, [](Real x, Real) { return x; }, a, b, origin, -1, w);
+    add_crossings(
+        stops, [](Real, Real y) { return y; }, a, b, origin, -1, h);
+    add_crossings(
+        stops, [](Real x, Real y) { return x - y; }, a, b, origin, -1 - h, w + 1);
+    std::sort(stops.begin(), stops.end());
+
+    auto x = [&](Real s) { return s == 1 ? b.x : a.x + s * (b.x - a.x); };
+    auto y = [&](Real s) { return s == 1 ? b.y : a.y + s * (b.y - a.y); };
+    auto above = [&](Real s) {
+        const Real q = s == 1 ? b.q : a.q + s * (b.q - a.q);
+        return q - surface.q(x(s), y(s));
+    };
+    // Between two stops the height above the surface, in q, is linear.
+    Real s0 = 0, above0 = on_surface ? 0 : std::max(Real(0), above(0));
+    for (const Real s1 : stops) {
+        const Real above1 = above(s1);
+        if (above1 < 0) {
+            const Real s = s0 + (s1 - s0) * (above0 / (above0 - above1)), middle = (s0 + s1) / 2;
+            return place_at(surface, x(s), y(s), x(middle), y(middle));
+        }
+        s0 = s1;
+        above0 = above1;
+    }
+    return std::nullopt;
+}
+
+Finger finger_of(const Surface& surface, const Proxy& proxy) {
+    Finger finger;
+    finger.point = Vec(proxy.point);
+    finger.sliding = proxy.sliding;
+    if (proxy.on_surface()) {
+        finger.place = place_of(surface, proxy);
+        finger.point = point_of(surface, *finger.place);
+    } else if (finger.point.z < 0) {
+        const ImagePoint at = surface.image(finger.point);
+        constexpr Real countable = 1e15L;
+        if (std::fabs(at.x) < countable && std::fabs(at.y) < countable && at.q < surface.q(at.x, at.y)) {
+            finger.place = place_at(surface, at.x, at.y, at.x, at.y);
+            finger.point = point_of(surface, *finger.place);
+        }
+    }
+    return finger;
+}
+
+Solution solve(const Surface& surface, Finger finger, const Vec& last_goal, const Vec& goal, int substeps) {
+    Solution solution;
+    solution.finger = std::move(finger);
+    for (int k = 1; k <= substeps; ++k) {
+        const Vec aim = k == substeps ? goal : last_goal + (goal - last_goal) * (Real(k) / substeps);
+        Flow(surface, solution, aim).run();
+    }
+    return solution;
+}
+
+}  // namespace touchable::reference
