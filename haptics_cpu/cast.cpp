@@ -200,8 +200,8 @@ private:
         // The face is the one the interval runs in, whatever rounding says of the hit itself.
         const double middle = s0 + 0.5 * (s1 - s0);
         const Proxy face = face_under(way_.x(middle), way_.y(middle));
-        return face_place(face.feature, face.i, face.j, way_.x(s) - static_cast<double>(face.i),
-                          way_.y(s) - static_cast<double>(face.j));
+        return face_or_rim_place(face.feature, face.i, face.j, way_.x(s) - static_cast<double>(face.i),
+                                 way_.y(s) - static_cast<double>(face.j));
     }
 
     const Space& space_;

@@ -60,7 +60,8 @@ FaceExit exit_of_face(Feature face, double a, double b, double dx, double dy, co
     return exit;
 }
 
-/// Over a face of cell (motion.i, motion.j), at most `length` image steps far. True if it went all of it.
+/// Over a face of cell (motion.i, motion.j), at most `length` image steps far. True if it went all of it and
+/// is inside the face: on the rim the other side has its say too.
 bool move_over_face(const Proxy& from, const Motion& motion, const ImageStep& step, double length,
                     Proxy& to) {
     const double a = static_cast<double>(from.i - motion.i) + from.a;
@@ -68,8 +69,9 @@ bool move_over_face(const Proxy& from, const Motion& motion, const ImageStep& st
     const FaceExit exit =
         exit_of_face(motion.feature, a, b, step.dx, step.dy, start_edges(from.feature, motion.feature, a, b));
     if (length < exit.length) {
-        to = face_place(motion.feature, motion.i, motion.j, a + length * step.dx, b + length * step.dy);
-        return true;
+        to =
+            face_or_rim_place(motion.feature, motion.i, motion.j, a + length * step.dx, b + length * step.dy);
+        return to.feature == motion.feature;
     }
     if (exit.edge == Feature::free) {  // no way out and none to go: a motion of no length
         to = from;
@@ -130,12 +132,14 @@ public:
             }
             const Progress progress = take(next, pull);
             if (progress == Progress::nearer) {
-                may_leave = true;
-                if (arrived) return counts_;
+                if (arrived && may_leave) return counts_;
+                stalls = 0;
+                may_leave =
+                    true;  // also for a proxy that had to stay on the surface and came to its foot there
                 continue;
             }
             // Rounding can make a flight off the surface end where it began, or a step end on the other side
-            // of an edge at the same distance. Go on along the surface, a few times at most.
+            // of an edge at the same distance. Go on along the surface, a few times on end at most.
             if (arrived || ++stalls > stall_limit || (progress == Progress::none && !may_leave))
                 return rest();
             may_leave = false;

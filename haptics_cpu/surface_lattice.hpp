@@ -92,6 +92,16 @@ inline Proxy edge_place(Feature edge, std::int64_t i, std::int64_t j, double f) 
     return at;
 }
 
+/// A place of a face; on the face's rim, the edge's or the vertex', where both sides count.
+inline Proxy face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
+    const Proxy at = face_place(face, i, j, a, b);
+    const bool lower = face == Feature::face_lower;
+    if (at.a == at.b) return edge_place(Feature::edge_d, i, j, at.a);
+    if (at.b == (lower ? 0.0 : 1.0)) return edge_place(Feature::edge_h, i, j + !lower, at.a);
+    if (at.a == (lower ? 1.0 : 0.0)) return edge_place(Feature::edge_v, i + lower, j, at.b);
+    return at;
+}
+
 template <class Space>
 glm::dvec3 surface_point(const Space& space, const Proxy& at) {
     return space.position({at.x(), at.y(), surface_w(space, at)});
