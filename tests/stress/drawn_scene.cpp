@@ -1,0 +1,188 @@
+#include "tests/stress/drawn_scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <iostream>
+
+#include "engine/trigonometry.hpp"
+
+namespace touchable::stress {
+
+namespace {
+
+Camera draw_camera(SplitMix64& random, int width, int height) {
+    // From 90 degrees across to 7, as the paper's Fig. 13 was printed.
+    const double focal = width * (chance(random, 0.5) ? random.within(0.5, 1.5) : random.within(1.5, 8.0));
+    Camera camera{focal, focal, width / 2.0, height / 2.0 - 1.0};
+    if (chance(random, 0.3)) camera.fy *= random.within(0.7, 1.4);
+    if (chance(random, 0.3)) {
+        camera.cx += random.within(-0.4, 0.4) * width;
+        camera.cy += random.within(-0.4, 0.4) * height;
+    }
+    return camera;
+}
+
+void draw_heights(SplitMix64& random, Scene& scene) {
+    const bool linear = scene.depth.kind == DepthCodingKind::linear;
+    scene.height_coding.units = linear && chance(random, 0.5) ? HeightUnits::levels : HeightUnits::world;
+    scene.height_coding.code_max = chance(random, 0.5) ? 255 : 1023;
+    const double nearest = std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min);
+    const double longest = std::min(0.5 * nearest, 0.3 * (scene.depth.far - nearest)) * random.unit();
+    const bool levels = scene.height_coding.units == HeightUnits::levels;
+    scene.height_coding.max_height = levels ? longest / scene.depth.level() : longest;
+}
+
+void draw_touch(SplitMix64& random, Scene& scene) {
+    scene.device_metres_per_unit = 0.001;
+    scene.default_properties = {random.within(100, 3000), 0, 0};
+    if (chance(random, 0.5)) {
+        scene.default_properties.static_friction = random.within(0.05, 1.2);
+        scene.default_properties.dynamic_friction =
+            scene.default_properties.static_friction * random.within(0.5, 1.0);
+    }
+    scene.haptic.stiffness = {0.1, random.within(0.5, 10.0)};
+    const double most = chance(random, 0.5) ? 1.0 : 0.0;
+    scene.haptic.static_friction = {0, most};
+    scene.haptic.dynamic_friction = {0, 0.8 * most};
+}
+
+[[noreturn]] void impossible(const Error& error) {
+    std::cerr << "a drawn scene is refused: " << error.message << '\n';
+    std::abort();
+}
+
+}  // namespace
+
+void set_planes(Scene& scene, DepthCodingKind kind, double near, double far, int bits) {
+    DepthCoding& coding = scene.depth;
+    scene.depth_bits = bits;
+    coding.kind = kind;
+    coding.near = near;
+    coding.far = far;
+    coding.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
+    coding.scale = kind == DepthCodingKind::metric ? 1.1 * far / coding.code_max : 0;
+    derive_valid_range(coding);
+}
+
+Scene draw_scene(SplitMix64& random, int most_pixels) {
+    static constexpr std::array<std::array<double, 2>, 5> planes{
+        {{40, 180}, {10, 200}, {980, 1020}, {960, 1040}, {5, 2000}}};
+    static constexpr std::array bit_depths{8, 8, 10, 12, 16, 16};
+    static constexpr std::array kinds{DepthCodingKind::linear, DepthCodingKind::linear,
+                                      DepthCodingKind::inverse, DepthCodingKind::metric};
+    Scene scene;
+    scene.width = 8 + below(random, most_pixels - 7);
+    scene.height = 8 + below(random, most_pixels - 7);
+    scene.camera = draw_camera(random, scene.width, scene.height);
+    const auto& [near, far] = planes[static_cast<std::size_t>(below(random, planes.size()))];
+    const DepthCodingKind kind = kinds[static_cast<std::size_t>(below(random, kinds.size()))];
+    const int bits = bit_depths[static_cast<std::size_t>(below(random, bit_depths.size()))];
+    scene.depth.semantics = chance(random, 0.5) ? DepthSemantics::range : DepthSemantics::planar;
+    scene.depth.near_is_high = kind == DepthCodingKind::metric || chance(random, 0.7);
+    set_planes(scene, kind, near, far, bits);
+    if (chance(random, 0.4)) {
+        const int span = scene.depth.valid_max - scene.depth.valid_min;
+        scene.depth.invalid_codes[0] = static_cast<std::uint16_t>(scene.depth.valid_min + span / 3);
+        scene.depth.invalid_code_count = 1;
+    }
+    if (chance(random, 0.4)) draw_heights(random, scene);
+    draw_touch(random, scene);
+    if (chance(random, 0.2)) scene.filter.median = chance(random, 0.5) ? 3 : 5;
+    if (chance(random, 0.2)) scene.filter.fill_holes = 1 + below(random, 3);
+    scene.interpolation = chance(random, 0.75) ? FrameInterpolation::linear : FrameInterpolation::hold;
+    if (const auto valid = validate(scene); !valid) impossible(valid.error());
+    return scene;
+}
+
+std::uint16_t draw_code(const Scene& scene, SplitMix64& random) {
+    const DepthCoding& coding = scene.depth;
+    while (true) {
+        const int code = coding.valid_min + below(random, coding.valid_max - coding.valid_min + 1);
+        if (coding.is_valid(static_cast<std::uint16_t>(code))) return static_cast<std::uint16_t>(code);
+    }
+}
+
+void add_planes(const Scene& scene, SplitMix64& random, DrawnPlanes& planes) {
+    const std::size_t pixels = planes.codes.size();
+    if (scene.depth.invalid_code_count > 0)
+        for (int blob = 0; blob < 4; ++blob) {
+            const int side = 1 + below(random, 5);
+            const int left = below(random, scene.width), top = below(random, scene.height);
+            for (int y = top; y < std::min(top + side, scene.height); ++y)
+                for (int x = left; x < std::min(left + side, scene.width); ++x)
+                    planes.codes[static_cast<std::size_t>(y * scene.width + x)] =
+                        scene.depth.invalid_codes[0];
+        }
+    if (scene.height_coding.max_height > 0) {
+        planes.heights.resize(pixels);
+        for (std::uint16_t& height : planes.heights)
+            height = static_cast<std::uint16_t>(below(random, scene.height_coding.code_max + 1));
+    }
+    if (chance(random, 0.4)) {
+        planes.haptic.resize(3 * pixels);
+        for (std::uint8_t& byte : planes.haptic) byte = static_cast<std::uint8_t>(below(random, 256));
+    }
+}
+
+DrawnPlanes draw_noise(const Scene& scene, SplitMix64& random) {
+    DrawnPlanes planes;
+    planes.codes.resize(static_cast<std::size_t>(scene.width * scene.height));
+    for (std::uint16_t& code : planes.codes) code = draw_code(scene, random);
+    add_planes(scene, random, planes);
+    return planes;
+}
+
+DrawnPlanes draw_waves(const Scene& scene, SplitMix64& random) {
+    struct Wave {
+        double by_x, by_y, phase, height;
+    };
+    std::array<Wave, 3> waves;
+    const double near = std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min),
+                 far = scene.depth.far;
+    // No steeper than the camera sees well: a wave's height goes with its length in the picture.
+    for (Wave& wave : waves) {
+        const double length = random.within(6, 40), turn = random.within(0, 2 * pi);
+        wave = {cosine(turn) / length, sine(turn) / length, random.within(0, 2 * pi),
+                random.within(0.02, 0.12)};
+    }
+    DrawnPlanes planes = shaped(scene, [&](int x, int y) {
+        double share = 0.5;
+        for (const Wave& wave : waves)
+            share += wave.height * sine(2 * pi * (wave.by_x * x + wave.by_y * y) + wave.phase);
+        return near + (far - near) * share;
+    });
+    add_planes(scene, random, planes);
+    return planes;
+}
+
+Result<void> FrameMaker::build(const DrawnPlanes& planes, int width, int height, SurfaceFrame& out) {
+    auto storage = std::make_shared<const DrawnPlanes>(planes);
+    auto wide = [&](const std::vector<std::uint16_t>& samples) {
+        PlaneView view;
+        view.data = reinterpret_cast<const std::uint8_t*>(samples.data());
+        view.width = width;
+        view.height = height;
+        view.bytes_per_sample = 2;
+        view.stride = std::ptrdiff_t{width} * 2;
+        return view;
+    };
+    RawFrame raw;
+    raw.storage = storage;
+    raw.depth = wide(storage->codes);
+    if (!storage->heights.empty()) raw.height = wide(storage->heights);
+    if (!storage->haptic.empty()) {
+        raw.haptic.data = storage->haptic.data();
+        raw.haptic.width = width;
+        raw.haptic.height = height;
+        raw.haptic.channels = 3;
+        raw.haptic.stride = std::ptrdiff_t{width} * 3;
+    }
+    return builder_->build(raw, out);
+}
+
+void FrameMaker::build(const DrawnPlanes& planes, SurfaceFrame& out) {
+    if (auto built = build(planes, scene_.width, scene_.height, out); !built) impossible(built.error());
+}
+
+}  // namespace touchable::stress

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/content/random.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/surface/surface_builder.hpp"
+
+/// Scenes, pictures and goals drawn at random: the same from the same seed on every machine.
+namespace touchable::stress {
+
+inline int below(SplitMix64& random, int n) {
+    return static_cast<int>(random.next() % static_cast<std::uint64_t>(n));
+}
+inline bool chance(SplitMix64& random, double share) {
+    return random.unit() < share;
+}
+
+/// A valid scene: any size up to `most_pixels` a side, any camera from tele to wide angle, on or off its
+/// axis, any coding but hue; with or without friction, heights, a haptic image's ranges, invalid codes and
+/// filters.
+Scene draw_scene(SplitMix64& random, int most_pixels = 72);
+/// A depth coding between two planes, of `bits`; metric codings get a scale of their own.
+void set_planes(Scene& scene, DepthCodingKind kind, double near, double far, int bits);
+
+/// The planes of a picture before they are built into a frame; codes as stored.
+struct DrawnPlanes {
+    std::vector<std::uint16_t> codes, heights;
+    std::vector<std::uint8_t> haptic;
+};
+/// A code that stands for a depth, from all that do.
+std::uint16_t draw_code(const Scene& scene, SplitMix64& random);
+/// Codes of function(x, y) in scene units (the coding's own semantics), nearest to it.
+template <class Function>
+DrawnPlanes shaped(const Scene& scene, Function depth) {
+    DrawnPlanes planes;
+    for (int y = 0; y < scene.height; ++y)
+        for (int x = 0; x < scene.width; ++x) planes.codes.push_back(scene.depth.code(depth(x, y)));
+    return planes;
+}
+/// Adds what the scene can have: random heights and properties, and blobs of invalid pixels.
+void add_planes(const Scene& scene, SplitMix64& random, DrawnPlanes& planes);
+/// Every pixel for itself, and all that `add_planes` adds.
+DrawnPlanes draw_noise(const Scene& scene, SplitMix64& random);
+/// A few broad waves within the middle of the depth range, and all that `add_planes` adds.
+DrawnPlanes draw_waves(const Scene& scene, SplitMix64& random);
+
+/// Builds frames as the program does.
+class FrameMaker {
+public:
+    explicit FrameMaker(const Scene& scene) : scene_(scene), builder_(make_cpu_builder(scene)) {}
+    /// Refused where the planes are not of the scene's size.
+    Result<void> build(const DrawnPlanes& planes, int width, int height, SurfaceFrame& out);
+    void build(const DrawnPlanes& planes, SurfaceFrame& out);
+
+private:
+    const Scene& scene_;
+    std::unique_ptr<SurfaceBuilder> builder_;
+};
+
+}  // namespace touchable::stress

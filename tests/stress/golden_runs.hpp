@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "tests/stress/stress_run.hpp"
+
+namespace touchable::stress {
+
+/// Which builder makes the frames of a golden run; the forces are the same.
+enum class GoldenBuilder { cpu, lazy };
+
+/// A generated scene and a hand over it whose forces are known to the bit: with every compiler, at every
+/// level of optimisation, under sanitizers, on every machine.
+struct GoldenRun {
+    std::string_view name, force_hash;
+    std::string_view scene, hand;  ///< of make_scene; "stroke", "walk" or "skim"
+    int bits = 16;
+    int fingers = 1;
+    TouchMetric metric = TouchMetric::world;
+    double friction = 0;      ///< static; dynamic is two thirds of it
+    bool properties = false;  ///< heights and a haptic image (globe)
+    int median = 0;
+    FrameInterpolation interpolation = FrameInterpolation::linear;
+
+    static constexpr std::int64_t ticks = 1500;
+    std::unique_ptr<StressRun> make(GoldenBuilder builder) const;
+};
+
+std::span<const GoldenRun> golden_runs();
+const GoldenRun* find_golden_run(std::string_view name);
+
+}  // namespace touchable::stress

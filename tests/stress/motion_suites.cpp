@@ -1,0 +1,193 @@
+// Suites that are out for time: surfaces that rise past the finger, cuts, frames that do not come as they
+// should.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/stress/drawn_scene.hpp"
+#include "tests/stress/hands.hpp"
+#include "tests/stress/suites.hpp"
+
+namespace touchable::stress {
+
+namespace {
+
+constexpr std::int64_t tick_ns = 1'000'000;
+
+/// A loop of frames, `ticks_per_frame` apart, over and over; frame numbers and times go on.
+class LoopRun final : public StressRun {
+public:
+    LoopRun(const Scene& scene, const std::vector<DrawnPlanes>& pictures, int ticks_per_frame,
+            std::uint64_t seed, const Walk::Reach& reach)
+        : StressRun(scene),
+          frames_(pictures.size()),
+          ticks_per_frame_(ticks_per_frame),
+          walk_(scene_, seed, reach) {
+        FrameMaker maker(scene_);
+        for (std::size_t k = 0; k < pictures.size(); ++k) maker.build(pictures[k], frames_[k]);
+    }
+    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
+        pair.prev = frame(tick / ticks_per_frame_);
+        pair.next = frame(tick / ticks_per_frame_ + 1);
+        pair.blend = static_cast<double>(tick % ticks_per_frame_) / ticks_per_frame_;
+        goals[0] = walk_.next();
+    }
+
+private:
+    TimedFrame frame(std::int64_t number) const {
+        return {number, number * ticks_per_frame_ * tick_ns,
+                &frames_[static_cast<std::size_t>(number) % frames_.size()]};
+    }
+    std::vector<SurfaceFrame> frames_;
+    int ticks_per_frame_;
+    Walk walk_;
+};
+
+}  // namespace
+
+std::unique_ptr<StressRun> make_rising(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    Scene scene = draw_scene(random, 24);
+    scene.filter = {};
+    const int levels = 1 << below(random, 8);  // a tick: 1 to 128 of 255, and all of it below
+    const double rise = chance(random, 0.2) ? 1.0 : levels / 255.0;
+    const double near = std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min),
+                 far = scene.depth.far;
+    std::vector<DrawnPlanes> pictures;
+    const int steps = std::clamp(static_cast<int>(std::ceil(1 / rise)), 1, 48);
+    for (int k = 0; k <= steps; ++k) {
+        const double share = std::min(1.0, k * rise);
+        DrawnPlanes planes = shaped(scene, [&](int x, int y) {
+            return std::max(near, far - (far - near) * share * (1 - 0.1 * ((x + 2 * y) % 3)));
+        });
+        add_planes(scene, random, planes);
+        pictures.push_back(std::move(planes));
+    }
+    return std::make_unique<LoopRun>(scene, pictures, 1, random.next(), Walk::Reach{0.3, 0.005, 0.005});
+}
+
+std::unique_ptr<StressRun> make_cut_every_frame(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    const Scene scene = draw_scene(random, 32);
+    std::vector<DrawnPlanes> pictures;
+    for (int k = 0; k < 12; ++k)
+        pictures.push_back(chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random));
+    return std::make_unique<LoopRun>(scene, pictures, 1 + below(random, 33), random.next(),
+                                     Walk::Reach{0.5, 0.01, 0.01});
+}
+
+namespace {
+
+/// Frames through a SurfaceTimeline, as live: they come late, in bursts or not at all, some of another size.
+class LateFrames final : public StressRun {
+public:
+    LateFrames(const Scene& scene, SplitMix64 random)
+        : StressRun(scene), maker_(scene_), timeline_(4), random_(random), walk_(scene_, random.next()) {
+        for (int k = 0; k < 8; ++k) pictures_.push_back(draw_waves(scene_, random_));
+        publish(0);
+    }
+
+    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
+        // The frame of a moment is ready up to 20 ms after it; one in six never comes.
+        if (tick % 33 == 0 && !chance(random_, 1.0 / 6)) due_ = tick + below(random_, 20);
+        if (tick == due_) publish(tick / 33 * 33 + 33);
+        if (chance(random_, 0.01)) offer_another_size();
+        timeline_.pair_at(tick * tick_ns, pair);
+        goals[0] = walk_.next();
+    }
+    int refusals() const override { return refusals_; }
+
+private:
+    void publish(std::int64_t tick) {
+        SurfaceFrame* slot = timeline_.acquire();
+        if (!slot || tick * tick_ns <= timeline_.newest_time()) return;
+        maker_.build(pictures_[static_cast<std::size_t>(below(random_, static_cast<int>(pictures_.size())))],
+                     *slot);
+        (void)timeline_.publish(published_++, tick * tick_ns);
+    }
+    void offer_another_size() {
+        SurfaceFrame* slot = timeline_.acquire();
+        if (slot && !maker_.build(pictures_[0], scene_.width + 1, scene_.height - 1, *slot)) ++refusals_;
+    }
+
+    FrameMaker maker_;
+    SurfaceTimeline timeline_;
+    SplitMix64 random_;
+    Walk walk_;
+    std::vector<DrawnPlanes> pictures_;
+    std::int64_t due_ = -1, published_ = 0;
+    int refusals_ = 0;
+};
+
+/// A producer that stops; the surface then stands still, and under a goal that rests so do the forces.
+class StoppedProducer final : public StressRun {
+public:
+    StoppedProducer(const Scene& scene, SplitMix64 random)
+        : StressRun(scene), maker_(scene_), timeline_(4), random_(random), hand_(scene_, random.next()) {
+        stops_ = 100 + below(random_, 200);
+        publish(0);
+    }
+
+    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
+        if (tick < stops_ && tick % 33 == 0) publish(tick + 33);
+        timeline_.pair_at(tick * tick_ns, pair);
+        stands_ = pair.next.frame == pair.prev.frame;
+        // It feels its way, and rests every now and then.
+        if (tick % 200 < 120) goal_ = hand_.next(*pair.prev.frame);
+        goals[0] = goal_;
+    }
+
+    std::string broken_promise(std::int64_t tick, std::span<const Contact> contacts,
+                               std::span<const GuardedForce> forces) override {
+        const std::int64_t at = tick % 200;
+        std::string broken;
+        if (tick > stops_ + 66 && !stands_) broken = "the producer has stopped and the surface moves";
+        // The first tick at rest may still slide on, as far as friction then lets it.
+        if (stands_ && stood_ && at > 121 && !contacts[0].counts.capped &&
+            forces[0].reasons == last_.reasons && !(forces[0].reasons & guard_ramp) &&
+            differs(forces[0].force, last_.force))
+            broken = "nothing moves and the force changes";
+        last_ = forces[0];
+        stood_ = stands_;
+        return broken;
+    }
+
+private:
+    /// A force that goes on improving by roundings is no change.
+    static bool differs(const glm::dvec3& a, const glm::dvec3& b) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (std::fabs(a[axis] - b[axis]) > 1e-9 * (1 + std::fabs(a[axis]))) return true;
+        return false;
+    }
+    void publish(std::int64_t tick) {
+        SurfaceFrame* slot = timeline_.acquire();
+        if (!slot || tick * tick_ns <= timeline_.newest_time()) return;
+        maker_.build(draw_waves(scene_, random_), *slot);
+        (void)timeline_.publish(published_++, tick * tick_ns);
+    }
+
+    FrameMaker maker_;
+    SurfaceTimeline timeline_;
+    SplitMix64 random_;
+    Skim hand_;
+    std::int64_t stops_ = 0, published_ = 0;
+    glm::dvec3 goal_{0};
+    bool stands_ = false, stood_ = false;
+    GuardedForce last_;
+};
+
+}  // namespace
+
+std::unique_ptr<StressRun> make_late_frames(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    const Scene scene = draw_scene(random, 32);
+    return std::make_unique<LateFrames>(scene, random);
+}
+
+std::unique_ptr<StressRun> make_stopped_producer(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    const Scene scene = draw_scene(random, 32);
+    return std::make_unique<StoppedProducer>(scene, random);
+}
+
+}  // namespace touchable::stress

@@ -1,0 +1,82 @@
+// A slice of the stress suites, every tick certified: `touchable-soak` goes on where this ends
+// (docs/proof.md).
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "tests/stress/suites.hpp"
+#include "tests/stress/watch.hpp"
+
+namespace touchable::stress {
+
+void PrintTo(const Suite& suite, std::ostream* out) {
+    *out << suite.what;
+}
+
+namespace {
+
+constexpr std::uint64_t seeds = 8;
+constexpr std::int64_t ticks = 1500;
+
+class Stress : public testing::TestWithParam<Suite> {};
+
+TEST_P(Stress, EveryInvariantHoldsAndTheSameSeedGivesTheSameBits) {
+    const Suite& suite = GetParam();
+    Coverage coverage;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+        const Watched watched = watch(*suite.run(seed), {ticks, 1, 16});
+        for (const std::string& violation : watched.violations)
+            ADD_FAILURE() << "--suite " << suite.name << " --seed " << seed << ": " << violation;
+        EXPECT_EQ(watch(*suite.run(seed), {ticks, 0, 0}).force_hash, watched.force_hash)
+            << "S6, seed " << seed;
+        coverage.add(watched.coverage);
+    }
+    EXPECT_EQ(coverage.missing(suite.needs), "");
+    std::cout << suite.name << ": " << coverage.in_words() << '\n';
+}
+
+INSTANTIATE_TEST_SUITE_P(Suites, Stress, testing::ValuesIn(suites().begin(), suites().end()),
+                         [](const auto& suite) {
+                             std::string name(suite.param.name);
+                             std::replace(name.begin(), name.end(), '-', '_');
+                             return name;
+                         });
+
+// Goals to the bit along lattice lines: a foot on the very rim of a face; a proxy that had to stay on the
+// surface and comes to its foot there; a way a few roundings beside a row of vertices.
+TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {
+    for (const std::uint64_t seed : {9, 28, 32, 33})
+        EXPECT_EQ(watch(*find_suite("lattice-lines")->run(seed), {4000, 1, 0}).violation_count, 0) << seed;
+}
+
+// What a suite may or may not meet with, all of them together must.
+TEST(Stress, AllSuitesTogetherMeetWithEverything) {
+    Coverage all;
+    for (const Suite& suite : suites())
+        for (std::uint64_t seed = 0; seed < 2; ++seed) all.add(watch(*suite.run(seed), {400, 4, 0}).coverage);
+    EXPECT_GT(all.with_heights, 0);
+    EXPECT_GT(all.with_friction, 0);
+    EXPECT_GT(all.sliding, 0);
+    EXPECT_GT(all.at_invalid, 0);
+    EXPECT_GT(all.landings, 0);
+    EXPECT_GT(all.departures, 0);
+    EXPECT_GT(all.between_frames, 0);
+    EXPECT_GT(all.held_goals, 0);
+    EXPECT_GT(all.refusals, 0);
+}
+
+TEST(Stress, ARunThatMeetsWithNothingIsCalledEmpty) {
+    Coverage nothing;
+    nothing.ticks = nothing.finger_ticks = 100;
+    EXPECT_NE(nothing.missing({0.1}).find("contact"), std::string::npos);
+    nothing.contact = nothing.certified = 50;
+    EXPECT_EQ(nothing.missing({0.1}), "");
+    EXPECT_NE(nothing.missing({0.1, true}), "");
+    EXPECT_NE(nothing.missing({0.1, false, true}), "");
+    EXPECT_NE(nothing.missing({0.1, false, false, true}), "");
+    nothing.certified = 0;
+    EXPECT_NE(nothing.missing({0.1}), "");
+}
+
+}  // namespace
+}  // namespace touchable::stress

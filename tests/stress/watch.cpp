@@ -1,0 +1,181 @@
+#include "tests/stress/watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+
+#include "haptics_cpu/force_hash.hpp"
+#include "haptics_cpu/touch_step.hpp"
+#include "tests/reference/certificate.hpp"
+#include "tests/reference/comparison.hpp"
+
+namespace touchable::stress {
+
+namespace {
+
+using reference::Surface;
+
+constexpr std::int64_t tick_ns = 1'000'000;
+constexpr std::size_t kept_violations = 20;
+// Room for the roundings of doubles, found as the most that 1e8 ticks needed, times ten (docs/proof.md).
+constexpr double behind_tolerance = 1e-9, excess_tolerance = 1e-9, way_tolerance = 1e-7;
+constexpr double ratio_tolerance = 1.0001, angle_tolerance = 1e-7;
+
+double length(const glm::dvec3& v) {
+    return std::sqrt(glm::dot(v, v));
+}
+
+/// One run under watch.
+class Watch {
+public:
+    Watch(StressRun& run, const WatchSettings& settings) : run_(run), settings_(settings) {}
+
+    Watched watch(TickSink* sink) {
+        const auto solver = TouchSolver::create(run_.scene(), run_.touch());
+        if (!solver) {
+            violate(0, 0, "no solver: " + solver.error().message);
+            return std::move(out_);
+        }
+        TouchStep step(*solver, run_.guard(), static_cast<int>(run_.fingers()));
+        std::vector<FingerState> before(run_.fingers());
+        FramePair pair;
+        std::int64_t last_number = -1;
+        for (std::int64_t tick = 0; tick < settings_.ticks; ++tick) {
+            run_.next(tick, pair, step.goals());
+            std::copy(step.states().begin(), step.states().end(), before.begin());
+            const TouchTick done = step.run(tick, tick * tick_ns, run_.scene(), pair);
+            covered().ticks += 1;
+            covered().frame_changes += tick > 0 && pair.prev.number != last_number;
+            covered().between_frames += done.blend > 0;
+            last_number = pair.prev.number;
+            const Surface surface(run_.scene(), pair);
+            for (std::size_t k = 0; k < before.size(); ++k)
+                look(surface, done, before[k], step.states()[k], k);
+            if (std::string broken = run_.broken_promise(tick, done.contacts, done.forces); !broken.empty())
+                violate(tick, 0, "promise: " + broken);
+            if (sink) sink->take(done, step.states());
+        }
+        covered().refusals = run_.refusals();
+        out_.force_hash = hash_.hex();
+        return std::move(out_);
+    }
+
+private:
+    Coverage& covered() { return out_.coverage; }
+
+    void violate(std::int64_t tick, std::size_t finger, const std::string& what) {
+        ++out_.violation_count;
+        if (out_.violations.size() < kept_violations)
+            out_.violations.push_back("tick " + std::to_string(tick) + ", finger " + std::to_string(finger) +
+                                      ": " + what);
+    }
+    /// Written so that NaN is a violation.
+    void expect_at_most(double value, double most, const TouchTick& done, std::size_t k, const char* what) {
+        if (value <= most) return;
+        char text[160];
+        std::snprintf(text, sizeof text, "%s is %.17g, at most %.3g", what, value, most);
+        violate(done.tick, k, text);
+    }
+
+    void look(const Surface& surface, const TouchTick& done, const FingerState& before,
+              const FingerState& after, std::size_t k) {
+        const Contact& contact = done.contacts[k];
+        hash_.add(done.forces[k].force);
+        count(contact, before, after);
+        check_force(done, k);
+        if (!after.started) return;
+        const auto behind = static_cast<double>(reference::depth_behind(surface, contact.proxy));
+        covered().worst_behind = std::max(covered().worst_behind, behind);
+        if (!(behind <= behind_tolerance)) {
+            const auto rounding = static_cast<double>(reference::rounding_at(surface, contact.proxy));
+            expect_at_most(behind, behind_tolerance - rounding / contact.proxy.z, done, k,
+                           "S1: relative depth behind the surface");
+        }
+        if (contact.counts.capped) return;
+        if (contact.touching && settings_.certify_every > 0 && done.tick % settings_.certify_every == 0)
+            certify(surface, done, after.proxy, k);
+        if (settings_.compare_every > 0 && done.tick % settings_.compare_every == 0 && before.started)
+            compare(surface, done, before.proxy, after.proxy, k);
+    }
+
+    void count(const Contact& contact, const FingerState& before, const FingerState& after) {
+        Coverage& c = covered();
+        ++c.finger_ticks;
+        c.contact += contact.touching;
+        c.landings += contact.touching && !before.proxy.on_surface();
+        c.departures += !contact.touching && before.proxy.on_surface();
+        c.with_heights += contact.touching && run_.scene().height_coding.max_height > 0;
+        c.with_friction += contact.touching && contact.properties.static_friction > 0;
+        c.sliding += after.proxy.sliding;
+        c.held_goals += contact.goal_held;
+        c.capped += contact.counts.capped;
+        c.most_events = std::max<std::int64_t>(c.most_events, contact.counts.events);
+    }
+
+    void check_force(const TouchTick& done, std::size_t k) {
+        const Contact& contact = done.contacts[k];
+        const double force = length(done.forces[k].force), most = run_.guard().max_force;
+        expect_at_most(force, most * (1 + 1e-12), done, k, "S4: the guarded force");
+        if (!std::isfinite(length(contact.proxy)) || !std::isfinite(length(contact.force)))
+            violate(done.tick, k, "S3: proxy or force is not finite");
+        if (!contact.touching && length(contact.force) != 0)
+            violate(done.tick, k, "S4: a force without contact");
+        expect_at_most(contact.counts.events, run_.touch().event_limit, done, k, "S5: the number of events");
+    }
+
+    void certify(const Surface& surface, const TouchTick& done, const Proxy& proxy, std::size_t k) {
+        const Contact& contact = done.contacts[k];
+        Coverage& c = covered();
+        ++c.certified;
+        for (const auto& part : reference::place_of(surface, proxy).parts)
+            if (part.weight > 0 && !surface.vertex(part.corner).valid) {
+                ++c.at_invalid;
+                break;
+            }
+        const double unit = 1 + length(contact.proxy - contact.goal);
+        const auto way = static_cast<double>(reference::way_left(surface, proxy, contact.goal)) / unit;
+        c.worst_way = std::max(c.worst_way, way);
+        if (!(way <= way_tolerance)) {
+            const auto rounding = static_cast<double>(reference::rounding_at(surface, contact.proxy)) / unit;
+            expect_at_most(way, way_tolerance + rounding, done, k, "S2: the way left to go");
+        }
+        if (contact.properties.static_friction > 0) return;
+        const auto excess =
+            static_cast<double>(reference::excess_over_minimum(surface, proxy, contact.goal)) / unit;
+        c.worst_excess = std::max(c.worst_excess, excess);
+        expect_at_most(excess, excess_tolerance, done, k, "S2: the distance over the minimum");
+    }
+
+    void compare(const Surface& surface, const TouchTick& done, const Proxy& before, const Proxy& after,
+                 std::size_t k) {
+        const reference::Comparison result = reference::compare(surface, before, after, done.contacts[k]);
+        if (result.capped) return;
+        expect_at_most(static_cast<double>(result.farther), 1e-12, done, k, "growth of |P - G| in the tick");
+        Coverage& c = covered();
+        ++c.compared;
+        if (!result.same_basin) {
+            ++c.other_basins;
+            return;
+        }
+        const auto ratio = static_cast<double>(result.distance_ratio);
+        const auto angle = static_cast<double>(result.angle_degrees);
+        c.worst_ratio = std::max(c.worst_ratio, ratio);
+        c.worst_angle = std::max(c.worst_angle, angle);
+        expect_at_most(ratio, ratio_tolerance, done, k, "|P - G| over the reference's");
+        expect_at_most(angle, angle_tolerance, done, k, "degrees from the reference's force");
+    }
+
+    StressRun& run_;
+    const WatchSettings& settings_;
+    Watched out_;
+    ForceHash hash_;
+};
+
+}  // namespace
+
+Watched watch(StressRun& run, const WatchSettings& settings, TickSink* sink) {
+    return Watch(run, settings).watch(sink);
+}
+
+}  // namespace touchable::stress
