@@ -1,6 +1,7 @@
 #include "haptics_cpu/slide.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -115,7 +116,10 @@ public:
             ++counts_.events;
             const dvec3 pull = goal_ - proxy_.point;
             const Motion motion = project_on_tangent_cone(space_, proxy_, proxy_.point, pull, may_leave);
-            if (motion.kind == Motion::Kind::stay) return rest();
+            if (motion.kind == Motion::Kind::stay) {
+                if (settled(may_leave, stalls)) return rest();
+                continue;
+            }
             Proxy next;
             bool arrived;
             if (motion.kind == Motion::Kind::leave) {
@@ -125,7 +129,10 @@ public:
                 arrived = false;
             } else {
                 const FrictionCone cone = friction_cone(space_, proxy_);
-                if (rests(cone, motion)) return rest();
+                if (rests(cone, motion)) {
+                    if (settled(may_leave, stalls)) return rest();
+                    continue;
+                }
                 // Held back by friction, the place may have another cone than the start: look again.
                 arrived = move(motion, sliding_share(cone, motion), next) && cone.stopping == 0;
                 next.sliding = cone.stopping > 0;
@@ -134,8 +141,7 @@ public:
             if (progress == Progress::nearer) {
                 if (arrived && may_leave) return counts_;
                 stalls = 0;
-                may_leave =
-                    true;  // also for a proxy that had to stay on the surface and came to its foot there
+                may_leave = true;  // also where it had to stay, and came to its foot on the surface
                 continue;
             }
             // Rounding can make a flight off the surface end where it began, or a step end on the other side
@@ -157,14 +163,32 @@ private:
 
     enum class Progress { nearer, same, none };
 
+    /// How far a rounding of its fraction moves a place: far, where a cell reaches from the camera to far
+    /// away.
+    double misplaced_by(const Proxy& at) const {
+        Proxy aside = at;
+        if (at.a > 0) aside.a -= 0x1p-52;
+        if (at.b > 0) aside.b -= 0x1p-52;
+        return glm::distance(surface_point(space_, aside), at.point);
+    }
+
     /// Takes the new place unless it is farther from the goal than rounding explains.
     Progress take(Proxy& next, const dvec3& pull) {
         next.point = surface_point(space_, next);
         const dvec3 rest = goal_ - next.point;
         const double before = glm::dot(pull, pull), after = glm::dot(rest, rest);
-        if (!(after <= before * (1.0 + 1e-13))) return Progress::none;
+        if (!(after <= before * (1.0 + 1e-13)) &&
+            !(std::sqrt(after) <= std::sqrt(before) + misplaced_by(next)))
+            return Progress::none;
         proxy_ = next;
         return after < before ? Progress::nearer : Progress::same;
+    }
+
+    /// A proxy that rests only because it may not leave is asked once more.
+    static bool settled(bool& may_leave, int& stalls) {
+        if (may_leave || ++stalls > stall_limit) return true;
+        may_leave = true;
+        return false;
     }
 
     /// Stays where it is. A proxy that had not moved at all in this solve sticks from now on.
