@@ -9,7 +9,7 @@ namespace touchable {
 
 double PixelSpace::level_of(double depth) const {
     const DepthCoding& coding = field_.scene().depth;
-    return 255.0 * (coding.far - depth) / (coding.far - coding.near);
+    return kappa_ * (255.0 * (coding.far - depth) / (coding.far - coding.near));
 }
 
 std::optional<glm::dvec3> PixelSpace::from_world(const glm::dvec3& point) const {
@@ -26,7 +26,7 @@ std::optional<glm::dvec3> PixelSpace::from_world(const glm::dvec3& point) const 
 glm::dvec3 PixelSpace::to_world(const glm::dvec3& point) const {
     const Scene& scene = field_.scene();
     const double x = point.x, y = -point.y;
-    const double depth = scene.depth.far - point.z * scene.depth.level();
+    const double depth = scene.depth.far - point.z / kappa_ * scene.depth.level();
     return unproject(scene.camera, x, y, planar_depth(scene.camera, scene.depth.semantics, x, y, depth));
 }
 
@@ -39,6 +39,10 @@ SpaceVertex PixelSpace::compute_vertex(std::int64_t i, std::int64_t j) const {
 double PixelSpace::largest_w(int tile_x, int tile_y) const {
     const double level = level_of(field_.nearest_depth(tile_x, tile_y));
     return level + 1e-12 * std::abs(level);
+}
+
+double kappa_at(const Scene& scene, const glm::dvec3& point) {
+    return scene.depth.level() * scene.camera.fx / -point.z;
 }
 
 }  // namespace touchable

@@ -6,11 +6,13 @@ namespace touchable {
 
 /// The paper's metric (section 3.3): pixels sideways and grey levels in depth, z_p = 255 (far - depth)/(far -
 /// near), as if they were one unit. Kept because its error is worth publishing: forces point tens of degrees
-/// wrong and create energy. For linear coding and square pixels. Positions are (x, -y, z_p), so that axes are
-/// right-handed.
+/// wrong and create energy. For linear coding and square pixels. Positions are (x, -y, kappa z_p), so that
+/// axes are right-handed; kappa is 1 for the paper's metric. With that of a place (`kappa_at`) the space
+/// measures there, near the axis, what the world does but for a factor: shear and the change of range are
+/// left out.
 class PixelSpace {
 public:
-    explicit PixelSpace(const HeightField& field) : field_(field) {}
+    explicit PixelSpace(const HeightField& field, double kappa = 1.0) : field_(field), kappa_(kappa) {}
 
     /// Where a world point is in this space; nothing for a point that no pixel sees.
     std::optional<glm::dvec3> from_world(const glm::dvec3& point) const;
@@ -33,7 +35,13 @@ private:
     SpaceVertex compute_vertex(std::int64_t i, std::int64_t j) const;
     double level_of(double depth) const;
     const HeightField& field_;
+    double
+        kappa_;  // of one level; its product with 1 is exact, so that the paper's metric pays nothing for it
     mutable VertexCache cache_;
 };
+
+/// One level over the width of a pixel at a world point before the camera: the kappa that makes a level as
+/// long as it is there.
+double kappa_at(const Scene& scene, const glm::dvec3& point);
 
 }  // namespace touchable

@@ -95,18 +95,46 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
     }
 }
 
+/// Each finger in a space scaled for the place it is at. A free proxy is where its last goal was; that place
+/// is found again in the new space.
+void tick_scaled(const HeightField& field, const TouchSettings& settings, std::span<const dvec3> goals,
+                 std::span<FingerState> fingers, std::span<Contact> contacts) {
+    const Scene& scene = field.scene();
+    for (std::size_t k = 0; k < goals.size(); ++k) {
+        FingerState& finger = fingers[k];
+        dvec3 place = finger.started || !is_usable(goals[k]) ? finger.goal : goals[k];
+        if (finger.proxy.on_surface()) place = surface_point(WorldSpace(field), finger.proxy);
+        const PixelSpace space(field, place.z < 0 ? kappa_at(scene, place) : 1.0);
+        if (finger.started && !finger.proxy.on_surface()) finger.proxy.point = *space.from_world(finger.goal);
+        tick_in(space, settings, goals.subspan(k, 1), fingers.subspan(k, 1), contacts.subspan(k, 1));
+    }
+}
+
 }  // namespace
+
+std::string_view name_of(TouchMetric metric) {
+    switch (metric) {
+        case TouchMetric::world:
+            return "world";
+        case TouchMetric::pixel:
+            return "pixel";
+        case TouchMetric::scaled:
+            return "scaled";
+    }
+    return {};
+}
 
 Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings& settings) {
     if (!(settings.metres_per_scene_unit > 0) || !std::isfinite(settings.metres_per_scene_unit))
         return usage_error("workspace: " + std::to_string(settings.metres_per_scene_unit) +
                            " device metres per scene unit; it must be a positive number");
-    if (settings.metric == TouchMetric::pixel) {
+    if (settings.metric != TouchMetric::world) {
+        const std::string metric = "metric " + std::string(name_of(settings.metric));
         if (scene.depth.kind != DepthCodingKind::linear)
-            return usage_error(
-                "metric pixel: the scene's depth is not linear; the paper's metric knows no other");
+            return usage_error(metric +
+                               ": the scene's depth is not linear; the paper's metric knows no other");
         if (scene.camera.fx != scene.camera.fy)
-            return usage_error("metric pixel: fx " + std::to_string(scene.camera.fx) + " and fy " +
+            return usage_error(metric + ": fx " + std::to_string(scene.camera.fx) + " and fy " +
                                std::to_string(scene.camera.fy) +
                                " differ; the paper's metric needs square pixels");
     }
@@ -118,6 +146,8 @@ void TouchSolver::tick(const HeightField& field, std::span<const dvec3> goals, s
     assert(goals.size() == fingers.size() && goals.size() == contacts.size());
     if (settings_.metric == TouchMetric::world)
         tick_in(WorldSpace(field), settings_, goals, fingers, contacts);
+    else if (settings_.metric == TouchMetric::scaled)
+        tick_scaled(field, settings_, goals, fingers, contacts);
     else
         tick_in(PixelSpace(field), settings_, goals, fingers, contacts);
 }

@@ -2,6 +2,7 @@
 
 #include <glm/vec3.hpp>
 #include <span>
+#include <string_view>
 
 #include "engine/result.hpp"
 #include "haptics_cpu/height_field.hpp"
@@ -10,9 +11,12 @@
 
 namespace touchable {
 
-/// Where distances are measured: in the world (exact), or in pixels and grey levels (the paper's, for
-/// comparison).
-enum class TouchMetric { world, pixel };
+/// Where distances are measured: in the world (exact); or, for comparison, in pixels and grey levels (the
+/// paper's), or in pixels and grey levels scaled by kappa at the finger, each tick anew.
+enum class TouchMetric { world, pixel, scaled };
+
+/// "world", "pixel", "scaled".
+std::string_view name_of(TouchMetric metric);
 
 struct TouchSettings {
     TouchMetric metric = TouchMetric::world;
@@ -44,7 +48,8 @@ struct Contact {
 /// and state; no allocation, lock or I/O. Fingers do not feel each other.
 class TouchSolver {
 public:
-    /// Refuses a pixel metric where the scene's depth is not linear or its pixels are not square, and S <= 0.
+    /// Refuses the metrics of pixels where the scene's depth is not linear or its pixels are not square, and
+    /// S <= 0.
     static Result<TouchSolver> create(const Scene& scene, const TouchSettings& settings);
 
     /// `goals`, `fingers` and `contacts` have one element per finger. Wait-free.

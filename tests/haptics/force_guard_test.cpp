@@ -100,15 +100,18 @@ TEST(TouchSolver, AFirstGoalThatIsNotFiniteGivesNoForce) {
 }
 
 TEST(TouchSolver, RefusesWhatItsMetricCannotMeasure) {
-    SmallField wall(9, 9, 100.0);
     TouchSettings settings;
-    settings.metric = TouchMetric::pixel;
-    EXPECT_TRUE(TouchSolver::create(wall.scene, settings).ok());
-    wall.scene.camera.fy = 401;
-    EXPECT_NE(TouchSolver::create(wall.scene, settings).error().message.find("401"), std::string::npos);
-    wall.scene.camera.fy = 400;
-    wall.scene.depth.kind = DepthCodingKind::metric;
-    EXPECT_FALSE(TouchSolver::create(wall.scene, settings).ok());
+    for (const TouchMetric metric : {TouchMetric::pixel, TouchMetric::scaled}) {
+        SmallField wall(9, 9, 100.0);
+        settings.metric = metric;
+        EXPECT_TRUE(TouchSolver::create(wall.scene, settings).ok());
+        wall.scene.camera.fy = 401;
+        EXPECT_NE(TouchSolver::create(wall.scene, settings).error().message.find("401"), std::string::npos);
+        wall.scene.camera.fy = 400;
+        wall.scene.depth.kind = DepthCodingKind::metric;
+        EXPECT_FALSE(TouchSolver::create(wall.scene, settings).ok());
+    }
+    SmallField wall(9, 9, 100.0);
     settings = {};
     settings.metres_per_scene_unit = 0;
     EXPECT_FALSE(TouchSolver::create(wall.scene, settings).ok());
