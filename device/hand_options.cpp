@@ -33,44 +33,44 @@ std::string list_keys(std::span<const HandKey> keys) {
     return list;
 }
 
-Error refusal(std::string_view hand, const std::string& what) {
-    return usage_error(std::string("hand '").append(hand).append("': ").append(what));
+Error refusal(std::string_view of, const std::string& what) {
+    return usage_error(std::string(of).append(": ").append(what));
 }
 
 }  // namespace
 
-Result<HandOptions> HandOptions::parse(std::string_view hand, std::string_view text,
+Result<HandOptions> HandOptions::parse(std::string_view of, std::string_view text,
                                        std::span<const HandKey> keys) {
     HandOptions options;
     options.keys_ = keys;
     while (!text.empty()) {
         const std::size_t comma = text.find(',');
-        Result<Entry> next = options.entry(hand, text.substr(0, comma));
+        Result<Entry> next = options.entry(of, text.substr(0, comma));
         if (!next) return next.error();
         options.entries_.push_back(std::move(*next));
         if (comma == std::string_view::npos) break;
         text.remove_prefix(comma + 1);
-        if (text.empty()) return refusal(hand, "nothing follows the last comma; expected key=value");
+        if (text.empty()) return refusal(of, "nothing follows the last comma; expected key=value");
     }
     return options;
 }
 
-Result<HandOptions::Entry> HandOptions::entry(std::string_view hand, std::string_view item) const {
+Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_view item) const {
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos) {
         return refusal(
-            hand, std::string("'").append(item).append("' is not key=value; keys are ") + list_keys(keys_));
+            of, std::string("'").append(item).append("' is not key=value; keys are ") + list_keys(keys_));
     }
     const std::string name(item.substr(0, equals));
     const std::string value(item.substr(equals + 1));
     const auto key =
         std::find_if(keys_.begin(), keys_.end(), [&](const HandKey& k) { return k.name == name; });
     if (key == keys_.end()) {
-        return refusal(hand, "unknown key '" + name + "'; keys are " + list_keys(keys_));
+        return refusal(of, "unknown key '" + name + "'; keys are " + list_keys(keys_));
     }
-    if (given(name)) return refusal(hand, name + " is given twice; give it once");
+    if (given(name)) return refusal(of, name + " is given twice; give it once");
     if (key->kind == HandKey::Kind::words) {
-        if (value.empty()) return refusal(hand, name + " is empty; it takes " + takes(*key));
+        if (value.empty()) return refusal(of, name + " is empty; it takes " + takes(*key));
         return Entry{&*key, 0, value};
     }
     double number = 0;
@@ -78,7 +78,7 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view hand, std::string
     const bool all = fault == std::errc() && end == value.data() + value.size();
     const bool inside = all && number >= key->least && number <= key->greatest;  // NaN is outside
     if (!inside || (key->kind == HandKey::Kind::whole && std::floor(number) != number)) {
-        return refusal(hand, name + "=" + value + " will not do; " + name + " takes " + takes(*key));
+        return refusal(of, name + "=" + value + " will not do; " + name + " takes " + takes(*key));
     }
     return Entry{&*key, number, {}};
 }

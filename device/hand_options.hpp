@@ -9,7 +9,8 @@
 
 namespace touchable {
 
-/// One key a hand understands. Numbers have a range and a default; words (names of columns) do not.
+/// One key that a hand, or a simulated device, understands. Numbers have a range and a default; words (names
+/// of columns) do not.
 struct HandKey {
     enum class Kind { number, whole, words };
     std::string_view name;
@@ -20,12 +21,13 @@ struct HandKey {
     Kind kind = Kind::number;
 };
 
-/// The key=value pairs of a hand's description, checked against the keys that hand understands.
+/// The key=value pairs of a description, checked against the keys that are understood.
 class HandOptions {
 public:
     /// `text` is "key=value,key=value" or empty; `keys` must outlive the options. Refuses (ErrorKind::usage)
-    /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones.
-    static Result<HandOptions> parse(std::string_view hand, std::string_view text,
+    /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones,
+    /// and whose they are: `of`, as "hand 'wander'".
+    static Result<HandOptions> parse(std::string_view of, std::string_view text,
                                      std::span<const HandKey> keys);
 
     bool given(std::string_view name) const;
@@ -38,7 +40,7 @@ private:
         double number;
         std::string words;
     };
-    Result<Entry> entry(std::string_view hand, std::string_view item) const;
+    Result<Entry> entry(std::string_view of, std::string_view item) const;
     const Entry* find(std::string_view name) const;
 
     std::span<const HandKey> keys_;

@@ -147,7 +147,7 @@ Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, i
     const std::string file(description.substr(0, colon));
     const std::string_view options = colon == std::string_view::npos ? "" : description.substr(colon + 1);
     if (file.empty()) return refusal("no file; expected csv:FILE:columns=NAME[,key=value,...]");
-    const Result<HandOptions> given = HandOptions::parse("csv", options, keys);
+    const Result<HandOptions> given = HandOptions::parse("hand 'csv'", options, keys);
     if (!given) return given.error();
     const Result<MotionSettings> settings = motion_settings(*given);
     if (!settings) return settings.error();

@@ -186,7 +186,8 @@ std::optional<Result<std::unique_ptr<Hand>>> make_scripted_hand(std::string_view
                                                                 const SurfaceProbe& probe) {
     const std::span<const HandKey> keys = keys_of(name);
     if (keys.empty()) return std::nullopt;
-    const Result<HandOptions> given = HandOptions::parse(name, options, keys);
+    const Result<HandOptions> given =
+        HandOptions::parse(std::string("hand '").append(name).append("'"), options, keys);
     if (!given) return given.error();
     if (name != "press" && given->number(max_speed.name) < given->number(speed.name)) {
         return usage_error("hand '" + std::string(name) +

@@ -1,15 +1,38 @@
 #include "device/simulated_device.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "device/hand_options.hpp"
+
 namespace touchable {
 
-SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits)
+namespace {
+
+constexpr double tick_s = 0.001;
+
+bool is_finite(const glm::dvec3& v) {
+    return std::isfinite(glm::dot(v, v));
+}
+
+constexpr HandleDynamics standard;
+constexpr std::array<HandKey, 6> keys{{
+    {"mass", "kg", 0.05, 10, standard.mass},
+    {"damping", "N s/m", 0, 50, standard.damping},
+    {"friction", "N", 0, 5, standard.friction},
+    {"quantum", "um", 0, 1000, standard.quantum * 1e6},
+    {"hand", "N/mm", 0.01, 5, standard.hand_stiffness / 1000},
+    {"unplug", "s", 0.001, 1e6, 0},
+}};
+
+}  // namespace
+
+SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits, const HandleDynamics& handle)
     : limits_(limits),
-      positions_(static_cast<std::size_t>(fingers), glm::dvec3(0)),
+      handles_(static_cast<std::size_t>(fingers), HeldHandle(handle, tick_s)),
       exerted_(static_cast<std::size_t>(fingers), glm::dvec3(0)) {
     assert(fingers > 0 && limits.max_force > 0 && limits.max_stiffness > 0);
 }
@@ -28,8 +51,9 @@ void SimulatedDevice::close() {
 
 bool SimulatedDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (!open_ || fault_) return false;
-    assert(device_metres.size() == positions_.size());
-    std::copy(positions_.begin(), positions_.end(), device_metres.begin());
+    assert(device_metres.size() == handles_.size());
+    for (std::size_t finger = 0; finger < handles_.size(); ++finger)
+        device_metres[finger] = handles_[finger].reading();
     return true;
 }
 
@@ -45,7 +69,7 @@ bool SimulatedDevice::write_forces(std::span<const glm::dvec3> newtons) {
         const double shorten = length > limits_.max_force ? limits_.max_force / length : 1.0;
         exerted_[finger] = newtons[finger] * shorten;
     }
-    silent_s_ = 0;
+    silent_ticks_ = 0;
     return true;
 }
 
@@ -55,13 +79,25 @@ Result<void> SimulatedDevice::health() const {
     return {};
 }
 
-void SimulatedDevice::move(int finger, const glm::dvec3& device_metres) {
-    positions_[static_cast<std::size_t>(finger)] = device_metres;
+void SimulatedDevice::put(int finger, const glm::dvec3& device_metres) {
+    if (is_finite(device_metres))
+        handles_[static_cast<std::size_t>(finger)].put(device_metres, glm::dvec3(0));
+    intend(finger, device_metres);
 }
 
-void SimulatedDevice::pass_time(double seconds) {
-    silent_s_ += seconds;
-    if (silent_s_ > silence_s) go_limp();
+void SimulatedDevice::intend(int finger, const glm::dvec3& device_metres) {
+    if (is_finite(device_metres)) handles_[static_cast<std::size_t>(finger)].intend(device_metres);
+}
+
+void SimulatedDevice::pass_tick() {
+    for (std::size_t finger = 0; finger < handles_.size(); ++finger)
+        handles_[finger].advance(exerted_[finger]);
+    ++silent_ticks_;
+    if (silent_ticks_ * tick_s > silence_s) go_limp();
+    if (ticks_to_unplugging_ && --*ticks_to_unplugging_ <= 0) {
+        ticks_to_unplugging_.reset();
+        fail("was unplugged");
+    }
 }
 
 void SimulatedDevice::fail(const char* reason) {
@@ -71,6 +107,27 @@ void SimulatedDevice::fail(const char* reason) {
 
 void SimulatedDevice::go_limp() {
     std::fill(exerted_.begin(), exerted_.end(), glm::dvec3(0));
+}
+
+Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers,
+                                                               const DeviceLimits& limits) {
+    const std::size_t colon = description.find(':');
+    if (description.substr(0, colon) != "simulated")
+        return usage_error("unknown device '" + description.substr(0, colon) +
+                           "'; the one there is is simulated");
+    const auto given = HandOptions::parse(
+        "device 'simulated'", colon == std::string::npos ? "" : description.substr(colon + 1), keys);
+    if (!given.ok()) return given.error();
+    HandleDynamics handle;
+    handle.mass = given->number("mass");
+    handle.damping = given->number("damping");
+    handle.friction = given->number("friction");
+    handle.quantum = given->number("quantum") / 1e6;
+    handle.hand_stiffness = given->number("hand") * 1000;
+    auto device = std::make_unique<SimulatedDevice>(fingers, limits, handle);
+    if (given->given("unplug"))
+        device->unplug_after(static_cast<std::int64_t>(given->number("unplug") / tick_s + 0.5));
+    return device;
 }
 
 }  // namespace touchable

@@ -16,14 +16,14 @@ constexpr std::array keys{
 };
 
 std::string refusal_of(const std::string& text) {
-    const Result<HandOptions> options = HandOptions::parse("test", text, keys);
+    const Result<HandOptions> options = HandOptions::parse("hand 'test'", text, keys);
     if (options) return {};
     EXPECT_EQ(options.error().kind, ErrorKind::usage);
     return options.error().message;
 }
 
 TEST(HandOptions, ReadsNumbersAndWordsAndFallsBackToDefaults) {
-    const Result<HandOptions> options = HandOptions::parse("test", "columns=a+b,seed=7", keys);
+    const Result<HandOptions> options = HandOptions::parse("hand 'test'", "columns=a+b,seed=7", keys);
     ASSERT_TRUE(options.ok());
     EXPECT_EQ(options->number("seed"), 7);
     EXPECT_EQ(options->number("speed"), 0.1);
