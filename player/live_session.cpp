@@ -5,7 +5,6 @@
 #include <thread>
 
 #include "player/feed_threads.hpp"
-#include "player/field_probe.hpp"
 #include "player/interrupt.hpp"
 
 namespace touchable {
@@ -16,32 +15,17 @@ namespace {
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
-/// A scripted or recorded hand in place of a device; nobody feels the forces.
-class HandPort final : public HapticPort {
-public:
-    explicit HandPort(Hand& hand) : hand_(hand) {}
-    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override {
-        hand_.goals_at(tick, FieldProbe(field), goals);
-        return true;
-    }
-    bool write_forces(std::span<const glm::dvec3>) override { return true; }
-
-private:
-    Hand& hand_;
-};
-
 }  // namespace
 
-LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
-                         const TouchSessionSettings& settings)
-    : scene_(scene), feed_(feed), hand_(hand), solver_(solver), settings_(settings) {}
+LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
+                         const TouchSolver& solver, const TouchSessionSettings& settings)
+    : scene_(scene), feed_(feed), hand_(hand), port_(port), solver_(solver), settings_(settings) {}
 
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     TouchStep step(solver_, settings_.guard, settings_.fingers);
-    HandPort port(hand_);
     TickLog log(log_ticks, settings_.fingers);
     FeedThreads threads(feed_);
-    HapticLoop loop(scene_, feed_.timeline(), step, port, log);
+    HapticLoop loop(scene_, feed_.timeline(), step, port_, log);
 
     Result<void> taken;
     auto drain = [&] {

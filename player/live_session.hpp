@@ -12,9 +12,10 @@ namespace touchable {
 /// exactly.
 class LiveSession {
 public:
-    /// All references outlive the session; `feed` has published its first frame.
-    LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
-                const TouchSessionSettings& settings);
+    /// All references outlive the session; `feed` has published its first frame. `port` is where goals come
+    /// from and forces go, `hand` says how long that lasts.
+    LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
+                const TouchSolver& solver, const TouchSessionSettings& settings);
 
     /// To the end, or until the person asks to stop (an error then).
     Result<void> run(std::span<TouchSink* const> sinks);
@@ -24,6 +25,7 @@ private:
     const Scene& scene_;
     SurfaceFeed& feed_;
     Hand& hand_;
+    HapticPort& port_;
     const TouchSolver& solver_;
     TouchSessionSettings settings_;
     LoopFacts facts_;

@@ -51,8 +51,8 @@ void add_touch_command(CLI::App& app, Command& command) {
         "touch", "touch a clip with a scripted or recorded hand: forces, figures, a recording");
     auto words = std::make_shared<TouchWords>();
     TouchOptions& o = words->options;
-    const std::map<std::string, TouchMetric> metrics{{"world", TouchMetric::world},
-                                                     {"pixel", TouchMetric::pixel}};
+    const std::map<std::string, TouchMetric> metrics{
+        {"world", TouchMetric::world}, {"pixel", TouchMetric::pixel}, {"scaled", TouchMetric::scaled}};
     const std::map<std::string, FrameInterpolation> interpolations{{"hold", FrameInterpolation::hold},
                                                                    {"linear", FrameInterpolation::linear}};
 
@@ -80,6 +80,9 @@ void add_touch_command(CLI::App& app, Command& command) {
     words->fixed_by_recording = {
         words->duration,
         sub->add_flag("--live", o.live, "in real time on the wall clock, each part on a thread of its own"),
+        sub->add_option("--device", o.device,
+                        "live: what the hand holds, simulated[:key=value,...] (docs/devices.md); without it "
+                        "nothing holds the hand back"),
         sub->add_option("--hand", o.hand,
                         "wander, stroke, press, poke or csv:FILE, each with :key=value,... "
                         "(docs/hands.md)")
@@ -88,7 +91,8 @@ void add_touch_command(CLI::App& app, Command& command) {
             ->check(CLI::Range(1, 256))
             ->capture_default_str(),
         sub->add_option("--metric", o.metric,
-                        "where distances are measured: world, or pixel (the paper's, to compare)")
+                        "where distances are measured: world; to compare, pixel (the paper's) or scaled "
+                        "(pixel with levels as long as they are where the finger is)")
             ->transform(CLI::CheckedTransformer(metrics)),
         sub->add_option("--median", o.median, "window side instead of the scene's: 0 (off), 3 or 5"),
         sub->add_option("--fill-holes", o.fill_holes, "passes instead of the scene's: 0 to 16"),

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "player/device_port.hpp"
 #include "player/forces_file.hpp"
 #include "player/live_session.hpp"
 #include "player/machine_facts.hpp"
@@ -32,6 +33,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Loo
                 {"fingers", setup.settings.fingers}};
     report.update(figures.to_json());
     report["clock"] = loop ? "wall" : "virtual";
+    if (!setup.device_words.empty()) report["device"] = setup.device_words;
     if (loop) {
         report["late_ticks"] = loop->late;
         report["skipped_ticks"] = loop->skipped;
@@ -49,9 +51,19 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Loo
 /// On the wall clock where the run is live; a replay is always offline.
 Result<void> run_session(TouchSetup& s, bool replay, std::span<TouchSink* const> sinks, LoopFacts& loop) {
     if (!s.live || replay) return TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(sinks);
-    LiveSession session(s.scene, *s.feed, *s.hand, *s.solver, s.settings);
+    HandPort hand(*s.hand);
+    std::optional<SimulatedPort> device;
+    if (s.device) {
+        if (auto opened = s.device->open(); !opened.ok()) return opened;
+        device.emplace(*s.hand, *s.device, s.workspace);
+    }
+    HapticPort& port = device ? static_cast<HapticPort&>(*device) : hand;
+    LiveSession session(s.scene, *s.feed, *s.hand, port, *s.solver, s.settings);
     auto ran = session.run(sinks);
     loop = session.facts();
+    // Why the device stopped, it knows best.
+    if (loop.port_failed && s.device)
+        if (auto healthy = s.device->health(); !healthy.ok()) return healthy;
     return ran;
 }
 

@@ -24,7 +24,8 @@ struct TouchOptions {
     std::optional<int> median, fill_holes;            ///< instead of the scene's own
     std::optional<FrameInterpolation> interpolation;  ///< likewise
     GuardSettings guard;
-    bool live = false;  ///< on the wall clock, in real time
+    bool live = false;                  ///< on the wall clock, in real time
+    std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     std::optional<std::filesystem::path> json, forces, record, replay;
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick

@@ -60,6 +60,17 @@ Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, 
     return {};
 }
 
+Result<void> hold_device(TouchSetup& setup, const TouchOptions& options) {
+    if (!options.device) return {};
+    if (!options.live) return usage_error("--device needs --live: a device is held in real time");
+    auto device = make_simulated_device(*options.device, options.fingers,
+                                        {options.guard.max_force, options.guard.max_stiffness});
+    if (!device.ok()) return device.error();
+    setup.device = std::move(*device);
+    setup.device_words = *options.device;
+    return {};
+}
+
 Result<void> make_solver(TouchSetup& setup) {
     auto solver = TouchSolver::create(setup.scene, setup.settings.touch);
     if (!solver.ok()) return solver.error();
@@ -94,6 +105,8 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     setup->settings.guard = options.guard;
     setup->settings.ticks = options.ticks;
     setup->live = options.live;
+    setup->workspace = workspace;
+    if (auto held = hold_device(*setup, options); !held.ok()) return held.error();
     if (auto made = make_solver(*setup); !made.ok()) return made.error();
     return setup;
 }
@@ -106,7 +119,7 @@ Json TouchSetup::facts() const {
                {"hand", hand_words},
                {"builder", feed->builder_name()},
                {"clock", live ? "wall" : "virtual"},
-               {"metric", touch.metric == TouchMetric::world ? "world" : "pixel"},
+               {"metric", name_of(touch.metric)},
                {"S", touch.metres_per_scene_unit},
                {"event_limit", touch.event_limit},
                {"guard",
@@ -115,6 +128,7 @@ Json TouchSetup::facts() const {
                  {"ramp_in_ticks", guard.ramp_in_ticks},
                  {"ramp_out_ticks", guard.ramp_out_ticks}}}};
     if (scene_file) facts["scene_file"] = scene_file->string();
+    if (!device_words.empty()) facts["device"] = device_words;
     return facts;
 }
 
@@ -127,6 +141,12 @@ int whole_number(const Json& facts, const char* name, int least, int most) {
                             std::to_string(most));
 }
 
+TouchMetric metric_named(const std::string& name) {
+    for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled})
+        if (name_of(metric) == name) return metric;
+    throw std::out_of_range("metric must be world, pixel or scaled");
+}
+
 /// Reads what `TouchSetup::facts` wrote, and gives the recorded scene. Throws std::exception where something
 /// is missing, of another type or impossible.
 Json read_facts(const Json& facts, TouchSetup& setup) {
@@ -134,10 +154,9 @@ Json read_facts(const Json& facts, TouchSetup& setup) {
     if (facts.contains("scene_file")) setup.scene_file = facts["scene_file"].get<std::string>();
     setup.hand_words = facts.at("hand").get<std::string>();
     setup.live = facts.value("clock", "virtual") == "wall";
-    const auto metric = facts.at("metric").get<std::string>();
-    if (metric != "world" && metric != "pixel") throw std::out_of_range("metric must be world or pixel");
+    setup.device_words = facts.value("device", "");
     TouchSettings& touch = setup.settings.touch;
-    touch.metric = metric == "pixel" ? TouchMetric::pixel : TouchMetric::world;
+    touch.metric = metric_named(facts.at("metric").get<std::string>());
     touch.metres_per_scene_unit = facts.at("S").get<double>();
     if (!(touch.metres_per_scene_unit > 0)) throw std::out_of_range("S must be above 0");
     touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);

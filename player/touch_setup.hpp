@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "device/simulated_device.hpp"
 #include "player/recording.hpp"
 #include "player/touch_run.hpp"
 #include "player/touch_session.hpp"
@@ -17,6 +18,9 @@ struct TouchSetup {
     Scene scene;             ///< as this run applies it
     std::unique_ptr<SurfaceFeed> feed;
     std::unique_ptr<Hand> hand;
+    std::string device_words;  ///< as on the command line; empty: no device
+    std::unique_ptr<SimulatedDevice> device;
+    Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
     bool live = false;  ///< on the wall clock, or recorded so

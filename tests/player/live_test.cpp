@@ -9,6 +9,8 @@
 namespace touchable::testing {
 namespace {
 
+using Words = std::vector<std::string>;
+
 class Live : public ::testing::Test {
 protected:
     Live() {
@@ -54,6 +56,42 @@ TEST_F(Live, ATickIsRunOrCountedAsSkipped) {
     const auto run = live["ticks"].get<int>(), skipped = live["skipped_ticks"].get<int>();
     EXPECT_GE(run + skipped, 300);
     EXPECT_GE(skipped, live["late_ticks"].get<int>());
+}
+
+TEST_F(Live, AHandHoldsASimulatedDeviceThatYields) {
+    const Words hand{"--hand", "press:lift=1,depth=4,period=0.4", "--seconds", "0.8"};
+    Words alone{clip, "--live"},
+        held{clip, "--live", "--device", "simulated:hand=0.2", "--record", folder / "live.rec"};
+    alone.insert(alone.end(), hand.begin(), hand.end());
+    held.insert(held.end(), hand.begin(), hand.end());
+    const auto free = touch(alone), live = touch(held);
+    EXPECT_EQ(live["device"], "simulated:hand=0.2");
+    EXPECT_GT(live["contact_ticks"], 50);
+    // The hand's spring of 0.2 N/mm and the surface's of 0.6 share the way in.
+    EXPECT_LT(live["force_n"]["mean"], 0.8 * free["force_n"]["mean"].get<double>());
+    const auto replay = touch({"--replay", folder / "live.rec"});
+    EXPECT_EQ(replay["force_hash"], live["force_hash"]);
+}
+
+TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5) {
+    const Outcome outcome =
+        run_touchable({"touch", clip, "--live", "--device", "simulated:unplug=0.2", "--seconds", "5"});
+    EXPECT_EQ(outcome.code, 5);
+    EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+    EXPECT_NE(outcome.err.find("simulated device was unplugged"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Live, ADeviceIsRefusedWhereItCannotBe) {
+    for (const auto& [words, fragment] : std::vector<std::pair<Words, const char*>>{
+             {{"--device", "simulated"}, "--live"},
+             {{"--live", "--device", "falcon"}, "simulated"},
+             {{"--live", "--device", "simulated:mass=no"}, "0.05 to 10 kg"}}) {
+        Words all{"touch", clip};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome outcome = run_touchable(all);
+        EXPECT_EQ(outcome.code, 2);
+        EXPECT_NE(outcome.err.find(fragment), std::string::npos) << outcome.err;
+    }
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST_F(Replay, RecordedRunRepeatsToTheBit) {
         {"globe", {"--fingers", "3", "--seconds", "0.6"}},
         {"moving", {"--interpolation", "hold", "--hand", "stroke:speed=0.3", "--seconds", "0.7"}},
         {"noise", {"--median", "5", "--metric", "pixel", "--hand", zigzag, "--max-force", "0.9"}},
-        {"bumps", {"--fingers", "2", "--seconds", "0.5", "--max-stiffness", "0.2"}}};
+        {"bumps", {"--fingers", "2", "--seconds", "0.5", "--max-stiffness", "0.2", "--metric", "scaled"}}};
     for (const auto& [scene, words] : runs) {
         const auto recorded = record(scene, words);
         ASSERT_GT(recorded["contact_ticks"], 100) << scene;

@@ -118,12 +118,15 @@ TEST_F(TouchRefusal, PixelMetricNeedsEvenStepsOfDepthAndSquarePixels) {
         if (what == std::string("oblong")) other["camera"]["fy"] = scene["camera"]["fy"].get<double>() * 1.5;
         std::ofstream(file) << other;
         const Words words{clip(), "--scene", file, "--metric"};
-        Words world = words, pixel = words;
+        Words world = words;
         world.emplace_back("world");
-        pixel.emplace_back("pixel");
         EXPECT_GT(touch(world)["contact_ticks"], 0) << what;
-        expect_refused(writing(pixel), 2, "pixel");
-        EXPECT_TRUE(names_in(out()).empty());
+        for (const char* metric : {"pixel", "scaled"}) {
+            Words refused = words;
+            refused.emplace_back(metric);
+            expect_refused(writing(refused), 2, std::string("metric ") + metric);
+            EXPECT_TRUE(names_in(out()).empty());
+        }
     }
 }
 
