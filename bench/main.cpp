@@ -19,6 +19,10 @@ namespace {
 constexpr std::array suites{
     BenchSuite{"touch", "the touch solver: time per tick, accuracy, following, energy", touch_cases},
     BenchSuite{"surface", "frames by kernels and by the CPU builder: time per frame", surface_cases},
+    BenchSuite{"loop", "hand, device and surface in a closed loop: up to which stiffness it is stable",
+               loop_cases},
+    BenchSuite{"targets", "what the touch solver is to reach, and whether it does", target_cases,
+               conclude_targets},
 };
 
 struct Options {
@@ -82,8 +86,9 @@ Result<void> run(const Options& options) {
     }
     done.insert(done.begin(), {"machine", machine_figures(load_at_start)});
     std::cout << tables_of(done) << std::flush;
-    if (options.json) return write_report(*options.json, options.suite, done);
-    return {};
+    if (options.json)
+        if (auto written = write_report(*options.json, options.suite, done); !written.ok()) return written;
+    return (*suite)->conclude ? (*suite)->conclude(done) : Result<void>();
 }
 
 void print_overview() {

@@ -8,12 +8,6 @@
 
 namespace touchable {
 
-/// The figures of one case of a suite.
-struct CaseFigures {
-    std::string name;
-    Figures figures;
-};
-
 /// Aligned tables: one for each stretch of cases that have the same metrics, a row per case.
 std::string tables_of(const std::vector<CaseFigures>& cases);
 

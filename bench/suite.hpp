@@ -25,14 +25,27 @@ struct BenchCase {
     std::function<Result<void>(Figures&)> measure;
 };
 
+/// The figures of one case of a suite.
+struct CaseFigures {
+    std::string name;
+    Figures figures;
+};
+
 /// A suite is a file that lists its cases (bench/README.md: how to add one).
 struct BenchSuite {
     std::string_view name, what;
     /// `quick`: the same things more coarsely, so that the suite ends within a minute.
     std::vector<BenchCase> (*cases)(bool quick);
+    /// Where there is one: prints what follows from all figures; an error where they are not what they should
+    /// be.
+    Result<void> (*conclude)(const std::vector<CaseFigures>& measured) = nullptr;
 };
 
 std::vector<BenchCase> touch_cases(bool quick);
 std::vector<BenchCase> surface_cases(bool quick);
+std::vector<BenchCase> loop_cases(bool quick);
+/// Those of the suite touch that its targets need, and the table of targets.
+std::vector<BenchCase> target_cases(bool quick);
+Result<void> conclude_targets(const std::vector<CaseFigures>& measured);
 
 }  // namespace touchable

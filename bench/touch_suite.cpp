@@ -4,6 +4,7 @@
 
 #include "bench/suite.hpp"
 #include "bench/touch/following_run.hpp"
+#include "bench/touch/frame_change_run.hpp"
 #include "bench/touch/globe_run.hpp"
 #include "bench/touch/timing_run.hpp"
 
@@ -22,9 +23,11 @@ public:
 
     std::vector<BenchCase> cases() {
         for (const Size size : {qvga, sd, hd, full_hd}) add_bumps(size);
-        if (!quick_) add_timing(setup("bumps", ultra_hd));
+        add_timing(setup("bumps", ultra_hd));
+        for (const Size size : {sd, full_hd})
+            if (!quick_ || size.width == sd.width) add_timing(setup("rough", size));
         for (const Size size : {qvga, sd, hd, full_hd})
-            if (!quick_ || size.width == qvga.width) add_following(setup("moving", size));
+            if (!quick_ || size.width == qvga.width) add_moving(size);
         for (const Size size : {sd, full_hd}) add_globe(setup("globe", size));
         if (!quick_)
             for (const CameraPreset preset : {CameraPreset::a, CameraPreset::a_prime}) {
@@ -88,23 +91,32 @@ private:
         }
     }
 
+    void add_moving(Size size) {
+        TouchCase c = setup("moving", size);
+        add_following(c);
+        c.run = "frames";
+        add(FrameChangeRun{c, quick_ ? 10000 : 30000}, measure_frame_changes);
+        c.hold = true;
+        add_following(c);
+    }
+
     void add_globe(TouchCase c) {
         for (const int bits : {TouchCase::exact, 16, 10, 8}) {
             c.bits = bits;
-            add_both_metrics(c);
+            add_metrics(c);
         }
         for (const int median : {3, 5}) {
             c.median = median;
-            add_both_metrics(c);
+            add_metrics(c);
         }
         c.lazy = true;
         for (const int median : {0, 3, 5}) {
             c.median = median;
-            add_both_metrics(c);
+            add_metrics(c);
         }
     }
 
-    void add_both_metrics(TouchCase c) {
+    void add_metrics(TouchCase c) {
         GlobeRun run{c};
         if (quick_) {
             run.repeats = 3;
@@ -112,7 +124,7 @@ private:
         }
         // The lazy builder gives the same bits as the other, so the same forces: only its time is news.
         run.flanks = c.lazy ? 0 : quick_ ? 4 : 8;
-        for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel}) {
+        for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled}) {
             run.setup.metric = metric;
             add(run, measure_globe);
         }

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "bench/touch/globe_run.hpp"
 #include "bench/touch/touch_run.hpp"
@@ -14,6 +15,8 @@ namespace {
 // Millimetres of the device.
 constexpr double slide = 5, press = 2, clearance = 1;
 constexpr double polar_angle = 45 * pi / 180;
+constexpr std::array faster_steps{0.01, 0.1};  // of the goal per tick: 10 and 100 mm/s
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A rectangle in the plane of the globe's axis and a flank: from outside straight in, along, out, and back
 /// through free space.
@@ -51,22 +54,33 @@ private:
     glm::dvec3 out_, limbward_, touching_;
 };
 
-/// Work the force does on the hand along the goals, millijoules: the mean of both ends' forces times each
-/// step, so that the sampled force's own leak is left out.
-double work_mj(TouchRun& touch) {
+/// Work on the hand over a loop, millijoules.
+struct Work {
+    /// With the mean of both ends' forces over each step, so that the sampled force's own leak is left out.
+    double created = 0;
+    double held = 0;  ///< with the force of its beginning over each step, as a device exerts it
+    /// What holding may give at most: k/2 |G_k - G_k-1|^2 over the steps in contact. A proxy that does not
+    /// get farther from the goal than where it was keeps to it (docs/solver.md), whatever the surface.
+    double bound = 0;
+};
+
+Work work_of(TouchRun& touch) {
     touch.restart();
-    double joules = 0;
-    glm::dvec3 force(0.0), goal(0.0);
+    Work work;
+    Contact last;
     for (int k = 0; k < touch.ticks(); ++k) {
         touch.tick(k);
         const Contact& contact = touch.contacts()[0];
-        if (k > 0)
-            joules +=
-                glm::dot(0.5 * (force + contact.force), contact.goal - goal) * touch.metres_per_scene_unit();
-        force = contact.force;
-        goal = contact.goal;
+        if (k > 0) {
+            const glm::dvec3 step = (contact.goal - last.goal) * touch.metres_per_scene_unit();
+            work.created += 500 * glm::dot(last.force + contact.force, step);
+            work.held += 1000 * glm::dot(last.force, step);
+            const double stiffness = std::max(last.properties.stiffness, contact.properties.stiffness);
+            work.bound += 500 * stiffness * glm::dot(step, step);
+        }
+        last = contact;
     }
-    return 1000 * joules;
+    return work;
 }
 
 }  // namespace
@@ -74,23 +88,36 @@ double work_mj(TouchRun& touch) {
 Result<void> measure_energy(const TouchSurface& surface, const GlobeRun& run, Figures& figures) {
     const TouchCase& c = run.setup;
     const GlobeSphere sphere = globe_sphere(c.preset, c.width, c.height);
-    double limbward = 0, inward = 0, larger = 0;
+    double limbward = 0, inward = 0, larger = 0, largest = -infinity, over_bound = -infinity;
+    std::array held{-infinity, -infinity, -infinity};
     for (int flank = 0; flank < run.flanks; ++flank) {
         const FlankLoop loop(sphere, 0.2 + 2 * pi * flank / run.flanks);
         std::array<double, 2> created{};
         for (const bool way : {false, true}) {
-            auto made = TouchRun::create(surface, c, surface.scene().default_properties,
-                                         loop.goals(run.loop_step_mm, way));
-            if (!made.ok()) return made.error();
-            created[way] = work_mj(**made);
+            for (std::size_t speed = 0; speed < held.size(); ++speed) {
+                const double step = speed == 0 ? run.loop_step_mm : faster_steps[speed - 1];
+                auto made =
+                    TouchRun::create(surface, c, surface.scene().default_properties, loop.goals(step, way));
+                if (!made.ok()) return made.error();
+                const Work work = work_of(**made);
+                if (speed == 0) created[way] = work.created;
+                held[speed] = std::max(held[speed], work.held);
+                over_bound = std::max(over_bound, work.held / work.bound);
+            }
         }
         inward += created[0] / run.flanks;
         limbward += created[1] / run.flanks;
         larger += std::max(created[0], created[1]) / run.flanks;
+        largest = std::max({largest, created[0], created[1]});
     }
     figures.push_back({"energy_created_mj", larger, "mJ"});
     figures.push_back({"energy_created_mj_limbward", limbward, "mJ"});
     figures.push_back({"energy_created_mj_inward", inward, "mJ"});
+    figures.push_back({"energy_created_mj_max", largest, "mJ"});
+    figures.push_back({"energy_held_mj_slow", held[0], "mJ"});
+    figures.push_back({"energy_held_mj_10mm_s", held[1], "mJ"});
+    figures.push_back({"energy_held_mj_100mm_s", held[2], "mJ"});
+    figures.push_back({"energy_held_over_bound", over_bound, ""});
     return {};
 }
 

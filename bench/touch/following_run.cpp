@@ -15,9 +15,12 @@ constexpr double off_surface = 2;     // scene units, millimetres: more than thi
 constexpr double surely_under = 0.5;  // millimetres of goal under the surface: far above facets and codes
 constexpr HapticProperties smooth{600, 0, 0};
 
+double length(const glm::dvec3& v) {
+    return std::sqrt(glm::dot(v, v));
+}
+
 std::vector<ReliefStroke::Goal> stroke_of(const FollowingRun& run) {
-    const Relief relief = run.setup.scene == "moving" ? Relief::moving : Relief::bumps;
-    ReliefStroke stroke(relief, run.setup.width, run.setup.height, run.speed);
+    ReliefStroke stroke(relief_of(run.setup.scene), run.setup.width, run.setup.height, run.speed);
     std::vector<ReliefStroke::Goal> goals;
     for (int k = 0; k < run.ticks; ++k) goals.push_back(stroke.next());
     return goals;
@@ -34,7 +37,8 @@ Result<void> measure_following(const TouchSurface& surface, const FollowingRun& 
     TouchRun& touch = **made;
 
     int under = 0, off = 0, lost = 0;
-    double farthest = 0;
+    double farthest = 0, squared = 0, largest_step = 0;
+    glm::dvec3 last_force(0.0);
     std::optional<glm::dvec3> nearest;  // of the true surface, tracked from tick to tick
     for (int k = 0; k < run.ticks; ++k) {
         touch.tick(k);
@@ -44,18 +48,23 @@ Result<void> measure_following(const TouchSurface& surface, const FollowingRun& 
         if (!truth) return Error{ErrorKind::internal, "scene " + run.setup.scene + " knows no closest point"};
         nearest = truth->point;
         const Contact& contact = touch.contacts()[0];
-        const glm::dvec3 away = contact.proxy - *nearest;
-        const double distance = std::sqrt(glm::dot(away, away));
+        const double distance = length(contact.proxy - *nearest);
         ++under;
         lost += !contact.touching;
         off += !(distance <= off_surface);
         farthest = std::max(farthest, distance);
+        squared += distance * distance;
+        if (under > 1) largest_step = std::max(largest_step, length(contact.force - last_force));
+        last_force = contact.force;
     }
     if (under == 0)
         return Error{ErrorKind::check, "no goal lies under the surface: there is nothing to follow"};
     figures.push_back({"off_surface_pct", 100.0 * off / under, "%"});
     figures.push_back({"contact_lost_ticks", static_cast<double>(lost), ""});
+    figures.push_back({"distance_mm_rms", std::sqrt(squared / under), "mm"});
     figures.push_back({"distance_mm_max", farthest, "mm"});
+    figures.push_back({"force_step_n_max", largest_step, "N"});
+    add_figures(time_hot(touch, run.repeats), "", figures);
     return {};
 }
 

@@ -11,9 +11,11 @@ struct FollowingRun {
     TouchCase setup;
     double speed = 0.3;  ///< m/s
     int ticks = 30000;
+    int repeats = 1;  ///< of the timing
 };
 
-/// Appends off_surface_pct, contact_lost_ticks and distance_mm_max.
+/// Appends off_surface_pct, contact_lost_ticks, distances, the largest step of the force and the times of a
+/// tick.
 Result<void> measure_following(const TouchSurface& surface, const FollowingRun& run, Figures& figures);
 
 }  // namespace touchable

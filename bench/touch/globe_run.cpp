@@ -44,6 +44,7 @@ public:
         const double angle = 2 * arcsine(std::min(1.0, chord / 2)) * degrees;
         const double polar = goal.polar_angle * degrees;
         angle_.add(angle);
+        if (polar < 45) below_45_.add(angle);
         by_polar_[polar < 45 ? static_cast<std::size_t>(polar / 15) : 3].add(angle);
     }
     void report(Figures& figures) const {
@@ -52,6 +53,7 @@ public:
         for (std::size_t bin = 0; bin < bins.size(); ++bin)
             figures.push_back(
                 {std::string("force_angle_deg_rms_") + bins[bin], by_polar_[bin].value(), "deg"});
+        figures.push_back({"force_angle_deg_rms_0_45", below_45_.value(), "deg"});
         figures.push_back({"force_n_rms", force_.value(), "N"});
         figures.push_back({"force_n_max", largest_, "N"});
         figures.push_back({"contact_lost_ticks", static_cast<double>(lost_), ""});
@@ -59,7 +61,7 @@ public:
 
 private:
     static constexpr double degrees = 180 / pi;
-    RootMeanSquare angle_, force_;
+    RootMeanSquare angle_, below_45_, force_;
     std::array<RootMeanSquare, 4> by_polar_;
     double largest_ = 0;
     int lost_ = 0;
@@ -77,7 +79,8 @@ Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Fig
     if (!made.ok()) return made.error();
     TouchRun& touch = **made;
 
-    if (auto verified = verify(touch); !verified.ok()) return verified.error();
+    const auto counts = verify(touch);
+    if (!counts.ok()) return counts.error();
 
     touch.restart();
     ForceErrors errors;
@@ -86,7 +89,9 @@ Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Fig
         if (k >= GlobeStroke::approach_ticks) errors.add(stroke.at(k), touch.contacts()[0]);
     }
     errors.report(figures);
-    add_figures(time_hot(touch, run.repeats), "", figures);
+    const TickTimes times = time_hot(touch, run.repeats);
+    add_figures(times, "", figures);
+    add_figures(*counts, times.mean_us, figures);
     return run.flanks > 0 ? measure_energy(surface, run, figures) : Result<void>();
 }
 

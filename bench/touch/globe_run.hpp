@@ -14,8 +14,8 @@ struct GlobeRun {
     double loop_step_mm = 0.001;  ///< of the goal per tick, device millimetres
 };
 
-/// Appends force_angle_deg_rms with its histogram, force_n_rms, force_n_max, contact_lost_ticks, the times of
-/// a tick, and where there are flanks energy_created_mj.
+/// Appends force_angle_deg_rms with its histogram, force_n_rms, force_n_max, contact_lost_ticks, the times
+/// and counts of a tick, and where there are flanks the energies.
 Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Figures& figures);
 
 /// Energy created by press-slide-retract loops on 45-degree flanks (bench/README.md has the definition).

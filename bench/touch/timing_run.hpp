@@ -14,6 +14,10 @@ struct TimingRun {
     int paced_ticks = 0;  ///< 0: not paced
 };
 
+inline constexpr HapticProperties timing_grip{600, 0.6, 0.4};
+/// Tick by tick, in each the case's fingers.
+std::vector<glm::dvec3> timing_goals(const TouchCase& c, int ticks);
+
 /// Appends times, cells and events; an error if the run is not right (verify).
 Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, Figures& figures);
 

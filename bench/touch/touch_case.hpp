@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "engine/content/height_fields.hpp"
 #include "engine/content/scenes.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
@@ -19,10 +20,15 @@ struct TouchCase {
     CameraPreset preset = CameraPreset::b;
     int median = 0;
     bool lazy = false;  ///< pixels are filtered when they are touched, not before
+    bool hold = false;  ///< between frames the earlier one, not a blend
     std::string run;    ///< where a set-up is used for more than one run: which; may be empty
 };
 
-/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -lazy, -<run> where they apply.
+/// Of the height fields: "bumps", "rough", "moving".
+Relief relief_of(const std::string& scene);
+
+/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -lazy, -hold, -<run> where they
+/// apply.
 std::string name_of(const TouchCase& c);
 
 }  // namespace touchable

@@ -40,6 +40,7 @@ TouchRun::TouchRun(const TouchSurface& surface, const TouchCase& c, const Haptic
       fingers_(static_cast<std::size_t>(c.fingers)),
       contacts_(fingers_.size()) {
     scene_.default_properties = properties;
+    if (c.hold) scene_.interpolation = FrameInterpolation::hold;
 }
 
 Result<std::unique_ptr<TouchRun>> TouchRun::create(const TouchSurface& surface, const TouchCase& c,
@@ -65,6 +66,14 @@ void TouchRun::tick(int k) {
     const auto goals =
         std::span(goals_).subspan(static_cast<std::size_t>(k) * fingers_.size(), fingers_.size());
     solver_.tick(field(k), goals, fingers_, contacts_);
+}
+
+void add_figures(const RunCounts& counts, double mean_us, Figures& figures) {
+    figures.push_back({"cells_per_tick", counts.cells_per_tick, ""});
+    figures.push_back({"ns_per_cell", 1000 * mean_us / counts.cells_per_tick, "ns"});
+    figures.push_back({"events_mean", counts.events_mean, ""});
+    figures.push_back({"events_max", static_cast<double>(counts.events_max), ""});
+    figures.push_back({"capped_ticks", static_cast<double>(counts.capped_ticks), ""});
 }
 
 double behind_tolerance(TouchMetric metric) {

@@ -49,6 +49,9 @@ struct RunCounts {
     int capped_ticks = 0;  ///< in which a finger ended at the event limit
 };
 
+/// cells_per_tick, ns_per_cell (of a tick of `mean_us`), events_mean, events_max, capped_ticks.
+void add_figures(const RunCounts& counts, double mean_us, Figures& figures);
+
 /// How far a proxy may lie behind the world's surface, relative to its 1/depth. In the world's metric only
 /// roundings; the paper's triangles are flat in pixels and levels, which bends them in the world.
 double behind_tolerance(TouchMetric metric);

@@ -19,6 +19,7 @@ public:
     const AnalyticScene& content() const { return *content_; }
     /// With the case's filter.
     const Scene& scene() const { return scene_; }
+    bool moves() const { return frames_.size() > 1; }
     /// The frames around a time from 0 on.
     FramePair pair_at(std::int64_t time_ns) const;
 

@@ -1,0 +1,135 @@
+"""Run time against error of every option of the touch solver: from `touchable-bench touch --json`."""
+
+import re
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from plots.style import COLOURS, BadInput, read_figures, save
+
+GLOBE = re.compile(r"globe-(?P<size>\d+x\d+)-(?P<bits>\w+)-1f-(?P<mode>world|pixel|scaled)"
+                   r"(?P<camera>-A|-Aprime)?(-m(?P<median>\d))?(?P<lazy>-lazy)?")
+MOVING = re.compile(r"moving-(?P<size>\d+x\d+)-(?P<bits>\w+)-1f-world(?P<hold>-hold)?-follow-(?P<speed>[\d.]+)")
+CAMERAS = {None: "B", "-A": "A", "-Aprime": "A'"}
+MODES = {"world": (COLOURS[0], "world space"), "scaled": (COLOURS[2], "pixel space, levels scaled by kappa"),
+         "pixel": (COLOURS[3], "pixel space, the paper's")}
+BITS = {"exact": ("D", "not quantised"), "16": ("o", "16 bits"), "10": ("^", "10 bits"), "8": ("s", "8 bits")}
+HOLD = {None: (COLOURS[0], "linear between frames"), "-hold": (COLOURS[4], "hold the earlier frame")}
+SPEEDS = {"0.05": "v", "0.1": "P", "0.3": "*"}
+PAPERS_OWN = {"bits": "8", "mode": "pixel", "median": "3"}
+TIME, ANGLE, DISTANCE = "tick_us_mean", "force_angle_deg_rms", "distance_mm_rms"
+POINT = {"linestyle": "", "markersize": 7, "markeredgewidth": 1.4}
+
+
+def options_of(figures, pattern, error, panel):
+    """The cases of a pattern that have a time and an error, by panel."""
+    panels = {}
+    for case, metrics in figures.items():
+        match = pattern.fullmatch(case)
+        if match and metrics.get(error, 0) > 0 and metrics.get(TIME, 0) > 0:
+            option = {**match.groupdict(), "time": metrics[TIME], "error": metrics[error]}
+            panels.setdefault(panel(option), []).append(option)
+    return panels
+
+
+def front(options):
+    """Times and errors of the options that no other beats in both."""
+    best, points = float("inf"), []
+    for option in sorted(options, key=lambda option: (option["time"], option["error"])):
+        if option["error"] < best:
+            best = option["error"]
+            points.append((option["time"], best))
+    return np.array(points).T
+
+
+def is_papers_own(option):
+    return option["lazy"] and all(option[key] == value for key, value in PAPERS_OWN.items())
+
+
+def draw_globe(axes, options):
+    axes.plot(*front(options), color="#999999", linewidth=1, drawstyle="steps-post", zorder=1)
+    for option in options:
+        colour, shape = MODES[option["mode"]][0], BITS[option["bits"]][0]
+        axes.plot(option["time"], option["error"], shape, markersize=7, markeredgewidth=1.4, alpha=0.9,
+                  markeredgecolor=colour, color="white" if option["lazy"] else colour)
+        # A frame filtered beforehand costs its ticks nothing: its median is not told.
+        if option["lazy"] and option["median"] and option["mode"] == "pixel":
+            axes.annotate(f"{option['median']}x{option['median']}", (option["time"], option["error"]),
+                          xytext=(0, 10), textcoords="offset points", ha="center", fontsize=8, color=colour)
+        if is_papers_own(option):
+            axes.plot(option["time"], option["error"], "o", markersize=16, color="none", markeredgecolor="black",
+                      markeredgewidth=1.4)
+            axes.annotate("the paper's own", (option["time"], option["error"]), xytext=(0, 21),
+                          textcoords="offset points", ha="center", fontsize=8.5)
+
+
+def draw_moving(axes, options):
+    for option in options:
+        axes.plot(option["time"], option["error"], SPEEDS.get(option["speed"], "o"), color=HOLD[option["hold"]][0],
+                  markersize=9)
+
+
+def log_axes(axes, title):
+    axes.set(xscale="log", yscale="log", title=title)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("{x:.1g}")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.tick_params(axis="x", which="both", labelsize=8.5, length=3.5, pad=3)
+    axes.grid(which="both", color="#e8e8e8", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.margins(x=0.08, y=0.2)
+
+
+def draw_band(band, panels, draw, title, across, up):
+    """Panels two by two, with the axes in common."""
+    columns = min(2, len(panels))
+    grid = band.subplots(-(-len(panels) // columns), columns, sharex=True, sharey=True, squeeze=False)
+    for axes in grid.flat[len(panels):]:
+        axes.remove()
+    for axes, (name, options) in zip(grid.flat, panels.items()):
+        log_axes(axes, name)
+        draw(axes, options)
+    band.suptitle(title, fontsize=12)
+    band.supxlabel(across, fontsize=10)
+    band.supylabel(up, fontsize=10)
+
+
+def globe_legend():
+    handles = [Patch(facecolor=colour, label=label) for colour, label in MODES.values()]
+    handles += [Line2D([], [], marker=marker, color="#666666", label=label, **POINT)
+                for marker, label in BITS.values()]
+    handles.append(Line2D([], [], marker="s", color="white", markeredgecolor="#666666",
+                          label="filtered where touched", **POINT))
+    handles.append(Line2D([], [], color="#999999", linewidth=1, label="nothing is better in both"))
+    return handles
+
+
+def moving_legend(panels):
+    speeds = sorted({option["speed"] for options in panels.values() for option in options}, key=float)
+    handles = [Patch(facecolor=colour, label=label) for colour, label in HOLD.values()]
+    return handles + [Line2D([], [], marker=SPEEDS.get(speed, "o"), color="#666666", label=f"{speed} m/s", **POINT)
+                      for speed in speeds]
+
+
+def draw_pareto(arguments):
+    figures = read_figures(arguments.results)
+    globe = options_of(figures, GLOBE, ANGLE, lambda o: f"camera {CAMERAS[o['camera']]}, {o['size']}")
+    moving = options_of(figures, MOVING, DISTANCE, lambda o: o["size"])
+    bands = []
+    if globe:
+        bands.append((globe, draw_globe, "The globe, one finger", "error of the force's direction (degrees RMS)",
+                      globe_legend()))
+    if moving:
+        bands.append((moving, draw_moving, "A surface that rises and falls by 20 mm at 30 frames/s",
+                      "proxy from the true nearest point (mm RMS)", moving_legend(moving)))
+    if not bands:
+        raise BadInput(f"{arguments.results}: there is no case of the globe with {TIME} and {ANGLE}")
+    heights = [3.3 * -(-len(band[0]) // 2) + 0.7 for band in bands]
+    figure = plt.figure(layout="constrained", figsize=(11, sum(heights) + 0.8 * len(bands)))
+    parts = figure.subfigures(2 * len(bands), 1, height_ratios=[x for height in heights for x in (height, 0.8)])
+    for (panels, draw, title, up, legend), band, below in zip(bands, parts[::2], parts[1::2]):
+        draw_band(band, panels, draw, title, "CPU time of a tick (us)", up)
+        below.legend(handles=legend, loc="center", ncol=5, fontsize=9)
+    save(figure, arguments.out)

@@ -1,0 +1,91 @@
+#include "bench/targets.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <set>
+
+namespace touchable {
+namespace {
+
+Target target(const Limit& limit) {
+    return {"a time", "", {"here", "there"}, "us", limit, ""};
+}
+Target below(double value) {
+    return target({value, false, "us"});
+}
+Target at_most(double value) {
+    return target({value, true, "us"});
+}
+
+std::vector<CaseFigures> measured(double here, double there) {
+    return {{"here", {{"other", 1000, ""}, {"us", here, "us"}}}, {"there", {{"us", there, "us"}}}};
+}
+
+TEST(Targets, AreJudgedByTheirWorstCase) {
+    const Verdict verdict = judge(below(3), measured(1, 2.5));
+    EXPECT_TRUE(verdict.met);
+    EXPECT_EQ(verdict.value, 2.5);
+    EXPECT_EQ(verdict.cases, 2U);
+    EXPECT_FALSE(judge(below(3), measured(3.5, 1)).met);
+}
+
+TEST(Targets, BelowIsStrictAndAtMostIsNot) {
+    EXPECT_FALSE(judge(below(3), measured(3, 1)).met);
+    EXPECT_TRUE(judge(at_most(3), measured(3, 1)).met);
+    EXPECT_FALSE(judge(at_most(0), measured(0, 1e-12)).met);
+}
+
+TEST(Targets, WhatIsNotMeasuredOrNotANumberIsMissed) {
+    EXPECT_FALSE(judge(below(3), {}).met);
+    EXPECT_FALSE(judge(below(3), {{"elsewhere", {{"us", 1, "us"}}}}).met);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(judge(below(3), measured(nan, 1)).met);
+    EXPECT_FALSE(judge(below(3), measured(1, nan)).met);
+}
+
+TEST(Targets, MayBeRelativeToACase) {
+    Target t = at_most(1);
+    t.cases = {"there"};
+    t.relative_to = "here";
+    EXPECT_EQ(judge(t, measured(4, 3)).value, 0.75);
+    EXPECT_TRUE(judge(t, measured(4, 3)).met);
+    EXPECT_FALSE(judge(t, measured(4, 5)).met);
+    t.relative_to = "nowhere";
+    EXPECT_FALSE(judge(t, measured(4, 3)).met);
+}
+
+TEST(Targets, TableSaysOfEachWhetherItIsMet) {
+    const std::string table = table_of({below(3), below(2)}, measured(2.5, 1));
+    EXPECT_NE(table.find("< 3 us"), std::string::npos) << table;
+    EXPECT_NE(table.find("2.5 us"), std::string::npos) << table;
+    EXPECT_NE(table.find("met\n"), std::string::npos) << table;
+    EXPECT_NE(table.find("MISSED\n"), std::string::npos) << table;
+}
+
+TEST(Targets, NameCasesThatTheSuiteHas) {
+    std::set<std::string> full, quick;
+    for (const BenchCase& c : touch_cases(false)) full.insert(c.name);
+    for (const BenchCase& c : touch_cases(true)) quick.insert(c.name);
+    for (const Target& t : touch_targets()) {
+        std::size_t in_quick = 0;
+        for (const std::string& name : t.cases) {
+            EXPECT_TRUE(full.contains(name)) << t.what << ": " << name;
+            in_quick += quick.count(name);
+        }
+        EXPECT_GT(in_quick, 0U) << t.what;
+        EXPECT_TRUE(t.relative_to.empty() || quick.contains(t.relative_to)) << t.relative_to;
+    }
+}
+
+TEST(Suites, NameNoCaseTwice) {
+    for (const bool quick : {false, true})
+        for (const auto& cases : {touch_cases(quick), loop_cases(quick), target_cases(quick)}) {
+            std::set<std::string> names;
+            for (const BenchCase& c : cases) EXPECT_TRUE(names.insert(c.name).second) << c.name;
+            EXPECT_GT(names.size(), 10U);
+        }
+}
+
+}  // namespace
+}  // namespace touchable
