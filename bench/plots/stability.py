@@ -6,37 +6,45 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from plots.style import COLOURS, BadInput, colour, read_figures, save
+from plots.style import BadInput, colour, read_figures, save
 
 LOOP = re.compile(r"(?P<scene>[a-z]+)-\d+x\d+-\w+-1f-(?P<metric>world|pixel)-b(?P<damping>[\d.]+)"
                   r"(-d(?P<delay>\d+))?(-f(?P<friction>[\d.]+))?(-q(?P<quantum>[\d.]+))?")
 METRICS = {"world": "world metric", "pixel": "pixel metric, the paper's"}
 MARKERS = "oD^sv<>pXP"
-BOUNDARY, GIL, ABBOTT = "boundary_n_per_mm", "gil_n_per_mm", "abbott_okamura_n_per_mm"
+BOUNDARY = "boundary_n_per_mm"
 LEAST_SHOWN = 0.02  # N/mm: below this, nothing is stable
+
+
+def theory(loop):
+    """N/mm: Gil's for a delay, Abbott and Okamura's where readings are quantised; both are Colgate and Schenkel's
+    where there is neither."""
+    bound = loop["damping"] / (0.5 + loop["delay"])
+    return min(bound, 2000 * loop["friction"] / loop["quantum"]) if loop["quantum"] > 0 else bound
 
 
 def read_loops(file):
     loops = []
     for case, metrics in read_figures(file).items():
         match = LOOP.fullmatch(case)
-        if match and all(metric in metrics for metric in (BOUNDARY, GIL, ABBOTT)):
+        if match and BOUNDARY in metrics:
             numbers = {key: float(match[key] or 0) for key in ("damping", "delay", "friction", "quantum")}
             loops.append({"scene": match["scene"], "metric": match["metric"], **numbers,
-                          "boundary": max(metrics[BOUNDARY], LEAST_SHOWN), "gil": metrics[GIL],
-                          "abbott": metrics[ABBOTT]})
+                          "boundary": max(metrics[BOUNDARY], LEAST_SHOWN)})
     if not loops:
         raise BadInput(f"{file}: there is no case of the suite loop with {BOUNDARY}")
     return loops
 
 
-def draw_against(axes, loops, scenes, by, across, theory):
+def draw_against(axes, loops, scenes, by, across):
     """Boundaries over the number `across`, a colour for each value of `by`; theory as lines. Scenes stand a little
     apart, so that equal boundaries are seen."""
     for index, value in enumerate(sorted({loop[by] for loop in loops})):
         same = [loop for loop in loops if loop[by] == value]
-        line = sorted({(loop[across], loop[theory]) for loop in same})
-        axes.plot(*np.array(line).T, color=colour(index), linewidth=1.4, zorder=1)
+        numbers = [loop[across] for loop in same]
+        line = np.geomspace(min(numbers), max(numbers), 200)
+        axes.plot(line, [theory({**same[0], across: number}) for number in line], color=colour(index), linewidth=1.4,
+                  zorder=1)
         for loop in same:
             shift = 1.025 ** (scenes.index(loop["scene"]) - (len(scenes) - 1) / 2)
             axes.plot(loop[across] * shift, loop["boundary"], MARKERS[scenes.index(loop["scene"]) % len(MARKERS)],
@@ -46,7 +54,7 @@ def draw_against(axes, loops, scenes, by, across, theory):
 def number_axes(axes, values):
     axes.set(xscale="log", yscale="log")
     axes.set_xticks(values, [f"{value:g}" for value in values])
-    axes.xaxis.set_minor_formatter("")
+    axes.xaxis.set_minor_locator(plt.NullLocator())
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid(which="major", color="#e0e0e0", linewidth=0.6)
     axes.set_axisbelow(True)
@@ -62,22 +70,29 @@ def draw_stability(arguments):
     scenes = list(dict.fromkeys(loop["scene"] for loop in loops))
     smooth = [loop for loop in loops if loop["quantum"] == 0]
     rough = [loop for loop in loops if loop["quantum"] > 0]
-    rows = [(smooth, "delay", "damping", "gil", "damping b (N s/m)"),
-            (rough, "damping", "friction", "abbott", "Coulomb friction f (N), read in quanta of 60 um")]
+    rows = [(smooth, "delay", "damping", "damping b (N s/m)"),
+            (rough, "damping", "friction", "Coulomb friction f (N), read in quanta of 60 um")]
     rows = [row for row in rows if row[0]]
     figure = plt.figure(layout="constrained", figsize=(10.5, 4.1 * len(rows) + 0.9))
     *bands, below = figure.subfigures(len(rows) + 1, 1, height_ratios=[4.1] * len(rows) + [0.7])
-    for band, (shown, by, across, theory, words) in zip(bands, rows):
+    for band, (shown, by, across, words) in zip(bands, rows):
         panels = band.subplots(1, len(METRICS), sharex=True, sharey=True)
         for axes, (metric, title) in zip(panels, METRICS.items()):
             number_axes(axes, sorted({loop[across] for loop in shown}))
-            draw_against(axes, [loop for loop in shown if loop["metric"] == metric], scenes, by, across, theory)
+            draw_against(axes, [loop for loop in shown if loop["metric"] == metric], scenes, by, across)
             axes.set_title(title)
+            if by != "delay":
+                top = max(loop["boundary"] for loop in shown)
+                axes.axhline(top, color="#999999", linewidth=0.8, linestyle=":", zorder=0)
+                axes.annotate("not looked farther", (0.99, top), xycoords=("axes fraction", "data"), xytext=(0, 3),
+                              textcoords="offset points", ha="right", fontsize=8, color="#666666")
             axes.set_xlabel(words)
         panels[0].set_ylabel("stable up to (N/mm)")
-        legend = (handles_of(shown, by, lambda value: f"force {value:g} ms late: K < b/(T/2 + t)") if by == "delay"
-                  else handles_of(shown, by, lambda value: f"b = {value:g}: K < min(2b/T, 2f/quantum)"))
-        panels[0].legend(handles=legend, loc="upper left", fontsize=8.5)
+        legend = handles_of(shown, by, lambda value: f"t = {value:g} ms" if by == "delay" else f"b = {value:g} N s/m")
+        title = ("forces late by t: K < b / (T/2 + t)" if by == "delay" else "K < min(2 b / T, 2 f / quantum)")
+        place = {"loc": "upper left"} if by == "delay" else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.12)}
+        panels[0].legend(handles=legend, **place, fontsize=8.5, title=title, title_fontsize=8.5,
+                         alignment="left")
     figure.suptitle("Where a held finger begins to shake (points), and theory (lines)", fontsize=12)
     below.legend(handles=[Line2D([], [], linestyle="", marker=MARKERS[index % len(MARKERS)], color="#555555",
                                  markersize=5.5, label=scene) for index, scene in enumerate(scenes)],
