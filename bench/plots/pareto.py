@@ -74,7 +74,7 @@ def draw_moving(axes, options):
 def log_axes(axes, title):
     axes.set(xscale="log", yscale="log", title=title)
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter("{x:.1g}")
+    axes.xaxis.set_minor_formatter("{x:.2g}")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.tick_params(axis="x", which="both", labelsize=8.5, length=3.5, pad=3)
     axes.grid(which="both", color="#e8e8e8", linewidth=0.6)

@@ -77,7 +77,7 @@ void add_figures(const RunCounts& counts, double mean_us, Figures& figures) {
 }
 
 double behind_tolerance(TouchMetric metric) {
-    return metric == TouchMetric::world ? 1e-9 : 1e-4;
+    return metric == TouchMetric::world ? 1e-9 : 1e-3;
 }
 
 Result<RunCounts> verify(TouchRun& run) {
