@@ -53,6 +53,9 @@ std::vector<Target> make_targets() {
     add("  less than 45 deg from the axis", "", {sharp}, "force_angle_deg_rms_0_45", below(0.5, "deg"));
     add("force direction, globe, 720x480", "49 (paper)", {coarse}, "force_angle_deg_rms", below(2.2, "deg"));
 
+    const Names proven{sharp + "-proven", coarse + "-proven"};
+    add("  from long double's, globe, same basin", "", proven, "reference_angle_deg_max", below(1e-7, "deg"));
+
     const Names follow{"16-1f-world-follow-0.05", "16-1f-world-follow-0.1", "16-1f-world-follow-0.3"};
     const Names bumps_runs = cases_of("bumps", up_to_full_hd, follow);
     const Names moving_runs = cases_of("moving", up_to_full_hd, follow);
@@ -60,6 +63,13 @@ std::vector<Target> make_targets() {
     add("off the surface, moving, 0.05-0.3 m/s", "99.8", moving_runs, "off_surface_pct", at_most(0, "%"));
     add("contact lost, bumps and moving", "279-299 in 20 s", both(bumps_runs, moving_runs),
         "contact_lost_ticks", at_most(0, "ticks"));
+
+    const Names rough =
+        cases_of("rough", up_to_full_hd,
+                 {"16-1f-world-proven-0.05", "16-1f-world-proven-0.1", "16-1f-world-proven-0.3"});
+    add("rough, 0.05-0.3 m/s: no minimum", "", rough, "non_minima_ticks", at_most(0, "ticks"));
+    add("  fallen through", "", rough, "tunnelled_ticks", at_most(0, "ticks"));
+    add("  |P - G| over long double's", "", rough, "distance_over_reference_max", at_most(1.0001, ""));
 
     add("energy of a loop over what holding gives", "", {sharp, coarse}, "energy_held_over_bound",
         at_most(1, ""));

@@ -1,3 +1,4 @@
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -6,6 +7,7 @@
 #include "bench/touch/following_run.hpp"
 #include "bench/touch/frame_change_run.hpp"
 #include "bench/touch/globe_run.hpp"
+#include "bench/touch/proven_run.hpp"
 #include "bench/touch/timing_run.hpp"
 
 namespace touchable {
@@ -24,8 +26,7 @@ public:
     std::vector<BenchCase> cases() {
         for (const Size size : {qvga, sd, hd, full_hd}) add_bumps(size);
         add_timing(setup("bumps", ultra_hd));
-        for (const Size size : {sd, full_hd})
-            if (!quick_ || size.width == sd.width) add_timing(setup("rough", size));
+        for (const Size size : {qvga, sd, hd, full_hd}) add_rough(size);
         for (const Size size : {qvga, sd, hd, full_hd})
             if (!quick_ || size.width == qvga.width) add_moving(size);
         for (const Size size : {sd, full_hd}) add_globe(setup("globe", size));
@@ -85,9 +86,18 @@ private:
     }
 
     void add_following(TouchCase c) {
-        for (const auto& [speed, word] : {std::pair{0.05, "0.05"}, {0.1, "0.1"}, {0.3, "0.3"}}) {
+        for (const auto& [speed, word] : speeds) {
             c.run = std::string("follow-") + word;
             add(FollowingRun{c, speed, quick_ ? 10000 : 30000}, measure_following);
+        }
+    }
+
+    void add_rough(Size size) {
+        TouchCase c = setup("rough", size);
+        if (size.width == sd.width || size.width == full_hd.width) add_timing(c);
+        for (const auto& [speed, word] : speeds) {
+            c.run = std::string("proven-") + word;
+            add(ProvenRun{c, speed, quick_ ? 5000 : 30000}, measure_proof);
         }
     }
 
@@ -104,6 +114,7 @@ private:
         for (const int bits : {TouchCase::exact, 16, 10, 8}) {
             c.bits = bits;
             add_metrics(c);
+            if (bits == 16) add_proof(c);
         }
         for (const int median : {3, 5}) {
             c.median = median;
@@ -114,6 +125,11 @@ private:
             c.median = median;
             add_metrics(c);
         }
+    }
+
+    void add_proof(TouchCase c) {
+        c.run = "proven";
+        add(ProvenRun{c}, measure_proof);
     }
 
     void add_metrics(TouchCase c) {
@@ -129,6 +145,9 @@ private:
             add(run, measure_globe);
         }
     }
+
+    static constexpr std::array speeds{std::pair{0.05, "0.05"}, std::pair{0.1, "0.1"},
+                                       std::pair{0.3, "0.3"}};  // m/s
 
     bool quick_;
     std::shared_ptr<SurfaceShelf> shelf_ = std::make_shared<SurfaceShelf>();

@@ -25,7 +25,11 @@ public:
     void tick(int k) override;
 
     std::span<const Contact> contacts() const { return contacts_; }
+    /// What the first finger carries to the next tick.
+    const FingerState& finger() const { return fingers_[0]; }
     HeightField field(int k) const;
+    /// The surface's, with this run's properties.
+    const Scene& scene() const { return scene_; }
     TouchMetric metric() const { return solver_.settings().metric; }
     double metres_per_scene_unit() const { return solver_.settings().metres_per_scene_unit; }
 
