@@ -99,7 +99,8 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
     line("surface", r["builder"].get<std::string>() + " builder on " + r["device_name"].get<std::string>());
-    line("fingers", count("fingers") + ", " + r["hand"].get<std::string>());
+    line("fingers", count("fingers") + ", " + r["hand"].get<std::string>() +
+                        (r.contains("device") ? " with " + r["device"].get<std::string>() : ""));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
                       number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
