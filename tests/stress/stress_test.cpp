@@ -4,6 +4,7 @@
 
 #include <iostream>
 
+#include "tests/stress/golden_runs.hpp"
 #include "tests/stress/suites.hpp"
 #include "tests/stress/watch.hpp"
 
@@ -56,6 +57,20 @@ TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {
           Known{"lattice-lines", 7, 19000}, Known{"far-million", 0, 13000}})
         EXPECT_EQ(watch(*find_suite(known.suite)->run(known.seed), {known.ticks, 1, 0}).violation_count, 0)
             << known.suite << ' ' << known.seed;
+}
+
+TEST(Stress, TheGeneratedScenesPassEveryCertificateAndComparison) {
+    Coverage coverage;
+    for (const GoldenRun& golden : golden_runs()) {
+        if (golden.metric != TouchMetric::world) continue;  // the paper's knows no minimum in the world
+        const Watched watched = watch(*golden.make(GoldenBuilder::cpu), {GoldenRun::ticks, 1, 4});
+        for (const std::string& violation : watched.violations)
+            ADD_FAILURE() << golden.name << ": " << violation;
+        coverage.add(watched.coverage);
+    }
+    EXPECT_GT(coverage.compared, 10000);
+    EXPECT_LT(coverage.other_basins, 10);
+    std::cout << coverage.in_words() << '\n';
 }
 
 // What a suite may or may not meet with, all of them together must.
