@@ -126,12 +126,12 @@ public:
         const std::int64_t at = tick % rest_ticks;
         auto& before = last_[static_cast<std::size_t>(tick % period)];
         std::string broken;
-        // After a few periods every period is the same again. Where a proxy is dragged on along a friction
-        // cone it advances by ever smaller steps; less than a thousandth of a count is none.
+        // After a few periods every period is the same again. A proxy that friction holds may creep, less and
+        // less each time; a hundredth of a count a period is none.
         if (at >= 20 * period && contacts[0].touching && !(forces[0].reasons & guard_ramp) &&
             !contacts[0].counts.capped) {
             const glm::dvec3 moved = contacts[0].proxy - before;
-            if (glm::dot(moved, moved) > 1e-6 * count_ * count_)
+            if (glm::dot(moved, moved) > 1e-4 * count_ * count_)
                 broken = "a hand at rest: the proxy is not where it was a period before";
         }
         before = contacts[0].proxy;
