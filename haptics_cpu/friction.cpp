@@ -12,6 +12,15 @@ constexpr double on_the_cone = 1.0 + 2e-9;
 
 }  // namespace
 
+Slip stribeck_slip(double speed, double stribeck_speed) {
+    const double ratio = speed / stribeck_speed;
+    return {1.0 / (1.0 + ratio * ratio), false};
+}
+
+bool is_slow(double speed, double stribeck_speed) {
+    return speed < 0.1 * stribeck_speed;
+}
+
 bool rests(const FrictionCone& cone, const Motion& motion) {
     const double mu2 = cone.resting * cone.resting;
     return mu2 > 0 && glm::dot(motion.way, motion.way) <= mu2 * motion.load2 * on_the_cone;

@@ -13,6 +13,21 @@ struct FrictionCone {
     double stopping = 0;  ///< sliding, it comes to rest at this mu
 };
 
+/// What friction depends on beside the place. By default Coulomb's: mu dynamic at any speed.
+struct Slip {
+    /// How much of mu static is left at this tick's speed: mu = mu_d + static_share (mu_s - mu_d).
+    double static_share = 0;
+    /// A proxy that need not move in a tick sticks from then on.
+    bool sticks_at_rest = true;
+};
+
+/// Stribeck's rule without an exponential: mu(v) = mu_d + (mu_s - mu_d) / (1 + (v / v_s)^2). `speed`: of the
+/// proxy over the surface, filtered, m/s; v_s > 0, m/s.
+Slip stribeck_slip(double speed, double stribeck_speed);
+
+/// True where a proxy has become slow enough (v < v_s / 10) to stick wherever mu static holds it.
+bool is_slow(double speed, double stribeck_speed);
+
 /// Stiffness and friction at a place of the surface.
 template <class Space>
 HapticProperties properties_at(const Space& space, const Proxy& at) {
@@ -26,11 +41,12 @@ HapticProperties properties_at(const Space& space, const Proxy& at) {
 
 /// The cone of a proxy on the surface; all zero where the field has no friction.
 template <class Space>
-FrictionCone friction_cone(const Space& space, const Proxy& proxy) {
+FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Slip& slip) {
     if (!space.field().has_friction()) return {};
     const HapticProperties properties = properties_at(space, proxy);
-    return {proxy.sliding ? properties.dynamic_friction : properties.static_friction,
-            properties.dynamic_friction};
+    const double sliding = properties.dynamic_friction +
+                           slip.static_share * (properties.static_friction - properties.dynamic_friction);
+    return {proxy.sliding ? sliding : properties.static_friction, sliding};
 }
 
 /// True where the proxy need not move: the way is inside the cone.

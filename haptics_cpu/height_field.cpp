@@ -4,6 +4,16 @@
 
 namespace touchable {
 
+namespace {
+
+double bilinear(double a, double b, double v00, double v10, double v01, double v11) {
+    const double top = v00 + (v10 - v00) * a;
+    const double bottom = v01 + (v11 - v01) * a;
+    return top + (bottom - top) * b;
+}
+
+}  // namespace
+
 HeightField::HeightField(const Scene& scene, const FramePair& pair)
     : scene_(scene), prev_(pair.prev.frame), next_(nullptr), nearer_(prev_), blend_(0) {
     const bool between = scene.interpolation == FrameInterpolation::linear && pair.blend > 0;
@@ -101,19 +111,21 @@ HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double 
                            p10 = vertex_properties(i + 1, j, valid[1]);
     const HapticProperties p01 = vertex_properties(i, j + 1, valid[2]),
                            p11 = vertex_properties(i + 1, j + 1, valid[3]);
-    auto bilinear = [a, b](double v00, double v10, double v01, double v11) {
-        const double top = v00 + (v10 - v00) * a;
-        const double bottom = v01 + (v11 - v01) * a;
-        return top + (bottom - top) * b;
-    };
     HapticProperties out;
-    out.stiffness = bilinear(p00.stiffness, p10.stiffness, p01.stiffness, p11.stiffness);
-    out.static_friction =
-        bilinear(p00.static_friction, p10.static_friction, p01.static_friction, p11.static_friction);
-    out.dynamic_friction =
-        bilinear(p00.dynamic_friction, p10.dynamic_friction, p01.dynamic_friction, p11.dynamic_friction);
+    const auto mean = [&](double HapticProperties::*property) {
+        return bilinear(a, b, p00.*property, p10.*property, p01.*property, p11.*property);
+    };
+    out.stiffness = mean(&HapticProperties::stiffness);
+    out.static_friction = mean(&HapticProperties::static_friction);
+    out.dynamic_friction = mean(&HapticProperties::dynamic_friction);
     out.dynamic_friction = std::min(out.dynamic_friction, out.static_friction);
     return out;
+}
+
+double HeightField::stiffness(std::int64_t i, std::int64_t j, double a, double b) const {
+    if (!has_haptic_image()) return default_properties_.stiffness;
+    const auto at = [&](int di, int dj) { return vertex_properties(i + di, j + dj, true).stiffness; };
+    return bilinear(a, b, at(0, 0), at(1, 0), at(0, 1), at(1, 1));
 }
 
 }  // namespace touchable

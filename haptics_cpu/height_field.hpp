@@ -49,6 +49,8 @@ public:
     /// The same, where the validity of the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) is known already.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b,
                                 const std::array<bool, 4>& valid) const;
+    /// Stiffness alone, N/m.
+    double stiffness(std::int64_t i, std::int64_t j, double a, double b) const;
 
 private:
     HapticProperties vertex_properties(std::int64_t i, std::int64_t j, bool valid) const;

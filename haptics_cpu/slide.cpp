@@ -102,10 +102,10 @@ constexpr int stall_limit = 8;
 template <class Space>
 class Slide {
 public:
-    Slide(const Space& space, Proxy& proxy, const dvec3& goal) : space_(space), proxy_(proxy), goal_(goal) {}
+    Slide(const Space& space, Proxy& proxy, const dvec3& goal, const Slip& slip)
+        : space_(space), proxy_(proxy), goal_(goal), slip_(slip) {}
 
     SolveCounts run(int event_limit) {
-        proxy_.point = surface_point(space_, proxy_);
         bool may_leave = true;
         int stalls = 0;
         while (true) {
@@ -128,7 +128,7 @@ public:
                 next = *hit;
                 arrived = false;
             } else {
-                const FrictionCone cone = friction_cone(space_, proxy_);
+                const FrictionCone cone = friction_cone(space_, proxy_, slip_);
                 if (rests(cone, motion)) {
                     if (settled(may_leave, stalls)) return rest();
                     continue;
@@ -191,9 +191,10 @@ private:
         return false;
     }
 
-    /// Stays where it is. A proxy that had not moved at all in this solve sticks from now on.
+    /// Stays where it is. A proxy that had not moved at all in this solve sticks from now on, unless its
+    /// speed has the say.
     SolveCounts rest() {
-        if (counts_.events == 1) proxy_.sliding = false;
+        if (counts_.events == 1 && slip_.sticks_at_rest) proxy_.sliding = false;
         return counts_;
     }
 
@@ -206,17 +207,18 @@ private:
     const Space& space_;
     Proxy& proxy_;
     const dvec3& goal_;
+    const Slip slip_;
     SolveCounts counts_;
 };
 
 }  // namespace
 
 template <class Space>
-SolveCounts slide(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit) {
-    return Slide<Space>(space, proxy, goal).run(event_limit);
+SolveCounts slide(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip) {
+    return Slide<Space>(space, proxy, goal, slip).run(event_limit);
 }
 
-template SolveCounts slide(const WorldSpace&, Proxy&, const dvec3&, int);
-template SolveCounts slide(const PixelSpace&, Proxy&, const dvec3&, int);
+template SolveCounts slide(const WorldSpace&, Proxy&, const dvec3&, int, const Slip&);
+template SolveCounts slide(const PixelSpace&, Proxy&, const dvec3&, int, const Slip&);
 
 }  // namespace touchable

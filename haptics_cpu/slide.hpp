@@ -1,5 +1,6 @@
 #pragma once
 
+#include "haptics_cpu/friction.hpp"
 #include "haptics_cpu/proxy.hpp"
 
 namespace touchable {
@@ -11,10 +12,11 @@ struct SolveCounts {
     bool capped = false;  ///< ended by the event limit: the place is on the surface, but not yet the minimum
 };
 
-/// Moves a proxy that rests on the surface to where the goal pulls it: the exact projected flow
-/// (docs/solver.md), feature by feature, until it is nearest to the goal, held by
-/// friction, or off the surface and at the goal. The distance to the goal never grows.
+/// Moves a proxy that rests on the surface, its point up to date, to where the goal pulls it: the exact
+/// projected flow (docs/solver.md), feature by feature, until it is nearest to the goal, held by friction, or
+/// off the surface and at the goal. The distance to the goal never grows.
 template <class Space>
-SolveCounts slide(const Space& space, Proxy& proxy, const glm::dvec3& goal, int event_limit);
+SolveCounts slide(const Space& space, Proxy& proxy, const glm::dvec3& goal, int event_limit,
+                  const Slip& slip);
 
 }  // namespace touchable

@@ -2,12 +2,14 @@
 
 #include <cassert>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "haptics_cpu/cast.hpp"
 #include "haptics_cpu/friction.hpp"
 #include "haptics_cpu/pixel_space.hpp"
 #include "haptics_cpu/surface_lattice.hpp"
+#include "haptics_cpu/tick_velocity.hpp"
 #include "haptics_cpu/world_space.hpp"
 
 namespace touchable {
@@ -37,10 +39,19 @@ void lift_onto_risen_surface(const Space& space, Proxy& proxy) {
     if (at.w < surface_w(space, under)) proxy = under;
 }
 
+/// Brings a proxy to the surface of this tick.
 template <class Space>
-SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit) {
-    SolveCounts counts;
+void carry(const Space& space, Proxy& proxy, Contact& contact) {
     if (!proxy.on_surface()) lift_onto_risen_surface(space, proxy);
+    if (!proxy.on_surface()) return;
+    proxy.point = surface_point(space, proxy);
+    contact.carried = space.to_world(proxy.point);
+    contact.carried_stiffness = space.field().stiffness(proxy.i, proxy.j, proxy.a, proxy.b);
+}
+
+template <class Space>
+SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip) {
+    SolveCounts counts;
     if (!proxy.on_surface()) {
         const auto hit = cast(space, proxy.point, nullptr, goal, &counts.cells);
         if (!hit) {
@@ -48,11 +59,26 @@ SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event
             return counts;
         }
         proxy = *hit;
+        proxy.point = surface_point(space, proxy);
     }
     const int cells = counts.cells;
-    counts = slide(space, proxy, goal, event_limit);
+    counts = slide(space, proxy, goal, event_limit, slip);
     counts.cells += cells;
     return counts;
+}
+
+/// Friction in this tick, of a proxy that has been carried.
+Slip slip_of(const TouchSettings& settings, FingerState& finger) {
+    if (!(settings.stribeck_speed > 0)) return {};
+    if (is_slow(finger.slip_speed, settings.stribeck_speed)) finger.proxy.sliding = false;
+    return stribeck_slip(finger.slip_speed, settings.stribeck_speed);
+}
+
+/// How fast the proxy went over the surface; a surface that moves takes it along and is not counted.
+double slip_speed_after(const TouchSettings& settings, double before, const Contact& contact) {
+    if (!(settings.stribeck_speed > 0) || !contact.touching || contact.carried_stiffness == 0) return 0;
+    const dvec3 way = contact.proxy - contact.carried;
+    return filtered_velocity(before, settings.metres_per_scene_unit * std::sqrt(glm::dot(way, way)));
 }
 
 template <class Space>
@@ -89,9 +115,11 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
         const dvec3 goal = *space.from_world(finger.goal);
         if (!finger.started) proxy.point = goal;
         finger.started = true;
-        contact.counts = solve(space, proxy, goal, settings.event_limit);
+        carry(space, proxy, contact);
+        contact.counts = solve(space, proxy, goal, settings.event_limit, slip_of(settings, finger));
         if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
+        finger.slip_speed = slip_speed_after(settings, finger.slip_speed, contact);
     }
 }
 
@@ -128,6 +156,9 @@ Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings&
     if (!(settings.metres_per_scene_unit > 0) || !std::isfinite(settings.metres_per_scene_unit))
         return usage_error("workspace: " + std::to_string(settings.metres_per_scene_unit) +
                            " device metres per scene unit; it must be a positive number");
+    if (!(settings.stribeck_speed >= 0) || !std::isfinite(settings.stribeck_speed))
+        return usage_error("Stribeck speed: " + std::to_string(settings.stribeck_speed) +
+                           " m/s; it must be a positive number, or 0 for friction that no speed changes");
     if (settings.metric != TouchMetric::world) {
         const std::string metric = "metric " + std::string(name_of(settings.metric));
         if (scene.depth.kind != DepthCodingKind::linear)

@@ -22,13 +22,15 @@ struct TouchSettings {
     TouchMetric metric = TouchMetric::world;
     double metres_per_scene_unit = 0.001;  ///< S of F = k S (P - G), from the Workspace
     int event_limit = 256;                 ///< features a proxy may pass in a tick
+    double stribeck_speed = 0;  ///< v_s, m/s: friction that falls with speed (stribeck_slip); 0: Coulomb's
 };
 
 /// What a finger carries from tick to tick.
 struct FingerState {
     Proxy proxy;
     bool started = false;
-    glm::dvec3 goal{0.0};  ///< the last goal that was finite
+    glm::dvec3 goal{0.0};   ///< the last goal that was finite
+    double slip_speed = 0;  ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
 };
 
 /// What a finger met in a tick. World, scene units, newtons.
@@ -41,6 +43,10 @@ struct Contact {
         false;  ///< the goal was not finite (or no pixel sees it, pixel metric): the last one stood in
     double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN where no pixel sees it
     HapticProperties properties;      ///< at the proxy; zero out of contact
+    /// Where the surface of this tick took a proxy that was on it, before the goal moved; and k there, N/m, 0
+    /// for a proxy that was free.
+    glm::dvec3 carried{0.0};
+    double carried_stiffness = 0;
     SolveCounts counts;
 };
 

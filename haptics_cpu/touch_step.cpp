@@ -16,7 +16,7 @@ TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int 
     goals_.resize(count);
     fingers_.resize(count);
     contacts_.resize(count);
-    guards_.assign(count, ForceGuard(guard));
+    guards_.assign(count, ForceGuard(guard, solver.settings().metres_per_scene_unit));
     forces_.resize(count);
 }
 

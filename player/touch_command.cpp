@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "haptics_cpu/tick_velocity.hpp"
 #include "player/touch_run.hpp"
 
 namespace touchable {
@@ -15,16 +16,19 @@ namespace {
 struct TouchWords {
     TouchOptions options;
     double max_stiffness_n_mm = 10;
+    double stiffness_slew = 0;  // N/mm per second
     double seconds = 0, picture_seconds = 0;
     std::vector<CLI::Option*> fixed_by_recording;
     CLI::Option* clip = nullptr;
     CLI::Option* duration = nullptr;
     CLI::Option* picture_moment = nullptr;
+    CLI::Option* slew = nullptr;
 };
 
 Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     options.guard.max_stiffness = words.max_stiffness_n_mm * 1000;
+    if (words.slew->count() > 0) options.guard.rise.per_tick = words.stiffness_slew * 1000 * tick_seconds;
     if (std::isnan(words.seconds)) return usage_error("--seconds is not a number; must be 0.001 to 1e6");
     if (std::isnan(words.picture_seconds))
         return usage_error("--picture-at is not a number; must be 0 to 1e6");
@@ -56,6 +60,8 @@ void add_touch_command(CLI::App& app, Command& command) {
     const std::map<std::string, FrameInterpolation> interpolations{{"hold", FrameInterpolation::hold},
                                                                    {"linear", FrameInterpolation::linear}};
 
+    const std::map<std::string, bool> rises{{"map", false}, {"passive", true}};
+
     words->clip = sub->add_option("CLIP", o.clip, "a clip, a folder of images, or a scene file");
     sub->add_option("--scene", o.scene, "scene file that describes the clip instead of its own");
     add_builder_options(*sub, o.builder, {"cpu", "vulkan", "lazy", "reference"});
@@ -77,7 +83,11 @@ void add_touch_command(CLI::App& app, Command& command) {
         sub->add_option("--seconds", words->seconds,
                         "length of the run; otherwise that of a recorded hand, or the clip's and at least 3")
             ->check(CLI::Range(0.001, 1e6));
+    words->slew =
+        sub->add_option("--stiffness-slew", words->stiffness_slew,
+                        "N/mm per second: how fast stiffness may rise in contact; otherwise at once");
     words->fixed_by_recording = {
+        words->slew,
         words->duration,
         sub->add_flag("--live", o.live, "in real time on the wall clock, each part on a thread of its own"),
         sub->add_option("--device", o.device,
@@ -102,6 +112,18 @@ void add_touch_command(CLI::App& app, Command& command) {
         sub->add_option("--max-force", o.guard.max_force, "N: what the device can exert on a finger")
             ->capture_default_str(),
         sub->add_option("--max-stiffness", words->max_stiffness_n_mm, "N/mm: what the device renders stably")
+            ->capture_default_str(),
+        sub->add_option(
+               "--stribeck", o.stribeck_speed,
+               "m/s: friction falls from static to dynamic about this speed; 0: the moment it slides")
+            ->capture_default_str(),
+        sub->add_option("--stiffness", o.guard.rise.paid,
+                        "in contact: map (the clip's), or passive (rises only as far as losses pay for)")
+            ->transform(CLI::CheckedTransformer(rises)),
+        sub->add_option("--damping", o.guard.damping, "N s/m beside the spring, against the hand's motion")
+            ->capture_default_str(),
+        sub->add_option("--passivity", o.guard.passivity,
+                        "N s/m: the most by which a controller may brake to take back created energy; 0: off")
             ->capture_default_str()};
 
     sub->callback([words, &command] {

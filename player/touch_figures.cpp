@@ -33,7 +33,8 @@ Spread spread_of(std::vector<double> values) {
 }
 
 Result<void> TouchFigures::take(const TouchTick& tick) {
-    bool contact = false, nonfinite = false, capped = false, guarded = false;
+    bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
+    energy_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
         const glm::dvec3& force = tick.forces[k].force;
@@ -43,11 +44,14 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         nonfinite |= !is_finite(c.proxy) || !is_finite(force);
         capped |= c.counts.capped;
         guarded |= tick.forces[k].reasons != guard_none;
+        softened |= (tick.forces[k].reasons & guard_stiffness) != 0;
+        energy_[k] = tick.forces[k].energy;
         events_ += c.counts.events;
         if (!c.touching) continue;
         const double newtons = std::sqrt(glm::dot(force, force));
         force_sum_ += newtons;
         force_max_ = std::max(force_max_, newtons);
+        largest_stiffness_ = std::max(largest_stiffness_, c.properties.stiffness);
     }
     ++ticks_;
     finger_ticks_ += static_cast<std::int64_t>(tick.contacts.size());
@@ -56,9 +60,24 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     nonfinite_ticks_ += nonfinite;
     capped_ticks_ += capped;
     guarded_ticks_ += guarded;
+    stiffness_limited_ticks_ += softened;
     tick_us_.push_back(tick.solve_us);
     late_us_.push_back(tick.late_us);
     return {};
+}
+
+nlohmann::ordered_json TouchFigures::energy_mj() const {
+    EnergyFigures all;
+    for (const EnergyFigures& finger : energy_) {
+        all.created += finger.created;
+        all.bound += finger.bound;
+        all.surface += finger.surface;
+        all.work += finger.work;
+    }
+    return {{"created", 1000 * all.created},
+            {"zoh_bound", 1000 * all.bound},
+            {"surface", 1000 * all.surface},
+            {"on_hand", 1000 * all.work}};
 }
 
 nlohmann::ordered_json TouchFigures::to_json() const {
@@ -76,6 +95,9 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},
             {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
+            {"stiffness_limited",
+             {{"ticks", stiffness_limited_ticks_}, {"largest_n_mm", largest_stiffness_ / 1000}}},
+            {"energy_mj", energy_mj()},
             {"tick_us", touchable::to_json(spread_of(tick_us_))}};
 }
 
@@ -106,6 +128,12 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
                       number(r["force_n"]["max"], "%.3f N max"));
     line("guard", count("guarded_ticks") + " ticks changed by it");
+    const auto& limited = r["stiffness_limited"];
+    line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
+                          std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");
+    line("energy created",
+         number(r["energy_mj"]["created"], "%.3g mJ; holding each force for a tick explains ") +
+             number(r["energy_mj"]["zoh_bound"], "up to %.3g mJ"));
     line("behind the surface", count("proxy_behind_mesh_ticks") + " ticks");
     line("not finite", count("nonfinite_ticks") + " ticks");
     line("event limit reached", count("capped_ticks") + " ticks");

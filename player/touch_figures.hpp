@@ -29,11 +29,16 @@ public:
     nlohmann::ordered_json to_json() const;
 
 private:
+    nlohmann::ordered_json energy_mj() const;
+
     std::int64_t ticks_ = 0, finger_ticks_ = 0;
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
+    std::int64_t stiffness_limited_ticks_ = 0;
+    double largest_stiffness_ = 0;  // that the clip asked for in contact, N/m
     std::int64_t events_ = 0;
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
+    std::vector<EnergyFigures> energy_;     // of each finger, up to the newest tick
     std::vector<double> tick_us_, late_us_;
     ForceHash hash_;
 };

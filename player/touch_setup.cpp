@@ -30,11 +30,20 @@ double median_depth(const Scene& scene, const SurfaceFrame& frame) {
     return *middle;
 }
 
+// N s/m. Beyond this a hand on a light device no longer slows down within a tick, it is thrown back.
+constexpr double most_damping = 100;
+
 Result<void> check_guard(const GuardSettings& guard) {
     if (!(guard.max_force > 0 && std::isfinite(guard.max_force)))
         return usage_error("--max-force must be a number above 0 N");
     if (!(guard.max_stiffness > 0 && std::isfinite(guard.max_stiffness)))
         return usage_error("--max-stiffness must be a number above 0 N/mm");
+    if (!(guard.rise.per_tick > 0))
+        return usage_error("--stiffness-slew must be a number above 0 N/mm per second");
+    if (!(guard.damping >= 0 && guard.damping <= most_damping))
+        return usage_error("--damping must be 0 to 100 N s/m");
+    if (!(guard.passivity >= 0 && guard.passivity <= most_damping))
+        return usage_error("--passivity must be 0 to 100 N s/m");
     return {};
 }
 
@@ -82,6 +91,8 @@ Result<void> make_solver(TouchSetup& setup) {
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& options) {
     if (auto checked = check_guard(options.guard); !checked.ok()) return checked.error();
+    if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
+        return usage_error("--stribeck must be a number of m/s, 0 or above");
     auto setup = std::make_unique<TouchSetup>();
     setup->clip = options.clip;
     setup->scene_file = options.scene;
@@ -102,6 +113,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     setup->settings.fingers = options.fingers;
     setup->settings.touch.metric = options.metric;
     setup->settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
+    setup->settings.touch.stribeck_speed = options.stribeck_speed;
     setup->settings.guard = options.guard;
     setup->settings.ticks = options.ticks;
     setup->live = options.live;
@@ -122,11 +134,16 @@ Json TouchSetup::facts() const {
                {"metric", name_of(touch.metric)},
                {"S", touch.metres_per_scene_unit},
                {"event_limit", touch.event_limit},
+               {"stribeck_speed", touch.stribeck_speed},
                {"guard",
                 {{"max_force", guard.max_force},
                  {"max_stiffness", guard.max_stiffness},
                  {"ramp_in_ticks", guard.ramp_in_ticks},
-                 {"ramp_out_ticks", guard.ramp_out_ticks}}}};
+                 {"ramp_out_ticks", guard.ramp_out_ticks},
+                 {"paid_rise", guard.rise.paid},
+                 {"damping", guard.damping},
+                 {"passivity", guard.passivity}}}};
+    if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
     if (scene_file) facts["scene_file"] = scene_file->string();
     if (!device_words.empty()) facts["device"] = device_words;
     return facts;
@@ -160,12 +177,18 @@ Json read_facts(const Json& facts, TouchSetup& setup) {
     touch.metres_per_scene_unit = facts.at("S").get<double>();
     if (!(touch.metres_per_scene_unit > 0)) throw std::out_of_range("S must be above 0");
     touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);
+    touch.stribeck_speed = facts.value("stribeck_speed", touch.stribeck_speed);
+    if (!(touch.stribeck_speed >= 0)) throw std::out_of_range("stribeck_speed must be 0 or above");
     const Json& limits = facts.at("guard");
     GuardSettings& guard = setup.settings.guard;
     guard.max_force = limits.at("max_force").get<double>();
     guard.max_stiffness = limits.at("max_stiffness").get<double>();
     guard.ramp_in_ticks = whole_number(limits, "ramp_in_ticks", 0, 1'000'000);
     guard.ramp_out_ticks = whole_number(limits, "ramp_out_ticks", 0, 1'000'000);
+    guard.rise.paid = limits.value("paid_rise", guard.rise.paid);
+    guard.rise.per_tick = limits.value("rise_per_tick", guard.rise.per_tick);
+    guard.damping = limits.value("damping", guard.damping);
+    guard.passivity = limits.value("passivity", guard.passivity);
     if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
     for (const char* hash : {"planes_hash", "force_hash"}) (void)facts.at(hash).get<std::string>();
     return facts.at("scene");

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/content/random.hpp"
+#include "engine/trigonometry.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/force_hash.hpp"
 #include "tests/haptics/small_field.hpp"
@@ -26,14 +28,14 @@ GuardSettings settled() {
 }
 
 TEST(ForceGuard, LeavesAForceWithinTheLimitsAlone) {
-    ForceGuard guard(settled());
+    ForceGuard guard(settled(), 0.001);
     const GuardedForce out = guard.guard(pressing(3.25));
     EXPECT_EQ(out.force, glm::dvec3(0, 0, 3.25));
     EXPECT_EQ(out.reasons, guard_none);
 }
 
 TEST(ForceGuard, ShortensToTheDevicesForceAndKeepsTheDirection) {
-    ForceGuard guard(settled());
+    ForceGuard guard(settled(), 0.001);
     Contact contact = pressing(0);
     contact.force = {30, 0, 40};
     const GuardedForce out = guard.guard(contact);
@@ -43,14 +45,14 @@ TEST(ForceGuard, ShortensToTheDevicesForceAndKeepsTheDirection) {
 }
 
 TEST(ForceGuard, LimitsStiffnessToTheDevices) {
-    ForceGuard guard(settled());
+    ForceGuard guard(settled(), 0.001);
     const GuardedForce out = guard.guard(pressing(4, 40000));
     EXPECT_DOUBLE_EQ(out.force.z, 1.0);
     EXPECT_EQ(out.reasons, guard_stiffness);
 }
 
 TEST(ForceGuard, RampsInFromZero) {
-    ForceGuard guard(GuardSettings{});
+    ForceGuard guard(GuardSettings{}, 0.001);
     double last = -1;
     for (int k = 0; k < 100; ++k) {
         const GuardedForce out = guard.guard(pressing(5));
@@ -69,7 +71,7 @@ TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
     FingerState finger;
     GuardSettings settings = settled();
     settings.ramp_in_ticks = settings.ramp_out_ticks = 10;
-    ForceGuard guard(settings);
+    ForceGuard guard(settings, 0.001);
     wall.touch(finger, {0, 0, -99});
     for (int k = 0; k < 20; ++k) guard.guard(wall.touch(finger, {0, 0, -102}));
     const double before = guard.guard(wall.touch(finger, {0, 0, -102})).force.z;
@@ -88,6 +90,42 @@ TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
     EXPECT_EQ(guard.guard(wall.touch(finger, {nan, 0, -102})).force, glm::dvec3(0.0));
     EXPECT_EQ(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, 0);
     EXPECT_LT(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, before / 5);
+}
+
+TEST(ForceGuard, LimitsHoldWithEverythingOnAndGoalsThatJumpAndFail) {
+    SmallField ground(65, 65, 0);
+    ground.scene.depth.semantics = DepthSemantics::planar;
+    SplitMix64 random(3);
+    ground.shape(ground.prev, [&](int, int) { return random.within(97, 103); });
+    ground.shape(ground.next, [&](int, int) { return random.within(97, 103); });
+    for (SurfaceFrame* frame : {&ground.prev, &ground.next})
+        for (int k = 0; k < 3 * 65 * 65; ++k)
+            frame->haptic.push_back(static_cast<std::uint8_t>(random.next() >> 56));
+    GuardSettings settings;
+    settings.max_force = 3;
+    settings.max_stiffness = 4000;
+    settings.rise.per_tick = 200;
+    settings.damping = 10;
+    settings.passivity = 50;
+    TouchSettings touch;
+    touch.stribeck_speed = 0.1;
+    ForceGuard guard(settings, 0.001);
+    FingerState finger;
+    std::uint32_t all_reasons = 0;
+    glm::dvec3 goal{0, 0, -99};
+    for (int k = 0; k < 20'000; ++k) {
+        const bool jumps = random.next() % 200 == 0, fails = random.next() % 300 == 0;
+        for (int axis = 0; axis < 2; ++axis)
+            goal[axis] = jumps ? random.within(-6, 6) : goal[axis] + random.within(-0.1, 0.1);
+        goal.z = -100 + 3 * sine(0.01 * k);
+        const glm::dvec3 given = fails ? glm::dvec3(NAN, 0, 0) : goal;
+        const GuardedForce out = guard.guard(ground.touch(finger, given, random.unit(), touch));
+        const glm::dvec3& f = out.force;
+        ASSERT_LE(std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z), settings.max_force) << k;
+        ASSERT_TRUE(std::isfinite(out.energy.balance())) << k;
+        all_reasons |= out.reasons;
+    }
+    EXPECT_EQ(all_reasons, 127U) << "each had something to do";
 }
 
 TEST(TouchSolver, AFirstGoalThatIsNotFiniteGivesNoForce) {

@@ -28,12 +28,17 @@ std::size_t allocations_in_ticks(MakeBuilder make_builder) {
         EXPECT_TRUE(builder->build(content->frame(n), frames[static_cast<std::size_t>(n)]).ok());
     TouchSettings settings;
     settings.metres_per_scene_unit = *scene.device_metres_per_unit;
+    settings.stribeck_speed = 0.05;
     const auto solver = TouchSolver::create(scene, settings);
     const GlobeStroke stroke(options.preset, options.width, options.height);
     std::vector<glm::dvec3> goals(10);
     std::vector<FingerState> fingers(10);
     std::vector<Contact> contacts(10);
-    std::vector<ForceGuard> guards(10, ForceGuard(GuardSettings{}));
+    GuardSettings everything;
+    everything.rise.paid = true;
+    everything.damping = 1;
+    everything.passivity = 10;
+    std::vector<ForceGuard> guards(10, ForceGuard(everything, settings.metres_per_scene_unit));
 
     int touching = 0;
     const std::size_t before = allocations();

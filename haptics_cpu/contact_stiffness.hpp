@@ -1,0 +1,36 @@
+#pragma once
+
+#include <limits>
+
+#include "haptics_cpu/energy_account.hpp"
+
+namespace touchable {
+
+/// How the stiffness under a finger may rise while it touches. It falls at once: that takes energy away.
+struct StiffnessRise {
+    /// Only as far as this contact's losses pay for (docs/solver.md): a map of stiffness creates no energy.
+    bool paid = false;
+    double per_tick = std::numeric_limits<double>::infinity();  ///< N/m
+
+    bool limited() const { return paid || per_tick < std::numeric_limits<double>::infinity(); }
+};
+
+/// The stiffness in effect, never above the map's; a contact begins with the map's.
+class ContactStiffness {
+public:
+    explicit ContactStiffness(const StiffnessRise& rise) : rise_(rise) {}
+
+    /// N/m where the surface took the proxy, before the goal moved; 0 without contact.
+    double carried(const Contact& contact) const;
+    /// N/m at the proxy; 0 out of contact. After `account.move`.
+    double in_effect(const Contact& contact, const EnergyAccount& account);
+    void lift() { touching_ = false; }
+
+private:
+    StiffnessRise rise_;
+    bool touching_ = false;
+    double stiffness_ = 0;
+    double paid_ = 0;  // joules lost in this contact and not yet spent
+};
+
+}  // namespace touchable

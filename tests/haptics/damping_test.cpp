@@ -1,0 +1,146 @@
+// The damper beside the spring, and the controller that takes created energy back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/haptics/force_path.hpp"
+
+namespace touchable::test {
+namespace {
+
+using glm::dvec3;
+
+GuardSettings damped(double b) {
+    GuardSettings settings = without_ramp();
+    settings.damping = b;
+    return settings;
+}
+
+class DampedWall : public testing::Test {
+protected:
+    DampedWall() : wall(33, 33, 100.0) { wall.scene.depth.semantics = DepthSemantics::planar; }
+    SmallField wall;
+};
+
+TEST_F(DampedWall, PressingInAtASteadySpeedAddsBTimesTheSpeed) {
+    // 0.02 mm a tick is 0.02 m/s.
+    const PathResult result = run_path(path_along({{0, 0, -99}, {0, 0, -102}}, 0.02), damped(5), wall);
+    EXPECT_NEAR(result.forces.back().force.z, 1000 * 0.002 + 5 * 0.02, 1e-6);
+    EXPECT_EQ(result.forces.back().reasons, guard_damping);
+}
+
+TEST_F(DampedWall, PullingOutNeverMakesTheSurfaceHoldTheFinger) {
+    const PathResult result =
+        run_path(path_along({{0, 0, -99}, {0, 0, -102}, {0, 0, -99}}, 0.05), damped(20), wall);
+    int weakened = 0;
+    for (std::size_t k = 0; k < result.forces.size(); ++k) {
+        ASSERT_GE(result.forces[k].force.z, -1e-12) << k;
+        weakened += result.forces[k].force.z < 0.5 * result.contacts[k].force.z;
+    }
+    EXPECT_GT(weakened, 10);
+}
+
+TEST_F(DampedWall, AlongTheSurfaceThereIsNoDampingWithoutFriction) {
+    const auto path = path_along({{-2, 0, -99}, {-2, 0, -101}, {2, 0, -101}}, 0.02);
+    const PathResult with = run_path(path, damped(20), wall), without = run_path(path, damped(0), wall);
+    for (std::size_t k = path.size() - 100; k < path.size(); ++k)
+        EXPECT_NEAR(length(with.forces[k].force - without.forces[k].force), 0, 1e-6) << k;
+}
+
+TEST_F(DampedWall, DampingOnlyDissipates) {
+    wall.shape(wall.prev, [](int x, int y) { return 100 + 1.5 * sine(0.4 * x) + sine(0.5 * y + 1); });
+    for (const double friction : {0.0, 0.3}) {
+        wall.scene.default_properties = {1000, friction, friction};
+        std::vector<dvec3> path;
+        for (int k = 0; k < 6000; ++k)
+            path.push_back({3 * sine(0.004 * k), 2 * sine(0.0031 * k + 1), -100.5 + 2.5 * sine(0.0173 * k)});
+        const PathResult with = run_path(path, damped(10), wall), without = run_path(path, damped(0), wall);
+        EXPECT_GT(with.ticks_with(guard_damping), 1500);
+        double work = 0;
+        for (std::size_t k = 1; k < path.size(); ++k) {
+            const dvec3 damper = with.forces[k].force - without.forces[k].force;
+            const double power = glm::dot(damper, path[k] - path[k - 1]);
+            work += power;
+        }
+        EXPECT_LT(work, 0);
+        EXPECT_LT(with.energy.balance(), without.energy.balance());
+        EXPECT_LE(with.energy.created, with.energy.bound);
+    }
+}
+
+TEST_F(DampedWall, TheDevicesForceLimitsTheDamperToo) {
+    GuardSettings settings = damped(100);
+    settings.max_force = 1.5;
+    const PathResult result = run_path(path_along({{0, 0, -99}, {0, 0, -102}}, 0.1), settings, wall);
+    for (const GuardedForce& out : result.forces) ASSERT_LE(length(out.force), 1.5);
+    EXPECT_GT(result.ticks_with(guard_force), 5);
+}
+
+TEST_F(DampedWall, ASurfaceThatMovesUnderAHandAtRestIsNotDamped) {
+    wall.fill(wall.next, 96.0);
+    FingerState finger;
+    ForceGuard guard(damped(20), 0.001);
+    for (int k = 0; k < 200; ++k) {
+        const Contact contact = wall.touch(finger, {0, 0, -99.5}, k * 0.004);
+        ASSERT_EQ(guard.guard(contact).force, contact.force) << k;
+    }
+}
+
+class Passivity : public testing::Test {
+protected:
+    Passivity() : rig("globe", options(), TouchRig::Depth::codes) {
+        rig.scene().default_properties = {1000, 0, 0};
+    }
+    PathResult loop(double azimuth, bool limbward, double most) {
+        GuardSettings settings = without_ramp();
+        settings.passivity = most;
+        const FlankLoop flank(rig, options().width, options().height, azimuth);
+        return run_path(flank.path(0.02, limbward), settings, rig);
+    }
+    static SceneOptions options() {
+        SceneOptions options;
+        options.width = 360;
+        options.height = 240;
+        return options;
+    }
+    TouchRig rig;
+};
+
+TEST_F(Passivity, NeverEngagesOnAConstantStiffnessInTheWorldsMetric) {
+    for (const double friction : {0.0, 0.4}) {
+        rig.scene().default_properties = {1000, friction, friction};
+        for (int flank = 0; flank < 6; ++flank)
+            for (const bool limbward : {false, true}) {
+                const PathResult with = loop(0.2 + flank, limbward, 50),
+                                 without = loop(0.2 + flank, limbward, 0);
+                EXPECT_EQ(with.ticks_with(guard_passivity), 0);
+                for (std::size_t k = 0; k < with.forces.size(); ++k)
+                    ASSERT_EQ(with.forces[k].force, without.forces[k].force);
+            }
+    }
+}
+
+TEST_F(Passivity, TakesBackWhatThePapersMetricCreates) {
+    rig.settings.metric = TouchMetric::pixel;
+    for (const double azimuth : {0.2, 2.2, 4.2}) {
+        const bool limbward = loop(azimuth, true, 0).energy.created > loop(azimuth, false, 0).energy.created;
+        const PathResult without = loop(azimuth, limbward, 0), with = loop(azimuth, limbward, 50);
+        EXPECT_GT(with.ticks_with(guard_passivity), 20);
+        EXPECT_LT(with.energy.created, 0.3 * without.energy.created);
+        for (const GuardedForce& out : with.forces) ASSERT_LE(length(out.force), GuardSettings{}.max_force);
+    }
+}
+
+TEST(PassivityController, BrakesByWhatItTakesAndNoMoreThanAllowed) {
+    const PassivityController controller(20);
+    const dvec3 slow{0, 0, 0.01}, fast{0.3, 0, 0.4};
+    EXPECT_EQ(controller.force(0, fast), dvec3(0.0));
+    EXPECT_EQ(controller.force(-1, fast), dvec3(0.0));
+    EXPECT_EQ(controller.force(1, dvec3(0.0)), dvec3(0.0));
+    // 1e-3 J in 1 ms at 0.5 m/s: 4 N s/m; at 0.01 m/s the limit.
+    EXPECT_NEAR(length(controller.force(1e-3, fast) + 4.0 * fast), 0, 1e-12);
+    EXPECT_NEAR(length(controller.force(1e-3, slow) + 20.0 * slow), 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,180 @@
+// The books of energy: a finger pressed in, along and out gets back no more than it gave, but for what
+// holding a force for a tick creates.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/content/strokes.hpp"
+#include "tests/haptics/force_path.hpp"
+
+namespace touchable::test {
+namespace {
+
+using glm::dvec3;
+
+// Sums of thousands of terms of millijoules.
+constexpr double rounding = 1e-13;
+
+class Globe : public testing::Test {
+protected:
+    Globe() : rig("globe", options(), TouchRig::Depth::codes) {
+        rig.scene().default_properties = {1000, 0, 0};
+    }
+    PathResult loop(double azimuth, double step_mm, bool limbward,
+                    const GuardSettings& settings = without_ramp()) {
+        const FlankLoop flank(rig, options().width, options().height, azimuth);
+        return run_path(flank.path(step_mm, limbward), settings, rig);
+    }
+    static SceneOptions options() {
+        SceneOptions options;
+        options.width = 360;
+        options.height = 240;
+        return options;
+    }
+
+    TouchRig rig;
+};
+
+TEST_F(Globe, PressSlideRetractCreatesNoMoreThanHoldingForcesDoes) {
+    for (int flank = 0; flank < 6; ++flank)
+        for (const bool limbward : {false, true}) {
+            const PathResult result = loop(0.2 + flank, 0.02, limbward);
+            EXPECT_GT(result.touching(), 200);
+            EXPECT_GT(result.energy.bound, 1e-5);
+            EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+            EXPECT_EQ(result.energy.stored, 0) << "it ends in the air";
+            EXPECT_NEAR(result.energy.surface, 0, rounding) << "nothing but the hand moves";
+        }
+}
+
+TEST_F(Globe, WhatIsCreatedGoesToZeroWithTheSpeed) {
+    for (const bool limbward : {false, true}) {
+        double last_bound = 1, last_created = 1;
+        for (const double step : {0.04, 0.02, 0.01, 0.005}) {
+            const PathResult result = loop(0.2, step, limbward);
+            EXPECT_NEAR(result.energy.bound / last_bound, 0.5, last_bound == 1 ? 1 : 0.05);
+            EXPECT_LT(result.energy.created, 0.6 * last_created);
+            last_bound = result.energy.bound;
+            last_created = result.energy.created;
+        }
+        EXPECT_LT(last_created, 2e-5);
+    }
+}
+
+TEST_F(Globe, ThePapersMetricCreatesMillijoulesAtAnySpeed) {
+    rig.settings.metric = TouchMetric::pixel;
+    for (const double step : {0.02, 0.005}) {
+        const PathResult in = loop(0.2, step, false), out = loop(0.2, step, true);
+        const double created = std::max(in.energy.created, out.energy.created);
+        EXPECT_GT(created, 5e-3);
+        EXPECT_GT(created, 10 * in.energy.bound);
+    }
+}
+
+TEST_F(Globe, ForcesCutOffByTheDeviceCreateNothingEither) {
+    GuardSettings settings = without_ramp();
+    settings.max_force = 0.7;
+    settings.max_stiffness = 600;
+    const PathResult result = loop(1.2, 0.02, true, settings);
+    EXPECT_GT(result.ticks_with(guard_force), 100);
+    EXPECT_GT(result.ticks_with(guard_stiffness), 200);
+    EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+    EXPECT_LT(result.energy.bound, loop(1.2, 0.02, true).energy.bound);
+}
+
+TEST_F(Globe, AGuardThatRampsInPutsEnergyIntoTheSpring) {
+    // The hand goes in while there is no force, and is pushed out by all of it.
+    const FlankLoop flank(rig, options().width, options().height, 0.2);
+    std::vector<dvec3> path = flank.path(0.02, true);
+    path.erase(path.begin(), path.begin() + 145);  // begins all but 2 mm deep
+    const PathResult result = run_path(path, GuardSettings{}, rig);
+    EXPECT_EQ(result.ticks_with(guard_ramp), 100);
+    EXPECT_GT(result.energy.surface, 1.5e-3);
+    EXPECT_GT(result.energy.work, 1.5e-3);
+    EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+}
+
+TEST(Energy, PressingIntoAWallLeaksExactlyHalfKStepSquaredATick) {
+    SmallField wall(33, 33, 100.0);
+    wall.scene.depth.semantics = DepthSemantics::planar;
+    const double step = 0.01;  // mm
+    const auto path = path_along({{0, 0, -99.5}, {0, 0, -102}, {0, 0, -99.5}}, step);
+    const PathResult result = run_path(path, without_ramp(), wall);
+    const int moves = 2 * 200;
+    EXPECT_NEAR(result.energy.created, moves * 0.5 * 1000 * 1e-10, 1e-11);
+    // The bound counts the tick in which it touches at no depth as well.
+    EXPECT_NEAR(result.energy.bound, (moves + 1) * 0.5 * 1000 * 1e-10, 1e-11);
+}
+
+TEST(Energy, FrictionOnlyTakes) {
+    SmallField wall(65, 65, 100.0);
+    wall.scene.depth.semantics = DepthSemantics::planar;
+    wall.scene.default_properties = {1000, 0.5, 0.3};
+    const auto path = path_along({{-3, 0, -99}, {-3, 0, -101}, {3, 0, -101}, {3, 0, -99}}, 0.01);
+    const PathResult result = run_path(path, without_ramp(), wall);
+    EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+    // 0.3 N over about 5.7 mm.
+    EXPECT_NEAR(result.energy.balance(), -0.3 * 5.7e-3, 2e-4);
+}
+
+TEST(Energy, ASurfaceThatLiftsTheHandGivesWhatItGives) {
+    // A wall comes 4 mm nearer to a hand that gives way at the end: its work is the wall's, nothing is
+    // created.
+    SmallField wall(33, 33, 100.0);
+    wall.scene.depth.semantics = DepthSemantics::planar;
+    wall.fill(wall.next, 96.0);
+    FingerState finger;
+    ForceGuard guard(without_ramp(), 0.001);
+    EnergyFigures energy;
+    for (int k = 0; k <= 4000; ++k) {
+        const double risen = std::min(1.0, k / 2000.0), back = std::max(0.0, k / 1000.0 - 2) * 5;
+        energy = guard.guard(wall.touch(finger, {0.3, 0.2, -99.5 + std::min(back, 5.0)}, risen)).energy;
+    }
+    EXPECT_NEAR(energy.surface, 0.5 * 1000 * 3.5e-3 * 3.5e-3, 1e-4);
+    EXPECT_NEAR(energy.work, energy.surface, 1e-4);
+    EXPECT_LE(energy.created, energy.bound + rounding);
+    EXPECT_LT(energy.bound, 1e-4);
+}
+
+TEST(Energy, AMovingReliefCreatesNoMoreThanHoldingForcesDoes) {
+    SceneOptions options;
+    options.width = 320;
+    options.height = 240;
+    TouchRig rig("moving", options, TouchRig::Depth::codes);
+    SurfaceFrame later;
+    rig.load(3, TouchRig::Depth::codes, later);
+    rig.pair.next = {3, 100'000'000, &later};
+    for (const double friction : {0.0, 0.4}) {
+        rig.scene().default_properties = {600, friction, friction};
+        rig.lift_fingers();
+        ReliefStroke stroke(Relief::bumps, options.width, options.height, 0.1);
+        ForceGuard guard(without_ramp(), 0.001);
+        EnergyFigures energy;
+        int touching = 0;
+        for (int tick = 0; tick < 1000; ++tick) {
+            rig.pair.blend = 0.5 + 0.5 * sine(0.01 * tick);
+            const Contact& contact = rig.tick(stroke.next().goal);
+            energy = guard.guard(contact).energy;
+            touching += contact.touching;
+            ASSERT_LE(energy.created, energy.bound + rounding) << tick;
+        }
+        EXPECT_GT(touching, 500);
+        EXPECT_GT(std::abs(energy.surface), 1e-4);
+    }
+}
+
+TEST(Energy, AGoalThatIsLostForAWhileLeavesTheBooksFinite) {
+    SmallField wall(33, 33, 100.0);
+    FingerState finger;
+    ForceGuard guard(without_ramp(), 0.001);
+    EnergyFigures energy;
+    for (int k = 0; k < 60; ++k) {
+        const double z = k > 20 && k < 30 ? NAN : (k < 10 ? -99 : -102 + 0.02 * k);
+        energy = guard.guard(wall.touch(finger, {0, 0, z})).energy;
+        ASSERT_TRUE(std::isfinite(energy.balance())) << k;
+    }
+    EXPECT_LE(energy.created, energy.bound + rounding);
+}
+
+}  // namespace
+}  // namespace touchable::test
