@@ -89,7 +89,7 @@ std::optional<double> metric_of(const std::vector<CaseFigures>& measured, const 
 
 std::string text(double value, const std::string& unit) {
     char digits[32];
-    std::snprintf(digits, sizeof digits, "%.4g", value);
+    std::snprintf(digits, sizeof digits, "%.5g", value);
     return unit.empty() ? digits : std::string(digits) + " " + unit;
 }
 

@@ -61,7 +61,7 @@ def draw_globe(axes, options):
         if is_papers_own(option):
             axes.plot(option["time"], option["error"], "o", markersize=16, color="none", markeredgecolor="black",
                       markeredgewidth=1.4)
-            axes.annotate("the paper's own", (option["time"], option["error"]), xytext=(0, 21),
+            axes.annotate("the paper's own (253 us on its PC)", (option["time"], option["error"]), xytext=(0, 21),
                           textcoords="offset points", ha="center", fontsize=8.5)
 
 
