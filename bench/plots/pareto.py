@@ -17,7 +17,7 @@ MODES = {"world": (COLOURS[0], "world space"), "scaled": (COLOURS[2], "pixel spa
          "pixel": (COLOURS[3], "pixel space, the paper's")}
 BITS = {"exact": ("D", "not quantised"), "16": ("o", "16 bits"), "10": ("^", "10 bits"), "8": ("s", "8 bits")}
 HOLD = {None: (COLOURS[0], "linear between frames"), "-hold": (COLOURS[4], "hold the earlier frame")}
-SPEEDS = {"0.05": "v", "0.1": "P", "0.3": "*"}
+SIZES = "oD^sv<>p"
 PAPERS_OWN = {"bits": "8", "mode": "pixel", "median": "3"}
 TIME, ANGLE, DISTANCE = "tick_us_mean", "force_angle_deg_rms", "distance_mm_rms"
 POINT = {"linestyle": "", "markersize": 7, "markeredgewidth": 1.4}
@@ -57,18 +57,28 @@ def draw_globe(axes, options):
         # A frame filtered beforehand costs its ticks nothing: its median is not told.
         if option["lazy"] and option["median"] and option["mode"] == "pixel":
             axes.annotate(f"{option['median']}x{option['median']}", (option["time"], option["error"]),
-                          xytext=(0, 10), textcoords="offset points", ha="center", fontsize=8, color=colour)
+                          xytext=(0, -21), textcoords="offset points", ha="center", fontsize=8, color=colour)
         if is_papers_own(option):
             axes.plot(option["time"], option["error"], "o", markersize=16, color="none", markeredgecolor="black",
                       markeredgewidth=1.4)
-            axes.annotate("the paper's own (253 us on its PC)", (option["time"], option["error"]), xytext=(0, 21),
+            axes.annotate("the paper's own (253 us on its PC)", (option["time"], option["error"]), xytext=(0, 13),
                           textcoords="offset points", ha="center", fontsize=8.5)
 
 
+def sizes_of(options):
+    return list(dict.fromkeys(option["size"] for option in options))
+
+
 def draw_moving(axes, options):
-    for option in options:
-        axes.plot(option["time"], option["error"], SPEEDS.get(option["speed"], "o"), color=HOLD[option["hold"]][0],
-                  markersize=9)
+    """The speeds of a size and an interpolation are joined, slow to fast."""
+    sizes = sizes_of(options)
+    for hold, (colour, _) in HOLD.items():
+        for index, size in enumerate(sizes):
+            same = sorted((float(option["speed"]), option["time"], option["error"]) for option in options
+                          if option["size"] == size and option["hold"] == hold)
+            if same:
+                _, times, errors = zip(*same)
+                axes.plot(times, errors, SIZES[index % len(SIZES)] + "-", color=colour, markersize=7, linewidth=0.8)
 
 
 def log_axes(axes, title):
@@ -106,27 +116,26 @@ def globe_legend():
     return handles
 
 
-def moving_legend(panels):
-    speeds = sorted({option["speed"] for options in panels.values() for option in options}, key=float)
+def moving_legend(options):
     handles = [Patch(facecolor=colour, label=label) for colour, label in HOLD.values()]
-    return handles + [Line2D([], [], marker=SPEEDS.get(speed, "o"), color="#666666", label=f"{speed} m/s", **POINT)
-                      for speed in speeds]
+    return handles + [Line2D([], [], marker=SIZES[index % len(SIZES)], color="#666666", label=size, **POINT)
+                      for index, size in enumerate(sizes_of(options))]
 
 
 def draw_pareto(arguments):
     figures = read_figures(arguments.results)
     globe = options_of(figures, GLOBE, ANGLE, lambda o: f"camera {CAMERAS[o['camera']]}, {o['size']}")
-    moving = options_of(figures, MOVING, DISTANCE, lambda o: o["size"])
+    moving = options_of(figures, MOVING, DISTANCE, lambda o: "stroked at 0.05, 0.1 and 0.3 m/s")
     bands = []
     if globe:
         bands.append((globe, draw_globe, "The globe, one finger", "error of the force's direction (degrees RMS)",
                       globe_legend()))
     if moving:
         bands.append((moving, draw_moving, "A surface that rises and falls by 20 mm at 30 frames/s",
-                      "proxy from the true nearest point (mm RMS)", moving_legend(moving)))
+                      "from the true nearest\npoint (mm RMS)", moving_legend(next(iter(moving.values())))))
     if not bands:
         raise BadInput(f"{arguments.results}: there is no case of the globe with {TIME} and {ANGLE}")
-    heights = [3.3 * -(-len(band[0]) // 2) + 0.7 for band in bands]
+    heights = [3.1 * -(-len(band[0]) // 2) + 0.7 for band in bands]
     figure = plt.figure(layout="constrained", figsize=(11, sum(heights) + 0.8 * len(bands)))
     parts = figure.subfigures(2 * len(bands), 1, height_ratios=[x for height in heights for x in (height, 0.8)])
     for (panels, draw, title, up, legend), band, below in zip(bands, parts[::2], parts[1::2]):
