@@ -1,5 +1,6 @@
 // touchable-soak: the stress suites, one or all of them, for as long as wanted.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <thread>
@@ -135,6 +136,10 @@ int main(int argc, char** argv) {
     if (words.list) {
         list();
         return 0;
+    }
+    if (std::isnan(words.ticks)) {
+        std::cerr << "touchable-soak: --ticks is not a number\n";
+        return exit_code(ErrorKind::usage);
     }
     const bool one = !words.suite.empty() || !words.scene.empty();
     if (!one && !(words.states.empty() && words.compare.empty())) {
