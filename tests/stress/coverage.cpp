@@ -23,8 +23,9 @@ void Coverage::add(const Coverage& o) {
           &Coverage::other_basins})
         this->*sum += o.*sum;
     most_events = std::max(most_events, o.most_events);
-    for (const auto worst : {&Coverage::worst_behind, &Coverage::worst_excess, &Coverage::worst_way,
-                             &Coverage::worst_ratio, &Coverage::worst_angle})
+    for (const auto worst :
+         {&Coverage::worst_behind, &Coverage::worst_excess, &Coverage::worst_way, &Coverage::worst_ratio,
+          &Coverage::worst_angle, &Coverage::energy_created, &Coverage::energy_bound})
         this->*worst = std::max(this->*worst, o.*worst);
 }
 
@@ -54,14 +55,16 @@ std::string Coverage::in_words() const {
         "(sliding %.0f %%), at invalid pixels %.1f %%; frame changes %lld, between frames %.0f %%, held "
         "goals "
         "%lld, refusals %lld; most events %lld, capped %lld; certified %lld (way left %.1e, behind %.1e), "
-        "compared %lld (other basins %lld, distance x %.9f, angle %.1e deg)",
+        "compared %lld (other basins %lld, distance x %.9f, angle %.1e deg); "
+        "energy created %.3g of at most %.3g mJ",
         100 * contact_share(), static_cast<long long>(landings), static_cast<long long>(departures),
         percent(with_heights, contact), percent(with_friction, contact), percent(sliding, contact),
         percent(at_invalid, certified), static_cast<long long>(frame_changes), percent(between_frames, ticks),
         static_cast<long long>(held_goals), static_cast<long long>(refusals),
         static_cast<long long>(most_events), static_cast<long long>(capped),
         static_cast<long long>(certified), worst_way, worst_behind, static_cast<long long>(compared),
-        static_cast<long long>(other_basins), worst_ratio, worst_angle);
+        static_cast<long long>(other_basins), worst_ratio, worst_angle, 1000 * energy_created,
+        1000 * energy_bound);
     return text.data();
 }
 

@@ -18,11 +18,12 @@ struct Coverage {
     std::int64_t held_goals = 0, refusals = 0;
     std::int64_t capped = 0, most_events = 0;
     std::int64_t certified = 0, compared = 0, other_basins = 0;
-    double worst_behind = 0;  ///< relative, of 1 / planar depth
-    double worst_excess = 0;  ///< of |P - G| over the minimum, over 1 + |P - G|
-    double worst_way = 0;     ///< scene units left to go, over 1 + |P - G|
-    double worst_ratio = 0;   ///< |P - G| over the reference's, same basin
-    double worst_angle = 0;   ///< degrees, same basin
+    double worst_behind = 0;                      ///< relative, of 1 / planar depth
+    double worst_excess = 0;                      ///< of |P - G| over the minimum, over 1 + |P - G|
+    double worst_way = 0;                         ///< scene units left to go, over 1 + |P - G|
+    double worst_ratio = 0;                       ///< |P - G| over the reference's, same basin
+    double worst_angle = 0;                       ///< degrees, same basin
+    double energy_created = 0, energy_bound = 0;  ///< J, the most of any finger
 
     void add(const Coverage& other);
     double contact_share() const;

@@ -79,7 +79,10 @@ class PressSlideRetract final : public LoopingHand {
 /// In on the soft side, over the border, out on the stiff one, or back.
 class StiffnessBoundary final : public LoopingHand {
 public:
-    using LoopingHand::LoopingHand;
+    StiffnessBoundary(const Scene& scene, const DrawnPlanes& planes, SplitMix64 random)
+        : LoopingHand(scene, planes, random) {
+        guard_.rise.paid = chance(random_, 0.5);
+    }
     std::string broken_promise(std::int64_t, std::span<const Contact> contacts,
                                std::span<const GuardedForce>) override {
         const Contact& contact = contacts[0];

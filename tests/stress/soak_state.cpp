@@ -39,12 +39,14 @@ constexpr std::array<std::pair<const char*, std::int64_t Coverage::*>, 18> count
     {"compared", &Coverage::compared},
     {"other_basins", &Coverage::other_basins},
 }};
-constexpr std::array<std::pair<const char*, double Coverage::*>, 5> worsts{{
+constexpr std::array<std::pair<const char*, double Coverage::*>, 7> worsts{{
     {"worst_behind", &Coverage::worst_behind},
     {"worst_excess", &Coverage::worst_excess},
     {"worst_way", &Coverage::worst_way},
     {"worst_ratio", &Coverage::worst_ratio},
     {"worst_angle", &Coverage::worst_angle},
+    {"energy_created", &Coverage::energy_created},
+    {"energy_bound", &Coverage::energy_bound},
 }};
 
 Json to_json(const SoakState& state) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "haptics_cpu/force_hash.hpp"
 #include "haptics_cpu/touch_step.hpp"
@@ -38,6 +39,7 @@ public:
             return std::move(out_);
         }
         TouchStep step(*solver, run_.guard(), static_cast<int>(run_.fingers()));
+        energy_.resize(run_.fingers());
         std::vector<FingerState> before(run_.fingers());
         FramePair pair;
         std::int64_t last_number = -1;
@@ -84,6 +86,7 @@ private:
         hash_.add(done.forces[k].force);
         count(contact, before, after);
         check_force(done, k);
+        check_energy(done, k);
         if (!after.started) return;
         const auto behind = static_cast<double>(reference::depth_behind(surface, contact.proxy));
         covered().worst_behind = std::max(covered().worst_behind, behind);
@@ -122,6 +125,21 @@ private:
         if (!contact.touching && length(contact.force) != 0)
             violate(done.tick, k, "S4: a force without contact");
         expect_at_most(contact.counts.events, run_.touch().event_limit, done, k, "S5: the number of events");
+    }
+
+    /// What is created in a tick; a stiffness that differs from place to place may create some and take it
+    /// back.
+    void check_energy(const TouchTick& done, std::size_t k) {
+        const EnergyFigures now = done.forces[k].energy, last = std::exchange(energy_[k], now);
+        const double rounding =
+            1e-12 * (1e-6 + std::fabs(now.work) + std::fabs(now.surface) + now.stored) + 4e-15 * now.bound;
+        covered().energy_created = std::max(covered().energy_created, now.created);
+        covered().energy_bound = std::max(covered().energy_bound, now.bound);
+        if (run_.guard().rise.paid)
+            expect_at_most(now.created, now.bound + rounding, done, k, "S7: joules from nowhere");
+        else if (done.pair.prev.frame->haptic.empty() && done.pair.next.frame->haptic.empty())
+            expect_at_most(now.balance() - last.balance(), now.bound - last.bound + rounding, done, k,
+                           "S7: joules from nowhere in a tick");
     }
 
     void certify(const Surface& surface, const TouchTick& done, const Proxy& proxy, std::size_t k) {
@@ -172,6 +190,7 @@ private:
     const WatchSettings& settings_;
     Watched out_;
     ForceHash hash_;
+    std::vector<EnergyFigures> energy_;  // of each finger, up to the tick before
 };
 
 }  // namespace
