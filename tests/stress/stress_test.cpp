@@ -2,6 +2,7 @@
 // (docs/proof.md).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "tests/stress/golden_runs.hpp"
@@ -71,6 +72,13 @@ TEST(Stress, TheGeneratedScenesPassEveryCertificateAndComparison) {
     EXPECT_GT(coverage.compared, 10000);
     EXPECT_LT(coverage.other_basins, 10);
     std::cout << coverage.in_words() << '\n';
+}
+
+TEST(Stress, ThePapersMetricIsCaughtCreatingEnergy) {
+    const Watched watched = watch(*find_golden_run("globe-pixels")->make(GoldenBuilder::cpu), {1000, 0, 0});
+    EXPECT_TRUE(
+        std::any_of(watched.violations.begin(), watched.violations.end(),
+                    [](const std::string& violation) { return violation.find("S7") != std::string::npos; }));
 }
 
 // What a suite may or may not meet with, all of them together must.
