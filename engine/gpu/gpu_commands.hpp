@@ -52,9 +52,7 @@ class GpuSubmission {
 public:
     std::uint64_t value() const { return value_; }  ///< on the device's timeline
     bool done() const { return device_->completed() >= value_; }
-    Result<void> wait(std::chrono::nanoseconds timeout = std::chrono::seconds(10)) const {
-        return device_->wait(value_, timeout);
-    }
+    Result<void> wait() const { return device_->wait(value_); }
     /// By mark, in order; empty before it is done.
     std::vector<GpuTime> times() const;
 

@@ -113,6 +113,10 @@ GpuDevice::GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline)
     : vulkan_(std::move(vulkan)), timeline_(timeline) {}
 
 GpuDevice::~GpuDevice() {
+    if (!is_at_rest()) {
+        abandon();
+        return;
+    }
     {
         const std::lock_guard lock(vulkan_->queue_mutex);
         vkQueueWaitIdle(vulkan_->queue);  // on a lost device there is nothing left to wait for
@@ -120,6 +124,24 @@ GpuDevice::~GpuDevice() {
     in_flight_.clear();
     idle_.clear();
     vkDestroySemaphore(vulkan_->device, timeline_, nullptr);
+}
+
+bool GpuDevice::is_at_rest() const {
+    return wait_for(submitted_, lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
+}
+
+/// Waiting for a device that hangs is waiting for ever, and what it may still read and write must not be
+/// freed under it. So recordings in flight, all they use and the device itself stay in memory until the
+/// process ends.
+void GpuDevice::abandon() {
+    struct Remains {
+        VkSemaphore timeline;
+        std::deque<std::unique_ptr<GpuRecording>> in_flight;
+    };
+    static std::mutex mutex;
+    static auto* const abandoned = new std::deque<Remains>;
+    const std::lock_guard lock(mutex);
+    abandoned->push_back({timeline_, std::move(in_flight_)});
 }
 
 std::uint64_t GpuDevice::completed() const {
@@ -130,18 +152,25 @@ std::uint64_t GpuDevice::completed() const {
     return value;
 }
 
-Result<void> GpuDevice::wait(std::uint64_t value, std::chrono::nanoseconds timeout) {
-    if (lost()) return lost_error(*vulkan_);
+VkResult GpuDevice::wait_for(std::uint64_t value, std::chrono::nanoseconds timeout) const {
     VkSemaphoreWaitInfo info{};
     info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
     info.semaphoreCount = 1;
     info.pSemaphores = &timeline_;
     info.pValues = &value;
-    const auto patience = static_cast<std::uint64_t>(std::max<std::int64_t>(timeout.count(), 0));
-    const VkResult result = vkWaitSemaphores(vulkan_->device, &info, patience);
-    if (result == VK_TIMEOUT)
+    return vkWaitSemaphores(vulkan_->device, &info, static_cast<std::uint64_t>(timeout.count()));
+}
+
+Result<void> GpuDevice::wait(std::uint64_t value) {
+    if (lost()) return lost_error(*vulkan_);
+    const std::chrono::nanoseconds patience = patience_;
+    const VkResult result = wait_for(value, patience);
+    if (result == VK_TIMEOUT) {
+        vulkan_->lost = true;
         return Error{ErrorKind::gpu, "the GPU " + vulkan_->facts.name + " has not finished after " +
-                                         std::to_string(patience / 1'000'000) + " ms"};
+                                         std::to_string(patience.count() / 1'000'000) +
+                                         " ms and is given up"};
+    }
     if (result != VK_SUCCESS) return vulkan_->failed("vkWaitSemaphores", result);
     if (lost()) return lost_error(*vulkan_);
     collect();

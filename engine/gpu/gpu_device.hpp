@@ -38,7 +38,9 @@ struct GpuRecording;  // a command buffer and what it needs (gpu_recording.hpp)
 class GpuDevice {
 public:
     static Result<std::shared_ptr<GpuDevice>> open(const GpuOptions& options = {});
-    ~GpuDevice();  ///< waits for what is in flight
+    /// Waits for what is in flight, but not for a lost device: what that may still be at work on is left as
+    /// it is for ever.
+    ~GpuDevice();
 
     const GpuFacts& facts() const { return vulkan_->facts; }
     const std::shared_ptr<VulkanDevice>& vulkan() const { return vulkan_; }
@@ -48,11 +50,13 @@ public:
     /// still.
     std::uint64_t completed() const;
 
-    /// Waits for a value that GpuCommands::submit gave. Fails (ErrorKind::gpu) on a lost device and after
-    /// `timeout`.
-    Result<void> wait(std::uint64_t value, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+    /// Waits for a value that GpuCommands::submit gave. Fails (ErrorKind::gpu) on a lost device, and where
+    /// that takes longer than the patience there is: a device that hangs is lost.
+    Result<void> wait(std::uint64_t value);
+    /// 10 s where nobody says: a software Vulkan compiles a kernel at its first dispatch.
+    void set_patience(std::chrono::nanoseconds patience) { patience_ = patience; }
 
-    /// A driver that lost the device, or `lose`. Sticky: open another one.
+    /// A driver that lost the device, a wait in vain, or `lose`. Sticky: open another one.
     bool lost() const { return vulkan_->lost; }
 
     /// From now on the device behaves as if the driver had lost it: how tests kill it in the middle.
@@ -67,12 +71,16 @@ private:
     void give_back(std::unique_ptr<GpuRecording> recording);  ///< one that was not submitted
     Result<std::uint64_t> submit(std::unique_ptr<GpuRecording> recording);
     void collect();  ///< reads timestamps of completed recordings and lets go of what they used
+    VkResult wait_for(std::uint64_t value, std::chrono::nanoseconds timeout) const;
+    bool is_at_rest() const;  ///< after a wait, on a device that is not lost
+    void abandon();
 
     std::vector<GpuTime> read(
         const std::vector<GpuTime>& times);  ///< under the lock `collect` writes them in
 
     std::shared_ptr<VulkanDevice> vulkan_;
     VkSemaphore timeline_ = VK_NULL_HANDLE;
+    std::atomic<std::chrono::nanoseconds> patience_{std::chrono::seconds(10)};
     mutable std::atomic<std::uint64_t> completed_ = 0;  // as last seen
     std::mutex mutex_;
     std::uint64_t submitted_ = 0;

@@ -6,6 +6,7 @@
 
 #include "shaders/mix_words.spv.h"
 #include "shaders/spec_group.spv.h"
+#include "tests/gpu/blockade.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/mix_words.h"
 
@@ -211,12 +212,36 @@ TEST_F(Commands, MarksGetTimesInTheirOrder) {
     EXPECT_LT(times[0].ms + times[1].ms, 10'000);
 }
 
-TEST_F(Commands, WaitingForWhatNeverComesEnds) {
-    const auto waited = gpu->wait(1'000'000, std::chrono::milliseconds(5));
+TEST_F(Commands, WaitingForWhatNeverComesEndsAndTheDeviceIsLost) {
+    gpu->set_patience(std::chrono::milliseconds(5));
+    const auto waited = gpu->wait(1'000'000);
     ASSERT_FALSE(waited.ok());
     EXPECT_EQ(waited.error().kind, ErrorKind::gpu);
     EXPECT_NE(waited.error().message.find("5 ms"), std::string::npos) << waited.error().message;
-    EXPECT_FALSE(gpu->lost());
+    EXPECT_TRUE(gpu->lost());
+    EXPECT_FALSE(GpuCommands::begin(gpu, "after").ok());
+}
+
+TEST_F(Commands, ADeviceThatHangsIsLeftWithAllItIsAtWorkOn) {
+    auto used = must(GpuBuffer::create(*gpu, "used", 64, GpuMemory::shared));
+    const std::weak_ptr<const void> alive = used.keep_alive();
+    used.mapped<std::uint32_t>()[0] = 1;
+    Blockade blockade(*gpu);
+    auto commands = begin();
+    commands.fill(used, 2);
+    const auto value = must(std::move(commands).submit()).value();
+    const std::span<std::uint32_t> words = used.mapped<std::uint32_t>();
+    used = {};
+    program = {};
+    in = texels_out = out = seen = {};
+    gpu->set_patience(std::chrono::milliseconds(20));
+    EXPECT_FALSE(gpu->wait(value).ok());
+    EXPECT_TRUE(gpu->lost());
+    gpu.reset();  // does not hang
+    ASSERT_FALSE(alive.expired());
+    EXPECT_EQ(words[0], 1U);
+    blockade.lift();  // and if it goes on after all, it finds everything where it was
+    EXPECT_EQ(words[0], 2U);
 }
 
 TEST_F(Commands, UnsubmittedOnesAreForgotten) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <optional>
+#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/media/clip.hpp"
@@ -9,6 +11,7 @@
 #include "player/field_probe.hpp"
 #include "player/touch_figures.hpp"
 #include "player/touch_session.hpp"
+#include "tests/gpu/blockade.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
@@ -18,24 +21,32 @@ namespace {
 
 constexpr std::int64_t frames = 20, ticks = 900;
 
-/// Loses its device just before a frame.
+enum class Doom { lost, hangs };
+
+/// Its device is lost, or hangs, just before a frame.
 class DoomedBuilder final : public SurfaceBuilder {
 public:
-    DoomedBuilder(const Scene& scene, std::shared_ptr<GpuDevice> device, std::int64_t at)
-        : device_(std::move(device)), at_(at) {
+    DoomedBuilder(const Scene& scene, std::shared_ptr<GpuDevice> device, Doom doom, std::int64_t at)
+        : device_(std::move(device)), doom_(doom), at_(at) {
         auto made = make_vulkan_builder(scene, device_);
         if (!made.ok()) throw std::runtime_error(made.error().message);
         builder_ = std::move(*made);
     }
     std::string_view name() const override { return builder_->name(); }
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
-        if (raw.number == at_) device_->lose();
+        if (raw.number == at_ && doom_ == Doom::lost) device_->lose();
+        if (raw.number == at_ && doom_ == Doom::hangs) {
+            device_->set_patience(std::chrono::milliseconds(20));
+            blockade_.emplace(*device_);
+        }
         return builder_->build(raw, out);
     }
 
 private:
     std::shared_ptr<GpuDevice> device_;
+    Doom doom_;
     std::int64_t at_;
+    std::optional<Blockade> blockade_;  // lifted after the builder has ended
     std::unique_ptr<SurfaceBuilder> builder_;
 };
 
@@ -87,12 +98,16 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
     const Touched expected = touched_with(std::move(whole), make_cpu_builder(scene));
     EXPECT_EQ(expected.ticks, ticks);
 
-    for (const std::int64_t lost_at : {std::int64_t{0}, std::int64_t{7}, frames - 1}) {
+    for (const auto& [doom, lost_at] : {std::pair(Doom::lost, std::int64_t{0}),
+                                        {Doom::lost, 7},
+                                        {Doom::lost, frames - 1},
+                                        {Doom::hangs, 0},
+                                        {Doom::hangs, 11}}) {
         auto device = GpuDevice::open();
         ASSERT_TRUE(device.ok()) << device.error().message;
         std::vector<std::string> told;
         const Touched run = touched_with(
-            reader(), make_fallback_builder(std::make_unique<DoomedBuilder>(scene, *device, lost_at),
+            reader(), make_fallback_builder(std::make_unique<DoomedBuilder>(scene, *device, doom, lost_at),
                                             make_cpu_builder(scene),
                                             [&](const std::string& line) { told.push_back(line); }));
         EXPECT_EQ(run.force_hash, expected.force_hash) << "lost at frame " << lost_at;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/surface/fallback_builder.hpp"
+#include "tests/gpu/blockade.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 
@@ -92,6 +93,34 @@ TEST(FallbackBuilder, GoesOnWhereTheGpuIsLost) {
     }
     ASSERT_EQ(told.size(), 1U);
     EXPECT_EQ(told[0].rfind("frame 4: ", 0), 0U) << told[0];
+}
+
+TEST(FallbackBuilder, GoesOnWhereTheGpuHangs) {
+    auto opened = GpuDevice::open();
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    std::shared_ptr<GpuDevice> device = std::move(*opened);
+    auto vulkan = make_vulkan_builder(scene, device);
+    ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;
+    std::vector<std::string> told;
+    auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
+                                         [&](const std::string& line) { told.push_back(line); });
+    SurfaceFrame slots[3];
+    for (std::int64_t number = 0; number < 3; ++number) expect_built(*builder, number, slots[number]);
+    testing::Blockade blockade(*device);
+    device->set_patience(std::chrono::milliseconds(20));
+    device.reset();  // the builder's alone, and so destroyed when that gives up
+    for (std::int64_t number = 3; number < 9; ++number) expect_built(*builder, number, slots[number % 3]);
+    EXPECT_EQ(builder->name(), "cpu");
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_NE(told[0].find("is given up; the cpu builder goes on"), std::string::npos) << told[0];
+    // Where the GPU goes on after all, it writes what nobody reads.
+    blockade.lift();
+    for (std::int64_t number = 6; number < 9; ++number) {
+        const StoredPlane plane = stored(number);
+        SurfaceFrame reference;
+        ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
+        EXPECT_EQ(first_difference(reference, slots[number % 3]), "");
+    }
 }
 
 }  // namespace
