@@ -17,8 +17,10 @@ const bool outside_repeats = false;
 #include "shaders/strip.h"
 
 layout(set = 0, binding = 1, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
+layout(set = 0, binding = 2, scalar) buffer Passes { FillPass passes[]; };
 
 const uint most_invalid = 9u - 3u;
+bool any_filled = false;  // by this lane
 
 Pixels filtered(Column columns[8 + 2 * strip_reach]) {
     Pixels pixels;
@@ -28,20 +30,33 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]) {
         const uint lower_invalid = left.lower_invalid + centre.lower_invalid + right.lower_invalid;
         const uint upper = median9(paired3(left.upper, centre.upper), right.upper);
         const uint lower = median9(paired3(left.lower, centre.lower), right.lower);
-        pixels.upper[k] = centre.upper_valid || upper_invalid > most_invalid ? centre.upper_code : upper;
-        pixels.lower[k] = centre.lower_valid || lower_invalid > most_invalid ? centre.lower_code : lower;
-        pixels.upper_valid[k] = pixels.lower_valid[k] = true;  // nobody asks
+        const bool keeps_upper = centre.upper_valid || upper_invalid > most_invalid;
+        const bool keeps_lower = centre.lower_valid || lower_invalid > most_invalid;
+        pixels.upper[k] = keeps_upper ? centre.upper_code : upper;
+        pixels.lower[k] = keeps_lower ? centre.lower_code : lower;
+        pixels.upper_valid[k] = !keeps_upper;  // filled, that is
+        pixels.lower_valid[k] = !keeps_lower;
     }
     return pixels;
 }
 
 void emit(Task task, uint texel, Pixels pixels, Pixels next) {
-    const uint row = 2u * task.strip;
+    const uint row = 2u * task.strip, inside = inside_bits(texel);
+    const bool two_rows = row + 1u < push.height;
     out_codes[row * push.out_pitch + texel] = packed(pixels.upper);
-    if (row + 1u < push.height) out_codes[(row + 1u) * push.out_pitch + texel] = packed(pixels.lower);
+    if (two_rows) out_codes[(row + 1u) * push.out_pitch + texel] = packed(pixels.lower);
+    [[unroll]] for (int k = 0; k < 8; ++k) {
+        const bool filled = pixels.upper_valid[k] || (two_rows && pixels.lower_valid[k]);
+        any_filled = any_filled || (filled && (inside >> k & 1u) != 0u);
+    }
 }
 
 void main() {
     const Task task = task_of(gl_GlobalInvocationID.x);
     if (task.there) march(task);
+    if (!any_filled) return;
+    // What this pass filled may give the next one something to do.
+    atomicMax(passes[push.pass + 1u].groups_x, push.groups);
+    atomicMax(passes[push.pass + 1u].groups_y, 1u);
+    atomicMax(passes[push.pass + 1u].groups_z, 1u);
 }

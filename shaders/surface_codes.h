@@ -40,7 +40,14 @@ struct StripPush {
     uint along_x;             // 1: neighbouring lanes are neighbours along x, as GPUs like it
     uint validity_words;      // of a row
     uint tiles_x;
+    uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
     ValidCodes valid;
+};
+
+/// Workgroups of a pass of fill_holes, as an indirect dispatch wants them: 0 until the pass before it has
+/// filled a hole.
+struct FillPass {
+    uint groups_x, groups_y, groups_z;
 };
 
 /// Specialisation constants of those kernels, in order.

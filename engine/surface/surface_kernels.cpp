@@ -66,7 +66,7 @@ Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstant
     GpuProgram& program = strips_[{kernel, constants}];
     if (program) return program;
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
-    if (kernel != StripKernel::fill_holes) layout.bindings.insert(layout.bindings.end(), 3, buffer);
+    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 3, buffer);
     const KernelSource source = source_of(kernel);
     auto made = GpuProgram::create(*device_, source.name, source.spirv, std::move(layout), constants);
     if (made.ok()) program = *made;

@@ -55,8 +55,9 @@ private:
 
     Result<StoredRows> upload(const PlaneView& depth);
     Result<void> record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot);
-    Result<void> run_strips(GpuCommands& commands, StripKernel kernel, const StoredRows& rows,
-                            const GpuBuffer& codes, const VulkanVertices* slot);
+    StripPush push_for(const StoredRows& rows) const;
+    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows);
+    Result<void> record_last(GpuCommands& commands, const StoredRows& rows, const VulkanVertices& slot);
     Result<StoredRows> record_hue(GpuCommands& commands, const StoredRows& rows);
     Result<StoredRows> record_filling(GpuCommands& commands, StoredRows rows);
     Result<void> record_bounds(GpuCommands& commands, const VulkanVertices& slot);
@@ -71,6 +72,7 @@ private:
     TileGrid grid_;
     GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
     GpuBuffer between_[2];       // codes between stages
+    GpuBuffer fill_passes_;      // which passes of hole filling have something to do
     GpuBuffer parts_, tops_;     // of tile bounds
     std::vector<GpuTime> stages_;
 };
@@ -88,7 +90,9 @@ Result<void> Builder::reserve() {
         {parts_, "parts of bounds", strips_ * tiles_x},
         {tops_, "tops of tiles", whole(strips_, strips_per_tile) * tiles_x},
         {between_[0], "codes between stages", is_hue() || fills ? codes_bytes() : 0},
-        {between_[1], "codes between passes", fills ? codes_bytes() : 0}};
+        {between_[1], "codes between passes", fills ? codes_bytes() : 0},
+        {fill_passes_, "passes of hole filling",
+         fills ? sizeof(FillPass) * static_cast<std::size_t>(scene_.filter.fill_holes + 1) : 0}};
     for (const auto& [buffer, name, bytes] : buffers) {
         if (bytes == 0) continue;
         auto created = GpuBuffer::create(device(), name, bytes, GpuMemory::device);
@@ -165,25 +169,13 @@ Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const Vulka
         if (!filled.ok()) return filled.error();
         rows = *filled;
     }
-    const int side = scene_.filter.median;
-    const StripKernel last = side == 0   ? StripKernel::decode
-                             : side == 3 ? StripKernel::median3
-                                         : StripKernel::median5;
-    if (auto ran = run_strips(commands, last, rows, slot.codes.gpu, &slot); !ran.ok()) return ran;
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.mark(side == 0 ? "decode" : "median");
+    if (auto ended = record_last(commands, rows, slot); !ended.ok()) return ended;
     if (auto bounded = record_bounds(commands, slot); !bounded.ok()) return bounded;
     if (slot.codes.is_copied()) record_reading_back(commands, slot);
     return {};
 }
 
-Result<void> Builder::run_strips(GpuCommands& commands, StripKernel kernel, const StoredRows& rows,
-                                 const GpuBuffer& codes, const VulkanVertices* slot) {
-    const StripConstants constants{plan_.group_size, rows.sample_bytes,
-                                   may_be_invalid(rows.sample_bytes) ? 1U : 0U,
-                                   valid_.excluded[0] != no_such_code ? 1U : 0U, width_ % 8 != 0 ? 1U : 0U};
-    auto program = kernels_->strip(kernel, constants);
-    if (!program.ok()) return program.error();
+StripPush Builder::push_for(const StoredRows& rows) const {
     StripPush push{};
     push.width = width_;
     push.height = height_;
@@ -194,12 +186,30 @@ Result<void> Builder::run_strips(GpuCommands& commands, StripKernel kernel, cons
     push.along_x = plan_.along_x ? 1 : 0;
     push.validity_words = whole(width_, 32);
     push.tiles_x = static_cast<std::uint32_t>(grid_.tiles_x);
+    push.groups = whole(strips_ * push.segments, plan_.group_size);
     push.valid = valid_;
-    const GpuGroups groups{whole(strips_ * push.segments, plan_.group_size)};
-    if (slot == nullptr)
-        commands.dispatch(*program, push, {rows.buffer, codes}, groups);
-    else
-        commands.dispatch(*program, push, {rows.buffer, codes, slot->validity.gpu, parts_, tops_}, groups);
+    return push;
+}
+
+Result<GpuProgram> Builder::program_for(StripKernel kernel, const StoredRows& rows) {
+    return kernels_->strip(kernel,
+                           {plan_.group_size, rows.sample_bytes, may_be_invalid(rows.sample_bytes) ? 1U : 0U,
+                            valid_.excluded[0] != no_such_code ? 1U : 0U, width_ % 8 != 0 ? 1U : 0U});
+}
+
+/// The kernel that ends in codes, validity and parts of bounds.
+Result<void> Builder::record_last(GpuCommands& commands, const StoredRows& rows, const VulkanVertices& slot) {
+    const int side = scene_.filter.median;
+    const auto program = program_for(side == 0   ? StripKernel::decode
+                                     : side == 3 ? StripKernel::median3
+                                                 : StripKernel::median5,
+                                     rows);
+    if (!program.ok()) return program.error();
+    const StripPush push = push_for(rows);
+    commands.dispatch(*program, push, {rows.buffer, slot.codes.gpu, slot.validity.gpu, parts_, tops_},
+                      {push.groups});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.mark(side == 0 ? "decode" : "median");
     return {};
 }
 
@@ -214,12 +224,24 @@ Result<StoredRows> Builder::record_hue(GpuCommands& commands, const StoredRows& 
     return StoredRows{between_[0], 2, pitch_};
 }
 
+/// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
+/// second: what the first one reads is not in these buffers.
 Result<StoredRows> Builder::record_filling(GpuCommands& commands, StoredRows rows) {
+    commands.fill(fill_passes_, 0);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
     for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) {
         const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
-        if (auto ran = run_strips(commands, StripKernel::fill_holes, rows, to, nullptr); !ran.ok())
-            return ran.error();
+        const auto program = program_for(StripKernel::fill_holes, rows);
+        if (!program.ok()) return program.error();
+        StripPush push = push_for(rows);
+        push.pass = static_cast<std::uint32_t>(pass);
+        if (pass < 2)
+            commands.dispatch(*program, push, {rows.buffer, to, fill_passes_}, {push.groups});
+        else
+            commands.dispatch_indirect(*program, push, {rows.buffer, to, fill_passes_}, fill_passes_,
+                                       sizeof(FillPass) * push.pass);
         commands.barrier(GpuStage::compute, GpuStage::compute);
+        commands.barrier(GpuStage::compute, GpuStage::indirect);
         rows = {to, 2, pitch_};
     }
     commands.mark("fill");

@@ -178,6 +178,18 @@ TEST_F(SameBits, WithTheMostPassesOfHoleFilling) {
     EXPECT_GT(seen_.invalid, 0);  // the blob is larger than 16 passes reach
 }
 
+TEST_F(SameBits, WhereLaterPassesFindNothingToFill) {
+    for (int passes = 1; passes <= 7; ++passes)
+        for (const Marking marking : {Marking::zero, Marking::range_and_few})
+            for (const int bytes : {1, 2}) {
+                const Layout layout{.bytes_per_sample = bytes};
+                const auto seed = static_cast<std::uint64_t>(passes);
+                compare({37, 41, 8, marking, Fill::few_holes, layout, {3, passes}, seed});
+                if (HasFatalFailure()) return;
+            }
+    EXPECT_GT(seen_.filled, 0);
+}
+
 TEST_F(SameBits, OfEightBitsInSixteen) {
     for (int fill = 0; fill < fill_count; ++fill)
         compare({33, 21, 8, Marking::zero, static_cast<Fill>(fill), {.bytes_per_sample = 2}, {5, 1}, 9});
