@@ -7,6 +7,9 @@
 #include "bench/clocks.hpp"
 #include "bench/suite.hpp"
 #include "engine/surface/vulkan_builder.hpp"
+#include "player/view/gpu_lattice.hpp"
+#include "player/view/gpu_painters.hpp"
+#include "player/view/view_camera.hpp"
 
 namespace touchable {
 namespace {
@@ -31,6 +34,7 @@ struct Picture {
         scene.width = c.width;
         scene.height = c.height;
         scene.depth_bits = c.bits;
+        scene.camera = {0.9 * c.width, 0.9 * c.width, c.width / 2.0, c.height / 2.0};
         scene.depth.near = 500;
         scene.depth.far = 1000;
         scene.depth.code_max = static_cast<std::uint16_t>((1 << c.bits) - 1);
@@ -71,15 +75,111 @@ struct FrameTimes {
     double wall_ms = HUGE_VAL, cpu_ms = HUGE_VAL;
 };
 
-Result<FrameTimes> time_frames(SurfaceBuilder& builder, const RawFrame& raw, SurfaceFrame& out, int frames) {
+template <class Work>
+Result<FrameTimes> least_times(int repeats, Work&& work) {
     FrameTimes times;
-    for (int n = 0; n < frames; ++n) {
+    for (int n = 0; n < repeats; ++n) {
         const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
-        if (auto built = builder.build(raw, out); !built.ok()) return built.error();
+        if (Result<void> done = work(); !done.ok()) return done.error();
         times.wall_ms = std::min(times.wall_ms, static_cast<double>(monotonic_ns() - wall) * 1e-6);
         times.cpu_ms = std::min(times.cpu_ms, static_cast<double>(process_cpu_ns() - cpu) * 1e-6);
     }
     return times;
+}
+
+Result<FrameTimes> time_frames(SurfaceBuilder& builder, const RawFrame& raw, SurfaceFrame& out, int frames) {
+    return least_times(frames, [&] { return builder.build(raw, out); });
+}
+
+void add_times(Figures& figures, const std::string& what, const FrameTimes& times) {
+    figures.push_back({what + "_ms", times.wall_ms, "ms"});
+    figures.push_back({what + "_cpu_ms", times.cpu_ms, "ms"});
+}
+
+FramePair still(const SurfaceFrame& frame) {
+    return {{0, 0, &frame}, {0, 0, &frame}, 0};
+}
+
+Error wrong(const SurfaceCase& c, const std::string& what) {
+    return {ErrorKind::check, name_of(c) + ": " + what};
+}
+
+/// q to 1e-6 and the tiles of q exactly, against their twins on the CPU.
+Result<void> check_surface(const SurfaceCase& c, const HeightField& field, const ViewSurface& surface) {
+    const std::vector<float> twin = q_of(field);
+    if (twin.size() != surface.q.size() || !surface.on_gpu) return wrong(c, "q is not the kernel's");
+    for (std::size_t k = 0; k < twin.size(); ++k)
+        if (!(std::fabs(surface.q[k] - twin[k]) <= 1e-6F * twin[k]))
+            return wrong(c, "q differs at pixel " + std::to_string(k));
+    if (surface.tiles != classify_tiles(c.width, c.height, surface.q)) return wrong(c, "tiles differ");
+    return {};
+}
+
+/// The eye's way, from stored values to q of every vertex and lists of tiles to draw.
+Result<void> measure_mesh(const SurfaceCase& c, const Picture& picture, SurfaceBuilder& builder, int frames,
+                          const std::shared_ptr<GpuDevice>& device, Figures& figures) {
+    const std::string what = "mesh" + std::to_string(picture.scene.filter.median);
+    SurfaceFrame frame;
+    if (auto built = builder.build(picture.raw, frame); !built.ok()) return built;
+    GpuLattices lattices(device);
+    const HeightField field(picture.scene, still(frame));
+    const auto surface = lattices.surface_of(field, still(frame), {});
+    if (!surface.ok()) return surface.error();
+    if (auto checked = check_surface(c, field, *surface); !checked.ok()) return checked;
+
+    GpuLattice lattice;
+    std::vector<GpuTime> stages;
+    const auto times = least_times(frames, [&]() -> Result<void> {
+        if (auto built = builder.build(picture.raw, frame); !built.ok()) return built;
+        auto commands = GpuCommands::begin(device, "mesh");
+        if (!commands.ok()) return commands.error();
+        const HeightField moment(picture.scene, still(frame));
+        if (auto recorded = lattices.record(*commands, moment, still(frame), lattice); !recorded.ok())
+            return recorded;
+        const auto submission = std::move(*commands).submit();
+        if (!submission.ok()) return submission.error();
+        if (auto done = submission->wait(); !done.ok()) return done;
+        stages = submission->times();
+        return {};
+    });
+    if (!times.ok()) return times.error();
+    add_times(figures, what, *times);
+    for (const GpuTime& stage : stages) figures.push_back({what + "_" + stage.label + "_ms", stage.ms, "ms"});
+    return {};
+}
+
+/// The raster painter's own view, a pixel of the picture for every one of the frame.
+Result<void> measure_drawing(const SurfaceCase& c, const Picture& picture, SurfaceBuilder& builder,
+                             int frames, const std::shared_ptr<GpuDevice>& device, Figures& figures) {
+    if (!device->facts().int64_atomics) return {};
+    const auto painter = make_raster_painter(device);
+    if (!painter.ok()) return painter.error();
+    SurfaceFrame frame;
+    if (auto built = builder.build(picture.raw, frame); !built.ok()) return built;
+    const HeightField field(picture.scene, still(frame));
+    const auto surface = (*painter)->surface_of(field, still(frame), {});
+    if (!surface.ok()) return surface.error();
+    const ViewCamera camera = own_view(picture.scene, c.width, c.height, picture.scene.depth.near / 2);
+    const auto twin = make_cpu_painter()->paint(*surface, camera);
+    if (!twin.ok()) return twin.error();
+    Result<PicturePlanes> drawn = (*painter)->paint(*surface, camera);
+    if (!drawn.ok()) return drawn.error();
+    std::size_t covered = 0, different = 0;
+    for (std::size_t k = 0; k < twin->z.size(); ++k) {
+        covered += twin->z[k] > 0;
+        different += !(std::fabs(twin->z[k] - drawn->z[k]) <= 1e-6F);
+    }
+    if (different > covered / 1000)
+        return wrong(c, std::to_string(different) + " pixels of " + std::to_string(covered) +
+                            " are not drawn as by the cpu painter");
+    const auto times = least_times(frames, [&]() -> Result<void> {
+        drawn = (*painter)->paint(*surface, camera);
+        if (!drawn.ok()) return drawn.error();
+        return {};
+    });
+    if (!times.ok()) return times.error();
+    add_times(figures, "draw", *times);
+    return {};
 }
 
 Result<void> measure(const SurfaceCase& c, int frames, const std::shared_ptr<SurfaceKernels>& kernels,
@@ -98,19 +198,25 @@ Result<void> measure(const SurfaceCase& c, int frames, const std::shared_ptr<Sur
         if (!first.ok()) return first.error();
         mismatched += mismatches(expected, frame);
         if (mismatched > 0)
-            return Error{ErrorKind::check, name_of(c) + ": " + std::to_string(mismatched) +
-                                               " codes differ from the CPU builder's, median " + what};
+            return wrong(c,
+                         std::to_string(mismatched) + " codes differ from the CPU builder's, median " + what);
         const auto times = time_frames(**vulkan, picture.raw, frame, frames);
         if (!times.ok()) return times.error();
         double kernels_ms = 0;
         for (const GpuTime& stage : (*vulkan)->stages()) kernels_ms += stage.ms;
         const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));
         if (!cpu_times.ok()) return cpu_times.error();
-        figures.push_back({"codes" + what + "_ms", times->wall_ms, "ms"});
-        figures.push_back({"codes" + what + "_cpu_ms", times->cpu_ms, "ms"});
+        add_times(figures, "codes" + what, *times);
         figures.push_back({"codes" + what + "_kernels_ms", kernels_ms, "ms"});
         figures.push_back({"codes" + what + "_first_ms", first->wall_ms, "ms"});
         figures.push_back({"cpu_builder" + what + "_ms", cpu_times->wall_ms, "ms"});
+        if (side == 0) continue;
+        if (auto done = measure_mesh(c, picture, **vulkan, frames, kernels->device(), figures); !done.ok())
+            return done;
+        if (side == 5) continue;
+        if (auto done = measure_drawing(c, picture, **vulkan, frames / 5, kernels->device(), figures);
+            !done.ok())
+            return done;
     }
     figures.push_back({"mismatched_codes", static_cast<double>(mismatched), ""});
     return {};

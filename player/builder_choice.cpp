@@ -13,8 +13,8 @@ void warn(const std::string& line) {
     std::cerr << "touchable: warning: " << line << std::endl;
 }
 
-Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const std::string& request, const Scene& scene) {
-    auto device = GpuDevice::open({.request = request});
+Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& gpu) {
+    auto device = gpu.open();
     if (!device.ok()) return device.error();
     auto builder = make_vulkan_builder(scene, std::move(*device));
     if (!builder.ok()) return builder.error();
@@ -34,22 +34,30 @@ void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector
     auto* builder =
         sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();
     sub.add_option("--gpu", choice.gpu,
-                   "with --builder vulkan: auto, or index or part of the name of a device (touchable check)")
-        ->needs(builder)
+                   "for --builder vulkan and --picture: auto, or index or part of the name of a device "
+                   "(touchable check)")
         ->capture_default_str();
     sub.add_flag("--gpu-fallback", choice.gpu_fallback,
                  "with --builder vulkan: where no GPU is usable, the cpu builder instead of exit code 4")
         ->needs(builder);
 }
 
-Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene) {
-    if (choice.name != "vulkan" && (choice.gpu != "auto" || choice.gpu_fallback))
-        return usage_error("--gpu and --gpu-fallback go with --builder vulkan, not " + choice.name);
+Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
+    if (choice.name == "vulkan") return {};
+    if (choice.gpu_fallback)
+        return usage_error("--gpu-fallback goes with --builder vulkan, not " + choice.name);
+    if (choice.gpu != "auto" && !draws_on_gpu)
+        return usage_error("--gpu goes with --builder vulkan, or a --picture that is not painted by the cpu");
+    return {};
+}
+
+Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
+                                                     RunGpu& gpu) {
     if (choice.name == "cpu") return make_cpu_builder(scene);
     if (choice.name == "lazy") return make_lazy_builder(scene);
     if (choice.name == "reference") return make_reference_builder(scene);
     if (choice.name != "vulkan") return usage_error("--builder " + choice.name + " is not known");
-    auto vulkan = make_vulkan(choice.gpu, scene);
+    auto vulkan = make_vulkan(scene, gpu);
     if (vulkan.ok() || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
     warn(vulkan.error().message + "; the cpu builder does its work");
     return make_cpu_builder(scene);

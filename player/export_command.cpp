@@ -79,6 +79,8 @@ Result<void> read_frames(const std::string& text, ExportOptions& out) {
 }  // namespace
 
 Result<void> run_export(const ExportOptions& options) {
+    if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
+        return checked;
     auto reader = open_clip(options.clip, options.scene);
     if (!reader.ok()) return reader.error();
     const auto frames = (*reader)->frame_count();
@@ -86,9 +88,10 @@ Result<void> run_export(const ExportOptions& options) {
     if (frames && wanted >= *frames) return beyond_the_end(options, wanted, *frames);
     const auto scene = effective_scene(**reader, options);
     if (!scene.ok()) return scene.error();
-    const auto builder = make_builder(options.builder, *scene);
+    RunGpu gpu(options.builder.gpu);
+    const auto builder = make_builder(options.builder, *scene, gpu);
     if (!builder.ok()) return builder.error();
-    auto picture = order_picture(options.picture);
+    auto picture = order_picture(options.picture, options.builder, gpu);
     if (!picture.ok()) return picture.error();
 
     std::vector<NamedFile> outputs, inputs{{"the clip", options.clip}};

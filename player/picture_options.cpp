@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <iostream>
 #include <utility>
 
 #include "player/output_file.hpp"
@@ -41,7 +42,8 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
     sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
 }
 
-Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options) {
+Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, const BuilderChoice& choice,
+                                                  RunGpu& gpu) {
     if (!options.file) return std::optional<PictureOrder>();
     PictureOrder order;
     order.file = *options.file;
@@ -49,22 +51,34 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options)
     if (!viewpoint.ok()) return viewpoint.error();
     order.settings.viewpoint = *viewpoint;
     if (auto read = read_size(options.size, order.settings); !read.ok()) return read.error();
-    auto painter = make_painter(options.painter);
+    if (options.draws_on_gpu() && choice.gpu != "auto" && !choice.gpu_fallback)
+        if (const auto opened = gpu.open(); !opened.ok()) return opened.error();
+    auto painter = make_painter(options.painter, [&gpu] { return gpu.open(); });
     if (!painter.ok()) return painter.error();
     order.painter = std::move(*painter);
+    order.any_painter = options.painter == "auto";
     // Only looked at: the picture's own writer makes the file.
     if (auto writable = OutputFile::create("--picture", order.file); !writable.ok()) return writable.error();
     return std::optional<PictureOrder>(std::move(order));
 }
 
+Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                                 std::span<const FingerMark> fingers) {
+    const auto surface = painter->surface_of(field, pair, colour);
+    if (!surface.ok()) return surface.error();
+    const glm::dvec3 middle = middle_of(field);
+    return make_picture(settings, field.scene(), *surface, middle, fingers, mark_sizes(field.scene(), middle),
+                        *painter);
+}
+
 Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                                    std::span<const FingerMark> fingers) {
-    auto q = painter->q_of(field, pair);
-    if (!q.ok()) return q.error();
-    const ViewSurface surface = make_view_surface(field, std::move(*q), colour);
-    const glm::dvec3 middle = middle_of(field);
-    const auto image = make_picture(settings, field.scene(), surface, middle, fingers,
-                                    mark_sizes(field.scene(), middle), *painter);
+    auto image = draw(field, pair, colour, fingers);
+    if (!image.ok() && image.error().kind == ErrorKind::gpu && any_painter) {
+        std::cerr << "touchable: warning: " << image.error().message << "; the cpu painter draws instead\n";
+        painter = make_cpu_painter();
+        image = draw(field, pair, colour, fingers);
+    }
     if (!image.ok()) return image.error();
     return write_png(file, image->view());
 }

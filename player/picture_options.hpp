@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/result.hpp"
+#include "player/builder_choice.hpp"
 #include "player/view/scene_picture.hpp"
 
 namespace CLI {
@@ -19,6 +20,8 @@ struct PictureOptions {
     std::string view = "orbit:az=20,el=15";
     std::string painter = "auto";  ///< as in make_painter
     std::string size = "1280x720";
+
+    bool draws_on_gpu() const { return file && painter != "cpu"; }
 };
 
 /// Adds --picture FILE, --view, --painter and --picture-size.
@@ -30,13 +33,20 @@ struct PictureOrder {
     std::filesystem::path file;
     PictureSettings settings;
     std::unique_ptr<SurfacePainter> painter;
+    bool any_painter = false;  ///< where the GPU fails, the cpu may draw instead
 
     /// Draws the surface of `field`, which was made of `pair`, coloured by `colour` where that is not empty,
     /// and writes the file.
     Result<void> deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                          std::span<const FingerMark> fingers);
+
+private:
+    Result<Image> draw(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                       std::span<const FingerMark> fingers);
 };
-/// Nothing where no picture is asked for.
-Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options);
+/// Nothing where no picture is asked for. `gpu` is that of `choice`, and opened only for a painter that needs
+/// it; one that is asked for by name and is not to be had is refused, unless there may be a fallback.
+Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, const BuilderChoice& choice,
+                                                  RunGpu& gpu);
 
 }  // namespace touchable

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iostream>
 
-#include "engine/surface/surface_builder.hpp"
 #include "player/field_probe.hpp"
 
 namespace touchable {
@@ -81,12 +80,15 @@ Result<void> TouchPicture::finish(const TouchSetup& setup) {
                            " ms, the moment to draw; --picture-at says another");
     auto reader = open_clip(setup.clip, setup.scene_file);
     if (!reader.ok()) return reader.error();
-    const auto builder = make_cpu_builder(setup.scene);
+    // Frames of the GPU that also draws stay there; others are built here, whole.
+    const bool on_gpu = setup.feed->builder_name() == "vulkan";
+    const auto builder = make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu);
+    if (!builder.ok()) return builder.error();
     FrameAgain prev, next;
-    if (auto read = read_frame(**reader, *builder, moment_->frame_prev, prev); !read.ok()) return read;
+    if (auto read = read_frame(**reader, **builder, moment_->frame_prev, prev); !read.ok()) return read;
     const bool between = moment_->frame_next != moment_->frame_prev;
     if (between)
-        if (auto read = read_frame(**reader, *builder, moment_->frame_next, next); !read.ok()) return read;
+        if (auto read = read_frame(**reader, **builder, moment_->frame_next, next); !read.ok()) return read;
 
     FramePair pair;
     pair.prev = {moment_->frame_prev, 0, &prev.surface};
@@ -95,9 +97,10 @@ Result<void> TouchPicture::finish(const TouchSetup& setup) {
     const HeightField field(setup.scene, pair);
     const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
     if (auto done = order_.deliver(field, pair, nearer.colour, fingers_on(field)); !done.ok()) return done;
-    std::cout << "picture: " << order_.file.string() << " by the " << order_.painter->name()
-              << " painter; 1 N is " << mark_sizes(setup.scene, middle_of(field)).length_per_newton
-              << " units long\n";
+    const std::string gpu = order_.painter->gpu_name();
+    std::cout << "picture: " << order_.file.string() << " by the " << order_.painter->name() << " painter"
+              << (gpu.empty() ? "" : " on " + gpu) << "; 1 N is "
+              << mark_sizes(setup.scene, middle_of(field)).length_per_newton << " units long\n";
     return {};
 }
 

@@ -17,6 +17,7 @@ public:
     /// `tick`: the moment; the first tick that is not before it, where some are skipped.
     TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
     Result<void> take(const TouchTick& tick) override;
+    const SurfacePainter& painter() const { return *order_.painter; }
     /// Refused (ErrorKind::usage) where the run ended before the moment.
     Result<void> finish(const TouchSetup& setup);
 

@@ -22,11 +22,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LoopFacts* loop) {
+    const std::string cpu = cpu_facts().model;
     Json report{{"format", 1},
                 {"clip", setup.clip.string()},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},
-                {"device_name", cpu_facts().model},
+                {"device_name", setup.feed->builder_name() == "vulkan" ? setup.gpu->name() : cpu},
+                {"cpu_name", cpu},
                 {"width", setup.scene.width},
                 {"height", setup.scene.height},
                 {"frames", setup.feed->frames()},
@@ -107,6 +109,8 @@ Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, 
 }  // namespace
 
 Result<void> run_touch(const TouchOptions& options) {
+    if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
+        return checked;
     std::optional<Recording> recording;
     if (options.replay) {
         auto read = read_recording(*options.replay);
@@ -140,7 +144,7 @@ Result<void> run_touch(const TouchOptions& options) {
         if (!created.ok()) return created.error();
         json = std::move(*created);
     }
-    auto order = order_picture(options.picture);
+    auto order = order_picture(options.picture, s.builder, *s.gpu);
     if (!order.ok()) return order.error();
     std::optional<TouchPicture> picture;
     if (*order) {
@@ -153,7 +157,12 @@ Result<void> run_touch(const TouchOptions& options) {
     LoopFacts loop;
     if (auto ran = run_session(s, recording.has_value(), sinks, loop); !ran.ok()) return ran;
 
-    const Json report = make_report(s, figures, s.live && !recording ? &loop : nullptr);
+    Json report = make_report(s, figures, s.live && !recording ? &loop : nullptr);
+    if (picture) {
+        const std::string gpu = picture->painter().gpu_name();
+        report["painter"] = picture->painter().name();
+        report["painter_device_name"] = gpu.empty() ? cpu_facts().model : gpu;
+    }
     std::cout << report_to_text(report);
     if (forces)
         if (auto done = forces->finish(); !done.ok()) return done;

@@ -63,7 +63,9 @@ Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, 
         return input_error(setup.clip.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(setup.scene.width) + "x" + std::to_string(setup.scene.height));
-    auto builder = make_builder(options.builder, setup.scene);
+    setup.builder = options.builder;
+    setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
+    auto builder = make_builder(options.builder, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
     setup.feed = std::make_unique<SurfaceFeed>(std::move(*reader), std::move(*builder), setup.scene);
     return {};

@@ -16,6 +16,8 @@ struct TouchSetup {
     std::optional<std::filesystem::path> scene_file;
     std::string hand_words;  ///< as on the command line
     Scene scene;             ///< as this run applies it
+    BuilderChoice builder;
+    std::unique_ptr<RunGpu> gpu;  ///< of builder and picture
     std::unique_ptr<SurfaceFeed> feed;
     std::unique_ptr<Hand> hand;
     std::string device_words;  ///< as on the command line; empty: no device

@@ -7,10 +7,12 @@
 // Triangles of a tile, small on the screen, into packed pixels.
 
 #include "shaders/raster_common.h"
+#include "shaders/tile_lists.h"
 
 layout(local_size_x = RASTER_LANES) in;
 
 layout(set = 0, binding = RASTER_TILES, scalar) readonly buffer Tiles {
+    TileListsHeader header;
     uint tiles[];
 };
 
@@ -23,7 +25,7 @@ struct Corner {
 };
 
 Corner corner(uint i, uint j) {
-    const uint index = j * push.width + i;
+    const uint index = j * push.pitch + i;
     Corner c;
     c.q = q_at[index];
     const vec4 clip = view_clip(push.rows, float(i), float(j), c.q);
@@ -125,7 +127,7 @@ void draw_cell(uint cell, Corner top_left, Corner top_right, Corner bottom_right
 
 void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    if (group >= push.tile_count) return;
+    if (group >= header.whole_tiles + header.mixed_tiles) return;
     const uint tile = tiles[group];
     const uint i = tile % push.tiles_x * RASTER_TILE + gl_LocalInvocationID.x;
     const uint first_row = tile / push.tiles_x * RASTER_TILE;
@@ -134,7 +136,7 @@ void main() {
     Corner top_left = corner(i, first_row), top_right = corner(i + 1u, first_row);
     for (uint j = first_row; j < end; ++j) {
         const Corner bottom_left = corner(i, j + 1u), bottom_right = corner(i + 1u, j + 1u);
-        draw_cell(j * push.width + i, top_left, top_right, bottom_right, bottom_left);
+        draw_cell(j * push.pitch + i, top_left, top_right, bottom_right, bottom_left);
         top_left = bottom_left;
         top_right = bottom_right;
     }

@@ -26,17 +26,18 @@ using uint = unsigned int;
 #define RASTER_COLOURS 1
 #define RASTER_PIXELS 2  // 64 bits each
 #define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells
-#define RASTER_TILES 4   // of raster.comp: row * tiles_x + column of each to draw
+#define RASTER_TILES 4   // of raster.comp: what to draw (shaders/tile_lists.h)
 
 struct RasterPush {
     ViewRows rows;
     uint width, height;                  // of the lattice
-    uint tiles_x, tile_count;            // tiles in a row of it; tiles to draw
+    uint pitch;                          // vertices from one row of q and colours to the next
+    uint tiles_x;                        // tiles in a row of it
     uint picture_width, picture_height;  // pixels
     uint large_capacity;                 // cells the list has room for: all there are
 };
 
-/// Words before the cells (row * width + column): workgroups in x, y, z, and how many cells follow.
+/// Words before the cells (row * pitch + column): workgroups in x, y, z, and how many cells follow.
 #define RASTER_LARGE_HEADER 4
 #define RASTER_MOST_GROUPS 4096u
 

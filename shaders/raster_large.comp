@@ -71,7 +71,7 @@ struct Vertex {
 
 Vertex vertex(uint cell) {
     const float q = q_at[cell];
-    return Vertex(view_clip(push.rows, float(cell % push.width), float(cell / push.width), q),
+    return Vertex(view_clip(push.rows, float(cell % push.pitch), float(cell / push.pitch), q),
                   unpacked(colour_at[cell]), q);
 }
 
@@ -97,8 +97,8 @@ void draw_triangle(Vertex a, Vertex b, Vertex c) {
 void main() {
     for (uint n = gl_WorkGroupID.x; n < min(large_count, push.large_capacity); n += gl_NumWorkGroups.x) {
         const uint cell = large_cells[n];
-        const Vertex top_left = vertex(cell), bottom_right = vertex(cell + push.width + 1u);
+        const Vertex top_left = vertex(cell), bottom_right = vertex(cell + push.pitch + 1u);
         draw_triangle(top_left, vertex(cell + 1u), bottom_right);
-        draw_triangle(top_left, bottom_right, vertex(cell + push.width));
+        draw_triangle(top_left, bottom_right, vertex(cell + push.pitch));
     }
 }

@@ -2,107 +2,102 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 // Codes of a pair of frames -> q of every pixel, for the eye.
 
 #include "shaders/unproject.h"
 
-layout(local_size_x = UNPROJECT_LANES) in;
+layout(local_size_x_id = 0) in;
+layout(constant_id = 1) const uint is_pair = 1u;
+layout(constant_id = 2) const uint has_heights = 1u;
+layout(constant_id = 3) const uint is_range = 1u;
+layout(constant_id = 4) const uint is_inverse = 0u;
+layout(constant_id = 5) const uint is_from_top = 0u;
 
 layout(push_constant, scalar) uniform Push {
     UnprojectPush push;
 };
-layout(set = 0, binding = UNPROJECT_CODES, scalar) readonly buffer Codes {
-    uvec4 codes[];
-};
+layout(set = 0, binding = UNPROJECT_CODES) uniform utextureBuffer codes;
 layout(set = 0, binding = UNPROJECT_VALIDITY, scalar) readonly buffer Validity {
     uint validity[];
 };
-layout(set = 0, binding = UNPROJECT_HEIGHTS, scalar) readonly buffer Heights {
-    uvec4 heights[];
-};
-layout(set = 0, binding = UNPROJECT_NEXT_CODES, scalar) readonly buffer NextCodes {
-    uvec4 next_codes[];
-};
+layout(set = 0, binding = UNPROJECT_HEIGHTS) uniform utextureBuffer heights;
+layout(set = 0, binding = UNPROJECT_NEXT_CODES) uniform utextureBuffer next_codes;
 layout(set = 0, binding = UNPROJECT_NEXT_VALIDITY, scalar) readonly buffer NextValidity {
     uint next_validity[];
 };
-layout(set = 0, binding = UNPROJECT_NEXT_HEIGHTS, scalar) readonly buffer NextHeights {
-    uvec4 next_heights[];
-};
+layout(set = 0, binding = UNPROJECT_NEXT_HEIGHTS) uniform utextureBuffer next_heights;
+// In the widest words there are, because a software Vulkan's stores are paid by the word.
 layout(set = 0, binding = UNPROJECT_Q, scalar) writeonly buffer Q {
-    vec4 q_at[];
+    u64vec4 q_at[];
 };
-
-layout(constant_id = 0) const uint is_pair = 1u;
-layout(constant_id = 1) const uint has_heights = 1u;
-layout(constant_id = 2) const uint is_ragged = 1u;
-layout(constant_id = 3) const uint is_range = 1u;
 
 // The n-th 16 bits.
-uint part(uvec4 texel, uint n) {
-    return texel[n / 2u] >> n % 2u * 16u & 0xffffu;
+uint part(uvec4 texel, int n) {
+    return n % 2 == 0 ? texel[n / 2] & 0xffffu : texel[n / 2] >> 16;
 }
 
 float depth_of(uint code) {
-    const float m = float(push.top_code == 0u ? code : push.top_code - code);
+    const float m = float(is_from_top != 0u ? push.code_max - code : code);
     const float length_of_code = push.base + push.step * m;
-    return push.is_inverse != 0u ? 1.0f / length_of_code : length_of_code;
+    return is_inverse != 0u ? 1.0f / length_of_code : length_of_code;
 }
 
-float ray_length(uint x, uint y) {
-    const float u = (float(x) - push.cx) * push.per_fx, v = (float(y) - push.cy) * push.per_fy;
-    return sqrt(u * u + v * v + 1.0f);
+uint64_t pair_of(float first, float second) {
+    return packUint2x32(uvec2(floatBitsToUint(first), floatBitsToUint(second)));
 }
 
-// Where a pixel's bit is; beyond the last pixel there are codes that mean nothing, and room for their q.
-uint word_of(uint x, uint y) {
-    return min(y * push.validity_words + x / 32u, uint(validity.length()) - 1u);
-}
-
-float q_of(float depth, uint x, uint y) {
-    return (is_range != 0u ? ray_length(x, y) : 1.0f) / depth;
-}
-
-void main() {
-    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    const uint texel = group * UNPROJECT_LANES + gl_LocalInvocationID.x, first = texel * UNPROJECT_PIXELS;
-    if (first >= push.pixels) return;
-    const uvec4 code = codes[texel];
+// Eight pixels of a row from column `x`; bits 0 to 7 say which are valid. v2: the square of their rays' v.
+u64vec4 eight(uint row, uint texel, uint x, uint valids, uint next_valids, float v2) {
+    // Beyond the last texel of a row no pixel is valid, whatever the code.
+    const int at = int(row * push.pitch + min(texel, push.pitch - 1u));
+    const uvec4 code = texelFetch(codes, at);
     uvec4 next_code = uvec4(0u), height = uvec4(0u), next_height = uvec4(0u);
-    if (is_pair != 0u) next_code = next_codes[texel];
-    if (has_heights != 0u && push.height_per_code != 0.0f) height = heights[texel];
+    if (is_pair != 0u) next_code = texelFetch(next_codes, at);
+    if (has_heights != 0u && push.height_per_code != 0.0f) height = texelFetch(heights, at);
     if (is_pair != 0u && has_heights != 0u && push.next_height_per_code != 0.0f)
-        next_height = next_heights[texel];
+        next_height = texelFetch(next_heights, at);
 
-    float q[UNPROJECT_PIXELS];
-    uint x = first % push.width, y = first / push.width;
-    uint word = word_of(x, y), valids = validity[word], next_valids = 0u;
-    if (is_pair != 0u) next_valids = next_validity[word];
-    [[unroll]] for (uint n = 0u; n < UNPROJECT_PIXELS; ++n) {
+    float q[8];
+    [[unroll]] for (int n = 0; n < 8; ++n) {
         float depth = depth_of(part(code, n));
         if (has_heights != 0u) depth -= push.height_per_code * float(part(height, n));
-        bool valid = (valids >> x % 32u & 1u) != 0u;
+        bool valid = (valids >> n & 1u) != 0u;
         if (is_pair != 0u) {
             float next_depth = depth_of(part(next_code, n));
             if (has_heights != 0u) next_depth -= push.next_height_per_code * float(part(next_height, n));
-            const bool next_valid = (next_valids >> x % 32u & 1u) != 0u;
+            const bool next_valid = (next_valids >> n & 1u) != 0u;
             // A pixel valid in one frame alone takes the state of the frame nearer in time.
             const bool is_next = valid != next_valid && push.blend >= 0.5f;
             const float mixed = depth * push.rest + next_depth * push.blend;
             depth = valid && next_valid ? mixed : (is_next ? next_depth : depth);
             valid = is_next ? next_valid : valid;
         }
-        q[n] = valid ? q_of(depth, x, y) : 0.0f;
-        ++x;
-        if (is_ragged != 0u) {  // else the eight lie in one row, and their bits in one word
-            y += x == push.width ? 1u : 0u;
-            x = x == push.width ? 0u : x;
-            word = word_of(x, y);
-            valids = validity[word];
-            if (is_pair != 0u) next_valids = next_validity[word];
+        float ray = 1.0f;
+        if (is_range != 0u) {
+            const float u = (float(x + uint(n)) - push.cx) * push.per_fx;
+            ray = sqrt(u * u + v2 + 1.0f);
+        }
+        q[n] = valid ? ray / depth : 0.0f;
+    }
+    return u64vec4(pair_of(q[0], q[1]), pair_of(q[2], q[3]), pair_of(q[4], q[5]), pair_of(q[6], q[7]));
+}
+
+void main() {
+    const uint lane = gl_GlobalInvocationID.x;
+    const uint row = lane / push.segments, first = lane % push.segments * push.segment_words;
+    if (row >= push.height) return;
+    const uint end = min(first + push.segment_words, push.words);
+    const float v = (float(row) - push.cy) * push.per_fy;
+    for (uint word = first; word < end; ++word) {
+        const uint valids = validity[row * push.words + word];
+        uint next_valids = 0u;
+        if (is_pair != 0u) next_valids = next_validity[row * push.words + word];
+        [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+            const uint texel = 4u * word + k;
+            q_at[4u * (row * push.words + word) + k] =
+                eight(row, texel, 8u * texel, valids >> 8u * k, next_valids >> 8u * k, v * v);
         }
     }
-    q_at[2u * texel] = vec4(q[0], q[1], q[2], q[3]);
-    q_at[2u * texel + 1u] = vec4(q[4], q[5], q[6], q[7]);
 }

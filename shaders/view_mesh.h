@@ -19,11 +19,12 @@ using uint = unsigned int;
 
 #define MESH_Q 0
 #define MESH_COLOURS 1
-#define MESH_TILES 2  // row * tiles_x + column of each
+#define MESH_TILES 2  // what to draw (shaders/tile_lists.h)
 
 struct MeshPush {
     ViewRows rows;
     uint width, height;  // of the lattice
+    uint pitch;          // vertices from one row of q and colours to the next
     uint tiles_x;        // tiles in a row of it
 };
 

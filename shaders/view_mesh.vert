@@ -5,6 +5,7 @@
 // A vertex of a tile's triangles, read where it lies.
 
 #include "shaders/cut_rule.h"
+#include "shaders/tile_lists.h"
 #include "shaders/view_mesh.h"
 
 layout(constant_id = 0) const bool is_mixed = false;
@@ -19,6 +20,7 @@ layout(set = 0, binding = MESH_COLOURS, scalar) readonly buffer Colours {
     uint colour_at[];
 };
 layout(set = 0, binding = MESH_TILES, scalar) readonly buffer Tiles {
+    TileListsHeader header;
     uint tiles[];
 };
 
@@ -30,11 +32,11 @@ invariant gl_Position;
 const uvec2 corners[6] = uvec2[6](uvec2(0, 0), uvec2(1, 0), uvec2(1, 1), uvec2(0, 0), uvec2(1, 1), uvec2(0, 1));
 
 float q_of(uvec2 at) {
-    return q_at[at.y * push.width + at.x];
+    return q_at[at.y * push.pitch + at.x];
 }
 
 void main() {
-    const uint tile = tiles[gl_InstanceIndex];
+    const uint tile = tiles[(is_mixed ? header.whole_tiles : 0u) + uint(gl_InstanceIndex)];
     const uvec2 origin = uvec2(tile % push.tiles_x, tile / push.tiles_x) * MESH_TILE;
     const uvec2 last = uvec2(push.width, push.height) - 1u;
     const uint vertex = uint(gl_VertexIndex);
@@ -55,7 +57,7 @@ void main() {
         // Beyond the picture's last row and column triangles have no area.
         at = min(origin + uvec2(vertex % MESH_TILE_SIDE, vertex / MESH_TILE_SIDE), last);
     }
-    const uint packed_colour = colour_at[at.y * push.width + at.x];
+    const uint packed_colour = colour_at[at.y * push.pitch + at.x];
     gl_Position = view_clip(push.rows, float(at.x), float(at.y), q_of(at));
     colour = vec3(packed_colour & 255u, packed_colour >> 8 & 255u, packed_colour >> 16 & 255u) / 255.0f;
 }

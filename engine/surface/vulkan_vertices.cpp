@@ -33,7 +33,7 @@ Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& 
 }
 
 bool VulkanVertices::serves(const GpuDevice& device, int width, int height, bool copied) const {
-    return codes.is_copied() == copied && vulkan_ == device.vulkan() && width_ == width && height_ == height;
+    return codes.is_copied() == copied && is_on(device) && width_ == width && height_ == height;
 }
 
 }  // namespace touchable

@@ -20,6 +20,7 @@ public:
     /// Codes with rows of whole texels; validity and bounds as in a SurfaceFrame.
     static Result<std::unique_ptr<VulkanVertices>> create(const GpuDevice& device, const SurfaceFrame& frame,
                                                           int width, int height, bool copied);
+    bool is_on(const GpuDevice& device) const { return vulkan_ == device.vulkan(); }
     /// Whether its memory serves frames of this size on this device.
     bool serves(const GpuDevice& device, int width, int height, bool copied) const;
 

@@ -2,42 +2,126 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string>
 
 namespace touchable {
+namespace {
 
-Result<void> LatticeUpload::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes) {
+/// Rows of 4 bytes a vertex into rows of `pitch` vertices.
+template <class T>
+void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const GpuBuffer& buffer) {
+    const auto width = static_cast<std::size_t>(lattice.width),
+               pitch = static_cast<std::size_t>(lattice.pitch);
+    T* to = buffer.mapped<T>().data();
+    for (std::size_t y = 0; y < static_cast<std::size_t>(lattice.height); ++y)
+        std::memcpy(to + y * pitch, values.data() + y * width, width * sizeof(T));
+}
+
+std::vector<float> q_from(const GpuLattice& lattice) {
+    const auto width = static_cast<std::size_t>(lattice.width),
+               pitch = static_cast<std::size_t>(lattice.pitch);
+    std::vector<float> q(width * static_cast<std::size_t>(lattice.height));
+    for (std::size_t y = 0; y < static_cast<std::size_t>(lattice.height); ++y)
+        std::memcpy(q.data() + y * width, lattice.q.mapped<float>().data() + y * pitch,
+                    width * sizeof(float));
+    return q;
+}
+
+}  // namespace
+
+Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory) {
     if (buffer && buffer.bytes() >= bytes) return {};
-    const auto memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload;
-    auto made = GpuBuffer::create(*device_, name, std::max<std::size_t>(bytes, 16), memory);
+    if (bytes > device_->facts().limits.max_storage_buffer_range)
+        return Error{ErrorKind::gpu, std::string(name) + ": " + std::to_string(bytes) +
+                                         " bytes are more than a kernel may read on " +
+                                         device_->facts().name};
+    auto made = GpuBuffer::create(*device_, name, bytes, memory);
     if (!made.ok()) return made.error();
     buffer = std::move(*made);
     return {};
 }
 
-namespace {
-template <class T>
-void put(const std::vector<T>& values, const GpuBuffer& buffer, std::size_t at) {
-    if (!values.empty())
-        std::memcpy(buffer.mapped<T>().data() + at, values.data(), values.size() * sizeof(T));
+Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                                 GpuLattice& lattice) {
+    lattice.vulkan = device_->vulkan();
+    lattice.width = field.width();
+    lattice.height = field.height();
+    lattice.pitch = SurfaceUnproject::pitch(lattice.width);
+    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
+    const int w = lattice.width, h = lattice.height;
+    for (const auto& done :
+         {reserve(lattice.q, "lattice q", SurfaceUnproject::q_bytes(w, h), memory),
+          reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(w, h), memory),
+          reserve(lattice.classes, "tile classes", TileLists::class_bytes(w, h), GpuMemory::device)})
+        if (!done.ok()) return done;
+    if (auto recorded = unproject_.record(commands, field, pair, lattice.q); !recorded.ok()) return recorded;
+    commands.mark("unproject");
+    if (auto recorded = tile_lists_.record(commands, lattice); !recorded.ok()) return recorded;
+    commands.mark("tiles");
+    return {};
 }
-}  // namespace
 
-Result<GpuLattice> LatticeUpload::upload(const ViewSurface& surface) {
-    const ViewTiles& tiles = surface.tiles;
-    for (auto done :
-         {reserve(lattice_.q, "lattice q", surface.q.size() * 4),
-          reserve(lattice_.colours, "lattice colours", surface.colours.size() * 4),
-          reserve(lattice_.tiles, "lattice tiles", (tiles.whole.size() + tiles.mixed.size()) * 4)})
+/// Makes a lattice and gives q and tiles of it where the CPU reads them.
+Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FramePair& pair,
+                                          GpuLattice& lattice) {
+    auto commands = GpuCommands::begin(device_, "lattice");
+    if (!commands.ok()) return commands.error();
+    if (auto recorded = record(*commands, field, pair, lattice); !recorded.ok()) return recorded.error();
+    GpuLattice seen = lattice;
+    if (!device_->facts().unified_memory) {
+        commands->barrier(GpuStage::compute, GpuStage::transfer);
+        for (GpuBuffer* buffer : {&seen.q, &seen.tiles}) {
+            auto made = GpuBuffer::create(*device_, buffer->name() + " read back", buffer->bytes(),
+                                          GpuMemory::readback);
+            if (!made.ok()) return made.error();
+            commands->copy(*buffer, 0, *made, 0, buffer->bytes());
+            *buffer = *made;
+        }
+    }
+    const auto submission = std::move(*commands).submit();
+    if (!submission.ok()) return submission.error();
+    if (auto done = submission->wait(); !done.ok()) return done.error();
+    return seen;
+}
+
+Result<ViewSurface> GpuLattices::surface_of(const HeightField& field, const FramePair& pair,
+                                            const PlaneView& colour) {
+    if (!SurfaceUnproject::has_codes(field, pair)) return make_view_surface(field, colour);
+    auto lattice = std::make_shared<GpuLattice>();
+    const auto seen = read_back(field, pair, *lattice);
+    if (!seen.ok()) return seen.error();
+    ViewSurface surface = make_view_surface(field, q_from(*seen), read_tiles(seen->tiles), colour);
+    surface.on_gpu = std::move(lattice);
+    return surface;
+}
+
+Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
+    GpuLattice lattice = uploaded_;
+    const bool is_here = surface.on_gpu && surface.on_gpu->vulkan == device_->vulkan();
+    if (is_here) {
+        lattice = *surface.on_gpu;
+        lattice.colours = uploaded_.colours;
+    } else {
+        lattice.vulkan = device_->vulkan();
+        lattice.width = surface.width;
+        lattice.height = surface.height;
+        lattice.pitch = SurfaceUnproject::pitch(surface.width);
+    }
+    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload;
+    const std::size_t bytes = SurfaceUnproject::q_bytes(surface.width, surface.height);  // as many of colours
+    if (auto done = reserve(lattice.colours, "lattice colours", bytes, memory); !done.ok())
+        return done.error();
+    uploaded_.colours = lattice.colours;
+    put_rows(surface.colours, lattice, lattice.colours);
+    if (is_here) return lattice;
+    const std::size_t list_bytes = TileLists::list_bytes(surface.width, surface.height);
+    for (const auto& done : {reserve(lattice.q, "lattice q", bytes, memory),
+                             reserve(lattice.tiles, "lattice tiles", list_bytes, memory)})
         if (!done.ok()) return done.error();
-    lattice_.width = surface.width;
-    lattice_.height = surface.height;
-    lattice_.whole_tiles = static_cast<std::uint32_t>(tiles.whole.size());
-    lattice_.mixed_tiles = static_cast<std::uint32_t>(tiles.mixed.size());
-    put(surface.q, lattice_.q, 0);
-    put(surface.colours, lattice_.colours, 0);
-    put(tiles.whole, lattice_.tiles, 0);
-    put(tiles.mixed, lattice_.tiles, tiles.whole.size());
-    return lattice_;
+    put_rows(surface.q, lattice, lattice.q);
+    write_tiles(surface.tiles, lattice.tiles);
+    uploaded_ = lattice;
+    return lattice;
 }
 
 }  // namespace touchable

@@ -1,34 +1,53 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 
 #include "engine/gpu/gpu_buffer.hpp"
+#include "player/view/surface_unproject.hpp"
+#include "player/view/tile_lists.hpp"
 #include "player/view/view_surface.hpp"
 
 namespace touchable {
 
-/// A lattice in the GPU's memory, as painters there read it.
+/// A lattice in a GPU's memory, as painters there read it.
 struct GpuLattice {
+    std::shared_ptr<VulkanDevice> vulkan;  ///< whose memory it is
     int width = 0, height = 0;
+    int pitch = 0;      ///< vertices from one row of q and colours to the next
     GpuBuffer q;        ///< floats, row-major
     GpuBuffer colours;  ///< PackedColour, row-major
-    GpuBuffer tiles;    ///< ViewTiles: the whole ones, then the mixed ones
-    std::uint32_t whole_tiles = 0, mixed_tiles = 0;
+    GpuBuffer tiles;    ///< which ones to draw: shaders/tile_lists.h
+    GpuBuffer classes;  ///< of each tile, between the kernels that find them
 };
 
-/// Puts surfaces where the GPU reads them, one at a time into the same buffers: who uploads the next has
-/// waited for what reads the last.
-class LatticeUpload {
+/// Makes lattices on a device: from codes by kernels, or from what the CPU made.
+class GpuLattices {
 public:
-    explicit LatticeUpload(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
-    Result<GpuLattice> upload(const ViewSurface& surface);
+    explicit GpuLattices(std::shared_ptr<GpuDevice> device)
+        : device_(std::move(device)), unproject_(device_), tile_lists_(device_) {}
+
+    /// Records what makes q and tiles, without colours, of a pair of frames that have codes
+    /// (SurfaceUnproject::has_codes). Buffers of `lattice` that are large enough serve again: whoever reads
+    /// them has done so.
+    Result<void> record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                        GpuLattice& lattice);
+
+    /// `make_view_surface`, with q and tiles by `record` where the frames have codes; they stay on the GPU
+    /// beside.
+    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);
+
+    /// A surface where painters on this device read it: only colours are uploaded where the rest is there.
+    /// One at a time into the same buffers: who asks for the next has waited for what reads the last.
+    Result<GpuLattice> lattice_of(const ViewSurface& surface);
 
 private:
-    Result<void> reserve(GpuBuffer& buffer, const char* name, std::size_t bytes);
+    Result<void> reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory);
+    Result<GpuLattice> read_back(const HeightField& field, const FramePair& pair, GpuLattice& lattice);
 
     std::shared_ptr<GpuDevice> device_;
-    GpuLattice lattice_;
+    SurfaceUnproject unproject_;
+    TileLists tile_lists_;
+    GpuLattice uploaded_;
 };
 
 }  // namespace touchable

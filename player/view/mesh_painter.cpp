@@ -1,8 +1,8 @@
 #include <algorithm>
 
+#include "player/view/gpu_lattice.hpp"
 #include "player/view/gpu_painters.hpp"
 #include "player/view/mesh_pipeline.hpp"
-#include "player/view/surface_unproject.hpp"
 
 namespace touchable {
 namespace {
@@ -20,16 +20,19 @@ void record_copy(GpuCommands& commands, const GpuImage& image, const GpuBuffer& 
 class MeshPainter final : public SurfacePainter {
 public:
     MeshPainter(std::shared_ptr<GpuDevice> device, MeshPipeline pipeline)
-        : device_(std::move(device)), unproject_(device_), pipeline_(std::move(pipeline)), upload_(device_) {}
+        : device_(std::move(device)), pipeline_(std::move(pipeline)), lattices_(device_) {}
 
     std::string_view name() const override { return "mesh"; }
 
-    Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair) override {
-        return unproject_.q_of(field, pair);
+    std::string gpu_name() const override { return device_->facts().name; }
+
+    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
+                                   const PlaneView& colour) override {
+        return lattices_.surface_of(field, pair, colour);
     }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
-        const auto lattice = upload_.upload(surface);
+        const auto lattice = lattices_.lattice_of(surface);
         if (!lattice.ok()) return lattice.error();
         const std::size_t pixels =
             static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
@@ -63,9 +66,8 @@ public:
 
 private:
     std::shared_ptr<GpuDevice> device_;
-    SurfaceUnproject unproject_;
     MeshPipeline pipeline_;
-    LatticeUpload upload_;
+    GpuLattices lattices_;
 };
 
 }  // namespace

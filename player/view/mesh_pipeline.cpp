@@ -1,11 +1,13 @@
 #include "player/view/mesh_pipeline.hpp"
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
 #include "player/view/view_rows.hpp"
+#include "shaders/tile_lists.h"
 #include "shaders/view_mesh.frag.spv.h"
 #include "shaders/view_mesh.h"
 #include "shaders/view_mesh.vert.spv.h"
@@ -14,9 +16,8 @@ namespace touchable {
 namespace {
 
 static_assert(MESH_TILE == TileGrid::cells);
-static_assert(sizeof(MeshPush) == 76);
-
-constexpr std::uint32_t whole_indices = MESH_TILE_CELLS * 6, mixed_vertices = MESH_TILE_CELLS * 6;
+static_assert(sizeof(MeshPush) == 80);
+static_assert(TILE_LISTS_CORNERS == MESH_TILE_CELLS * 6);
 
 Result<VkShaderModule> make_module(VulkanDevice& gpu, std::span<const std::uint32_t> words) {
     VkShaderModuleCreateInfo info{};
@@ -240,19 +241,16 @@ void MeshPipeline::draw(VkCommandBuffer commands, const GpuLattice& lattice, con
     state_->vulkan->push_descriptors(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, state_->layout, 0,
                                      static_cast<std::uint32_t>(writes.size()), writes.data());
     const MeshPush push{rows_of(camera), static_cast<std::uint32_t>(lattice.width),
-                        static_cast<std::uint32_t>(lattice.height),
+                        static_cast<std::uint32_t>(lattice.height), static_cast<std::uint32_t>(lattice.pitch),
                         static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x)};
     vkCmdPushConstants(commands, state_->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
 
     vkCmdBindIndexBuffer(commands, state_->pattern.handle(), 0, VK_INDEX_TYPE_UINT16);
-    if (lattice.whole_tiles > 0) {
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, state_->whole);
-        vkCmdDrawIndexed(commands, whole_indices, lattice.whole_tiles, 0, 0, 0);
-    }
-    if (lattice.mixed_tiles > 0) {
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, state_->mixed);
-        vkCmdDraw(commands, mixed_vertices, lattice.mixed_tiles, 0, lattice.whole_tiles);
-    }
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, state_->whole);
+    vkCmdDrawIndexedIndirect(commands, lattice.tiles.handle(), offsetof(TileListsHeader, whole_indices), 1,
+                             0);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, state_->mixed);
+    vkCmdDrawIndirect(commands, lattice.tiles.handle(), offsetof(TileListsHeader, mixed_vertices), 1, 0);
 }
 
 void MeshPipeline::record(GpuCommands& gpu_commands, const GpuLattice& lattice, const ViewCamera& camera,

@@ -5,8 +5,10 @@
 namespace touchable {
 namespace {
 
-Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name) {
-    auto device = GpuDevice::open();
+using OpenGpu = std::function<Result<std::shared_ptr<GpuDevice>>()>;
+
+Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const OpenGpu& open_gpu) {
+    auto device = open_gpu();
     if (!device.ok()) return device.error();
     const GpuFacts& facts = (*device)->facts();
     const bool draws_fast = facts.kind != GpuKind::software && facts.draws_triangles;
@@ -16,16 +18,17 @@ Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name) {
 
 }  // namespace
 
-Result<std::vector<float>> SurfacePainter::q_of(const HeightField& field, const FramePair&) {
-    return touchable::q_of(field);
+Result<ViewSurface> SurfacePainter::surface_of(const HeightField& field, const FramePair&,
+                                               const PlaneView& colour) {
+    return make_view_surface(field, colour);
 }
 
-Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name) {
+Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name, const OpenGpu& open_gpu) {
     if (name == "cpu") return make_cpu_painter();
     if (name != "auto" && name != "raster" && name != "mesh")
         return usage_error("--painter " + std::string(name) +
                            " is not known; there are auto, cpu, raster and mesh");
-    auto painter = gpu_painter(name);
+    auto painter = gpu_painter(name, open_gpu);
     if (!painter.ok() && name == "auto") return make_cpu_painter();
     return painter;
 }

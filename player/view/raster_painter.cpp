@@ -2,9 +2,9 @@
 #include <bit>
 #include <cstdint>
 
+#include "player/view/gpu_lattice.hpp"
 #include "player/view/gpu_painters.hpp"
 #include "player/view/surface_raster.hpp"
-#include "player/view/surface_unproject.hpp"
 
 namespace touchable {
 namespace {
@@ -12,16 +12,19 @@ namespace {
 class RasterPainter final : public SurfacePainter {
 public:
     RasterPainter(std::shared_ptr<GpuDevice> device, SurfaceRaster raster)
-        : device_(std::move(device)), unproject_(device_), raster_(std::move(raster)), upload_(device_) {}
+        : device_(std::move(device)), raster_(std::move(raster)), lattices_(device_) {}
 
     std::string_view name() const override { return "raster"; }
 
-    Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair) override {
-        return unproject_.q_of(field, pair);
+    std::string gpu_name() const override { return device_->facts().name; }
+
+    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
+                                   const PlaneView& colour) override {
+        return lattices_.surface_of(field, pair, colour);
     }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
-        const auto lattice = upload_.upload(surface);
+        const auto lattice = lattices_.lattice_of(surface);
         if (!lattice.ok()) return lattice.error();
         const std::size_t bytes =
             std::size_t{8} * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
@@ -31,51 +34,59 @@ public:
                                              " samples is too large for --painter "
                                              "raster on " +
                                              device_->facts().name + "; cpu and mesh draw it"};
+        const std::size_t large_bytes = SurfaceRaster::large_bytes(surface.width, surface.height);
+        if (auto reserved = reserve(bytes, large_bytes); !reserved.ok()) return reserved.error();
+
+        auto commands = GpuCommands::begin(device_, "raster");
+        if (!commands.ok()) return commands.error();
+        raster_.record(*commands, *lattice, camera, pixels_, large_);
+        if (seen_.handle() != pixels_.handle()) {
+            commands->barrier(GpuStage::compute, GpuStage::transfer);
+            commands->copy(pixels_, 0, seen_, 0, bytes);
+        }
+        const auto submission = std::move(*commands).submit();
+        if (!submission.ok()) return submission.error();
+        if (auto done = submission->wait(); !done.ok()) return done.error();
+        return unpacked(seen_.mapped<std::uint64_t>().first(bytes / 8), camera);
+    }
+
+private:
+    /// Room for a picture and for large cells; what the last one had serves again where it is large enough.
+    Result<void> reserve(std::size_t bytes, std::size_t large_bytes) {
+        if (!large_ || large_.bytes() < large_bytes) {
+            auto large = GpuBuffer::create(*device_, "large cells", large_bytes, GpuMemory::device);
+            if (!large.ok()) return large.error();
+            large_ = std::move(*large);
+        }
+        if (pixels_ && pixels_.bytes() >= bytes) return {};
         // Atomics want the GPU's own memory; what the CPU reads it copies.
         const bool unified = device_->facts().unified_memory;
         auto pixels = GpuBuffer::create(*device_, "picture pixels", bytes,
                                         unified ? GpuMemory::shared : GpuMemory::device);
         if (!pixels.ok()) return pixels.error();
-        auto large =
-            GpuBuffer::create(*device_, "large cells",
-                              SurfaceRaster::large_bytes(surface.width, surface.height), GpuMemory::device);
-        if (!large.ok()) return large.error();
-        GpuBuffer result = *pixels;
-        if (!unified) {
-            auto readback = GpuBuffer::create(*device_, "picture read back", bytes, GpuMemory::readback);
-            if (!readback.ok()) return readback.error();
-            result = *readback;
-        }
-
-        auto commands = GpuCommands::begin(device_, "raster");
-        if (!commands.ok()) return commands.error();
-        raster_.record(*commands, *lattice, camera, *pixels, *large);
-        if (!unified) {
-            commands->barrier(GpuStage::compute, GpuStage::transfer);
-            commands->copy(*pixels, 0, result, 0, bytes);
-        }
-        const auto submission = std::move(*commands).submit();
-        if (!submission.ok()) return submission.error();
-        if (auto done = submission->wait(); !done.ok()) return done.error();
-        return unpacked(result.mapped<std::uint64_t>(), camera);
+        auto seen =
+            unified ? pixels : GpuBuffer::create(*device_, "picture read back", bytes, GpuMemory::readback);
+        if (!seen.ok()) return seen.error();
+        pixels_ = std::move(*pixels);
+        seen_ = std::move(*seen);
+        return {};
     }
 
-private:
     static PicturePlanes unpacked(std::span<const std::uint64_t> pixels, const ViewCamera& camera) {
         PicturePlanes planes{camera.width, camera.height, {}, {}};
-        planes.z.reserve(pixels.size());
-        planes.colours.reserve(pixels.size());
-        for (const std::uint64_t pixel : pixels) {
-            planes.z.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(pixel >> 32)));
-            planes.colours.push_back(static_cast<PackedColour>(pixel));
+        planes.z.resize(pixels.size());
+        planes.colours.resize(pixels.size());
+        for (std::size_t k = 0; k < pixels.size(); ++k) {
+            planes.z[k] = std::bit_cast<float>(static_cast<std::uint32_t>(pixels[k] >> 32));
+            planes.colours[k] = static_cast<PackedColour>(pixels[k]);
         }
         return planes;
     }
 
     std::shared_ptr<GpuDevice> device_;
-    SurfaceUnproject unproject_;
     SurfaceRaster raster_;
-    LatticeUpload upload_;
+    GpuLattices lattices_;
+    GpuBuffer pixels_, large_, seen_;  // seen_: the pixels, where the CPU reads them
 };
 
 }  // namespace

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "engine/gpu/gpu_device.hpp"
 #include "engine/result.hpp"
 #include "player/view/picture_planes.hpp"
 #include "player/view/view_camera.hpp"
@@ -17,18 +19,22 @@ class SurfacePainter {
 public:
     virtual ~SurfacePainter() = default;
     virtual std::string_view name() const = 0;
-    /// q of every pixel of `field`, which `pair` is behind: `touchable::q_of`, or what agrees with it to
+    /// The GPU that draws; empty: none does.
+    virtual std::string gpu_name() const { return {}; }
+    /// `make_view_surface` of `field`, which `pair` is behind, made where this painter draws: q agree to
     /// 1e-6.
-    virtual Result<std::vector<float>> q_of(const HeightField& field, const FramePair& pair);
+    virtual Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
+                                           const PlaneView& colour);
     virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
 };
 
 /// On this thread, without a GPU: the definition that the others are tested against.
 std::unique_ptr<SurfacePainter> make_cpu_painter();
 
-/// "cpu", "raster" or "mesh" (gpu_painters.hpp) on the GPU that GpuOptions chooses where nobody says, or
-/// "auto": mesh on a GPU, raster where Vulkan computes on the CPU, cpu where there is neither. Refused
+/// "cpu", "raster" or "mesh" (gpu_painters.hpp) on the GPU that `open_gpu` gives, which cpu does not ask for,
+/// or "auto": mesh on a GPU, raster where Vulkan computes on the CPU, cpu where there is neither. Refused
 /// (ErrorKind::gpu) where what is asked for by name is not to be had.
-Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name);
+Result<std::unique_ptr<SurfacePainter>> make_painter(
+    std::string_view name, const std::function<Result<std::shared_ptr<GpuDevice>>()>& open_gpu);
 
 }  // namespace touchable

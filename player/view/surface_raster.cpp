@@ -1,13 +1,14 @@
 #include "player/view/surface_raster.hpp"
 
+#include <cstddef>
 #include <type_traits>
 
 #include "engine/frame/surface_frame.hpp"
-#include "player/view/group_rows.hpp"
 #include "player/view/view_rows.hpp"
 #include "shaders/raster.h"
 #include "shaders/raster.spv.h"
 #include "shaders/raster_large.spv.h"
+#include "shaders/tile_lists.h"
 
 namespace touchable {
 
@@ -44,8 +45,8 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     push.rows = rows_of(camera);
     push.width = static_cast<std::uint32_t>(lattice.width);
     push.height = static_cast<std::uint32_t>(lattice.height);
+    push.pitch = static_cast<std::uint32_t>(lattice.pitch);
     push.tiles_x = static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x);
-    push.tile_count = lattice.whole_tiles + lattice.mixed_tiles;
     push.picture_width = static_cast<std::uint32_t>(camera.width);
     push.picture_height = static_cast<std::uint32_t>(camera.height);
     push.large_capacity = push.width * push.height;
@@ -56,8 +57,8 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     commands.fill(large, 1, 4, 8);
     commands.fill(large, 0, 12, 4);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
-    commands.dispatch(raster_, push, {lattice.q, lattice.colours, pixels, large, lattice.tiles},
-                      groups_in_rows(push.tile_count));
+    commands.dispatch_indirect(raster_, push, {lattice.q, lattice.colours, pixels, large, lattice.tiles},
+                               lattice.tiles, offsetof(TileListsHeader, groups_x));
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.dispatch_indirect(large_, push, {lattice.q, lattice.colours, pixels, large}, large);

@@ -1,92 +1,128 @@
 #include "player/view/surface_unproject.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cstddef>
 #include <cstring>
 
-#include "player/view/group_rows.hpp"
-#include "player/view/view_surface.hpp"
+#include "engine/surface/vulkan_vertices.hpp"
 #include "shaders/unproject.h"
 #include "shaders/unproject.spv.h"
 
 namespace touchable {
 namespace {
 
-static_assert(sizeof(UnprojectPush) == 60);
+static_assert(sizeof(UnprojectPush) == 64);
 
 /// Length = base + step m of a coding, and how m comes from the code; see shaders/unproject.h.
-void set_coding(const DepthCoding& coding, UnprojectPush& push) {
-    const bool is_inverse = coding.kind == DepthCodingKind::inverse;
+void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstants& constants) {
     double base = 0, step = coding.scale;  // metric
-    // m counts from the near plane, or from the far one where it is 1 / depth that grows.
-    bool from_top = false;
-    if (is_inverse) {
+    if (coding.kind == DepthCodingKind::inverse) {
+        constants.is_inverse = 1;
         base = 1.0 / coding.far;
         step = (1.0 / coding.near - 1.0 / coding.far) / coding.code_max;
-        from_top = !coding.near_is_high;
+        constants.is_from_top = coding.near_is_high ? 0 : 1;  // it is 1 / length that grows
     } else if (coding.kind != DepthCodingKind::metric) {
         base = coding.near;
         step = (coding.far - coding.near) / coding.code_max;
-        from_top = coding.near_is_high;
+        constants.is_from_top = coding.near_is_high ? 1 : 0;
     }
-    push.top_code = from_top ? coding.code_max : 0;
+    push.code_max = coding.code_max;
     push.base = static_cast<float>(base);
     push.step = static_cast<float>(step);
-    push.is_inverse = is_inverse;
 }
 
-template <class Values>
-Result<GpuBuffer> uploaded(const GpuDevice& device, const char* name, const Values& values) {
-    const std::size_t bytes = values.size() * sizeof(*values.data());
-    // Whole texels, as lanes read them.
-    auto buffer = GpuBuffer::create(device, name, std::max<std::size_t>(16, (bytes + 15) / 16 * 16),
+std::size_t whole(int count, int size) {
+    return static_cast<std::size_t>((count + size - 1) / size);
+}
+
+/// Rows of 16 bits a pixel, each from a whole texel on.
+Result<GpuBuffer> uploaded_rows(const GpuDevice& device, const char* name, const std::uint16_t* values,
+                                int width, int height) {
+    const std::size_t pitch = 8 * whole(width, 8), columns = static_cast<std::size_t>(width);
+    const auto rows = static_cast<std::size_t>(height);
+    auto buffer = GpuBuffer::create(device, name, 2 * pitch * rows,
                                     device.facts().unified_memory ? GpuMemory::shared : GpuMemory::upload);
-    if (buffer.ok() && bytes > 0)
-        std::memcpy(buffer->template mapped<std::byte>().data(), values.data(), bytes);
+    if (!buffer.ok()) return buffer;
+    std::uint16_t* to = buffer->mapped<std::uint16_t>().data();
+    for (std::size_t y = 0; y < rows; ++y) std::memcpy(to + y * pitch, values + y * columns, 2 * columns);
     return buffer;
 }
 
 }  // namespace
 
-std::size_t SurfaceUnproject::q_bytes(int width, int height) {
-    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    return 4 * UNPROJECT_PIXELS * ((pixels + UNPROJECT_PIXELS - 1) / UNPROJECT_PIXELS);
+int SurfaceUnproject::pitch(int width) {
+    return UNPROJECT_WORD * static_cast<int>(whole(width, UNPROJECT_WORD));
 }
 
-Result<GpuProgram> SurfaceUnproject::program_for(std::size_t bits) {
-    GpuProgram& program = programs_[bits];
+std::size_t SurfaceUnproject::q_bytes(int width, int height) {
+    return 4 * static_cast<std::size_t>(pitch(width)) * static_cast<std::size_t>(height);
+}
+
+bool SurfaceUnproject::has_codes(const HeightField& field, const FramePair& pair) {
+    return !pair.prev.frame->codes.empty() && (field.blend() == 0 || !pair.next.frame->codes.empty());
+}
+
+Result<GpuProgram> SurfaceUnproject::program_for(const Constants& constants) {
+    GpuProgram& program = programs_[constants];
     if (program) return program;
-    const auto bit = [bits](unsigned n) { return static_cast<std::uint32_t>(bits >> n & 1U); };
-    const std::array<std::uint32_t, 4> constants{bit(0), bit(1), bit(2), bit(3)};
-    const auto storage = GpuBindingKind::storage_buffer;
+    constexpr GpuBindingKind buffer = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
     auto made = GpuProgram::create(*device_, "unproject", unproject_spv,
                                    {sizeof(UnprojectPush),
-                                    {storage, storage, storage, storage, storage, storage, storage},
-                                    {UNPROJECT_LANES, 1, 1}},
+                                    {texels, buffer, texels, texels, buffer, texels, buffer},
+                                    {constants[0], 1, 1}},
                                    constants);
     if (made.ok()) program = *made;
     return made;
 }
 
-Result<GpuFramePlanes> SurfaceUnproject::upload(const SurfaceFrame& frame) const {
-    auto codes = uploaded(*device_, "view codes", frame.codes);
-    if (!codes.ok()) return codes.error();
-    auto validity = uploaded(*device_, "view validity", frame.validity);
-    if (!validity.ok()) return validity.error();
-    auto heights = uploaded(*device_, "view heights", frame.heights);
+Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame& frame) const {
+    Planes planes;
+    const auto* built = dynamic_cast<const VulkanVertices*>(frame.vertices.get());
+    if (built != nullptr && built->is_on(*device_)) {
+        planes.codes = built->codes.gpu;
+        planes.validity = built->validity.gpu;
+    } else {
+        auto codes = uploaded_rows(*device_, "view codes", frame.codes.data(), frame.width, frame.height);
+        if (!codes.ok()) return codes.error();
+        const std::size_t bytes = frame.validity.size() * sizeof(std::uint32_t);
+        auto validity =
+            GpuBuffer::create(*device_, "view validity", bytes,
+                              device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload);
+        if (!validity.ok()) return validity.error();
+        std::memcpy(validity->mapped<std::uint32_t>().data(), frame.validity.data(), bytes);
+        planes.codes = *codes;
+        planes.validity = *validity;
+    }
+    planes.heights = planes.codes;
+    if (frame.heights.empty()) return planes;
+    auto heights = uploaded_rows(*device_, "view heights", frame.heights.data(), frame.width, frame.height);
     if (!heights.ok()) return heights.error();
-    return GpuFramePlanes{*codes, *validity, *heights};
+    planes.heights = *heights;
+    return planes;
 }
 
-Result<void> SurfaceUnproject::record(GpuCommands& commands, const Scene& scene, const SurfaceFrame& prev,
-                                      const SurfaceFrame& next, double blend,
-                                      const GpuFramePlanes& prev_planes, const GpuFramePlanes& next_planes,
+Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                       const GpuBuffer& q) {
+    const double blend = field.blend();
+    const Scene& scene = field.scene();
+    const SurfaceFrame& prev = *pair.prev.frame;
+    const SurfaceFrame& next = blend > 0 ? *pair.next.frame : prev;
+    const auto prev_planes = planes_of(prev);
+    if (!prev_planes.ok()) return prev_planes.error();
+    const auto next_planes = blend > 0 ? planes_of(next) : prev_planes;
+    if (!next_planes.ok()) return next_planes.error();
+
     UnprojectPush push{};
-    push.width = static_cast<std::uint32_t>(prev.width);
-    push.pixels = push.width * static_cast<std::uint32_t>(prev.height);
-    push.validity_words = static_cast<std::uint32_t>(prev.validity_words_per_row());
-    set_coding(prev.coding, push);
+    UnprojectConstants constants{};
+    // Few lanes that march whole rows on a CPU, many with a word each elsewhere.
+    const bool marches = device_->facts().kind == GpuKind::software;
+    constants.group_size = marches ? 8 : 64;
+    push.height = static_cast<std::uint32_t>(prev.height);
+    push.pitch = static_cast<std::uint32_t>(whole(prev.width, 8));
+    push.words = static_cast<std::uint32_t>(prev.validity_words_per_row());
+    push.segments = marches ? 1 : push.words;
+    push.segment_words = marches ? push.words : 1;
+    set_coding(prev.coding, push, constants);
     push.cx = static_cast<float>(scene.camera.cx);
     push.cy = static_cast<float>(scene.camera.cy);
     push.per_fx = static_cast<float>(1.0 / scene.camera.fx);
@@ -97,41 +133,18 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const Scene& scene,
     push.next_height_per_code = next.heights.empty() ? 0.0F : per_code;
     push.blend = static_cast<float>(blend);
     push.rest = static_cast<float>(1.0 - blend);
-    const bool has_heights = !prev.heights.empty() || !next.heights.empty();
-    const std::size_t bits = (blend > 0 ? 1U : 0U) | (has_heights ? 2U : 0U) |
-                             (prev.width % UNPROJECT_PIXELS != 0 ? 4U : 0U) |
-                             (prev.coding.semantics == DepthSemantics::range ? 8U : 0U);
-    const auto program = program_for(bits);
+    constants.is_pair = blend > 0 ? 1 : 0;
+    constants.has_heights = prev.heights.empty() && next.heights.empty() ? 0 : 1;
+    constants.is_range = prev.coding.semantics == DepthSemantics::range ? 1 : 0;
+
+    const auto program = program_for({constants.group_size, constants.is_pair, constants.has_heights,
+                                      constants.is_range, constants.is_inverse, constants.is_from_top});
     if (!program.ok()) return program.error();
     commands.dispatch(*program, push,
-                      {prev_planes.codes, prev_planes.validity, prev_planes.heights, next_planes.codes,
-                       next_planes.validity, next_planes.heights, q},
-                      groups_in_rows(groups_for(push.pixels, UNPROJECT_LANES * UNPROJECT_PIXELS)));
+                      {prev_planes->codes, prev_planes->validity, prev_planes->heights, next_planes->codes,
+                       next_planes->validity, next_planes->heights, q},
+                      {groups_for(push.height * push.segments, constants.group_size)});
     return {};
-}
-
-Result<std::vector<float>> SurfaceUnproject::q_of(const HeightField& field, const FramePair& pair) {
-    const double blend = field.blend();
-    const SurfaceFrame& prev = *pair.prev.frame;
-    const SurfaceFrame& next = blend > 0 ? *pair.next.frame : prev;
-    if (prev.codes.empty() || next.codes.empty()) return touchable::q_of(field);
-    auto prev_planes = upload(prev);
-    if (!prev_planes.ok()) return prev_planes.error();
-    auto next_planes = blend > 0 ? upload(next) : prev_planes;
-    if (!next_planes.ok()) return next_planes.error();
-    auto q = GpuBuffer::create(*device_, "view q", q_bytes(prev.width, prev.height), GpuMemory::readback);
-    if (!q.ok()) return q.error();
-    auto commands = GpuCommands::begin(device_, "unproject");
-    if (!commands.ok()) return commands.error();
-    if (auto recorded = record(*commands, field.scene(), prev, next, blend, *prev_planes, *next_planes, *q);
-        !recorded.ok())
-        return recorded.error();
-    const auto submission = std::move(*commands).submit();
-    if (!submission.ok()) return submission.error();
-    if (auto done = submission->wait(); !done.ok()) return done.error();
-    const auto made = q->mapped<float>();
-    const std::size_t pixels = static_cast<std::size_t>(prev.width) * static_cast<std::size_t>(prev.height);
-    return std::vector<float>(made.begin(), made.begin() + static_cast<std::ptrdiff_t>(pixels));
 }
 
 }  // namespace touchable

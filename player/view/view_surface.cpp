@@ -8,22 +8,6 @@
 #include "shaders/cut_rule.h"
 
 namespace touchable {
-namespace {
-
-/// Least and greatest L of a tile's vertices; L grows with the distance from the principal point.
-struct RayLengths {
-    double least, greatest;
-};
-RayLengths ray_lengths(const Camera& camera, int x0, int x1, int y0, int y1) {
-    const double x = std::clamp<double>(camera.cx, x0, x1), y = std::clamp<double>(camera.cy, y0, y1);
-    double greatest = 0;
-    for (const int cx : {x0, x1})
-        for (const int cy : {y0, y1}) greatest = std::max(greatest, camera.ray_length(cx, cy));
-    return {camera.ray_length(x, y), greatest};
-}
-
-}  // namespace
-
 std::vector<float> q_of(const HeightField& field) {
     const Scene& scene = field.scene();
     std::vector<float> q;
@@ -37,41 +21,42 @@ std::vector<float> q_of(const HeightField& field) {
     return q;
 }
 
-ViewTiles classify_tiles(const HeightField& field) {
-    const Scene& scene = field.scene();
-    const TileGrid grid = field.tiles();
+ViewTiles classify_tiles(int width, int height, const std::vector<float>& q) {
+    const TileGrid grid = TileGrid::of(width, height);
     ViewTiles tiles;
+    auto at = [&](int x, int y) {
+        return q[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+    };
     for (int ty = 0; ty < grid.tiles_y; ++ty)
         for (int tx = 0; tx < grid.tiles_x; ++tx) {
-            const auto depths = field.depths(tx, ty);
-            if (!(depths.nearest <= depths.farthest)) continue;
-            const int x0 = tx * TileGrid::cells, y0 = ty * TileGrid::cells;
-            const int x1 = std::min(x0 + TileGrid::cells, scene.width - 1);
-            const int y1 = std::min(y0 + TileGrid::cells, scene.height - 1);
-            RayLengths lengths{1, 1};
-            if (scene.depth.semantics == DepthSemantics::range)
-                lengths = ray_lengths(scene.camera, x0, x1, y0, y1);
-            const auto greatest_q = static_cast<float>(lengths.greatest / depths.nearest);
-            const auto least_q = static_cast<float>(lengths.least / depths.farthest);
-            // A hair inside the rule: these q are rounded, and so are those of the pixels.
-            const bool whole =
-                !depths.any_invalid && !triangle_is_cut(greatest_q * 1.000001F, least_q, least_q);
-            const auto tile = static_cast<std::uint32_t>(ty * grid.tiles_x + tx);
-            (whole ? tiles.whole : tiles.mixed).push_back(tile);
+            bool any_cut = false, any_kept = false;
+            const int end_x = std::min((tx + 1) * TileGrid::cells, width - 1);
+            const int end_y = std::min((ty + 1) * TileGrid::cells, height - 1);
+            for (int y = ty * TileGrid::cells; y < end_y; ++y)
+                for (int x = tx * TileGrid::cells; x < end_x; ++x)
+                    for (const bool cut : {triangle_is_cut(at(x, y), at(x + 1, y), at(x + 1, y + 1)),
+                                           triangle_is_cut(at(x, y), at(x + 1, y + 1), at(x, y + 1))})
+                        (cut ? any_cut : any_kept) = true;
+            if (!any_kept) continue;
+            (any_cut ? tiles.mixed : tiles.whole)
+                .push_back(static_cast<std::uint32_t>(ty * grid.tiles_x + tx));
         }
     return tiles;
 }
 
 ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour) {
-    return make_view_surface(field, q_of(field), colour);
+    std::vector<float> q = q_of(field);
+    ViewTiles tiles = classify_tiles(field.width(), field.height(), q);
+    return make_view_surface(field, std::move(q), std::move(tiles), colour);
 }
 
-ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, const PlaneView& colour) {
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,
+                              const PlaneView& colour) {
     ViewSurface surface;
     surface.width = field.width();
     surface.height = field.height();
     surface.q = std::move(q);
-    surface.tiles = classify_tiles(field);
+    surface.tiles = std::move(tiles);
     surface.colours = lit_colours(field.scene().camera, surface, colour);
     return surface;
 }

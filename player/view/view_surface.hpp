@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <vector>
 
 #include "engine/frame/plane_view.hpp"
@@ -15,11 +16,14 @@ constexpr PackedColour pack_colour(std::uint32_t r, std::uint32_t g, std::uint32
     return r | g << 8 | b << 16 | 255U << 24;
 }
 
-/// Tiles of TileGrid worth drawing, as row * tiles_x + column.
+/// Tiles of TileGrid worth drawing, as row * tiles_x + column, ascending.
 struct ViewTiles {
     std::vector<std::uint32_t> whole;  ///< no triangle in them is cut (shaders/cut_rule.h)
-    std::vector<std::uint32_t> mixed;  ///< each triangle has to be looked at
+    std::vector<std::uint32_t> mixed;  ///< some are and some are not
+    bool operator==(const ViewTiles&) const = default;
 };
+
+struct GpuLattice;  // gpu_lattice.hpp
 
 /// What a painter draws: the lattice at one moment, with a colour at every vertex.
 struct ViewSurface {
@@ -27,6 +31,7 @@ struct ViewSurface {
     std::vector<float> q;               ///< 1 / planar depth, height taken off; 0: invalid. Row-major
     std::vector<PackedColour> colours;  ///< row-major
     ViewTiles tiles;
+    std::shared_ptr<const GpuLattice> on_gpu;  ///< q and tiles once more, where they were made on a GPU
 
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -36,14 +41,15 @@ struct ViewSurface {
 /// q of every pixel of a field: what the solver touches, to the nearest float.
 std::vector<float> q_of(const HeightField& field);
 
-/// Which tiles are worth drawing, by the bounds of their depths alone: a tile left out has no valid pixel;
-/// one called mixed may turn out to be whole.
-ViewTiles classify_tiles(const HeightField& field);
+/// Which tiles of a lattice of these q are worth drawing, by asking for every triangle.
+ViewTiles classify_tiles(int width, int height, const std::vector<float>& q);
 
-/// The surface of a field with these q. Colours are those of `colour` (3 channels of the field's size),
-/// gently lit; where that is empty, light and depth alone.
-ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, const PlaneView& colour);
-ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);  ///< with q_of(field)
+/// The surface of a field with these q and tiles. Colours are those of `colour` (3 channels of the field's
+/// size), gently lit; where that is empty, light and depth alone.
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewTiles tiles,
+                              const PlaneView& colour);
+/// With q_of(field), and classify_tiles of that.
+ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);
 
 /// The lower medians of X, Y and Z, world, over the valid pixels that are not at the far plane, where
 /// backgrounds are: the middle of what is seen. The point at the far plane on the optical axis where there

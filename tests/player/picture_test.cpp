@@ -1,13 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "engine/gpu/gpu_device.hpp"
 #include "engine/media/image_file.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
 
 namespace touchable::testing {
 namespace {
+namespace fs = std::filesystem;
 
 /// `touch --picture` and `export --picture` over a small globe.
 class Picture : public ::testing::Test {
@@ -75,6 +79,36 @@ TEST_F(Picture, IsTheSameByCpuAndCompute) {
             far_off += std::abs(int{cpu.samples[k]} - int{other.samples[k]}) > 4;
         EXPECT_LE(far_off, 96 * 54 * 3 / 500) << painter;
     }
+}
+
+TEST_F(Picture, IsTheSameOfFramesThatAreOnTheGpuAlready) {
+    const std::vector<std::string> uploaded{"--painter", "raster"};
+    const std::vector<std::string> there{"--painter", "raster", "--builder", "vulkan"};
+    ASSERT_EQ(touch(uploaded).code, 0);
+    const std::string touched = file_contents(file());
+    ASSERT_EQ(touch(there).code, 0);
+    EXPECT_EQ(file_contents(file()), touched);
+    ASSERT_EQ(draw(uploaded).code, 0);
+    const std::string drawn = file_contents(file());
+    ASSERT_EQ(draw(there).code, 0);
+    EXPECT_EQ(file_contents(file()), drawn);
+}
+
+TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
+    const Outcome done = touch({"--painter", "raster", "--gpu", "0"});
+    EXPECT_EQ(done.code, 0) << done.err;
+    const auto gpus = list_gpus();
+    ASSERT_TRUE(gpus.ok());
+    EXPECT_NE(done.out.find("by the raster painter on " + gpus->at(0).name), std::string::npos) << done.out;
+    const auto report = testing::touch(
+        {clip(), "--seconds", "0.5", "--picture", file(), "--painter", "raster", "--gpu", "0"});
+    EXPECT_EQ(report["painter"], "raster");
+    EXPECT_EQ(report["painter_device_name"], gpus->at(0).name);
+    EXPECT_EQ(report["device_name"], report["cpu_name"]);
+    EXPECT_EQ(touch({"--painter", "cpu", "--gpu", "0"}).code, 2);  // for what?
+    fs::remove(file());
+    for (const char* painter : {"auto", "raster", "mesh"})
+        expect_refused(touch({"--painter", painter, "--gpu", "no such device"}), 4, "no such device");
 }
 
 TEST_F(Picture, ShowsTheMomentAskedFor) {

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cstdlib>
 
+#include "engine/gpu/gpu_device.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
@@ -89,6 +90,18 @@ TEST(VulkanTouch, TheValidationLayerHasNothingToSay) {
     unsetenv("TOUCHABLE_VULKAN_VALIDATION");
     EXPECT_EQ(run.code, 0);
     EXPECT_EQ(run.err, "");
+}
+
+TEST(VulkanTouch, TheReportNamesTheDeviceThatTheSurfaceWasBuiltOn) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const auto device = GpuDevice::open();
+    ASSERT_TRUE(device.ok());
+    const auto on_gpu = touch({folder / "clip.mkv", "--seconds", "0.1", "--builder", "vulkan"});
+    const auto on_cpu = touch({folder / "clip.mkv", "--seconds", "0.1"});
+    EXPECT_EQ(on_gpu["device_name"], (*device)->facts().name);
+    EXPECT_EQ(on_cpu["device_name"], on_cpu["cpu_name"]);
+    EXPECT_EQ(on_gpu["cpu_name"], on_cpu["cpu_name"]);
 }
 
 TEST(VulkanTouch, WithoutADriverEndsWithExitCode4AndSaysWhatIsMissing) {

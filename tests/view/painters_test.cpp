@@ -261,6 +261,42 @@ TEST_F(Painters, KeepTheirWordFromSurfaceToSurface) {
     }
 }
 
+TEST_F(Painters, DrawWhatTheyMadeOnTheGpuAlike) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const auto raster = must(make_raster_painter(gpu)), mesh = must(make_mesh_painter(gpu));
+    for (const double blend : {0.0, 0.35}) {
+        const HeightField field = shown->field(blend);
+        const ViewCamera camera =
+            make_view({false, 25, 10, 1, std::nullopt}, shown->scene, middle_of(field), 300, 200);
+        const auto cpu = make_cpu_painter();
+        const ViewSurface made = must(cpu->surface_of(field, shown->pair(blend), shown->raw_prev.colour));
+        const PicturePlanes expected = must(cpu->paint(made, camera));
+        for (SurfacePainter* painter : {raster.get(), mesh.get()}) {
+            ViewSurface surface =
+                must(painter->surface_of(field, shown->pair(blend), shown->raw_prev.colour));
+            ASSERT_TRUE(surface.on_gpu) << painter->name();
+            const float subpixels = painter == mesh.get() ? 2 : 0;
+            expect_alike(must(cpu->paint(surface, camera)), must(painter->paint(surface, camera)), subpixels,
+                         "its own surface");
+            // q may differ by a rounding, and so may edges; from the GPU alone, for all it needs is there.
+            surface.q.clear();
+            surface.tiles = {};
+            expect_alike(expected, must(painter->paint(surface, camera)), subpixels, "without the CPU's");
+        }
+    }
+}
+
+TEST_F(Painters, KeepSurfacesApart) {
+    const auto globe = shown_scene("globe", 96, 64), step = shown_scene("step", 96, 64);
+    const auto painter = must(make_raster_painter(gpu));
+    const ViewCamera camera = own_view(globe->scene, 96, 64, 1);
+    const ViewSurface first = must(painter->surface_of(globe->field(), globe->pair(), {}));
+    const PicturePlanes before = must(painter->paint(first, camera));
+    const ViewSurface second = must(painter->surface_of(step->field(), step->pair(), {}));
+    EXPECT_NE(must(painter->paint(second, camera)).z, before.z);
+    EXPECT_EQ(must(painter->paint(first, camera)).z, before.z);
+}
+
 TEST_F(Painters, TellWhatIsTooLargeOrLost) {
     const ViewSurface surface = flat(20, 20, 100);
     const Scene scene = scene_of(surface, 20);

@@ -20,13 +20,8 @@ struct Shown {
     RawFrame raw_prev, raw_next;
     SurfaceFrame prev, next;
 
-    HeightField field(double blend = 0) const {
-        FramePair pair;
-        pair.prev = {0, 0, &prev};
-        pair.next = {1, 33'000'000, &next};
-        pair.blend = blend;
-        return {scene, pair};
-    }
+    FramePair pair(double blend = 0) const { return {{0, 0, &prev}, {1, 33'000'000, &next}, blend}; }
+    HeightField field(double blend = 0) const { return {scene, pair(blend)}; }
     void build() {
         const auto builder = make_cpu_builder(scene);
         ASSERT_TRUE(builder->build(raw_prev, prev).ok());

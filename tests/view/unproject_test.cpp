@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "player/view/surface_unproject.hpp"
-#include "player/view/view_surface.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+#include "player/view/gpu_lattice.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 
@@ -20,10 +20,10 @@ class Unproject : public testing::GpuTest {
 protected:
     void SetUp() override {
         GpuTest::SetUp();
-        unproject.emplace(gpu);
+        lattices.emplace(gpu);
     }
     void TearDown() override {
-        unproject.reset();
+        lattices.reset();
         GpuTest::TearDown();
     }
 
@@ -35,7 +35,10 @@ protected:
         pair.next = {1, 1'000'000, &next};
         pair.blend = blend;
         const HeightField field(scene, pair);
-        const std::vector<float> twin = q_of(field), made = must(unproject->q_of(field, pair));
+        const ViewSurface surface = must(lattices->surface_of(field, pair, {}));
+        const std::vector<float> twin = q_of(field), &made = surface.q;
+        ASSERT_TRUE(surface.on_gpu);
+        EXPECT_EQ(surface.tiles, classify_tiles(scene.width, scene.height, made));
         ASSERT_EQ(twin.size(), made.size());
         const double tallest = prev.heights.empty() ? 0 : largest_height(scene.height_coding, scene.depth);
         double worst = 0;
@@ -49,7 +52,7 @@ protected:
         EXPECT_LE(worst, 1.0);
     }
 
-    std::optional<SurfaceUnproject> unproject;
+    std::optional<GpuLattices> lattices;
 };
 
 /// Two frames of every code there is, or nearly so, some pixels invalid.
@@ -144,7 +147,40 @@ TEST_F(Unproject, AsksTheVerticesWhereThereAreNoCodes) {
     FramePair pair;
     pair.prev = pair.next = {0, 0, &lazy};
     const HeightField field(globe->scene, pair);
-    EXPECT_EQ(must(unproject->q_of(field, pair)), q_of(globe->field()));
+    const ViewSurface surface = must(lattices->surface_of(field, pair, {}));
+    EXPECT_FALSE(surface.on_gpu);
+    EXPECT_EQ(surface.q, q_of(globe->field()));
+    EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
+}
+
+TEST_F(Unproject, ReadsFramesOfTheVulkanBuilderWhereTheyAre) {
+    const auto globe = shown_scene("globe", 171, 93);
+    for (const bool copies : {false, true}) {
+        auto builder = must(make_vulkan_builder(globe->scene, std::make_shared<SurfaceKernels>(gpu),
+                                                SurfacePlan{8, 0, false, copies}));
+        SurfaceFrame prev, next;
+        must(builder->build(globe->raw_prev, prev));
+        must(builder->build(globe->raw_next, next));
+        compare(globe->scene, prev, next, 0.4);
+        if (!copies) continue;
+        // What the CPU has read back of them is another matter.
+        const FramePair pair{{0, 0, &prev}, {1, 1, &next}, 0.4};
+        const HeightField field(globe->scene, pair);
+        const std::vector<float> q = must(lattices->surface_of(field, pair, {})).q;
+        prev.codes.assign(prev.codes.size(), 0);
+        prev.validity.assign(prev.validity.size(), 0);
+        EXPECT_EQ(must(lattices->surface_of(field, pair, {})).q, q);
+    }
+}
+
+TEST_F(Unproject, UploadsFramesOfAnotherDevice) {
+    const auto globe = shown_scene("globe", 70, 45);
+    const auto other = must(GpuDevice::open());
+    auto builder = must(make_vulkan_builder(globe->scene, other));
+    SurfaceFrame prev, next;
+    must(builder->build(globe->raw_prev, prev));
+    must(builder->build(globe->raw_next, next));
+    compare(globe->scene, prev, next, 0.4);
 }
 
 }  // namespace
