@@ -115,6 +115,23 @@ Result<void> check_surface(const SurfaceCase& c, const HeightField& field, const
     return {};
 }
 
+/// Codes with as many passes of hole filling as there may be, of which most find nothing left to fill.
+Result<void> measure_filling(const SurfaceCase& c, const Picture& picture, int frames,
+                             const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
+    Scene scene = picture.scene;
+    scene.filter = {3, 16};
+    auto vulkan = make_vulkan_builder(scene, kernels, plan_for(kernels->device()->facts()));
+    if (!vulkan.ok()) return vulkan.error();
+    SurfaceFrame expected, frame;
+    if (auto built = make_cpu_builder(scene)->build(picture.raw, expected); !built.ok()) return built;
+    if (auto built = (*vulkan)->build(picture.raw, frame); !built.ok()) return built;
+    if (mismatches(expected, frame) > 0) return wrong(c, "filled codes differ from the CPU builder's");
+    const auto times = time_frames(**vulkan, picture.raw, frame, frames);
+    if (!times.ok()) return times.error();
+    add_times(figures, "filled3", *times);
+    return {};
+}
+
 /// The eye's way, from stored values to q of every vertex and lists of tiles to draw.
 Result<void> measure_mesh(const SurfaceCase& c, const Picture& picture, SurfaceBuilder& builder, int frames,
                           const std::shared_ptr<GpuDevice>& device, Figures& figures) {
@@ -218,6 +235,8 @@ Result<void> measure(const SurfaceCase& c, int frames, const std::shared_ptr<Sur
             !done.ok())
             return done;
     }
+    if (c.holes_pct > 0)
+        if (auto done = measure_filling(c, picture, frames, kernels, figures); !done.ok()) return done;
     figures.push_back({"mismatched_codes", static_cast<double>(mismatched), ""});
     return {};
 }

@@ -1,6 +1,6 @@
 #include "engine/gpu/gpu_device.hpp"
 
-#include <algorithm>
+#include <list>
 #include <utility>
 
 #include "engine/gpu/gpu_features.hpp"
@@ -70,6 +70,36 @@ Result<VkSemaphore> create_timeline(VulkanDevice& gpu) {
     return timeline;
 }
 
+/// What a device that hangs may still be at work on, up to a value of its timeline.
+struct Remains {
+    std::shared_ptr<VulkanDevice> vulkan;
+    VkSemaphore timeline;
+    std::uint64_t value;
+    std::deque<std::unique_ptr<GpuRecording>> in_flight;
+};
+
+/// Never destroyed: a device may hang until the process ends.
+struct Abandoned {
+    std::mutex mutex;
+    std::list<Remains> remains;
+};
+Abandoned& abandoned() {
+    static auto* const all = new Abandoned;
+    return *all;
+}
+
+/// Lets go of what has been finished after all.
+void free_finished_remains() {
+    const std::lock_guard lock(abandoned().mutex);
+    std::erase_if(abandoned().remains, [](const Remains& left) {
+        std::uint64_t value = 0;
+        const VkResult result = vkGetSemaphoreCounterValue(left.vulkan->device, left.timeline, &value);
+        if (result != VK_SUCCESS || value < left.value) return false;
+        vkDestroySemaphore(left.vulkan->device, left.timeline, nullptr);
+        return true;
+    });
+}
+
 Error lost_error(const VulkanDevice& gpu) {
     return {ErrorKind::gpu, "the GPU " + gpu.facts.name + " was lost while it worked"};
 }
@@ -86,6 +116,7 @@ Result<std::vector<GpuFacts>> list_gpus() {
 }
 
 Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
+    free_finished_remains();
     auto vulkan = std::make_shared<VulkanDevice>();
     auto instance = VulkanInstance::create(options.validation);
     if (!instance.ok()) return instance.error();
@@ -130,18 +161,11 @@ bool GpuDevice::is_at_rest() const {
     return wait_for(submitted_, lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
 }
 
-/// Waiting for a device that hangs is waiting for ever, and what it may still read and write must not be
-/// freed under it. So recordings in flight, all they use and the device itself stay in memory until the
-/// process ends.
+/// Waiting for a device that hangs may be waiting for ever, and what it may still read and write must not be
+/// freed under it. So recordings in flight, all they use and the device itself are left in memory.
 void GpuDevice::abandon() {
-    struct Remains {
-        VkSemaphore timeline;
-        std::deque<std::unique_ptr<GpuRecording>> in_flight;
-    };
-    static std::mutex mutex;
-    static auto* const abandoned = new std::deque<Remains>;
-    const std::lock_guard lock(mutex);
-    abandoned->push_back({timeline_, std::move(in_flight_)});
+    const std::lock_guard lock(abandoned().mutex);
+    abandoned().remains.push_back({vulkan_, timeline_, submitted_, std::move(in_flight_)});
 }
 
 std::uint64_t GpuDevice::completed() const {

@@ -39,7 +39,7 @@ class GpuDevice {
 public:
     static Result<std::shared_ptr<GpuDevice>> open(const GpuOptions& options = {});
     /// Waits for what is in flight, but not for a lost device: what that may still be at work on is left as
-    /// it is for ever.
+    /// it is, for ever or until another one is opened after it has finished.
     ~GpuDevice();
 
     const GpuFacts& facts() const { return vulkan_->facts; }

@@ -227,9 +227,11 @@ TEST_F(Commands, ADeviceThatHangsIsLeftWithAllItIsAtWorkOn) {
     const std::weak_ptr<const void> alive = used.keep_alive();
     used.mapped<std::uint32_t>()[0] = 1;
     Blockade blockade(*gpu);
-    auto commands = begin();
-    commands.fill(used, 2);
-    const auto value = must(std::move(commands).submit()).value();
+    const auto value = [&] {
+        auto commands = begin();
+        commands.fill(used, 2);
+        return must(std::move(commands).submit()).value();
+    }();
     const std::span<std::uint32_t> words = used.mapped<std::uint32_t>();
     used = {};
     program = {};
@@ -237,11 +239,14 @@ TEST_F(Commands, ADeviceThatHangsIsLeftWithAllItIsAtWorkOn) {
     gpu->set_patience(std::chrono::milliseconds(20));
     EXPECT_FALSE(gpu->wait(value).ok());
     EXPECT_TRUE(gpu->lost());
+    EXPECT_EQ(gpu.use_count(), 1);
     gpu.reset();  // does not hang
     ASSERT_FALSE(alive.expired());
     EXPECT_EQ(words[0], 1U);
     blockade.lift();  // and if it goes on after all, it finds everything where it was
     EXPECT_EQ(words[0], 2U);
+    must(GpuDevice::open());
+    EXPECT_TRUE(alive.expired());
 }
 
 TEST_F(Commands, UnsubmittedOnesAreForgotten) {
