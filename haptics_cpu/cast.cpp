@@ -229,6 +229,21 @@ std::optional<Proxy> cast(const Space& space, const glm::dvec3& from, const Prox
     return hit;
 }
 
+template <class Space>
+bool is_clear(const Space& space, const glm::dvec3& from, const glm::dvec3& to) {
+    if (!space.in_front(from) || !space.in_front(to)) return false;
+    const ChartPoint begin = space.chart(from), end = space.chart(to);
+    for (const double pixel : {begin.x, begin.y, end.x, end.y})
+        if (!(std::abs(pixel) < farthest_pixel)) return false;
+    const TileGrid tiles = space.field().tiles();
+    const int column = tile_of(begin.x, tiles.tiles_x), row = tile_of(begin.y, tiles.tiles_y);
+    return column == tile_of(end.x, tiles.tiles_x) && row == tile_of(end.y, tiles.tiles_y) &&
+           std::min(begin.w, end.w) > space.largest_w(column, row);
+}
+
+template bool is_clear(const WorldSpace&, const glm::dvec3&, const glm::dvec3&);
+template bool is_clear(const PixelSpace&, const glm::dvec3&, const glm::dvec3&);
+
 template std::optional<Proxy> cast(const WorldSpace&, const glm::dvec3&, const Proxy*, const glm::dvec3&,
                                    int*);
 template std::optional<Proxy> cast(const PixelSpace&, const glm::dvec3&, const Proxy*, const glm::dvec3&,

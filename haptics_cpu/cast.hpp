@@ -15,4 +15,9 @@ template <class Space>
 std::optional<Proxy> cast(const Space& space, const glm::dvec3& from, const Proxy* from_surface,
                           const glm::dvec3& to, int* cells = nullptr);
 
+/// True where one bound tells that the straight way between two free points stays in front of the surface,
+/// both ends included: what a finger far from everything costs. False says nothing.
+template <class Space>
+bool is_clear(const Space& space, const glm::dvec3& from, const glm::dvec3& to);
+
 }  // namespace touchable

@@ -15,17 +15,20 @@ double bilinear(double a, double b, double v00, double v10, double v01, double v
 }  // namespace
 
 HeightField::HeightField(const Scene& scene, const FramePair& pair)
-    : scene_(scene), prev_(pair.prev.frame), next_(nullptr), nearer_(prev_), blend_(0) {
+    : scene_(scene), prev_(pair.prev.frame), prev_codes_(prev_->vertices->read_from()), nearer_(prev_) {
     const bool between = scene.interpolation == FrameInterpolation::linear && pair.blend > 0;
     if (between && pair.next.frame != prev_) {
         next_ = pair.next.frame;
+        next_codes_ = next_->vertices->read_from();
         blend_ = pair.blend;
         if (blend_ >= 0.5) nearer_ = next_;
     }
     tiles_ = TileGrid::of(scene.width, scene.height);
     const bool has_heights = !prev_->heights.empty() || (next_ && !next_->heights.empty());
-    largest_height_ = has_heights ? largest_height(scene.height_coding, scene.depth) : 0.0;
-    height_per_code_ = largest_height_ / scene.height_coding.code_max;
+    if (has_heights) {
+        largest_height_ = largest_height(scene.height_coding, scene.depth);
+        height_per_code_ = largest_height_ / scene.height_coding.code_max;
+    }
     const DepthCoding& coding = scene.depth;
     const double nearest = coding.kind == DepthCodingKind::metric
                                ? std::max(coding.near, coding.scale * coding.valid_min)
@@ -37,8 +40,9 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
     has_friction_ = has_haptic_image() || scene.default_properties.static_friction > 0;
 }
 
-FieldVertex HeightField::frame_vertex(const SurfaceFrame& frame, int x, int y) const {
-    const DepthSample sample = frame.vertices->at(x, y);
+FieldVertex HeightField::frame_vertex(const SurfaceFrame& frame, const SurfaceFrame* codes, int x,
+                                      int y) const {
+    const DepthSample sample = codes ? sample_of(*codes, x, y) : frame.vertices->at(x, y);
     if (!sample.valid) return {scene_.depth.far, false};
     if (frame.heights.empty()) return {sample.depth, true};
     // Eq. 2, as a length: height is taken off the depth.
@@ -48,9 +52,9 @@ FieldVertex HeightField::frame_vertex(const SurfaceFrame& frame, int x, int y) c
 FieldVertex HeightField::vertex(std::int64_t i, std::int64_t j) const {
     if (i < 0 || j < 0 || i >= scene_.width || j >= scene_.height) return {scene_.depth.far, false};
     const int x = static_cast<int>(i), y = static_cast<int>(j);
-    const FieldVertex prev = frame_vertex(*prev_, x, y);
+    const FieldVertex prev = frame_vertex(*prev_, prev_codes_, x, y);
     if (!next_) return prev;
-    const FieldVertex next = frame_vertex(*next_, x, y);
+    const FieldVertex next = frame_vertex(*next_, next_codes_, x, y);
     if (prev.valid != next.valid) return nearer_ == prev_ ? prev : next;
     return {prev.depth + (next.depth - prev.depth) * blend_, prev.valid};
 }
@@ -103,10 +107,8 @@ HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double 
         {vertex(i, j).valid, vertex(i + 1, j).valid, vertex(i, j + 1).valid, vertex(i + 1, j + 1).valid});
 }
 
-HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double a, double b,
-                                         const std::array<bool, 4>& valid) const {
-    const bool all_valid = valid[0] && valid[1] && valid[2] && valid[3];
-    if (all_valid && !has_haptic_image()) return default_properties_;
+HapticProperties HeightField::mixed_properties(std::int64_t i, std::int64_t j, double a, double b,
+                                               const std::array<bool, 4>& valid) const {
     const HapticProperties p00 = vertex_properties(i, j, valid[0]),
                            p10 = vertex_properties(i + 1, j, valid[1]);
     const HapticProperties p01 = vertex_properties(i, j + 1, valid[2]),

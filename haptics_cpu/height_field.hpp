@@ -48,22 +48,29 @@ public:
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b) const;
     /// The same, where the validity of the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) is known already.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b,
-                                const std::array<bool, 4>& valid) const;
+                                const std::array<bool, 4>& valid) const {
+        const bool all_valid = valid[0] && valid[1] && valid[2] && valid[3];
+        return all_valid && !has_haptic_image() ? default_properties_ : mixed_properties(i, j, a, b, valid);
+    }
     /// Stiffness alone, N/m.
     double stiffness(std::int64_t i, std::int64_t j, double a, double b) const;
 
 private:
+    HapticProperties mixed_properties(std::int64_t i, std::int64_t j, double a, double b,
+                                      const std::array<bool, 4>& valid) const;
     HapticProperties vertex_properties(std::int64_t i, std::int64_t j, bool valid) const;
-    FieldVertex frame_vertex(const SurfaceFrame& frame, int x, int y) const;
+    FieldVertex frame_vertex(const SurfaceFrame& frame, const SurfaceFrame* codes, int x, int y) const;
 
     const Scene& scene_;
     const SurfaceFrame* prev_;
-    const SurfaceFrame* next_;    // nullptr where there is nothing to interpolate
+    const SurfaceFrame* prev_codes_;            // VertexSource::read_from
+    const SurfaceFrame* next_ = nullptr;        // nothing to interpolate
+    const SurfaceFrame* next_codes_ = nullptr;  // likewise
     const SurfaceFrame* nearer_;  // in time: gives haptic properties, and the state of half-valid pixels
-    double blend_;
+    double blend_ = 0;
     TileGrid tiles_;
-    double height_per_code_;
-    double largest_height_;
+    double height_per_code_ = 0;
+    double largest_height_ = 0;
     double nearest_anywhere_;
     HapticProperties default_properties_;
     bool has_friction_;

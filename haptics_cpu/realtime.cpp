@@ -12,8 +12,26 @@ namespace touchable {
 
 std::string RealtimeGrant::in_words() const {
     const std::string scheduling = fifo ? "SCHED_FIFO" : "normal scheduling (SCHED_FIFO is not permitted)";
-    return scheduling + (memory_locked ? ", memory locked" : ", memory not locked (not permitted)");
+    return scheduling + (memory_locked ? ", memory locked" : ", memory not locked (not permitted)") +
+           (cpu >= 0 ? ", on CPU " + std::to_string(cpu) : ", on any CPU");
 }
+
+namespace {
+
+/// The CPU the calling thread is pinned to; -1 where it has only one, or may not choose.
+int stay_on_last_cpu() {
+    cpu_set_t allowed;
+    if (pthread_getaffinity_np(pthread_self(), sizeof(allowed), &allowed) != 0 || CPU_COUNT(&allowed) < 2)
+        return -1;
+    int last = CPU_SETSIZE - 1;
+    while (!CPU_ISSET(last, &allowed)) --last;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(last, &one);
+    return pthread_setaffinity_np(pthread_self(), sizeof(one), &one) == 0 ? last : -1;
+}
+
+}  // namespace
 
 RealtimeGrant become_realtime() {
     RealtimeGrant grant;
@@ -21,6 +39,7 @@ RealtimeGrant become_realtime() {
     priority.sched_priority = haptic_priority;
     grant.fifo = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
     grant.memory_locked = mlockall(MCL_CURRENT) == 0;
+    grant.cpu = stay_on_last_cpu();
     prctl(PR_SET_TIMERSLACK, 1UL);
     return grant;
 }

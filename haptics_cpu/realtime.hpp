@@ -9,13 +9,15 @@ namespace touchable {
 struct RealtimeGrant {
     bool fifo = false;             ///< SCHED_FIFO
     bool memory_locked = false;    ///< mlockall: no page is fetched in a tick
-    std::string in_words() const;  ///< "SCHED_FIFO, memory locked", or what is missing
+    int cpu = -1;                  ///< the one CPU the thread stays on; -1: any
+    std::string in_words() const;  ///< "SCHED_FIFO, memory locked, on CPU 1", or what is missing
 };
 
 /// SCHED_FIFO priority of the haptic thread: above ordinary real-time work, below the kernel's own.
 inline constexpr int haptic_priority = 80;
 
-/// Asks for it, for the calling thread: SCHED_FIFO, memory locked, timer slack 1 ns. Goes on without what is
+/// Asks for it, for the calling thread: SCHED_FIFO, memory locked, pinned to the last of its CPUs (interrupts
+/// tend to be served by the first) where there are several, timer slack 1 ns. Goes on without what is
 /// refused.
 RealtimeGrant become_realtime();
 

@@ -118,8 +118,15 @@ Motion on_edge(const Space& space, const Proxy& at, const dvec3& point, const dv
         inward[k] = to_apex * ee - e * dot(to_apex, e);
         normal[k] = k == 0 ? cross(e, to_apex) : cross(to_apex, e);
     }
-    const bool first = points_to_first(at.feature, space.image_step(point, pull));
-    if (may_leave && dot(pull, normal[first ? 0 : 1]) > 0) return leave();
+    if (may_leave) {
+        const bool off_first = dot(pull, normal[0]) > 0, off_second = dot(pull, normal[1]) > 0;
+        // Off one face and not the other: the face that the pull's image falls on decides.
+        const bool leaves =
+            off_first == off_second || points_to_first(at.feature, space.image_step(point, pull))
+                ? off_first
+                : off_second;
+        if (leaves) return leave();
+    }
     // Along the face that descends; on a ridge, where both do, along the one that brings the goal nearer.
     const double descent0 = dot(pull, inward[0]), descent1 = dot(pull, inward[1]);
     if (descent0 > 0 || descent1 > 0) {

@@ -115,8 +115,12 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
         const dvec3 goal = *space.from_world(finger.goal);
         if (!finger.started) proxy.point = goal;
         finger.started = true;
-        carry(space, proxy, contact);
-        contact.counts = solve(space, proxy, goal, settings.event_limit, slip_of(settings, finger));
+        if (!proxy.on_surface() && is_clear(space, proxy.point, goal)) {
+            proxy.point = goal;
+        } else {
+            carry(space, proxy, contact);
+            contact.counts = solve(space, proxy, goal, settings.event_limit, slip_of(settings, finger));
+        }
         if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
         finger.slip_speed = slip_speed_after(settings, finger.slip_speed, contact);

@@ -1,6 +1,7 @@
 #include "player/touch_figures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
@@ -64,6 +65,20 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     tick_us_.push_back(tick.solve_us);
     late_us_.push_back(tick.late_us);
     return {};
+}
+
+nlohmann::ordered_json TouchFigures::late_histogram() const {
+    constexpr std::array below_us{10, 20, 50, 100, 200, 500, 1000};
+    std::array<std::int64_t, below_us.size() + 1> ticks{};
+    for (const double late : late_us_) {
+        const auto bin = std::upper_bound(below_us.begin(), below_us.end(), late);
+        ++ticks[static_cast<std::size_t>(bin - below_us.begin())];
+    }
+    auto histogram = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < below_us.size(); ++k)
+        histogram.push_back({{"below_us", below_us[k]}, {"ticks", ticks[k]}});
+    histogram.push_back({{"ticks", ticks.back()}});
+    return histogram;
 }
 
 nlohmann::ordered_json TouchFigures::energy_mj() const {

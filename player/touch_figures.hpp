@@ -24,6 +24,9 @@ public:
     std::int64_t ticks() const { return ticks_; }
     /// How late ticks began; all 0 in virtual time.
     Spread late_us() const { return spread_of(late_us_); }
+    /// Ticks by how late they began: {"below_us", "ticks"}, each counting what the ones before do not; the
+    /// last has no "below_us".
+    nlohmann::ordered_json late_histogram() const;
     std::string force_hash() const { return hash_.hex(); }
     /// Names are part of the interface: add to them, do not rename.
     nlohmann::ordered_json to_json() const;

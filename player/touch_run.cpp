@@ -40,6 +40,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Loo
         report["late_ticks"] = loop->late;
         report["skipped_ticks"] = loop->skipped;
         report["late_us"] = to_json(figures.late_us());
+        report["late_us_histogram"] = figures.late_histogram();
         report["scheduling"] = loop->grant.in_words();
     }
     // The lazy builder computes no tile as a whole, the others compute all of them.

@@ -57,6 +57,12 @@ struct SurfaceFrame {
     }
 };
 
+/// Depth of a pixel of a frame that has codes, and whether it is valid.
+inline DepthSample sample_of(const SurfaceFrame& frame, int x, int y) {
+    if (!frame.is_valid(x, y)) return {};
+    return {frame.coding.depth(frame.codes[frame.index(x, y)]), true};
+}
+
 /// Copies the haptic and height planes of a raw frame, or empties them where it has none.
 void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out);
 

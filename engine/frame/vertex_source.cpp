@@ -30,8 +30,7 @@ TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
 }
 
 DepthSample FilteredVertices::at(int x, int y) const {
-    if (!frame_.is_valid(x, y)) return {};
-    return {frame_.coding.depth(frame_.codes[frame_.index(x, y)]), true};
+    return sample_of(frame_, x, y);
 }
 
 TileDepths FilteredVertices::tile(int tx, int ty) const {

@@ -34,6 +34,9 @@ public:
     virtual DepthSample at(int x, int y) const = 0;
     /// 0 <= tx < tiles_x, 0 <= ty < tiles_y of the frame (see TileGrid).
     virtual TileDepths tile(int tx, int ty) const = 0;
+    /// The frame whose codes and validity these vertices are, where they are no more than that: who asks for
+    /// many reads them there (`sample_of`).
+    virtual const SurfaceFrame* read_from() const { return nullptr; }
 };
 
 /// Reads the filtered codes, validity and bounds of a SurfaceFrame, which must outlive it.
@@ -42,6 +45,7 @@ public:
     explicit FilteredVertices(const SurfaceFrame& frame) : frame_(frame) {}
     DepthSample at(int x, int y) const override;
     TileDepths tile(int tx, int ty) const override;
+    const SurfaceFrame* read_from() const override { return &frame_; }
 
 private:
     const SurfaceFrame& frame_;

@@ -6,12 +6,6 @@
 namespace touchable {
 namespace {
 
-/// Share of the way from the far plane (0) to the near plane (1).
-double nearness(const DepthCoding& coding, std::uint16_t code) {
-    const double share = static_cast<double>(code) / coding.code_max;
-    return coding.near_is_high ? share : (coding.code_max - static_cast<double>(code)) / coding.code_max;
-}
-
 /// The code, as a real number, that would stand for `depth`; any number where there is none.
 double real_code(const DepthCoding& coding, double depth) {
     if (coding.kind == DepthCodingKind::metric) return depth / coding.scale;
@@ -22,16 +16,6 @@ double real_code(const DepthCoding& coding, double depth) {
 }
 
 }  // namespace
-
-double DepthCoding::depth(std::uint16_t code) const {
-    if (kind == DepthCodingKind::metric) return scale * code;
-    const double w = nearness(*this, code);
-    if (w == 0.0) return far;  // the planes exactly, whatever rounding does between them
-    if (w == 1.0) return near;
-    const double depth = kind == DepthCodingKind::inverse ? 1.0 / (1.0 / far + (1.0 / near - 1.0 / far) * w)
-                                                          : far + (near - far) * w;
-    return std::clamp(depth, near, far);
-}
 
 std::uint16_t DepthCoding::code(double depth) const {
     // The nearest code is one of the two around the real-valued one, or, where those are marked invalid, a

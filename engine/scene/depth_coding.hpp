@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -39,7 +40,17 @@ struct DepthCoding {
         return true;
     }
     /// Depth of a valid code, in scene units, of the coding's own semantics; > 0 and <= far.
-    double depth(std::uint16_t code) const;
+    double depth(std::uint16_t code) const {
+        if (kind == DepthCodingKind::metric) return scale * code;
+        // Share of the way from the far plane (0) to the near plane (1).
+        const double value = code, share = (near_is_high ? value : code_max - value) / code_max;
+        if (share == 0.0) return far;  // the planes exactly, whatever rounding does between them
+        if (share == 1.0) return near;
+        const double between = kind == DepthCodingKind::inverse
+                                   ? 1.0 / (1.0 / far + (1.0 / near - 1.0 / far) * share)
+                                   : far + (near - far) * share;
+        return std::clamp(between, near, far);
+    }
     /// The valid code whose depth is nearest to `depth` (ties: the lower code).
     std::uint16_t code(double depth) const;
     /// True where a larger code is a larger depth.

@@ -26,6 +26,7 @@ public:
 
     DepthSample at(int x, int y) const override { return filtered_.at(x, y); }
     TileDepths tile(int tx, int ty) const override { return filtered_.tile(tx, ty); }
+    const SurfaceFrame* read_from() const override { return filtered_.read_from(); }
 
     SharedPlane codes, validity, tiles;
 

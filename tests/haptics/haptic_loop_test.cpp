@@ -1,6 +1,7 @@
 // The real-time thread: what it promises whatever the machine's load. No test here depends on a deadline
 // being met.
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <thread>
@@ -16,6 +17,7 @@ class PressingPort final : public HapticPort {
 public:
     bool read_goals(std::int64_t tick, const HeightField&, std::span<glm::dvec3> goals) override {
         ticks.push_back(tick);
+        cpus.push_back(sched_getcpu());
         for (glm::dvec3& goal : goals)
             goal = {0, 0, -100 - 0.02 * static_cast<double>(std::min<std::int64_t>(tick, 100))};
         return static_cast<int>(ticks.size()) != fails_at;
@@ -29,6 +31,7 @@ public:
 
     int fails_at = -1;
     std::vector<std::int64_t> ticks;
+    std::vector<int> cpus;  // that each tick began on
     std::vector<glm::dvec3> last;
     double largest = 0;
     int writes = 0;
@@ -84,6 +87,20 @@ TEST(HapticLoop, TicksInOrderLogsEachAndEndsWithZeroForce) {
     EXPECT_GT(rig.port.largest, 0.4);
     EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
     EXPECT_EQ(rig.port.writes, facts.ticks + 1);
+}
+
+TEST(HapticLoop, StaysOnTheCpuItNames) {
+    LoopRig rig(64);
+    rig.port.fails_at = 20;
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    loop.start();
+    while (loop.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    loop.stop();
+    const RealtimeGrant& grant = loop.facts().grant;
+    if (grant.cpu < 0)
+        GTEST_SKIP() << "this machine has one CPU, or lets no thread choose: " << grant.in_words();
+    EXPECT_EQ(rig.port.cpus, std::vector<int>(20, grant.cpu));
+    EXPECT_NE(grant.in_words().find("on CPU " + std::to_string(grant.cpu)), std::string::npos);
 }
 
 TEST(HapticLoop, ADeviceThatIsGoneEndsTheLoopWithZeroForce) {

@@ -37,6 +37,9 @@ TEST_F(Live, ASessionReplaysToItsHashWithEveryBuilder) {
     EXPECT_EQ(live["nonfinite_ticks"], 0);
     EXPECT_TRUE(live["scheduling"].is_string());
     EXPECT_GE(live["late_ticks"], 0);
+    std::int64_t counted = 0;
+    for (const auto& bin : live["late_us_histogram"]) counted += bin["ticks"].get<std::int64_t>();
+    EXPECT_EQ(counted, live["ticks"]);
     for (const char* builder : {"cpu", "lazy", "reference"}) {
         const auto replay = touch({"--replay", folder / "live.rec", "--builder", builder});
         EXPECT_EQ(replay["force_hash"], live["force_hash"]) << builder;
