@@ -102,8 +102,9 @@ constexpr int stall_limit = 8;
 template <class Space>
 class Slide {
 public:
-    Slide(const Space& space, Proxy& proxy, const dvec3& goal, const Slip& slip)
+    Slide(const Space& space, const Proxy& proxy, const dvec3& goal, const Slip& slip)
         : space_(space), proxy_(proxy), goal_(goal), slip_(slip) {}
+    const Proxy& proxy() const { return proxy_; }
 
     SolveCounts run(int event_limit) {
         bool may_leave = true;
@@ -123,7 +124,8 @@ public:
             Proxy next;
             bool arrived;
             if (motion.kind == Motion::Kind::leave) {
-                const auto hit = cast(space_, proxy_.point, &proxy_, goal_, &counts_.cells);
+                const Proxy start = proxy_;
+                const auto hit = cast(space_, start.point, &start, goal_, &counts_.cells);
                 if (!hit) return fly();
                 next = *hit;
                 arrived = false;
@@ -205,8 +207,8 @@ private:
     }
 
     const Space& space_;
-    Proxy& proxy_;
-    const dvec3& goal_;
+    Proxy proxy_;
+    const dvec3 goal_;
     const Slip slip_;
     SolveCounts counts_;
 };
@@ -215,7 +217,10 @@ private:
 
 template <class Space>
 SolveCounts slide(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip) {
-    return Slide<Space>(space, proxy, goal, slip).run(event_limit);
+    Slide<Space> slide(space, proxy, goal, slip);
+    const SolveCounts counts = slide.run(event_limit);
+    proxy = slide.proxy();
+    return counts;
 }
 
 template SolveCounts slide(const WorldSpace&, Proxy&, const dvec3&, int, const Slip&);

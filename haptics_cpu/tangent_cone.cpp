@@ -169,10 +169,11 @@ std::size_t sector_of(const ImageStep& step) {
 }
 
 template <class Space>
-Motion on_vertex(const Space& space, const Proxy& at, const dvec3& point, const dvec3& pull, bool may_leave) {
+Motion on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& point, const dvec3& pull,
+                 bool may_leave) {
     std::array<dvec3, 6> e, n;
     for (std::size_t k = 0; k < 6; ++k)
-        e[k] = space.vertex(at.i + spokes[k].di, at.j + spokes[k].dj).position - point;
+        e[k] = space.vertex(i + spokes[k].di, j + spokes[k].dj).position - point;
     for (std::size_t k = 0; k < 6; ++k) n[k] = cross(e[(k + 1) % 6], e[k]);
 
     if (may_leave && dot(pull, n[sector_of(space.image_step(point, pull))]) > 0) return leave();
@@ -202,12 +203,11 @@ Motion on_vertex(const Space& space, const Proxy& at, const dvec3& point, const 
         const auto k = static_cast<std::size_t>(edge);
         const Spoke& spoke = spokes[k];
         const dvec3 way = e[k] * (dot(pull, e[k]) / dot(e[k], e[k]));
-        return along_edge(spoke.edge, at.i + spoke.edge_di, at.j + spoke.edge_dj, way, pull, n[(k + 5) % 6],
-                          n[k]);
+        return along_edge(spoke.edge, i + spoke.edge_di, j + spoke.edge_dj, way, pull, n[(k + 5) % 6], n[k]);
     }
     if (face < 0) return {};
     const auto k = static_cast<std::size_t>(face);
-    return along_face({spokes[k].face, at.i + spokes[k].face_di, at.j + spokes[k].face_dj}, n[k], pull);
+    return along_face({spokes[k].face, i + spokes[k].face_di, j + spokes[k].face_dj}, n[k], pull);
 }
 
 }  // namespace
@@ -222,7 +222,7 @@ Motion project_on_tangent_cone(const Space& space, const Proxy& proxy, const dve
         case Feature::face_upper:
             return on_face(space, proxy, pull, may_leave);
         case Feature::vertex:
-            return on_vertex(space, proxy, point, pull, may_leave);
+            return on_vertex(space, proxy.i, proxy.j, point, pull, may_leave);
         default:
             return on_edge(space, proxy, point, pull, may_leave);
     }

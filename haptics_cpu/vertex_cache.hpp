@@ -29,7 +29,7 @@ public:
 private:
     struct Entry {
         std::int64_t i = std::numeric_limits<std::int64_t>::min(), j = 0;
-        SpaceVertex vertex{};
+        SpaceVertex vertex;  // not written before its place is
     };
     std::array<Entry, 16> entries_;
 };
