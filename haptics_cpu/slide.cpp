@@ -183,7 +183,11 @@ private:
             !(std::sqrt(after) <= std::sqrt(before) + misplaced_by(next)))
             return Progress::none;
         proxy_ = next;
-        return after < before ? Progress::nearer : Progress::same;
+        // Nearer than it ever was: places a rounding apart could take turns for ever.
+        least_ = std::min(least_, before);
+        if (!(after < least_)) return Progress::same;
+        least_ = after;
+        return Progress::nearer;
     }
 
     /// A proxy that rests only because it may not leave is asked once more.
@@ -210,6 +214,7 @@ private:
     Proxy proxy_;
     const dvec3 goal_;
     const Slip slip_;
+    double least_ = std::numeric_limits<double>::infinity();  // distance to the goal so far, squared
     SolveCounts counts_;
 };
 

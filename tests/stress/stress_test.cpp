@@ -55,9 +55,11 @@ TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {
     };
     for (const Known& known :
          {Known{"lattice-lines", 9, 2000}, Known{"lattice-lines", 28, 3000}, Known{"lattice-lines", 32, 4000},
-          Known{"lattice-lines", 7, 19000}, Known{"far-million", 0, 13000}})
-        EXPECT_EQ(watch(*find_suite(known.suite)->run(known.seed), {known.ticks, 1, 0}).violation_count, 0)
-            << known.suite << ' ' << known.seed;
+          Known{"lattice-lines", 7, 19000}, Known{"far-million", 0, 13000}}) {
+        const Watched watched = watch(*find_suite(known.suite)->run(known.seed), {known.ticks, 1, 0});
+        EXPECT_EQ(watched.violation_count, 0) << known.suite << ' ' << known.seed;
+        EXPECT_EQ(watched.coverage.capped, 0) << "places a rounding apart take turns: " << known.suite;
+    }
 }
 
 TEST(Stress, TheGeneratedScenesPassEveryCertificateAndComparison) {
