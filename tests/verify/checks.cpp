@@ -157,7 +157,7 @@ void Verifier::check_properties(const ForceRow& row, const Touch& touch) {
 void Verifier::check_force(const ForceRow& row) {
     const Vec3 wanted = row.stiffness * row.metres_per_unit * (row.proxy - row.goal);
     if (row.guarded) {
-        if (length(row.force) > length(wanted) * (1 + relative))
+        if (!row.braked && length(row.force) > length(wanted) * (1 + relative))
             found(Check::force, row, text("the guard made ", length(row.force), " N of ", length(wanted)));
         return;
     }

@@ -24,7 +24,7 @@ enum class Check {
     off_surface,  ///< in contact, the proxy is on the surface
     pixel,        ///< pixel_x, pixel_y are where the proxy is seen
     properties,   ///< stiffness and friction are those of the surface there
-    force,        ///< F = k S (P - G); the guard only takes away
+    force,        ///< F = k S (P - G); the guard only takes away, but where it brakes
     free,         ///< out of contact P = G and F = 0
     minimum,      ///< the proxy is a minimum, or within the static friction cone
     slip,         ///< within a facet the proxy sticks, or slides straight to the dynamic cone

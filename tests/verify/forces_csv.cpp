@@ -67,7 +67,8 @@ Result<bool> ForcesReader::next(ForceRow& row) {
     auto whole = [&](std::size_t k, double most) {
         return v[k] >= 0 && v[k] <= most && v[k] == std::floor(v[k]);
     };
-    for (const auto& [k, most] : {std::pair<std::size_t, double>{0, 1e15}, {1, 1e6}, {17, 1e15}, {18, 1e15}})
+    for (const auto& [k, most] :
+         {std::pair<std::size_t, double>{0, 1e15}, {1, 1e6}, {17, 1e15}, {18, 1e15}, {20, 4294967295.0}})
         if (!whole(k, most)) return fault(std::string(names[k]) + " must be a whole number, 0 or more");
     if (!(v[11] == 0 || v[11] == 1)) return fault("contact must be 0 or 1");
     if (!(v[22] == 0 || v[22] == 1)) return fault("capped must be 0 or 1");
@@ -88,6 +89,7 @@ Result<bool> ForcesReader::next(ForceRow& row) {
            static_cast<std::int64_t>(v[18]),
            v[19],
            v[20] != 0,
+           (static_cast<std::uint32_t>(v[20]) & 96U) != 0,
            v[21],
            v[22] != 0};
     return true;

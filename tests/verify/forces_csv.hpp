@@ -23,8 +23,9 @@ struct ForceRow {
     std::int64_t frame_prev = 0, frame_next = 0;
     real blend = 0;
     bool guarded = false;      ///< the guard changed the force
+    bool braked = false;       ///< and added some: a damper's or the passivity controller's (bits 32, 64)
     real metres_per_unit = 0;  ///< S
-    bool capped = false;       ///< the solver ended at its event limit: on the surface, but not yet at the minimum
+    bool capped = false;  ///< the solver ended at its event limit: on the surface, but not yet at the minimum
 };
 
 /// Reads a forces file row by row. Columns are found by name; all must be there, others are ignored.
