@@ -51,6 +51,7 @@ void EnergyAccount::move(const Contact& contact, double carried_stiffness, doubl
     step_ = metres_per_unit_ * (contact.goal - goal_);
     work_of_tick_ = dot(held_, step_);
     figures_.work += work_of_tick_;
+    figures_.surface += dot(calmed_, step_);
     figures_.bound += std::max(0.0, dot(spring_force_ - fresh, step_));
     x_ = metres_per_unit_ * (contact.proxy - contact.goal);
     x2_ = dot(x_, x_);
@@ -71,7 +72,7 @@ void EnergyAccount::store(double stiffness) {
 void EnergyAccount::lose_goal() {
     figures_.surface -= figures_.stored;
     figures_.stored = 0;
-    held_ = spring_force_ = dvec3(0.0);
+    held_ = calmed_ = spring_force_ = dvec3(0.0);
 }
 
 }  // namespace touchable

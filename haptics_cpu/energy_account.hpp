@@ -24,7 +24,7 @@ struct DeviceSpring {
 /// Joules since the start, of one finger.
 struct EnergyFigures {
     double work = 0;     ///< done on the hand by the forces that were held
-    double surface = 0;  ///< put into the spring by what was not the hand: a moving surface, a ramp
+    double surface = 0;  ///< put in by what was not the hand: a moving surface, a ramp, a jump's cancellation
     double stored = 0;   ///< in the spring now
     double created = 0;  ///< the most that work - surface + stored ever was
     double bound = 0;    ///< the most that holding each force for a tick can have created at a constant k
@@ -45,8 +45,14 @@ public:
     void move(const Contact& contact, double carried_stiffness, double ramp);
     /// The spring's new energy, at the stiffness in effect (0 out of contact).
     void store(double stiffness);
-    /// The force that is held until the next tick, newtons.
-    void hold(const glm::dvec3& force) { held_ = force; }
+    /// The force that is held until the next tick, newtons. `calmed`: what of it is not the spring's because
+    /// the surface jumped; its work is the surface's.
+    void hold(const glm::dvec3& force, const glm::dvec3& calmed = glm::dvec3(0.0)) {
+        held_ = force;
+        calmed_ = calmed;
+    }
+    /// The spring's force at the stiffness in effect, as the device renders it.
+    const glm::dvec3& spring_force() const { return spring_force_; }
     /// The hand's place is not known: the spring is let go, and the work of this tick is not booked.
     void lose_goal();
 
@@ -72,6 +78,7 @@ private:
     bool started_ = false;
     glm::dvec3 goal_{0.0};          // scene units, of the last tick
     glm::dvec3 held_{0.0};          // N
+    glm::dvec3 calmed_{0.0};        // the part of it that is a jump's cancellation
     glm::dvec3 spring_force_{0.0};  // the part of it that was the spring's
     glm::dvec3 step_{0.0}, x_{0.0}, stretched_{0.0};
     double ramp_ = 1, x2_ = 0;

@@ -34,8 +34,9 @@ GuardedForce ForceGuard::ramp_out() {
     return {last_force_ * left, guard_fault, account_.figures()};
 }
 
-glm::dvec3 ForceGuard::spring(const Contact& contact, double stiffness, std::uint32_t& reasons) const {
-    glm::dvec3 force = contact.force;
+glm::dvec3 ForceGuard::spring(const Contact& contact, const glm::dvec3& unlimited, double stiffness,
+                              std::uint32_t& reasons) const {
+    glm::dvec3 force = unlimited;
     if (!contact.touching) return force;
     const double map = contact.properties.stiffness;
     if (stiffness < map) {
@@ -56,7 +57,7 @@ void ForceGuard::limit(GuardedForce& out) const {
     out.reasons |= guard_force;
 }
 
-GuardedForce ForceGuard::guard(const Contact& contact) {
+GuardedForce ForceGuard::guard(const Contact& contact, const glm::dvec3& force, bool calmed) {
     if (contact.goal_held || !std::isfinite(glm::dot(contact.force, contact.force))) return ramp_out();
     ticks_faulty_ = 0;
     const bool ramping = ticks_in_ < settings_.ramp_in_ticks;
@@ -66,7 +67,8 @@ GuardedForce ForceGuard::guard(const Contact& contact) {
     const double stiffness = stiffness_.in_effect(contact, account_);
     account_.store(stiffness);
     GuardedForce out;
-    out.force = spring(contact, stiffness, out.reasons);
+    out.force = spring(contact, force, stiffness, out.reasons);
+    GuardedForce alone = out;  // before anything is added
     const bool damped = settings_.damping > 0, controlled = settings_.passivity > 0;
     if (damped || controlled) velocity_ = filtered_velocity(velocity_, account_.step());
     if (damped) {
@@ -87,7 +89,13 @@ GuardedForce ForceGuard::guard(const Contact& contact) {
         if (brake != glm::dvec3(0.0)) out.reasons |= guard_passivity;
         limit(out);
     }
-    account_.hold(out.force);
+    glm::dvec3 by_the_jump(0.0);
+    if (calmed) {
+        limit(alone);
+        by_the_jump = ramp * alone.force - account_.spring_force();
+        out.reasons |= guard_jump;
+    }
+    account_.hold(out.force, by_the_jump);
     out.energy = account_.figures();
     last_force_ = out.force;
     return out;

@@ -32,6 +32,7 @@ enum GuardReason : std::uint32_t {
     guard_rise = 16,       ///< k not yet risen to the map's
     guard_damping = 32,    ///< a damper's force added
     guard_passivity = 64,  ///< the passivity controller's force added
+    guard_jump = 128       ///< the surface jumped: JumpCancellation
 };
 
 struct GuardedForce {
@@ -46,11 +47,17 @@ struct GuardedForce {
 class ForceGuard {
 public:
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);
-    GuardedForce guard(const Contact& contact);
+    GuardedForce guard(const Contact& contact) { return guard(contact, contact.force, false); }
+    /// After a jump of the surface: `calmed` takes the place of the contact's force.
+    GuardedForce guard_calmed(const Contact& contact, const glm::dvec3& calmed) {
+        return guard(contact, calmed, true);
+    }
 
 private:
     GuardedForce ramp_out();
-    glm::dvec3 spring(const Contact& contact, double stiffness, std::uint32_t& reasons) const;
+    GuardedForce guard(const Contact& contact, const glm::dvec3& force, bool calmed);
+    glm::dvec3 spring(const Contact& contact, const glm::dvec3& force, double stiffness,
+                      std::uint32_t& reasons) const;
     void limit(GuardedForce& out) const;
 
     GuardSettings settings_;

@@ -15,12 +15,17 @@ double bilinear(double a, double b, double v00, double v10, double v01, double v
 }  // namespace
 
 HeightField::HeightField(const Scene& scene, const FramePair& pair)
-    : scene_(scene), prev_(pair.prev.frame), prev_codes_(prev_->vertices->read_from()), nearer_(prev_) {
+    : scene_(scene),
+      prev_(pair.prev.frame),
+      prev_codes_(prev_->vertices->read_from()),
+      nearer_(prev_),
+      moment_ns_(static_cast<double>(pair.prev.time_ns)) {
     const bool between = scene.interpolation == FrameInterpolation::linear && pair.blend > 0;
     if (between && pair.next.frame != prev_) {
         next_ = pair.next.frame;
         next_codes_ = next_->vertices->read_from();
         blend_ = pair.blend;
+        moment_ns_ += blend_ * static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
         if (blend_ >= 0.5) nearer_ = next_;
     }
     tiles_ = TileGrid::of(scene.width, scene.height);

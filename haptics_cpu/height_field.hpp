@@ -27,6 +27,8 @@ public:
     int height() const { return scene_.height; }
     /// Between the pair's frames as this field has it: 0 where it holds, or where both frames are one.
     double blend() const { return blend_; }
+    /// The moment this surface is of, ns on the clip's clock: the earlier frame's where it holds.
+    double moment_ns() const { return moment_ns_; }
 
     /// Depth and validity at any lattice vertex; beyond the ring, of the ring vertex nearest to it.
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;
@@ -68,6 +70,7 @@ private:
     const SurfaceFrame* next_codes_ = nullptr;  // likewise
     const SurfaceFrame* nearer_;  // in time: gives haptic properties, and the state of half-valid pixels
     double blend_ = 0;
+    double moment_ns_;
     TileGrid tiles_;
     double height_per_code_ = 0;
     double largest_height_ = 0;

@@ -1,5 +1,6 @@
 #include "haptics_cpu/touch_solver.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -8,6 +9,7 @@
 #include "haptics_cpu/cast.hpp"
 #include "haptics_cpu/friction.hpp"
 #include "haptics_cpu/pixel_space.hpp"
+#include "haptics_cpu/surface_carry.hpp"
 #include "haptics_cpu/surface_lattice.hpp"
 #include "haptics_cpu/tick_velocity.hpp"
 #include "haptics_cpu/world_space.hpp"
@@ -27,28 +29,7 @@ bool is_usable(const dvec3& goal) {
            std::abs(goal.z) <= largest_goal;
 }
 
-/// A surface that rose past a free proxy takes it along on its ray.
-template <class Space>
-void lift_onto_risen_surface(const Space& space, Proxy& proxy) {
-    if (!space.in_front(proxy.point)) return;
-    const ChartPoint at = space.chart(proxy.point);
-    // Beyond this a point so close to the camera's plane is seen under no pixel worth the name, and is in
-    // front.
-    if (!(std::abs(at.x) < farthest_pixel) || !(std::abs(at.y) < farthest_pixel)) return;
-    const Proxy under = face_under(at.x, at.y);
-    if (at.w < surface_w(space, under)) proxy = under;
-}
-
-/// Brings a proxy to the surface of this tick.
-template <class Space>
-void carry(const Space& space, Proxy& proxy, Contact& contact) {
-    if (!proxy.on_surface()) lift_onto_risen_surface(space, proxy);
-    if (!proxy.on_surface()) return;
-    proxy.point = surface_point(space, proxy);
-    contact.carried = space.to_world(proxy.point);
-    contact.carried_stiffness = space.field().stiffness(proxy.i, proxy.j, proxy.a, proxy.b);
-}
-
+/// From a place on or in front of the surface.
 template <class Space>
 SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip) {
     SolveCounts counts;
@@ -67,11 +48,59 @@ SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event
     return counts;
 }
 
-/// Friction in this tick, of a proxy that has been carried.
+/// Friction in this tick.
 Slip slip_of(const TouchSettings& settings, FingerState& finger) {
     if (!(settings.stribeck_speed > 0)) return {};
     if (is_slow(finger.slip_speed, settings.stribeck_speed)) finger.proxy.sliding = false;
     return stribeck_slip(finger.slip_speed, settings.stribeck_speed);
+}
+
+constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double tick_s = 0.001;
+
+/// How far (scene units) the surface may take a proxy along in this tick before that is sudden: as far as it
+/// gets at the speed that is not, in a tick where frames are interpolated and in a frame where they are held.
+/// A surface that stood still for want of frames and catches up has no more time for it. Infinite where the
+/// surface did not move, and in the metrics of pixels, which know no such thing.
+double sudden_distance(const HeightField& field, const TouchSettings& settings, const FingerState& finger) {
+    const Scene& scene = field.scene();
+    const double moved_s = 1e-9 * std::abs(field.moment_ns() - finger.moment_ns);
+    if (!finger.started || moved_s == 0 || settings.metric != TouchMetric::world) return never;
+    const double due_s = scene.interpolation == FrameInterpolation::hold
+                             ? static_cast<double>(scene.rate.den) / static_cast<double>(scene.rate.num)
+                             : tick_s;
+    return settings.sudden_speed * std::min(moved_s, due_s) / settings.metres_per_scene_unit;
+}
+
+template <class Space>
+void book_carried(const Space& space, const Proxy& proxy, Contact& contact) {
+    contact.carried_stiffness = 0;
+    if (!proxy.on_surface()) return;
+    contact.carried = space.to_world(proxy.point);
+    contact.carried_stiffness = space.field().stiffness(proxy.i, proxy.j, proxy.a, proxy.b);
+}
+
+/// Brings a proxy to the surface of this tick; `goal`: of the tick before.
+template <class Space>
+void bring(const Space& space, const TouchSettings& settings, double sudden, const dvec3& goal,
+           const Slip& slip, Proxy& proxy, Contact& contact) {
+    const dvec3 before = proxy.point;
+    contact.off_its_ray = !carry(space, proxy, sudden);
+    book_carried(space, proxy, contact);
+    if (sudden == never) return;
+    const bool left_behind = contact.off_its_ray && !proxy.on_surface();
+    if (!left_behind && !(glm::distance(before, proxy.point) > sudden)) return;
+    contact.jumped = true;
+    Proxy still = proxy;
+    solve(space, still, goal, settings.event_limit, slip);
+    if (still.on_surface())
+        contact.jumped_force = properties_at(space, still).stiffness * settings.metres_per_scene_unit *
+                               (space.to_world(still.point) - goal);
+    // What was left behind flies to where that goal pulls it, before the goal moves on.
+    if (left_behind) {
+        proxy = still;
+        book_carried(space, proxy, contact);
+    }
 }
 
 /// How fast the proxy went over the surface; a surface that moves takes it along and is not counted.
@@ -101,12 +130,14 @@ void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scen
 template <class Space>
 void tick_in(const Space& space, const TouchSettings& settings, std::span<const dvec3> goals,
              std::span<FingerState> fingers, std::span<Contact> contacts) {
+    const HeightField& field = space.field();
     for (std::size_t k = 0; k < goals.size(); ++k) {
         FingerState& finger = fingers[k];
         Contact& contact = contacts[k];
         contact = Contact{};
         const bool usable = is_usable(goals[k]) && space.from_world(goals[k]);
         contact.goal_held = !usable;
+        const dvec3 goal_before = finger.started ? finger.goal : goals[k];
         if (usable) finger.goal = goals[k];
         contact.goal = contact.proxy = finger.goal;
         if (!usable && !finger.started) continue;
@@ -114,12 +145,15 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
         Proxy& proxy = finger.proxy;
         const dvec3 goal = *space.from_world(finger.goal);
         if (!finger.started) proxy.point = goal;
+        const double sudden = sudden_distance(field, settings, finger);
         finger.started = true;
+        finger.moment_ns = field.moment_ns();
         if (!proxy.on_surface() && is_clear(space, proxy.point, goal)) {
             proxy.point = goal;
         } else {
-            carry(space, proxy, contact);
-            contact.counts = solve(space, proxy, goal, settings.event_limit, slip_of(settings, finger));
+            const Slip slip = slip_of(settings, finger);
+            bring(space, settings, sudden, goal_before, slip, proxy, contact);
+            contact.counts = solve(space, proxy, goal, settings.event_limit, slip);
         }
         if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);

@@ -23,6 +23,9 @@ struct TouchSettings {
     double metres_per_scene_unit = 0.001;  ///< S of F = k S (P - G), from the Workspace
     int event_limit = 256;                 ///< features a proxy may pass in a tick
     double stribeck_speed = 0;  ///< v_s, m/s: friction that falls with speed (stribeck_slip); 0: Coulomb's
+    /// A surface that takes a proxy along faster than this (device metres per second of the clip) moves
+    /// suddenly: see `carry` and `Contact::jumped`. Infinite: never.
+    double sudden_speed = 0.1;
 };
 
 /// What a finger carries from tick to tick.
@@ -31,6 +34,7 @@ struct FingerState {
     bool started = false;
     glm::dvec3 goal{0.0};   ///< the last goal that was finite
     double slip_speed = 0;  ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
+    double moment_ns = 0;   ///< of the surface it last met
 };
 
 /// What a finger met in a tick. World, scene units, newtons.
@@ -47,6 +51,11 @@ struct Contact {
     /// for a proxy that was free.
     glm::dvec3 carried{0.0};
     double carried_stiffness = 0;
+    bool off_its_ray = false;  ///< the surface moved suddenly, and took the proxy aside or left it behind
+    /// The surface moved suddenly, away or with the proxy: a cut, a frame that was late, an object that came
+    /// fast.
+    bool jumped = false;
+    glm::dvec3 jumped_force{0.0};  ///< then: what the goal of the tick before meets on this tick's surface
     SolveCounts counts;
 };
 

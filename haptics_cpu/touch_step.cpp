@@ -16,15 +16,22 @@ TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int 
     goals_.resize(count);
     fingers_.resize(count);
     contacts_.resize(count);
+    jumps_.assign(count, JumpCancellation(guard));
     guards_.assign(count, ForceGuard(guard, solver.settings().metres_per_scene_unit));
     forces_.resize(count);
+}
+
+GuardedForce TouchStep::force_on(std::size_t finger) {
+    const CalmedForce calmed = jumps_[finger].calm(contacts_[finger]);
+    if (!calmed.active) return guards_[finger].guard(contacts_[finger]);
+    return guards_[finger].guard_calmed(contacts_[finger], calmed.force);
 }
 
 TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair) {
     const auto start = std::chrono::steady_clock::now();
     const HeightField field(scene, pair);
     solver_.tick(field, goals_, fingers_, contacts_);
-    for (std::size_t k = 0; k < guards_.size(); ++k) forces_[k] = guards_[k].guard(contacts_[k]);
+    for (std::size_t k = 0; k < guards_.size(); ++k) forces_[k] = force_on(k);
     const auto end = std::chrono::steady_clock::now();
 
     TouchTick done;

@@ -2,12 +2,13 @@
 
 #include <vector>
 
+#include "haptics_cpu/jump_cancellation.hpp"
 #include "haptics_cpu/touch_tick.hpp"
 
 namespace touchable {
 
-/// N fingers from tick to tick: solver, guard, and what they carry over. The one way a tick is made, offline
-/// and live.
+/// N fingers from tick to tick: solver, jump cancellation, guard, and what they carry over. The one way a
+/// tick is made, offline and live.
 class TouchStep {
 public:
     /// `solver` outlives this.
@@ -22,10 +23,14 @@ public:
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
 private:
+    /// What the finger's device gets for its contact.
+    GuardedForce force_on(std::size_t finger);
+
     const TouchSolver& solver_;
     std::vector<glm::dvec3> goals_;
     std::vector<FingerState> fingers_;
     std::vector<Contact> contacts_;
+    std::vector<JumpCancellation> jumps_;
     std::vector<ForceGuard> guards_;
     std::vector<GuardedForce> forces_;
 };

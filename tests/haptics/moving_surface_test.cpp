@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "engine/content/strokes.hpp"
 #include "tests/haptics/small_field.hpp"
@@ -52,39 +53,93 @@ TEST(MovingSurface, ASinkingSurfaceLetsTheFingerGo) {
     EXPECT_EQ(contact.proxy, goal);
 }
 
-TEST(MovingSurface, NoContactIsLostOnTheMovingReliefAtThirtyFramesASecond) {
-    SceneOptions options;
-    options.width = 320;
-    options.height = 240;
-    TouchRig rig("moving", options, TouchRig::Depth::codes);
-    rig.scene().default_properties = {600, 0, 0};
-    ReliefStroke stroke(Relief::moving, options.width, options.height, 0.1);
-    std::vector<SurfaceFrame> frames(62);
-    for (std::size_t n = 0; n < frames.size(); ++n)
-        rig.load(static_cast<std::int64_t>(n), TouchRig::Depth::codes, frames[n]);
-    const FrameRate rate = rig.scene().rate;
+/// The scene `moving` and the stroke over it (docs/scenes.md), at a speed in m/s.
+struct Motion {
+    FrameInterpolation interpolation;
+    double speed;
+};
 
-    int under_ticks = 0;
-    std::size_t prev = 0;
-    for (int tick = 0; tick < 2000; ++tick) {
-        const std::int64_t time = tick * 1'000'000LL;
-        while (rate.time_ns(static_cast<std::int64_t>(prev) + 1) <= time) ++prev;
-        const std::int64_t from = rate.time_ns(static_cast<std::int64_t>(prev));
-        const std::int64_t to = rate.time_ns(static_cast<std::int64_t>(prev) + 1);
-        rig.pair = {{static_cast<std::int64_t>(prev), from, &frames[prev]},
-                    {static_cast<std::int64_t>(prev) + 1, to, &frames[prev + 1]},
-                    static_cast<double>(time - from) / static_cast<double>(to - from)};
-        const auto goal = stroke.next();
-        const Contact& contact = rig.tick(goal.goal);
-        EXPECT_FALSE(is_behind_surface(rig.field(), contact.proxy, 1e-12)) << "tick " << tick;
-        if (goal.under < 0.5) continue;
+void PrintTo(const Motion& motion, std::ostream* out) {
+    *out << (motion.interpolation == FrameInterpolation::hold ? "held" : "linear") << " at " << motion.speed
+         << " m/s";
+}
+
+class MovingRelief : public testing::TestWithParam<Motion> {
+protected:
+    static constexpr int width = 320, height = 240, frames_in_two_seconds = 60;
+
+    static void SetUpTestSuite() {
+        SceneOptions options;
+        options.width = width;
+        options.height = height;
+        rig_ = std::make_unique<TouchRig>("moving", options, TouchRig::Depth::codes);
+        frames_.resize(frames_in_two_seconds);  // then it repeats
+        for (std::size_t n = 0; n < frames_.size(); ++n)
+            rig_->load(static_cast<std::int64_t>(n), TouchRig::Depth::codes, frames_[n]);
+    }
+    static void TearDownTestSuite() {
+        rig_.reset();
+        frames_.clear();
+    }
+
+    static FramePair pair_at(std::int64_t time_ns) {
+        const FrameRate& rate = rig_->scene().rate;
+        std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
+        while (rate.time_ns(n + 1) <= time_ns) ++n;
+        const auto timed = [&](std::int64_t m) {
+            return TimedFrame{m, rate.time_ns(m), &frames_[static_cast<std::size_t>(m) % frames_.size()]};
+        };
+        FramePair pair{timed(n), timed(n + 1), 0};
+        pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                     static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+        return pair;
+    }
+
+    static std::unique_ptr<TouchRig> rig_;
+    static std::vector<SurfaceFrame> frames_;
+};
+std::unique_ptr<TouchRig> MovingRelief::rig_;
+std::vector<SurfaceFrame> MovingRelief::frames_;
+
+TEST_P(MovingRelief, NoContactIsLostAndNoTickIsOffTheSurface) {
+    TouchRig& rig = *rig_;
+    const bool held = GetParam().interpolation == FrameInterpolation::hold;
+    rig.scene().default_properties = {600, 0, 0};
+    rig.scene().interpolation = GetParam().interpolation;
+    rig.lift_fingers();
+    ReliefStroke stroke(Relief::moving, width, height, GetParam().speed);
+    const int ticks = 8000;
+    int under_ticks = 0, off = 0;
+    double farthest = 0;
+    std::optional<glm::dvec3> truth;
+    for (int tick = 0; tick < ticks; ++tick) {
+        const std::int64_t time_ns = tick * 1'000'000LL;
+        rig.pair = pair_at(time_ns);
+        const glm::dvec3 goal = stroke.next().goal;
+        const Contact& contact = rig.tick(goal);
+        ASSERT_FALSE(is_behind_surface(rig.field(), contact.proxy, 1e-12)) << "tick " << tick;
+        ASSERT_FALSE(contact.jumped) << "tick " << tick << ": smooth motion is not sudden";
+        // A frame that is held is the surface of its own moment.
+        const double t = held ? static_cast<double>(rig.pair.prev.time_ns) / 1e9 : tick * 0.001;
+        if (relief_z(Relief::moving, goal.x, goal.y, t) - goal.z < 0.5) continue;
         ++under_ticks;
         ASSERT_TRUE(contact.touching) << "tick " << tick;
-        const reference::Surface surface(rig.scene(), rig.pair);
-        EXPECT_LT(reference::excess_over_minimum(surface, rig.finger().proxy, goal.goal), 1e-9L);
+        ASSERT_LT(reference::excess_over_minimum({rig.scene(), rig.pair}, rig.finger().proxy, goal), 1e-9L)
+            << "tick " << tick;
+        truth = rig.content().closest(goal, truth.value_or(contact.proxy), t)->point;
+        const double distance = length(contact.proxy - *truth);
+        farthest = std::max(farthest, distance);
+        off += !(distance <= 2.0);
     }
-    EXPECT_GT(under_ticks, 1500);
+    EXPECT_GT(under_ticks, ticks * 8 / 10);
+    EXPECT_EQ(off, 0) << "farthest " << farthest << " mm";
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Strokes, MovingRelief,
+    testing::Values(Motion{FrameInterpolation::linear, 0.05}, Motion{FrameInterpolation::linear, 0.1},
+                    Motion{FrameInterpolation::linear, 0.3}, Motion{FrameInterpolation::hold, 0.05},
+                    Motion{FrameInterpolation::hold, 0.1}, Motion{FrameInterpolation::hold, 0.3}));
 
 TEST(Border, ComingInFromTheSideMeetsAWall) {
     SmallField block(17, 17, 100.0);

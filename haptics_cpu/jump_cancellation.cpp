@@ -1,0 +1,72 @@
+#include "haptics_cpu/jump_cancellation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace touchable {
+
+namespace {
+
+using glm::dot;
+using glm::dvec3;
+
+/// w: from 1 to 0 as ticks go from 0 to fade_ticks, level at both ends.
+double fade(double ticks) {
+    const double p = ticks / JumpCancellation::fade_ticks;
+    return p < 1 ? 1.0 - p * p * (3.0 - 2.0 * p) : 0.0;
+}
+
+/// Neither longer than F nor against it, with as little change as that takes.
+dvec3 within(const dvec3& force, const dvec3& out) {
+    const double f2 = dot(force, force), along = dot(out, force);
+    if (!(f2 > 0 && std::isfinite(f2))) return force;
+    const dvec3 with = along < 0 ? out - force * (along / f2) : out;
+    const double length2 = dot(with, with);
+    return length2 > f2 ? with * std::sqrt(f2 / length2) : with;
+}
+
+}  // namespace
+
+bool JumpCancellation::beyond_device(const dvec3& force, double stiffness) const {
+    const double share = stiffness > device_.max_stiffness ? device_.max_stiffness / stiffness : 1.0;
+    return share * share * dot(force, force) > device_.max_force * device_.max_force;
+}
+
+void JumpCancellation::begin(const Contact& contact) {
+    const bool was_buried = buried_;
+    buried_ = beyond_device(contact.jumped_force, contact.properties.stiffness);
+    if (buried_ && was_buried) return;
+    if (buried_ || was_buried) {
+        jump_ = (buried_ ? dvec3(0.0) : contact.jumped_force) - given_;
+        ticks_ = 0;
+        return;
+    }
+    // What is left of an earlier jump fades on, from where it is. For both there is one clock; it shows the
+    // mean of theirs, so that a row of small jumps is followed and not held back for ever.
+    const dvec3 added = contact.jumped_force - wanted_;
+    const double left = fade(ticks_) > 0 ? fade(ticks_) / fade(ticks_ - 1) : 0.0;
+    const dvec3 rest = (wanted_ - given_) * left;
+    const double rest_n = std::sqrt(dot(rest, rest)), added_n = std::sqrt(dot(added, added));
+    ticks_ = rest_n > 0 ? ticks_ * (rest_n / (rest_n + added_n)) : 0.0;
+    jump_ = (rest + added) / fade(ticks_);
+}
+
+CalmedForce JumpCancellation::calm(const Contact& contact) {
+    if (!contact.touching) {
+        buried_ = false;
+        ticks_ = fade_ticks;
+    } else if (contact.jumped) {
+        begin(contact);
+    }
+    wanted_ = buried_ ? dvec3(0.0) : contact.force;
+    given_ = contact.force;
+    if (buried_ || ticks_ < fade_ticks) {
+        given_ = within(contact.force, wanted_ - fade(ticks_) * jump_);
+        ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
+    }
+    const dvec3 difference = given_ - contact.force;
+    return {given_, difference, difference != dvec3(0.0)};
+}
+
+}  // namespace touchable

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/touch_solver.hpp"
+
+namespace touchable {
+
+/// A force after a jump of the surface.
+struct CalmedForce {
+    glm::dvec3 force{0.0};       ///< N; never longer than the solver's, never against it
+    glm::dvec3 difference{0.0};  ///< force less the solver's: what the jump's cancellation does to the hand
+    bool active = false;         ///< the difference is not 0
+};
+
+/// Keeps a surface that jumps under one finger - a cut, an object from the side, a frame that was late - from
+/// kicking the hand. With J the jump of the force at the goal of the tick before, the hand gets F - w J,
+/// where w goes smoothly from 1 to 0 in `fade_ticks`: no step when the surface jumps, and dF/dG is the
+/// spring's own, so nothing lags.
+///
+/// It only takes away: the result is never longer than F, nor does it pull against F. Jumps that overlap go
+/// on from the current result; the end of contact ends it at once. Where a jump leaves
+/// the goal so deep that the spring exceeds what the device can bear (F_max / k), there is no force at all,
+/// until the goal surfaces or another jump brings it near.
+///
+/// No allocation; a pure function of what it was given so far; what never jumps goes through unchanged, to
+/// the bit.
+class JumpCancellation {
+public:
+    static constexpr int fade_ticks = 100;
+
+    explicit JumpCancellation(const GuardSettings& device) : device_(device) {}
+    CalmedForce calm(const Contact& contact);
+
+private:
+    bool beyond_device(const glm::dvec3& force, double stiffness) const;
+    void begin(const Contact& contact);
+
+    GuardSettings device_;
+    bool buried_ = false;
+    glm::dvec3 jump_{0.0};       // J, at w = 1
+    double ticks_ = fade_ticks;  // since w was 1, of the coming tick
+    // Of the tick before: what the hand would have got without J, and what it got.
+    glm::dvec3 wanted_{0.0}, given_{0.0};
+};
+
+}  // namespace touchable

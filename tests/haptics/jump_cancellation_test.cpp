@@ -1,0 +1,177 @@
+// What stands between a surface that jumps and a hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "haptics_cpu/jump_cancellation.hpp"
+#include "tests/frame/random.hpp"
+#include "tests/haptics/touch_rig.hpp"
+
+namespace touchable::test {
+namespace {
+
+using glm::dvec3;
+
+GuardSettings device() {
+    GuardSettings settings;
+    settings.max_force = 8;
+    return settings;
+}
+
+Contact pressing(const dvec3& force) {
+    Contact contact;
+    contact.touching = true;
+    contact.force = force;
+    contact.properties.stiffness = 1000;
+    return contact;
+}
+
+/// The goal rests: what it meets now is what the last tick's goal meets on this surface.
+Contact jumping(const dvec3& force) {
+    Contact contact = pressing(force);
+    contact.jumped = true;
+    contact.jumped_force = force;
+    return contact;
+}
+
+TEST(JumpCancellation, WhatNeverJumpsGoesThroughToTheBit) {
+    JumpCancellation calm(device());
+    Random random(3);
+    for (int tick = 0; tick < 1000; ++tick) {
+        const dvec3 force(random.below(1000) * 0.007, random.below(1000) * -0.003, random.below(1000) * 1e-9);
+        Contact contact = pressing(force);
+        contact.touching = random.below(10) > 0;
+        if (!contact.touching) contact.force = dvec3(0.0);
+        const CalmedForce out = calm.calm(contact);
+        ASSERT_EQ(out.force, contact.force);
+        ASSERT_EQ(out.difference, dvec3(0.0));
+        ASSERT_FALSE(out.active);
+    }
+}
+
+TEST(JumpCancellation, AJumpOfTheSurfaceIsNoStepAndIsFeltWholeAfterATenthOfASecond) {
+    JumpCancellation calm(device());
+    calm.calm(pressing({0, 0, 1}));
+    CalmedForce out = calm.calm(jumping({0, 2, 5}));
+    EXPECT_NEAR(length(out.force - dvec3(0, 0, 1)), 0, 1e-15);
+    EXPECT_TRUE(out.active);
+    EXPECT_NEAR(length(out.difference - dvec3(0, -2, -4)), 0, 1e-15);
+    const double largest = 1.5 / JumpCancellation::fade_ticks * length(dvec3(0, 2, 4));
+    dvec3 last = out.force;
+    for (int tick = 1; tick < JumpCancellation::fade_ticks; ++tick) {
+        out = calm.calm(pressing({0, 2, 5}));
+        EXPECT_TRUE(out.active) << tick;
+        EXPECT_GT(out.force.z, last.z);
+        EXPECT_LE(length(out.force - last), largest * (1 + 1e-9));
+        EXPECT_EQ(out.difference, out.force - dvec3(0, 2, 5));
+        last = out.force;
+    }
+    out = calm.calm(pressing({0, 2, 5}));
+    EXPECT_FALSE(out.active);
+    EXPECT_EQ(out.force, dvec3(0, 2, 5));
+}
+
+TEST(JumpCancellation, TheSpringItselfIsUntouched) {
+    JumpCancellation one(device()), other(device());
+    one.calm(pressing({0, 0, 1}));
+    other.calm(pressing({0, 0, 1}));
+    one.calm(jumping({0, 0, 5}));
+    other.calm(jumping({0, 0, 5}));
+    for (int tick = 0; tick < 50; ++tick) {
+        const CalmedForce a = one.calm(pressing({0, 0, 5})), b = other.calm(pressing({0, 0.25, 5.5}));
+        EXPECT_NEAR(length(b.force - a.force - dvec3(0, 0.25, 0.5)), 0, 1e-14) << "dF/dG lags";
+    }
+}
+
+TEST(JumpCancellation, ItNeverLengthensAForceNorPullsAgainstIt) {
+    Random random(17);
+    const auto any = [&] { return 0.01 * (random.below(2000) - 1000); };
+    int active = 0;
+    for (int run = 0; run < 200; ++run) {
+        JumpCancellation calm(device());
+        for (int tick = 0; tick < 300; ++tick) {
+            const dvec3 force(any(), any(), any());
+            Contact contact = random.below(20) == 0 ? jumping(force) : pressing(force);
+            if (contact.jumped) contact.jumped_force = {any(), any(), any()};
+            const CalmedForce out = calm.calm(contact);
+            ASSERT_LE(length(out.force), length(force) * (1 + 1e-12));
+            ASSERT_GE(glm::dot(out.force, force), -1e-9);
+            active += out.active;
+        }
+    }
+    EXPECT_GT(active, 10000);
+}
+
+TEST(JumpCancellation, CutsThatOverlapGoOnFromTheCurrentForce) {
+    JumpCancellation calm(device());
+    dvec3 last = calm.calm(pressing({0, 0, 0.5})).force;
+    const double fading = 1.5 / JumpCancellation::fade_ticks * 10;  // newtons a tick
+    Random random(9);
+    for (int cut = 0; cut < 100; ++cut) {
+        const dvec3 level(0.1 * random.below(20), 0.1 * random.below(20), 3 + 0.1 * random.below(20));
+        CalmedForce out = calm.calm(jumping(level));
+        // Shorter than the surface now gives is all there may be.
+        EXPECT_LE(length(out.force - last), std::max(0.0, length(last) - length(level)) + fading)
+            << "cut " << cut;
+        for (int tick = 0; tick < random.below(60); ++tick) out = calm.calm(pressing(level));
+        last = out.force;
+    }
+}
+
+TEST(JumpCancellation, ARowOfSmallJumpsIsFollowedNotHeldBackForEver) {
+    JumpCancellation calm(GuardSettings{});
+    calm.calm(pressing({0, 0, 0.001}));
+    double behind = 0;
+    for (int tick = 1; tick <= 70; ++tick) {  // a surface that comes at 0.12 m/s, 1 N/mm
+        const CalmedForce out = calm.calm(jumping({0, 0, 0.12 * tick}));
+        behind = 0.12 * tick - out.force.z;
+        EXPECT_GT(behind, -1e-12);
+        EXPECT_LT(behind, 6.0) << "50 ms behind";
+    }
+    for (int tick = 0; tick < 100; ++tick) calm.calm(pressing({0, 0, 8.4}));
+    EXPECT_EQ(calm.calm(pressing({0, 0, 8.4})).force.z, 8.4);
+}
+
+TEST(JumpCancellation, TheEndOfContactEndsItAtOnce) {
+    JumpCancellation calm(device());
+    calm.calm(pressing({0, 0, 1}));
+    calm.calm(jumping({0, 0, 5}));
+    const CalmedForce free = calm.calm(Contact{});
+    EXPECT_EQ(free.force, dvec3(0.0));
+    EXPECT_FALSE(free.active);
+    const CalmedForce again = calm.calm(pressing({0, 0, 2}));
+    EXPECT_EQ(again.force, dvec3(0, 0, 2));
+    EXPECT_FALSE(again.active);
+}
+
+TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
+    JumpCancellation calm(device());
+    double last = calm.calm(pressing({0, 0, 4})).force.z;
+    CalmedForce out = calm.calm(jumping({0, 0, 60}));
+    EXPECT_DOUBLE_EQ(out.force.z, 4);
+    for (int tick = 0; tick < 99; ++tick) {
+        out = calm.calm(pressing({0, 0, 60}));
+        EXPECT_LT(out.force.z, last + 1e-12);
+        last = out.force.z;
+    }
+    out = calm.calm(pressing({0, 0, 60}));
+    EXPECT_EQ(out.force, dvec3(0.0));
+    // The hand retreats; still inside, still nothing.
+    EXPECT_EQ(calm.calm(pressing({0, 0, 5})).force, dvec3(0.0));
+    // The next cut brings a surface that it merely touches.
+    EXPECT_EQ(calm.calm(jumping({0, 0, 3})).force, dvec3(0.0));
+    for (int tick = 0; tick < 100; ++tick) out = calm.calm(pressing({0, 0, 3}));
+    EXPECT_EQ(out.force, dvec3(0, 0, 3));
+}
+
+TEST(JumpCancellation, AForceThatIsNoNumberIsLeftToTheGuard) {
+    JumpCancellation calm(device());
+    calm.calm(pressing({0, 0, 1}));
+    calm.calm(jumping({0, 0, 5}));
+    EXPECT_TRUE(std::isnan(calm.calm(pressing({0, 0, std::nan("")})).force.z));
+}
+
+}  // namespace
+}  // namespace touchable::test

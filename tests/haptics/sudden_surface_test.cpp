@@ -1,0 +1,269 @@
+// Surfaces that do what surfaces do not: rise through a hand, change at every frame, come late, stop. Through
+// the whole tick, as a device feels it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "haptics_cpu/touch_step.hpp"
+#include "tests/frame/random.hpp"
+#include "tests/haptics/small_field.hpp"
+#include "tests/haptics/touch_rig.hpp"
+#include "tests/reference/certificate.hpp"
+
+namespace touchable::test {
+namespace {
+
+using glm::dvec3;
+
+constexpr double newtons_per_unit = 0.6;  // 600 N/m, a unit is a millimetre
+/// What the surface may add to a force in a tick where frames are interpolated: what is not sudden, and the
+/// steepest of a fade over the device's 10 N, with a fifth for fades that overlap.
+constexpr double largest_rise = 0.1 * newtons_per_unit + 1.2 * 10 * 1.5 / JumpCancellation::fade_ticks;
+
+double within(Random& random, double low, double high) {
+    return low + (high - low) * (static_cast<double>(random.below(1 << 30)) / (1 << 30));
+}
+
+/// One finger over a small field, through TouchStep; every tick is looked at.
+class Stage {
+public:
+    explicit Stage(FrameInterpolation interpolation, double depth = 200) : field(33, 33, depth) {
+        field.scene.default_properties = {600, 0, 0};
+        field.scene.interpolation = interpolation;
+        settings.metres_per_scene_unit = 0.001;
+        guard.ramp_in_ticks = 0;
+    }
+
+    void begin() {
+        solver.emplace(TouchSolver::create(field.scene, settings).value());
+        step.emplace(*solver, guard, 1);
+    }
+
+    /// A tick over a pair of frames; asserts what holds of every tick.
+    void tick(std::int64_t time_ns, const FramePair& pair, const dvec3& goal) {
+        step->goals()[0] = goal;
+        const TouchTick done = step->run(time_ns / 1'000'000, time_ns, field.scene, pair);
+        const HeightField surface(field.scene, pair);
+        const double before = glm::length(force);
+        const dvec3 spring_before = contact.force;
+        contact = done.contacts[0];
+        force = done.forces[0].force;
+        reasons = done.forces[0].reasons;
+        ASSERT_FALSE(done.behind);
+        ASSERT_FALSE(is_behind_surface(surface, contact.proxy, 1e-12)) << "at " << time_ns;
+        ASSERT_TRUE(std::isfinite(glm::dot(force, force)));
+        ASSERT_LE(glm::length(force), guard.max_force * (1 + 1e-12));
+        ASSERT_LE(glm::length(force), glm::length(contact.force) * (1 + 1e-12));
+        ASSERT_FALSE(contact.counts.capped);
+        if (contact.touching && field.scene.default_properties.static_friction == 0) {
+            ASSERT_LT(reference::excess_over_minimum({field.scene, pair}, step->states()[0].proxy, goal),
+                      1e-9L * (1 + glm::distance(contact.proxy, goal)));
+        }
+        // The pull from one valley to the next turns a force, which is no rise of the surface.
+        const double spring = glm::length(contact.force), was = glm::length(spring_before);
+        const double turn =
+            contact.jumped || was == 0 ? 0.0 : glm::length(contact.force - spring_before * (spring / was));
+        rise = glm::length(force) - before - turn;
+        touching += contact.touching;
+        jumped += contact.jumped;
+    }
+
+    SmallField field;
+    TouchSettings settings;
+    GuardSettings guard;
+    std::optional<TouchSolver> solver;
+    std::optional<TouchStep> step;
+    Contact contact;
+    dvec3 force{0.0};
+    std::uint32_t reasons = 0;
+    double rise = 0;  ///< of |force| since the tick before, but for what the solver's force turned by
+    int touching = 0, jumped = 0;
+};
+
+FramePair still(const SurfaceFrame& frame, std::int64_t number, std::int64_t time_ns) {
+    FramePair pair;
+    pair.prev = pair.next = {number, time_ns, &frame};
+    return pair;
+}
+
+TEST(SuddenSurface, RisesThroughAFreeFingerAtAnySpeedAndNeverKicks) {
+    Random random(21);
+    for (const int levels : {1, 2, 3, 7, 20, 64, 128, 255})
+        for (const double rough : {0.0, 0.5, 20.0}) {
+            SCOPED_TRACE(std::to_string(levels) + " levels a tick, rough " + std::to_string(rough));
+            Stage stage(FrameInterpolation::linear);
+            const double level = stage.field.scene.depth.level();
+            std::vector<double> grain(33 * 33);
+            for (double& g : grain) g = within(random, -rough, rough);
+            double deepest = 370;
+            double most = 0;
+            for (int sweep = 0; sweep < 3; ++sweep) {
+                stage.begin();
+                stage.force = dvec3(0.0);
+                const dvec3 goal{within(random, -3, 3), within(random, -3, 3), within(random, -330, -250)};
+                double depth = deepest;
+                for (int tick = 0; tick < 40; ++tick) {
+                    stage.field.shape(stage.field.prev, [&](int x, int y) {
+                        return std::max(60.0, depth) + grain[static_cast<std::size_t>(33 * y + x)];
+                    });
+                    ASSERT_NO_FATAL_FAILURE(
+                        stage.tick(tick * 1'000'000, still(stage.field.prev, tick, tick * 1'000'000), goal));
+                    most = std::max(most, stage.rise);
+                    depth -= levels * level;
+                }
+            }
+            EXPECT_GT(stage.touching, levels > 3 ? 20 : -1);
+            EXPECT_LE(most, largest_rise);
+        }
+}
+
+/// A hand that presses and wanders over frames that have nothing to do with each other.
+class CutEveryFrame : public testing::TestWithParam<FrameInterpolation> {};
+
+TEST_P(CutEveryFrame, NeverKicksNeverLosesTheSurface) {
+    const bool hold = GetParam() == FrameInterpolation::hold;
+    Random random(hold ? 31 : 32);
+    Stage stage(GetParam());
+    const double spread[] = {4, 15, 60, 150};
+    const auto cut = [&](SurfaceFrame& frame, std::int64_t n) {
+        const double depth = 200 + within(random, -0.5, 0.5) * spread[n / 8 % 4];
+        const double tilt_x = within(random, -0.4, 0.4), tilt_y = within(random, -0.4, 0.4);
+        stage.field.shape(frame, [&](int x, int y) { return depth + tilt_x * (x - 16) + tilt_y * (y - 16); });
+    };
+    stage.begin();
+    SurfaceFrame *prev = &stage.field.prev, *next = &stage.field.next;
+    cut(*prev, 0);
+    double most = 0;
+    int felt = 0, calmed = 0;
+    std::int64_t n = -1;
+    const FrameRate& rate = stage.field.scene.rate;
+    const int ticks = 8000;
+    dvec3 goal(0, 0, -150);
+    for (int tick = 0; tick < ticks; ++tick) {
+        const std::int64_t time_ns = tick * 1'000'000LL;
+        while (rate.time_ns(n + 1) <= time_ns) {
+            ++n;
+            if (n > 0) std::swap(prev, next);
+            cut(*next, n + 1);
+        }
+        FramePair pair;
+        pair.prev = {n, rate.time_ns(n), prev};
+        pair.next = {n + 1, rate.time_ns(n + 1), next};
+        pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                     static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+        const dvec3 wanted(3 * std::sin(tick * 0.001), 2 * std::cos(tick * 0.0013),
+                           -203 - 3 * std::sin(tick * 0.002));
+        const dvec3 way = wanted - goal;
+        const double step = std::min(1.0, 0.1 / (1e-9 + glm::length(way)));
+        goal += way * step;  // at most 0.1 m/s
+        ASSERT_NO_FATAL_FAILURE(stage.tick(time_ns, pair, goal)) << "tick " << tick;
+        // Of a held frame, 3.3 mm are not sudden.
+        most = std::max(most, stage.rise - newtons_per_unit * glm::length(way * step));
+        felt += glm::length(stage.force) > 0.1;
+        calmed += (stage.reasons & guard_jump) != 0;
+    }
+    EXPECT_LE(most, hold ? newtons_per_unit * 3.34 : largest_rise);
+    EXPECT_GT(stage.jumped, 40);
+    EXPECT_GT(calmed, 500);
+    EXPECT_GT(felt, ticks / 20);
+    EXPECT_GT(stage.touching, ticks / 4);
+    std::cout << "largest rise " << most << " N, " << stage.jumped << " jumps, calmed in " << calmed
+              << ", felt in " << felt << " of " << ticks << " ticks\n";
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, CutEveryFrame,
+                         testing::Values(FrameInterpolation::hold, FrameInterpolation::linear),
+                         [](const auto& run) {
+                             return run.param == FrameInterpolation::hold ? "Held" : "Linear";
+                         });
+
+/// A producer that publishes a wall at some depth; the finger presses on it.
+class Producer {
+public:
+    explicit Producer(Stage& stage) : stage_(stage) { stage.begin(); }
+    void publish(std::int64_t n, double depth) {
+        SurfaceFrame* slot = timeline.acquire();
+        ASSERT_NE(slot, nullptr);
+        slot->width = slot->height = 33;
+        slot->coding = stage_.field.scene.depth;
+        slot->vertices = std::make_unique<ExactVertices>(33, 33, std::vector<double>(33 * 33, depth));
+        ASSERT_TRUE(timeline.publish(n, stage_.field.scene.rate.time_ns(n)).ok());
+    }
+    void tick(std::int64_t tick, const dvec3& goal) {
+        FramePair pair;
+        ASSERT_TRUE(timeline.pair_at(tick * 1'000'000, pair));
+        ASSERT_NO_FATAL_FAILURE(stage_.tick(tick * 1'000'000, pair, goal));
+    }
+    SurfaceTimeline timeline{4};
+
+private:
+    Stage& stage_;
+};
+
+TEST(SuddenSurface, AStoppedProducerIsASurfaceThatStandsStill) {
+    for (const auto interpolation : {FrameInterpolation::hold, FrameInterpolation::linear}) {
+        Stage stage(interpolation);
+        Producer producer(stage);
+        for (int n = 0; n < 3; ++n) producer.publish(n, 200 - 2.0 * n);  // 60 mm/s towards the hand
+        const dvec3 goal(0, 0, -203);
+        double most = 0;
+        dvec3 standing(0.0);
+        producer.tick(0, {0, 0, -190});
+        for (int tick = 1; tick < 3000; ++tick) {
+            ASSERT_NO_FATAL_FAILURE(producer.tick(tick, goal));
+            if (tick > 1) most = std::max(most, stage.rise);
+            if (tick == 67) standing = stage.force;
+            if (tick > 67) {
+                ASSERT_EQ(stage.force, standing) << "tick " << tick;
+            }
+        }
+        EXPECT_NEAR(glm::length(standing), newtons_per_unit * 7, 1e-3);
+        EXPECT_LE(most, newtons_per_unit * (interpolation == FrameInterpolation::hold ? 2.0001 : 0.0601));
+        EXPECT_EQ(stage.reasons, 0U);
+        EXPECT_EQ(stage.jumped, 0);
+    }
+}
+
+TEST(SuddenSurface, LateAndDroppedFramesCatchUpWithoutAKick) {
+    for (const auto interpolation : {FrameInterpolation::hold, FrameInterpolation::linear})
+        for (const bool dropped : {false, true}) {
+            SCOPED_TRACE((interpolation == FrameInterpolation::hold ? "held " : "linear ") +
+                         std::string(dropped ? "dropped" : "late"));
+            Stage stage(interpolation);
+            Producer producer(stage);
+            const auto depth_of = [](std::int64_t n) {
+                return 206 - 1.5 * static_cast<double>(n);
+            };  // 45 mm/s
+            producer.publish(0, depth_of(0));
+            std::int64_t published = 0;
+            double most = 0;
+            producer.tick(0, {0, 0, -190});
+            for (int tick = 1; tick < 800; ++tick) {
+                // Two frames ahead; but what is due from 100 to 300 ms comes at 300 ms, or never.
+                const std::int64_t due = tick * 30 / 1000 + 2;
+                while (published < std::min<std::int64_t>(due, 6)) {
+                    ++published;
+                    const std::int64_t at = published;
+                    if (at > 2 && tick >= 100 && tick < 300) {
+                        --published;
+                        break;
+                    }
+                    producer.publish(at, depth_of(at));
+                }
+                if (dropped && tick == 300) {
+                    producer.publish(10, depth_of(10));
+                    published = 99;
+                }
+                ASSERT_NO_FATAL_FAILURE(producer.tick(tick, {0, 0, -205}));
+                if (tick > 1) most = std::max(most, stage.rise);
+            }
+            EXPECT_GT(stage.touching, 700);
+            EXPECT_LE(most,
+                      interpolation == FrameInterpolation::hold ? newtons_per_unit * 3.34 : largest_rise);
+        }
+}
+
+}  // namespace
+}  // namespace touchable::test
