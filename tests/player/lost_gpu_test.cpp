@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "engine/surface/fallback_builder.hpp"
 #include "engine/surface/vulkan_builder.hpp"
 #include "player/field_probe.hpp"
+#include "player/picture_options.hpp"
 #include "player/touch_figures.hpp"
 #include "player/touch_session.hpp"
 #include "tests/gpu/blockade.hpp"
@@ -115,6 +117,39 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
         EXPECT_EQ(run.ticks, expected.ticks);
         ASSERT_EQ(told.size(), 1U);
         EXPECT_EQ(told[0].rfind("frame " + std::to_string(lost_at) + ": ", 0), 0U) << told[0];
+    }
+}
+
+TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
+    const TemporaryFolder folder;
+    make_clip("globe", folder / "clip.mkv", {"--size", "72x48", "--frames", "1"});
+    auto reader = open_clip(folder / "clip.mkv", std::nullopt);
+    ASSERT_TRUE(reader.ok());
+    const auto raw = (*reader)->next();
+    ASSERT_TRUE(raw.ok() && *raw);
+    const Scene& scene = (*reader)->scene();
+    SurfaceFrame surface;
+    ASSERT_TRUE(make_cpu_builder(scene)->build(**raw, surface).ok());
+    const FramePair still{{0, 0, &surface}, {0, 0, &surface}, 0};
+    for (const char* painter : {"auto", "raster"}) {
+        RunGpu gpu("auto");
+        PictureOptions options;
+        options.file = folder / (std::string(painter) + ".png");
+        options.painter = painter;
+        options.size = "96x54";
+        auto order = order_picture(options, {}, gpu);
+        ASSERT_TRUE(order.ok() && *order);
+        EXPECT_FALSE((*order)->painter->gpu_name().empty());
+        (*gpu.open())->lose();
+        const auto drawn = (*order)->deliver(HeightField(scene, still), still, (*raw)->colour, {});
+        const bool any = options.painter == "auto";
+        EXPECT_EQ(drawn.ok(), any);
+        EXPECT_EQ(std::filesystem::exists(*options.file), any);
+        if (any) {
+            EXPECT_EQ((*order)->painter->name(), "cpu");
+        } else {
+            EXPECT_EQ(drawn.error().kind, ErrorKind::gpu);
+        }
     }
 }
 
