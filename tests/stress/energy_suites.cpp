@@ -129,15 +129,15 @@ public:
         const std::int64_t at = tick % rest_ticks;
         auto& before = last_[static_cast<std::size_t>(tick % period)];
         std::string broken;
-        // After a few periods every period is the same again. A proxy that friction holds may creep, less and
-        // less each time; a hundredth of a count a period is none.
-        if (at >= 20 * period && contacts[0].touching && !(forces[0].reasons & guard_ramp) &&
-            !contacts[0].counts.capped) {
+        // Friction lets a proxy creep, less and less, or take turns between orbits; but from the period on in
+        // which it has settled it stays within a count of where that had it.
+        if (at < 20 * period) {
+            before = contacts[0].proxy;
+        } else if (contacts[0].touching && !(forces[0].reasons & guard_ramp) && !contacts[0].counts.capped) {
             const glm::dvec3 moved = contacts[0].proxy - before;
-            if (glm::dot(moved, moved) > 1e-4 * count_ * count_)
-                broken = "a hand at rest: the proxy is not where it was a period before";
+            if (glm::dot(moved, moved) > count_ * count_)
+                broken = "a hand at rest: the proxy has left the place where it had settled";
         }
-        before = contacts[0].proxy;
         return broken;
     }
 
