@@ -44,6 +44,27 @@ TEST(ForceGuard, ShortensToTheDevicesForceAndKeepsTheDirection) {
     EXPECT_EQ(out.reasons, guard_force);
 }
 
+TEST(ForceGuard, NoRoundingBringsALimitedForceAboveTheDevices) {
+    SplitMix64 random(5);
+    int limited = 0;
+    for (int k = 0; k < 100'000; ++k) {
+        GuardSettings settings = settled();
+        settings.max_force = random.within(0.1, 20);
+        settings.max_stiffness = random.within(500, 1500);
+        ForceGuard guard(settings, 0.001);
+        Contact contact = pressing(0, random.within(500, 1500));
+        const double most = k % 2 == 0 ? 40 : settings.max_force;  // far above the limit, and about it
+        for (int axis = 0; axis < 3; ++axis) contact.force[axis] = random.within(-most, most);
+        const GuardedForce out = guard.guard(contact);
+        const glm::dvec3& f = out.force;
+        ASSERT_LE(std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z), settings.max_force);
+        if ((out.reasons & guard_force) == 0) continue;
+        ++limited;
+        ASSERT_LE(std::hypot(f.x, f.y, f.z), settings.max_force) << "however it is measured";
+    }
+    EXPECT_GT(limited, 10'000);
+}
+
 TEST(ForceGuard, LimitsStiffnessToTheDevices) {
     ForceGuard guard(settled(), 0.001);
     const GuardedForce out = guard.guard(pressing(4, 40000));
