@@ -5,7 +5,7 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 class Buffer : public GpuTest {
@@ -113,4 +113,4 @@ TEST_F(Buffer, ImportsOnlyAlignedMemory) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -4,7 +4,7 @@
 
 #include "engine/gpu/gpu_facts.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 GpuFacts gpu(const char* name, GpuKind kind, std::vector<std::string> missing = {}) {
@@ -93,4 +93,4 @@ TEST(ChooseGpu, RefusesWhatIsNotThereNotUsableOrNotClear) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

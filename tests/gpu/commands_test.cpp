@@ -10,7 +10,7 @@
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/mix_words.h"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 using enum GpuBindingKind;
@@ -290,4 +290,4 @@ TEST(GroupsFor, CoverWithoutRoom) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -4,7 +4,7 @@
 
 #include "engine/gpu/gpu_commands.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 class Device : public GpuTest {};
@@ -94,4 +94,4 @@ TEST(WithoutDrivers, AnEmptyListAndAClearRefusal) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

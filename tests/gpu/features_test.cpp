@@ -4,7 +4,7 @@
 
 #include "engine/gpu/gpu_features.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 const GpuOffer complete = {VK_API_VERSION_1_3, {"VK_KHR_push_descriptor"}, true};
@@ -58,4 +58,4 @@ TEST(Features, OptionalOnesAreEnabledOnlyWhereTheyAre) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -9,7 +9,7 @@
 
 #include "engine/gpu/gpu_device.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 
 /// A device watched by the validation layer, which must have nothing to say, not even at the device's end.
 class GpuTest : public ::testing::Test {
@@ -45,4 +45,4 @@ inline void must(const Result<void>& result) {
     if (!result.ok()) throw std::runtime_error(result.error().message);
 }
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

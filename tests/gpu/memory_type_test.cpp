@@ -4,7 +4,7 @@
 
 #include <initializer_list>
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 constexpr VkMemoryPropertyFlags local = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
@@ -48,4 +48,4 @@ TEST(MemoryType, TakesOnlyWhatIsAllowedAndOrdinary) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -4,7 +4,7 @@
 
 #ifdef __cplusplus
 #include <cstdint>
-namespace touchable::testing {
+namespace touchable::test {
 using uint = std::uint32_t;
 struct vec3 {
     float x, y, z;
@@ -31,6 +31,6 @@ uint mix_word(uint word, uint salt) {
 }
 
 #ifdef __cplusplus
-}  // namespace touchable::testing
+}  // namespace touchable::test
 #endif
 #endif

@@ -9,7 +9,7 @@
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/mix_words.h"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 using enum GpuBindingKind;
@@ -107,4 +107,4 @@ TEST_F(Program, GroupsLargerThanTheDevicesAreRefused) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

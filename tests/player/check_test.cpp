@@ -5,7 +5,7 @@
 
 #include "tests/player/program.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 TEST(Check, FindsThisMachineReady) {
@@ -57,4 +57,4 @@ TEST(Check, TellsAPersonTheVerdict) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -7,7 +7,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 /// Forces of a run that are known to the bit; words of `make` and of `touch`.
@@ -73,4 +73,4 @@ INSTANTIATE_TEST_SUITE_P(, Determinism, ::testing::ValuesIn(known_runs),
                          [](const auto& run) { return std::string(run.param.name); });
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -9,7 +9,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "tests/player/program.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 Image image_of(const std::string& file) {
@@ -167,4 +167,4 @@ TEST_F(Export, PlanesOfAnEarlierClipDoNotStayBehind) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

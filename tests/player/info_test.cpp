@@ -4,7 +4,7 @@
 
 #include "tests/player/program.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 nlohmann::json facts_of(const std::vector<std::string>& words) {
@@ -94,4 +94,4 @@ TEST(Info, DamagedClipIsCode3) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -6,7 +6,7 @@
 
 #include "tests/player/program.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -92,4 +92,4 @@ TEST_F(Live, ADeviceIsRefusedWhereItCannotBe) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -18,7 +18,7 @@
 #include "tests/player/touched.hpp"
 
 // A session over a clip during which the GPU is lost.
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 constexpr std::int64_t frames = 20, ticks = 900;
@@ -154,4 +154,4 @@ TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -7,7 +7,7 @@
 #include "engine/media/clip.hpp"
 #include "tests/player/program.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 void expect_same_samples(const PlaneView& a, const PlaneView& b) {
@@ -131,4 +131,4 @@ TEST(Make, InterruptedIsCode130AndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -9,7 +9,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -159,4 +159,4 @@ TEST_F(Picture, RefusesAMomentAfterTheEnd) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

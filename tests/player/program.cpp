@@ -13,7 +13,7 @@
 #include <iterator>
 #include <thread>
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace fs = std::filesystem;
 namespace {
 
@@ -86,4 +86,4 @@ std::vector<std::string> names_in(const fs::path& folder) {
     return names;
 }
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace touchable::testing {
+namespace touchable::test {
 
 /// What a run of the program `touchable` left behind.
 struct Outcome {
@@ -40,4 +40,4 @@ std::string file_contents(const std::filesystem::path& file);
 /// Names in a folder, hidden ones too, sorted.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -4,7 +4,7 @@
 
 #include <bit>
 
-namespace touchable::testing {
+namespace touchable::test {
 
 std::uint64_t RecordingBytes::integer(std::size_t at, std::size_t size) const {
     std::uint64_t value = 0;
@@ -52,4 +52,4 @@ void RecordingBytes::keep_ticks(std::size_t count) {
     seal();
 }
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

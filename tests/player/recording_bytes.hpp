@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace touchable::testing {
+namespace touchable::test {
 
 /// A recording's bytes to look into and to change, by the layout of docs/recording.md and not by the code
 /// under test. Offsets are from the file's beginning.
@@ -40,4 +40,4 @@ private:
     std::string bytes_;
 };
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

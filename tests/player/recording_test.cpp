@@ -10,7 +10,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -174,4 +174,4 @@ TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

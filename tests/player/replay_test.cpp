@@ -8,7 +8,7 @@
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -274,4 +274,4 @@ TEST_F(Replay, FactThatIsMissingOrImpossibleIsNamed) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -5,7 +5,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -87,4 +87,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& run) { return std::string(run.param.name); });
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -7,7 +7,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -231,4 +231,4 @@ TEST_F(TouchRefusal, NameThatIsNotUtf8IsNoReasonToFail) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

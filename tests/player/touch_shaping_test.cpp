@@ -6,7 +6,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -122,4 +122,4 @@ TEST_F(TouchShaping, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

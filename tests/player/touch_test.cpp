@@ -10,7 +10,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -338,4 +338,4 @@ TEST_F(Touch, DepthAloneIsTouchableWithDefaultProperties) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -10,7 +10,7 @@
 
 #include "tests/player/program.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 
 void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more) {
     std::vector<std::string> words{"make", scene, file};
@@ -91,4 +91,4 @@ double length(const std::array<double, 3>& v) {
     return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

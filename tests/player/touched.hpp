@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace touchable::testing {
+namespace touchable::test {
 
 /// Makes a clip of a generated scene; fails the test where that goes wrong.
 void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more);
@@ -34,4 +34,4 @@ std::vector<ForcesRow> read_forces(const std::string& file);
 
 double length(const std::array<double, 3>& v);
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

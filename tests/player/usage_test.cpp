@@ -5,7 +5,7 @@
 
 #include "tests/player/program.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 TEST(Usage, WithoutArgumentsSaysWhatItCanDoInTenLines) {
@@ -66,4 +66,4 @@ TEST(Usage, OutputThatCannotBeWrittenIsNoSuccess) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -8,7 +8,7 @@
 #include "tests/player/touched.hpp"
 
 // touch with --builder vulkan: the forces of the other builders, and what it says where it cannot.
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -153,4 +153,4 @@ TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

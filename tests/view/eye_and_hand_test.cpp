@@ -16,8 +16,6 @@
 namespace touchable::test {
 namespace {
 
-using testing::must;
-
 // Samples along a cell's side; a power of two, so that every one is at a whole subpixel.
 constexpr int samples = 8;
 
@@ -70,7 +68,7 @@ std::optional<double> drawn_q(const PicturePlanes& planes, const ViewSurface& su
            along_y * ((y - j) * samples - 0.5 - start[1]);
 }
 
-class EyeAndHand : public testing::GpuTest {};
+class EyeAndHand : public GpuTest {};
 
 TEST_F(EyeAndHand, MeetTheSameSurfaceAtTheSameTime) {
     for (const char* name : {"globe", "rough"})

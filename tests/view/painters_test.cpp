@@ -12,8 +12,6 @@
 namespace touchable::test {
 namespace {
 
-using testing::must;
-
 struct Difference {
     std::size_t covered = 0;   // by the first
     std::size_t coverage = 0;  // pixels that only one covers
@@ -58,7 +56,7 @@ void expect_alike(const PicturePlanes& cpu, const PicturePlanes& other, float su
     EXPECT_LE(d.colour, few) << what << ", of " << d.covered;
 }
 
-class Painters : public testing::GpuTest {
+class Painters : public GpuTest {
 protected:
     void compare(const ViewSurface& surface, const ViewCamera& camera, const std::string& what) {
         const PicturePlanes cpu = must(make_cpu_painter()->paint(surface, camera));

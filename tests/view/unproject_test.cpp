@@ -14,9 +14,7 @@
 namespace touchable::test {
 namespace {
 
-using testing::must;
-
-class Unproject : public testing::GpuTest {
+class Unproject : public GpuTest {
 protected:
     void SetUp() override {
         GpuTest::SetUp();
