@@ -1,7 +1,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <cstring>
@@ -14,35 +13,9 @@
 #include <vector>
 
 #include "engine/media/clip.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
-
-/// A folder of its own for one test, gone with it.
-class TemporaryFolder {
-public:
-    TemporaryFolder() {
-        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        std::string name = std::string("touchable-") + test->test_suite_name() + "-" + test->name();
-        for (char& c : name)
-            if (c == '/') c = '-';
-        static int serial = 0;
-        name.append("-").append(std::to_string(getpid())).append("-").append(std::to_string(serial++));
-        path_ = std::filesystem::path(::testing::TempDir()) / name;
-        std::filesystem::create_directories(path_);
-    }
-    ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
-    std::size_t file_count() const {
-        return static_cast<std::size_t>(
-            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator{}));
-    }
-
-private:
-    std::filesystem::path path_;
-};
 
 inline std::string read_bytes(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);

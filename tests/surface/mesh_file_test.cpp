@@ -1,29 +1,21 @@
 #include "engine/surface/mesh_file.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <fstream>
 #include <sstream>
 
+#include "tests/temporary_folder.hpp"
+
 namespace touchable::test {
 namespace {
 
-/// An empty folder of its own, gone with the test.
 class MeshFile : public testing::Test {
 protected:
-    MeshFile() {
-        folder_ = std::filesystem::temp_directory_path() /
-                  ("touchable-mesh-file-" + std::to_string(getpid()) + "-" +
-                   testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder_);
-    }
-    ~MeshFile() override { std::filesystem::remove_all(folder_); }
-
     std::vector<std::string> files() const {
         std::vector<std::string> names;
-        for (const auto& entry : std::filesystem::directory_iterator(folder_))
+        for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
             names.push_back(entry.path().filename());
         return names;
     }
@@ -34,7 +26,7 @@ protected:
         return text.str();
     }
 
-    std::filesystem::path folder_;
+    const TemporaryFolder folder_;
 };
 
 /// Pixels 0, 1, 2 and 3 of a 2x2 picture, the last one invalid, with a triangle all the same.

@@ -1,9 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <sstream>
-
+#include "tests/temporary_folder.hpp"
 #include "tests/verify/synthetic.hpp"
-#include "tests/verify/verify_forces.hpp"
 
 namespace touchable::verify {
 namespace {
@@ -39,17 +37,12 @@ protected:
             rows.push_back(contact_row(surface, proxy, closest - pressure * facet.normal));
             rows.back().tick = tick;
         }
-        write_forces(folder_.path() / "forces.csv", rows);
-        std::vector<std::string> arguments = {"--forces", (folder_.path() / "forces.csv").string(),
-                                              "--frames", folder_.path().string()};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        std::ostringstream out, err;
-        const int code = verify_forces(arguments, out, err);
-        out_ = out.str();
-        return code;
+        const Outcome outcome = verify(folder_.path(), rows, more);
+        out_ = outcome.out;
+        return outcome.code;
     }
 
-    TemporaryFolder folder_;
+    test::TemporaryFolder folder_;
     ExportedFrame frame_ = blank_frame(12, 10);
     std::string out_;
 };

@@ -1,13 +1,13 @@
 #include "tests/verify/synthetic.hpp"
 
-#include <unistd.h>
-
 #include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
 #include "engine/media/image_file.hpp"
+#include "tests/verify/verify_forces.hpp"
 
 namespace touchable::verify {
 namespace {
@@ -185,15 +185,14 @@ void write_forces(const std::filesystem::path& file, const std::vector<Row>& row
     }
 }
 
-TemporaryFolder::TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "verify_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder " + name);
-    path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
+Outcome verify(const std::filesystem::path& folder, const std::vector<Row>& rows,
+               const std::vector<std::string>& more) {
+    write_forces(folder / "forces.csv", rows);
+    std::vector<std::string> arguments{"--forces", folder / "forces.csv", "--frames", folder};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    std::ostringstream out, err;
+    const int code = verify_forces(arguments, out, err);
+    return {code, out.str(), err.str()};
 }
 
 }  // namespace touchable::verify

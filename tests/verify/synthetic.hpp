@@ -53,17 +53,13 @@ Vec3 rounded(const Vec3& v);
 Row contact_row(const Surface& surface, const Vec3& proxy, const Vec3& goal);
 void write_forces(const std::filesystem::path& file, const std::vector<Row>& rows);
 
-/// A folder of its own that goes away with it.
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
+/// What verify_forces said.
+struct Outcome {
+    int code = 0;
+    std::string out, err;
 };
+/// Runs it over these rows and the frames in `folder`, where the rows' file is written as well.
+Outcome verify(const std::filesystem::path& folder, const std::vector<Row>& rows,
+               const std::vector<std::string>& more = {});
 
 }  // namespace touchable::verify

@@ -6,21 +6,19 @@
 #include <functional>
 #include <sstream>
 
+#include "tests/temporary_folder.hpp"
 #include "tests/verify/checks.hpp"
 #include "tests/verify/synthetic.hpp"
 
 namespace touchable::verify {
 namespace {
 
-struct Outcome {
-    int code = 0;
-    std::string out, err;
-    /// Rows that the report counts under a check.
-    int violations(Check check) const {
-        const std::size_t at = out.find(name_of(check), out.find("violations"));
-        return at == std::string::npos ? -1 : std::stoi(out.substr(at + name_of(check).size()));
-    }
-};
+/// Rows that the report counts under a check.
+int violations(const Outcome& outcome, Check check) {
+    const std::string& out = outcome.out;
+    const std::size_t at = out.find(name_of(check), out.find("violations"));
+    return at == std::string::npos ? -1 : std::stoi(out.substr(at + name_of(check).size()));
+}
 
 /// Two moving fingers on two rough frames with everything a clip can have: heights, haptics, a hole, time
 /// between.
@@ -70,14 +68,8 @@ protected:
         return row;
     }
 
-    Outcome run(const std::vector<Row>& rows, std::vector<std::string> more = {}) {
-        write_forces(folder_.path() / "forces.csv", rows);
-        std::vector<std::string> arguments = {"--forces", (folder_.path() / "forces.csv").string(),
-                                              "--frames", folder_.path().string()};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        std::ostringstream out, err;
-        const int code = verify_forces(arguments, out, err);
-        return {code, out.str(), err.str()};
+    Outcome run(const std::vector<Row>& rows, const std::vector<std::string>& more = {}) const {
+        return verify(folder_.path(), rows, more);
     }
 
     /// Every row in contact, one at a time, must be caught once it is spoilt.
@@ -88,7 +80,7 @@ protected:
             spoil(rows[k]);
             const Outcome outcome = run(rows);
             EXPECT_EQ(outcome.code, 6);
-            EXPECT_EQ(outcome.violations(check), 1) << "row " << k << '\n' << outcome.out;
+            EXPECT_EQ(violations(outcome, check), 1) << "row " << k << '\n' << outcome.out;
         }
     }
 
@@ -101,7 +93,7 @@ protected:
         row.force = moved.force;
     }
 
-    TemporaryFolder folder_;
+    test::TemporaryFolder folder_;
     Random random_{21};
     ExportedFrame frames_[2] = {blank_frame(14, 11), blank_frame(14, 11)};
     std::vector<Row> rows_;
@@ -171,7 +163,7 @@ TEST_F(Clip, FrictionIsThatOfThePicture) {
     for (real Touch::*member : {&Touch::mu_static, &Touch::mu_dynamic}) {
         std::vector<Row> rows = rows_;
         rows[14].touch.*member *= 1 + 1e-6L;
-        EXPECT_EQ(run(rows, {"--no-slip"}).violations(Check::properties), 1);
+        EXPECT_EQ(violations(run(rows, {"--no-slip"}), Check::properties), 1);
     }
 }
 
@@ -185,7 +177,7 @@ TEST_F(Clip, WrongMomentIsCaught) {
         rows[38].blend += shift;
         const Outcome outcome = run(rows);
         EXPECT_EQ(outcome.code, 6);
-        EXPECT_EQ(outcome.violations(Check::behind) + outcome.violations(Check::off_surface), 1);
+        EXPECT_EQ(violations(outcome, Check::behind) + violations(outcome, Check::off_surface), 1);
     }
 }
 
@@ -202,8 +194,8 @@ TEST_F(Clip, FreeFingersHaveNoForceAndAreNotBehind) {
     through.proxy = through.goal;
     through.force = {};
     const Outcome outcome = run(rows);
-    EXPECT_EQ(outcome.violations(Check::free), 0);
-    EXPECT_EQ(outcome.violations(Check::behind), 1);
+    EXPECT_EQ(violations(outcome, Check::free), 0);
+    EXPECT_EQ(violations(outcome, Check::behind), 1);
 }
 
 TEST_F(Clip, TheGuardMayOnlyTakeAway) {
@@ -212,7 +204,7 @@ TEST_F(Clip, TheGuardMayOnlyTakeAway) {
     rows[14].force = 0.5L * rows[14].force;
     EXPECT_EQ(run(rows).code, 0);
     rows[14].force = 2.1L * rows[14].force;
-    EXPECT_EQ(run(rows).violations(Check::force), 1);
+    EXPECT_EQ(violations(run(rows), Check::force), 1);
     rows[14].guard = 1 + 32;  // a damper adds what no spring explains
     EXPECT_EQ(run(rows).code, 0);
 }
@@ -220,14 +212,14 @@ TEST_F(Clip, TheGuardMayOnlyTakeAway) {
 TEST_F(Clip, MissingRowsAndAChangingScaleAreCaught) {
     std::vector<Row> rows = rows_;
     rows.erase(rows.begin() + 14);
-    EXPECT_EQ(run(rows).violations(Check::order), 1);
+    EXPECT_EQ(violations(run(rows), Check::order), 1);
     rows = rows_;
     rows.pop_back();
-    EXPECT_EQ(run(rows).violations(Check::order), 1);
+    EXPECT_EQ(violations(run(rows), Check::order), 1);
     rows = rows_;
     rows[14].metres_per_unit = 0.002;
     rows[14].force = 2 * rows[14].force;
-    EXPECT_EQ(run(rows).violations(Check::order), 1);
+    EXPECT_EQ(violations(run(rows), Check::order), 1);
 }
 
 TEST_F(Clip, BadInputIsRefusedInOneLine) {
