@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <span>
 #include <string>
+
+#include "engine/byte_hash.hpp"
 
 namespace touchable {
 
@@ -12,18 +12,12 @@ namespace touchable {
 /// as +0, ticks outer, fingers inner: equal hashes mean equal forces to the last bit.
 class ForceHash {
 public:
-    ForceHash();
-    ~ForceHash();
-    ForceHash(const ForceHash&) = delete;
-    ForceHash& operator=(const ForceHash&) = delete;
-
     void add(const glm::dvec3& force);
-    std::uint64_t value() const;
-    std::string hex() const;  ///< 16 digits
+    std::uint64_t value() const { return hash_.value(); }
+    std::string hex() const { return hash_.hex(); }  ///< 16 digits
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    ByteHash hash_;
 };
 
 }  // namespace touchable

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
 #include <map>
 #include <string>
 #include <vector>
 
+#include "engine/byte_hash.hpp"
 #include "engine/content/strokes.hpp"
 #include "tests/content/made.hpp"
 
@@ -13,28 +13,17 @@
 namespace touchable {
 namespace {
 
-class Sum {
+class Sum : public ByteHash {
 public:
+    using ByteHash::add;
     void add(const PlaneView& plane) {
         if (plane.empty()) return;
-        for (int y = 0; y < plane.height; ++y)
-            XXH64_update(state_.get(), plane.row(y), static_cast<std::size_t>(plane.stride));
+        for (int y = 0; y < plane.height; ++y) add(plane.row(y), static_cast<std::size_t>(plane.stride));
     }
-    void add(double value) { XXH64_update(state_.get(), &value, sizeof value); }
+    void add(double value) { add(&value, sizeof value); }
     void add(const glm::dvec3& value) {
         for (int axis = 0; axis < 3; ++axis) add(value[axis]);
     }
-    std::uint64_t digest() const { return XXH64_digest(state_.get()); }
-
-private:
-    struct Free {
-        void operator()(XXH64_state_t* state) const { XXH64_freeState(state); }
-    };
-    std::unique_ptr<XXH64_state_t, Free> state_ = [] {
-        std::unique_ptr<XXH64_state_t, Free> state(XXH64_createState());
-        XXH64_reset(state.get(), 0);
-        return state;
-    }();
 };
 
 std::uint64_t sum_of(std::string_view name, bool properties) {
@@ -54,7 +43,7 @@ std::uint64_t sum_of(std::string_view name, bool properties) {
                 if (truth) sum.add(truth->point);
             }
     }
-    return sum.digest();
+    return sum.value();
 }
 
 TEST(Golden, ScenesAreTheSameBitsEverywhere) {
@@ -78,9 +67,9 @@ TEST(Golden, StrokesAreTheSameBitsEverywhere) {
     for (int tick = 0; tick < 5000; ++tick) relief.add(relief_stroke.next().goal);
     RandomWalk random_walk(made("noise", sized(128, 128))->scene(), 1);
     for (int tick = 0; tick < 5000; ++tick) walk.add(random_walk.next());
-    EXPECT_EQ(globe.digest(), 0x6b337d79d04d9838U) << std::hex << "0x" << globe.digest();
-    EXPECT_EQ(relief.digest(), 0xcbe49dade3fbd064U) << std::hex << "0x" << relief.digest();
-    EXPECT_EQ(walk.digest(), 0xf9b97d027a70849fU) << std::hex << "0x" << walk.digest();
+    EXPECT_EQ(globe.value(), 0x6b337d79d04d9838U) << std::hex << "0x" << globe.value();
+    EXPECT_EQ(relief.value(), 0xcbe49dade3fbd064U) << std::hex << "0x" << relief.value();
+    EXPECT_EQ(walk.value(), 0xf9b97d027a70849fU) << std::hex << "0x" << walk.value();
 }
 
 }  // namespace

@@ -1,0 +1,36 @@
+#include "engine/byte_hash.hpp"
+
+#include <xxhash.h>
+
+#include <array>
+#include <cstdio>
+#include <new>
+
+namespace touchable {
+
+struct ByteHash::State {
+    XXH64_state_t* xxh = XXH64_createState();
+    ~State() { XXH64_freeState(xxh); }
+};
+
+ByteHash::ByteHash() : state_(std::make_unique<State>()) {
+    if (!state_->xxh) throw std::bad_alloc();
+    XXH64_reset(state_->xxh, 0);
+}
+ByteHash::~ByteHash() = default;
+
+void ByteHash::add(const void* bytes, std::size_t size) {
+    XXH64_update(state_->xxh, bytes, size);
+}
+
+std::uint64_t ByteHash::value() const {
+    return XXH64_digest(state_->xxh);
+}
+
+std::string ByteHash::hex() const {
+    std::array<char, 17> text;
+    std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value()));
+    return text.data();
+}
+
+}  // namespace touchable
