@@ -32,6 +32,16 @@ std::optional<FrameRate> parse_rate(std::string_view text) {
     return FrameRate{*num, *den};
 }
 
+bool same_rate(const FrameRate& a, const FrameRate& b) {
+    return a.num * b.den == b.num * a.den;
+}
+
+std::optional<std::string> rate_note(const FrameRate& played, const FrameRate& recorded) {
+    if (same_rate(played, recorded)) return std::nullopt;
+    return "played at " + rate_text(played) + " frames/s, as the scene file has it; recorded at " +
+           rate_text(recorded);
+}
+
 bool is_too_fast(const FrameRate& rate) {
     return rate.num > rate.den * fastest_rate;
 }

@@ -22,6 +22,9 @@ std::optional<std::int64_t> parse_version(std::string_view text);
 /// "30000/1001": exact, because Matroska rounds timestamps to milliseconds.
 std::string rate_text(const FrameRate& rate);
 std::optional<FrameRate> parse_rate(std::string_view text);
+bool same_rate(const FrameRate& a, const FrameRate& b);
+/// What a person should know where a scene file has frames played at another rate than they were recorded at.
+std::optional<std::string> rate_note(const FrameRate& played, const FrameRate& recorded);
 
 /// Timestamps in milliseconds tell frames apart up to this many frames per second.
 inline constexpr int fastest_rate = 1000;

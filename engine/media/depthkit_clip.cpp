@@ -59,10 +59,7 @@ Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
     recorded_rate_ = *rate;
     if (replacement) {
         scene_ = *replacement;
-        if (scene_.rate.num * recorded_rate_.den != recorded_rate_.num * scene_.rate.den)
-            notes_.push_back("played at " + clip_tags::rate_text(scene_.rate) +
-                             " frames/s, as the scene file has it; recorded at " +
-                             clip_tags::rate_text(recorded_rate_));
+        if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
     } else {
         auto scene = read_depthkit_metadata(metadata);
         if (!scene) return scene.error();

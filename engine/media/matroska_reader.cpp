@@ -13,10 +13,6 @@
 namespace touchable {
 namespace {
 
-bool same_rate(const FrameRate& a, const FrameRate& b) {
-    return a.num * b.den == b.num * a.den;
-}
-
 class MatroskaReader final : public ClipReader {
 public:
     explicit MatroskaReader(const std::filesystem::path& path) : path_(path), file_(path.string()) {}
@@ -108,17 +104,14 @@ Result<void> MatroskaReader::read_version_and_rate() {
 Result<void> MatroskaReader::read_scene(const std::optional<Scene>& replacement) {
     if (replacement) {
         scene_ = *replacement;
-        if (!same_rate(scene_.rate, recorded_rate_))
-            notes_.push_back("played at " + clip_tags::rate_text(scene_.rate) +
-                             " frames/s, as the scene file has it; recorded at " +
-                             clip_tags::rate_text(recorded_rate_));
+        if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
         return {};
     }
     const auto json = demuxer_->attachment(clip_tags::scene_file);
     if (!json) return refuse("has no scene.json attached: describe it with --scene FILE");
     auto scene = parse_scene(*json, file_ + ": scene.json");
     if (!scene) return scene.error();
-    if (!same_rate(scene->rate, recorded_rate_))
+    if (!clip_tags::same_rate(scene->rate, recorded_rate_))
         return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded_rate_) +
                       ", but its scene.json says " + clip_tags::rate_text(scene->rate));
     scene_ = std::move(*scene);
