@@ -38,10 +38,10 @@ public:
     virtual Result<void> rewind() = 0;
 };
 
-/// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file` required), a scene file
-/// that describes a folder (patterns relative to the scene file), a Depthkit video with its metadata beside
-/// it, or a JPEG with a depth map in its XMP. With `scene_file` and a clip, the file's description replaces
-/// the clip's own.
+/// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file`, or a scene.json in
+/// it), a scene file that describes a folder (patterns relative to the scene file), a Depthkit video with its
+/// metadata beside it, or a JPEG with a depth map in its XMP. With `scene_file` and a clip, the file's
+/// description replaces the clip's own.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {});
 
@@ -55,6 +55,7 @@ public:
     /// Completes the file and gives it its name; without this nothing is left behind.
     virtual Result<void> finish() = 0;
 };
+/// A size that no clip can hold is told by the first `write`, as an error of kind usage.
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene);
 
 }  // namespace touchable

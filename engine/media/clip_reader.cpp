@@ -15,6 +15,8 @@
 namespace touchable {
 namespace {
 
+constexpr const char* own_scene_file = "scene.json";  // of a folder that describes itself
+
 bool is_scene_file(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -50,8 +52,12 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
     const bool is_folder = std::filesystem::is_directory(status);
     if (!is_folder && !std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
-    if (is_folder && !scene_file)
-        return input_error(path.string() + ": is a folder: describe its images with --scene FILE");
+    if (is_folder && !scene_file) {
+        const auto own = path / own_scene_file;
+        if (std::filesystem::is_regular_file(own, failure)) return open_clip(own);
+        return input_error(path.string() + ": is a folder without a " + own_scene_file +
+                           ": describe its images with --scene FILE");
+    }
     if (!is_folder && is_scene_file(path)) {
         if (scene_file) return usage_error(path.string() + ": is a scene file itself: leave --scene out");
         const auto scene = read_scene_file(path);

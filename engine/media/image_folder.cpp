@@ -11,22 +11,28 @@
 namespace touchable {
 namespace {
 
-/// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
+/// A file pattern with at most one field of digits, %d or %0Nd, which the scene has checked.
 class Pattern {
 public:
     explicit Pattern(const std::string& text) {
+        if (is_still(text)) {
+            still_ = text;
+            return;
+        }
         const auto percent = text.find('%'), end = text.find('d', percent);
         before_ = text.substr(0, percent);
         if (end > percent + 1) digits_ = static_cast<std::size_t>(text[percent + 2] - '0');
         after_ = text.substr(end + 1);
     }
     std::filesystem::path file(const std::filesystem::path& folder, std::int64_t number) const {
+        if (!still_.empty()) return folder / still_;
         std::string field = std::to_string(number);
         if (field.size() < digits_) field.insert(0, digits_ - field.size(), '0');
         return folder / (before_ + field + after_);
     }
 
 private:
+    std::string still_;  // the whole name where it has no field
     std::string before_, after_;
     std::size_t digits_ = 1;
 };
@@ -108,14 +114,15 @@ Result<void> ImageFolderReader::open() {
 
 /// Every track has every frame, or the first that is missing is named.
 Result<void> ImageFolderReader::count_frames() {
-    count_ = scene_.folder->count;
+    count_ = is_still(scene_.folder->depth) ? 1 : scene_.folder->count;
     if (count_ == 0)
         while (is_file(file(tracks_.front(), count_))) ++count_;
     const std::int64_t checked = count_ == 0 ? 1 : count_;
     for (const Track& track : tracks_)
         for (std::int64_t frame = 0; frame < checked; ++frame)
             if (!is_file(file(track, frame))) return input_error(where(track, frame) + ": is missing");
-    if (scene_.folder->count == 0 && is_file(file(tracks_.front(), count_ + 1)))
+    const bool to_the_end = scene_.folder->count == 0 && !is_still(scene_.folder->depth);
+    if (to_the_end && is_file(file(tracks_.front(), count_ + 1)))
         notes_.push_back("ends after " + std::to_string(count_) +
                          " frames: " + file(tracks_.front(), count_).filename().string() +
                          " is missing, though later ones exist");

@@ -55,7 +55,7 @@ Result<TrackEncoder> TrackEncoder::open(PlaneRole role, const PlaneView& first, 
     if (!codec) return encoder_error(role, "this FFmpeg has no FFV1");
     const int slices = slice_count(first.width, first.height);
     if (slices == 0)
-        return input_error("pictures of " + std::to_string(first.width) + "x" + std::to_string(first.height) +
+        return usage_error("pictures of " + std::to_string(first.width) + "x" + std::to_string(first.height) +
                            " cannot be stored: FFV1 needs sides of at least 2 pixels, and of 4 where one is "
                            "over 352 wide or 288 high");
     TrackEncoder track;

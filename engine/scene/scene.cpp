@@ -155,10 +155,12 @@ Result<void> check_filter(const FilterSettings& filter) {
     return check_within("filter.fill_holes", filter.fill_holes, 0, 16);
 }
 
-/// One field %d or %0Nd (N from 1 to 9), and no other percent sign: such a pattern is safe to fill in.
+/// One field %d or %0Nd (N from 1 to 9), and no other percent sign: such a pattern is safe to fill in. Or
+/// none: the name of a single picture.
 bool is_file_pattern(const std::string& pattern) {
     const std::size_t percent = pattern.find('%');
-    if (percent == std::string::npos || pattern.find('%', percent + 1) != std::string::npos) return false;
+    if (percent == std::string::npos) return !pattern.empty();
+    if (pattern.find('%', percent + 1) != std::string::npos) return false;
     const std::string field = pattern.substr(percent + 1, 3);
     const bool plain = field.starts_with('d');
     const bool padded =
@@ -173,7 +175,25 @@ Result<void> check_pattern(const std::string& member, const std::string& pattern
     return input_error(
         member + " is \"" + (printable ? pattern : "(control characters)") +
         "\": must be a file name with one field of digits, %d or %0Nd with N from 1 to 9, and no "
-        "other %, such as \"depth_%04d.png\"");
+        "other %, such as \"depth_%04d.png\"; or, for a single picture, without %");
+}
+
+/// A still is one picture of each kind, anything else a row of them.
+Result<void> check_still(const FolderSource& folder) {
+    for (const auto& [member, name] :
+         {std::pair<const char*, const std::string&>{"folder.colour", folder.colour},
+          {"folder.haptic", folder.haptic},
+          {"folder.height", folder.height}})
+        if (!name.empty() && is_still(name) != is_still(folder.depth))
+            return input_error(std::string(member) + " is \"" + name + "\": must be, like folder.depth (\"" +
+                               folder.depth + "\"), a name " + (is_still(folder.depth) ? "without" : "with") +
+                               " a field of digits");
+    if (!is_still(folder.depth)) return {};
+    if (folder.first != 0)
+        return refuse("folder.first", folder.first, "0, because folder.depth is a single picture");
+    if (folder.count > 1)
+        return refuse("folder.count", folder.count, "0 or 1, because folder.depth is a single picture");
+    return {};
 }
 
 Result<void> check_folder(const FolderSource& folder) {
@@ -186,10 +206,16 @@ Result<void> check_folder(const FolderSource& folder) {
     }
     constexpr int largest_number = 999'999'999;
     if (auto first = check_within("folder.first", folder.first, 0, largest_number); !first) return first;
-    return check_within("folder.count", folder.count, 0, largest_number - folder.first);
+    if (auto count = check_within("folder.count", folder.count, 0, largest_number - folder.first); !count)
+        return count;
+    return check_still(folder);
 }
 
 }  // namespace
+
+bool is_still(std::string_view pattern) {
+    return pattern.find('%') == std::string_view::npos;
+}
 
 double largest_height(const HeightCoding& height, const DepthCoding& depth) {
     return height.units == HeightUnits::levels ? height.max_height * depth.level() : height.max_height;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "engine/result.hpp"
 #include "engine/scene/camera.hpp"
@@ -64,12 +65,16 @@ struct FrameRate {
     std::int64_t time_ns(std::int64_t frame) const;  ///< exact; no overflow for frame < 2^40
 };
 
-/// Files of a folder of images; patterns have one printf-like field of digits: "depth_%04d.png".
+/// Files of a folder of images; patterns have one printf-like field of digits: "depth_%04d.png". Where none
+/// has one they name a still: a clip of one frame.
 struct FolderSource {
     std::string depth, colour, haptic, height;  ///< empty: no such plane; depth is required
     int first = 0;                              ///< number of the first image
     int count = 0;                              ///< 0: as many as there are without a gap
 };
+
+/// Whether a pattern names a single picture.
+bool is_still(std::string_view pattern);
 
 /// What a clip means. Everything but the pictures.
 struct Scene {

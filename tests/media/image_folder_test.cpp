@@ -231,10 +231,36 @@ TEST(ImageFolder, FarPlaneMissingFromTheSceneIsFoundInAllFrames) {
     }
 }
 
+TEST(ImageFolder, PicturesWithoutANumberAreAClipOfOneFrame) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(all_source), 1, {true, true, true});
+    const auto numbered = read_clip(folder / "scene.json");
+    ASSERT_EQ(message(numbered), "");
+    for (const char* name : {"depth", "colour", "haptic", "height"})
+        std::filesystem::rename(folder / (std::string(name) + "_000.png"),
+                                folder / (std::string(name) + ".png"));
+    const FolderSource still{"depth.png", "colour.png", "haptic.png", "height.png", 0, 0};
+    write_bytes(folder / "scene.json", scene_to_json(folder_scene(still)));
+    auto reader = open_clip(folder.path());  // a folder with a scene.json describes itself
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 1);
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 1U);
+    EXPECT_TRUE(same_frame(frames->front(), numbered->front()));
+    const FolderSource second{"depth.png", "", "", "", 1, 0}, two{"depth.png", "", "", "", 0, 2},
+        mixed{"depth.png", "colour_%d.png", "", "", 0, 0};
+    for (const FolderSource& wrong : {second, two, mixed}) {
+        write_bytes(folder / "scene.json", scene_to_json(folder_scene(wrong)));
+        EXPECT_NE(message(open_clip(folder.path())), "");
+    }
+}
+
 TEST(ImageFolder, WhatIsAskedForMustMakeSense) {
     const TemporaryFolder folder;
     write_folder(folder, folder_scene(depth_only_source), 2, {});
-    EXPECT_NE(message(open_clip(folder.path())).find("--scene FILE"), std::string::npos);
+    const TemporaryFolder bare;
+    EXPECT_NE(message(open_clip(bare.path())).find("--scene FILE"), std::string::npos);
     const auto twice = open_clip(folder / "scene.json", folder / "scene.json");
     ASSERT_FALSE(twice.ok());
     EXPECT_EQ(twice.error().kind, ErrorKind::usage);

@@ -297,7 +297,7 @@ TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
             example += line + "\n";
         }
     }
-    EXPECT_EQ(examples, 2);
+    EXPECT_EQ(examples, 3);
 }
 
 class SceneFileOnDisk : public testing::Test {

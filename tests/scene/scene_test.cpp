@@ -280,14 +280,13 @@ TEST(Validate, HeightThatJustFitsLeavesEveryDepthPositive) {
 
 TEST(Validate, FilePatternsHaveOneFieldOfDigitsAndNothingElse) {
     for (const char* pattern :
-         {"%d", "%d.png", "depth_%04d.png", "a/b/%09d_raw.png", "../x/%01d", "/data/%d"}) {
+         {"%d", "%d.png", "depth_%04d.png", "a/b/%09d_raw.png", "../x/%01d", "/data/%d", "depth.png"}) {
         Scene scene = good_scene();
         scene.folder = folder_of(pattern);
         EXPECT_TRUE(validate(scene).ok()) << pattern;
     }
-    for (const char* pattern :
-         {"",     "depth.png", "%",   "%4d",  "%00d", "%010d", "%0d",         "%s", "%n",  "%d%d",
-          "%d%%", "%%",        "%04", "%-4d", "%+d",  "%ld",   "%04d_%s.png", "%x", "%*d", "a\n%d"}) {
+    for (const char* pattern : {"", "%", "%4d", "%00d", "%010d", "%0d", "%s", "%n", "%d%d", "%d%%", "%%",
+                                "%04", "%-4d", "%+d", "%ld", "%04d_%s.png", "%x", "%*d", "a\n%d"}) {
         Scene scene = good_scene();
         scene.folder = folder_of(pattern);
         expect_refused(scene, {"folder.depth", "%0Nd"});
