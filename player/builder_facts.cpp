@@ -5,6 +5,7 @@
 
 #include "engine/content/scenes.hpp"
 #include "engine/surface/vulkan_builder.hpp"
+#include "player/interrupt.hpp"
 
 namespace touchable {
 namespace {
@@ -52,6 +53,7 @@ Result<BuilderFacts> builder_facts(const char* name) {
     SurfaceFrame reference, cpu, lazy, vulkan;
     Result<void> built;
     const auto build = [&](std::unique_ptr<SurfaceBuilder> builder, SurfaceFrame& out) {
+        if (built.ok() && interrupted()) built = interrupted_error();
         if (built.ok()) built = builder->build(raw, out);
     };
     bool same_lazily = false;
@@ -62,6 +64,7 @@ Result<BuilderFacts> builder_facts(const char* name) {
         if (built.ok()) built = lazy_builder->build(raw, lazy);
         if (built.ok()) same_lazily = same_depths(lazy, reference);
     });
+    if (built.ok() && interrupted()) built = interrupted_error();
     if (!built.ok()) return built.error();
     facts.identical = same_lazily && same_bits(cpu, reference);
     if (const auto device = GpuDevice::open(); device.ok()) {

@@ -1,14 +1,15 @@
 #include "player/check_command.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "player/builder_facts.hpp"
+#include "player/interrupt.hpp"
 #include "player/machine_facts.hpp"
 #include "player/vulkan_facts.hpp"
 #include "player/vulkan_report.hpp"
@@ -35,7 +36,7 @@ struct MachineReport {
     }
 };
 
-void print_text(const MachineReport& report, const std::vector<std::string>& faults) {
+void print_machine(const MachineReport& report) {
     std::cout << "cpu       " << report.cpu.model << ", " << report.cpu.cores << " cores\n"
               << "clock     " << report.timer.clock_resolution_ns << " ns resolution, "
               << report.timer.timer_slack_ns / 1000.0 << " us timer slack\n"
@@ -47,15 +48,18 @@ void print_text(const MachineReport& report, const std::vector<std::string>& fau
     for (const CodecFact& codec : report.ffmpeg.needed)
         std::cout << (&codec == &report.ffmpeg.needed.front() ? " " : ", ") << (codec.present ? "" : "NO ")
                   << codec.name;
-    std::cout << '\n';
-    print_vulkan(std::cout, report.vulkan);
-    for (const BuilderFacts& facts : report.builders) {
-        std::cout << "builders  " << facts.scene << ' ' << facts.width << "x" << facts.height << ": cpu "
-                  << facts.cpu_ms << " ms, reference " << facts.reference_ms << " ms, lazy " << facts.lazy_ms
-                  << " ms (every pixel)";
-        if (facts.vulkan_ms) std::cout << ", vulkan " << *facts.vulkan_ms << " ms";
-        std::cout << "; " << (facts.identical ? "the same bits" : "DIFFERENT bits") << '\n';
-    }
+    std::cout << std::endl;
+}
+
+void print_builders(const BuilderFacts& facts) {
+    std::cout << "builders  " << facts.scene << ' ' << facts.width << "x" << facts.height << ": cpu "
+              << facts.cpu_ms << " ms, reference " << facts.reference_ms << " ms, lazy " << facts.lazy_ms
+              << " ms (every pixel)";
+    if (facts.vulkan_ms) std::cout << ", vulkan " << *facts.vulkan_ms << " ms";
+    std::cout << "; " << (facts.identical ? "the same bits" : "DIFFERENT bits") << std::endl;
+}
+
+void print_verdict(const MachineReport& report, const std::vector<std::string>& faults) {
     std::cout << "verdict   " << (faults.empty() ? "ready" : "not ready")
               << (report.vulkan.unusable.empty() ? "\n" : ", without Vulkan\n");
 }
@@ -88,17 +92,29 @@ void print_json(const MachineReport& report, const std::vector<std::string>& fau
     std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
-}  // namespace
-
-Result<void> run_check(const CheckOptions& options) {
-    MachineReport report{cpu_facts(), timer_facts(), ffmpeg_facts(), vulkan_facts(), {}};
+/// Finds out one thing after the other, and says each (as text) as soon as it is known.
+Result<MachineReport> look_around(bool tell) {
+    MachineReport report{cpu_facts(), timer_facts(), ffmpeg_facts(), {}, {}};
+    if (tell) print_machine(report);
+    if (interrupted()) return interrupted_error();
+    report.vulkan = vulkan_facts();
+    if (tell) print_vulkan(std::cout, report.vulkan);
     for (const char* scene : {"globe", "noise"}) {
         auto facts = builder_facts(scene);
         if (!facts.ok()) return facts.error();
-        report.builders.push_back(*facts);
+        if (tell) print_builders(*facts);
+        report.builders.push_back(std::move(*facts));
     }
-    const std::vector<std::string> faults = report.faults();
-    options.json ? print_json(report, faults) : print_text(report, faults);
+    return report;
+}
+
+}  // namespace
+
+Result<void> run_check(const CheckOptions& options) {
+    const auto report = look_around(!options.json);
+    if (!report.ok()) return report.error();
+    const std::vector<std::string> faults = report->faults();
+    options.json ? print_json(*report, faults) : print_verdict(*report, faults);
     if (faults.empty()) return {};
     return Error{ErrorKind::check, faults.front() + (faults.size() > 1 ? "; and more, listed above" : "")};
 }

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,9 +38,5 @@ struct ClipFacts {
 /// Reads the description and the first frame; both can fail.
 Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
                              const std::optional<std::filesystem::path>& scene);
-
-nlohmann::ordered_json to_json(const ClipFacts& facts);
-/// The same for a person, one fact a line.
-std::string to_text(const ClipFacts& facts);
 
 }  // namespace touchable

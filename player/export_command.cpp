@@ -1,9 +1,7 @@
 #include "player/export_command.hpp"
 
 #include <CLI/CLI.hpp>
-#include <array>
-#include <charconv>
-#include <iostream>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <system_error>
@@ -12,22 +10,23 @@
 
 #include "engine/media/clip.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/file_option.hpp"
 #include "player/frame_files.hpp"
 #include "player/interrupt.hpp"
-#include "player/outputs_apart.hpp"
+#include "player/memory.hpp"
+#include "player/outputs.hpp"
 #include "player/progress.hpp"
 #include "player/staged_folder.hpp"
+#include "player/typed_numbers.hpp"
 
 namespace touchable {
 namespace {
 
-/// The clip's scene as this export applies it. The folder it may have come from is no part of what is
-/// written.
+/// The clip's scene as this export applies it.
 Result<Scene> effective_scene(const ClipReader& reader, const ExportOptions& options) {
     Scene scene = reader.scene();
     if (options.median) scene.filter.median = *options.median;
     if (options.fill_holes) scene.filter.fill_holes = *options.fill_holes;
-    scene.folder.reset();
     if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
     return scene;
 }
@@ -55,34 +54,99 @@ Error beyond_the_end(const ExportOptions& options, std::int64_t wanted, std::int
                        ": it has " + std::to_string(frames) + " frames, 0 to " + std::to_string(frames - 1));
 }
 
+// Beyond any clip, and small enough to be counted past.
+constexpr std::int64_t last_number = std::numeric_limits<std::int64_t>::max() - 1;
+
 /// "all", "A-B" or "A".
 Result<void> read_frames(const std::string& text, ExportOptions& out) {
     if (text == "all") return {};
-    const auto number = [](std::string_view digits) -> std::optional<std::int64_t> {
-        std::int64_t value = 0;
-        const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (failure != std::errc() || end != digits.data() + digits.size() || value < 0) return std::nullopt;
-        return value;
-    };
     const std::string_view view = text;
     const std::size_t dash = view.find('-');
+    const auto number = [](std::string_view digits) {
+        return read_whole_number<std::int64_t>("--frames", digits, 0, last_number);
+    };
     const auto first = number(view.substr(0, dash));
     const auto last = dash == std::string::npos ? first : number(view.substr(dash + 1));
-    if (!first || !last || *last < *first)
-        return usage_error("--frames " + text +
-                           " is no range; right would be A-B with A <= B, such as 0-9, or all");
+    if (!first.ok() || !last.ok() || *last < *first)
+        return usage_error("--frames '" + text +
+                           "' is no range; right would be A-B with A <= B, such as 0-9, or all");
     out.first = *first;
     out.last = *last;
     return {};
 }
 
-}  // namespace
+/// Which frames, as typed: one of the two.
+struct FramesTyped {
+    std::optional<std::string> one, many;
+};
 
-Result<void> run_export(const ExportOptions& options) {
+Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
+    if (typed.many && out.picture.file)
+        return usage_error("--picture draws a single frame; right would be --frame N instead of --frames");
+    if (typed.one) {
+        const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, 0, last_number);
+        if (!number.ok()) return number.error();
+        out.first = *number;
+        out.last = *number;
+        return {};
+    }
+    if (!typed.many)
+        return usage_error(out.picture.file
+                               ? "--picture draws a single frame; right would be --frame N as well"
+                               : "export needs --frame N or --frames A-B|all; see touchable export -h");
+    out.folder_per_frame = true;
+    return read_frames(*typed.many, out);
+}
+
+/// Every file that may be written. Of a folder per frame, those whose folders are there already.
+std::vector<NamedFile> files_of(const ExportOptions& options) {
+    std::vector<NamedFile> files;
+    if (options.picture.file) files.push_back({"--picture", *options.picture.file});
+    const auto add_folder = [&](const std::filesystem::path& folder) {
+        for (const char* name : frame_file_names) files.push_back({"--out", folder / name});
+    };
+    if (options.out.empty()) return files;
+    if (!options.folder_per_frame) {
+        add_folder(options.out);
+        return files;
+    }
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(options.out, ignored)) {
+        const auto number = read_whole_number<std::int64_t>(
+            "", entry.path().filename().string(), options.first, options.last.value_or(last_number));
+        if (number.ok()) add_folder(entry.path());
+    }
+    return files;
+}
+
+/// Reads, builds and writes from `options.first` on; gives the number of the frame after the last one read.
+Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const ExportOptions& options,
+                                   SurfaceBuilder& builder, std::optional<PictureOrder>& picture) {
+    Progress progress("exporting frame", options.last ? *options.last + 1 : reader.frame_count().value_or(0));
+    SurfaceFrame surface;
+    std::int64_t number = 0;
+    for (; !options.last || number <= *options.last; ++number) {
+        if (interrupted()) return interrupted_error();
+        const auto raw = reader.next();
+        if (!raw.ok()) return raw.error();
+        if (!*raw) break;
+        progress.at(number);
+        if (number < options.first) continue;
+        if (auto built = builder.build(**raw, surface); !built.ok()) return built.error();
+        if (auto done = export_frame(**raw, scene, surface, options); !done.ok()) return done.error();
+        if (picture)
+            if (auto drawn = draw(*picture, **raw, scene, surface); !drawn.ok()) return drawn.error();
+    }
+    return number;
+}
+
+/// `at_work`: what memory is needed for, once that is known.
+Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
         return checked;
     auto reader = open_clip(options.clip, options.scene);
     if (!reader.ok()) return reader.error();
+    at_work = frames_in_words((*reader)->scene());
     const auto frames = (*reader)->frame_count();
     const std::int64_t wanted = options.last.value_or(options.first);
     if (frames && wanted >= *frames) return beyond_the_end(options, wanted, *frames);
@@ -94,67 +158,47 @@ Result<void> run_export(const ExportOptions& options) {
     auto picture = order_picture(options.picture, options.builder, gpu);
     if (!picture.ok()) return picture.error();
 
-    std::vector<NamedFile> outputs, inputs{{"the clip", options.clip}};
-    if (options.picture.file) outputs.push_back({"--picture", *options.picture.file});
-    if (!options.out.empty()) outputs.push_back({"scene.json of --out", options.out / "scene.json"});
+    std::vector<NamedFile> inputs{{"the clip", options.clip}};
     if (options.scene) inputs.push_back({"--scene", *options.scene});
-    if (auto apart = keep_outputs_apart(outputs, inputs); !apart.ok()) return apart;
-
-    Progress progress("exporting frame", options.last ? *options.last + 1 : frames.value_or(0));
-    SurfaceFrame surface;
-    std::int64_t number = 0;
-    for (; !options.last || number <= *options.last; ++number) {
-        if (interrupted()) return interrupted_error();
-        const auto raw = (*reader)->next();
-        if (!raw.ok()) return raw.error();
-        if (!*raw) break;
-        progress.at(number);
-        if (number < options.first) continue;
-        if (auto built = (*builder)->build(**raw, surface); !built.ok()) return built;
-        if (auto done = export_frame(**raw, *scene, surface, options); !done.ok()) return done;
-        if (*picture)
-            if (auto drawn = draw(**picture, **raw, *scene, surface); !drawn.ok()) return drawn;
-    }
-    if (number <= wanted) return beyond_the_end(options, wanted, number);
+    if (auto free = check_outputs({files_of(options), options.overwrite}, inputs); !free.ok()) return free;
+    const auto read = export_frames(**reader, *scene, options, **builder, *picture);
+    if (!read.ok()) return read.error();
+    if (*read <= wanted) return beyond_the_end(options, wanted, *read);
     return {};
+}
+
+}  // namespace
+
+Result<void> run_export(const ExportOptions& options) {
+    std::string at_work = "the frames of " + options.clip.string();
+    return within_memory(at_work, [&] { return export_clip(options, at_work); });
 }
 
 void add_export_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("export", "write frames as pictures, mesh and scene description");
     auto options = std::make_shared<ExportOptions>();
-    auto range = std::make_shared<std::string>();
+    auto typed = std::make_shared<FramesTyped>();
     auto mesh = std::make_shared<bool>(false);
-    sub->add_option("CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
-    auto* folder =
-        sub->add_option("--out", options->out, "folder to write to; may be left out with --picture");
-    auto* one = sub->add_option("--frame", options->first, "this frame, from 0, into the folder itself")
-                    ->check(CLI::NonNegativeNumber);
-    auto* many =
-        sub->add_option("--frames", *range, "A-B or all: each frame n into the folder's n/, without mesh")
-            ->excludes(one);
+    add_file_option(*sub, "CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
+    add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture");
+    add_overwrite_option(*sub, options->overwrite);
+    auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
+    auto* many = sub->add_option("--frames", typed->many,
+                                 "A-B or all: each frame n into the folder's n/, without mesh")
+                     ->excludes(one);
     add_picture_options(*sub, options->picture);
-    many->excludes("--picture");
     sub->add_flag("--mesh", *mesh, "with --frames: write the meshes too")->needs(many);
-    sub->add_option("--scene", options->scene, "scene file that describes the clip instead of its own");
+    add_file_option(*sub, "--scene", options->scene, "scene file that describes the clip instead of its own");
     sub->add_option("--median", options->median, "window side instead of the scene's: 0 (off), 3 or 5");
     sub->add_option("--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
-    sub->callback([options, range, mesh, folder, one, many, &command] {
+    sub->callback([options, typed, mesh, &command] {
         command = [=]() -> Result<void> {
             ExportOptions chosen = *options;
-            if (folder->count() > 0 && chosen.out.empty())
-                return usage_error("--out names no folder; right would be --out FOLDER");
-            if (one->count() + many->count() == 0)
-                return usage_error("export needs --frame N or --frames A-B|all; see touchable export -h");
             if (chosen.out.empty() && !chosen.picture.file)
                 return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
-            if (one->count() > 0) {
-                chosen.last = chosen.first;
-                return run_export(chosen);
-            }
-            chosen.folder_per_frame = true;
-            chosen.mesh = *mesh;
-            if (auto read = read_frames(*range, chosen); !read.ok()) return read;
+            if (auto read = read_words(*typed, chosen); !read.ok()) return read;
+            chosen.mesh = *mesh || typed->one.has_value();
             return run_export(chosen);
         };
     });

@@ -20,6 +20,7 @@ struct ExportOptions {
     std::filesystem::path clip;
     std::optional<std::filesystem::path> scene;
     std::filesystem::path out;  ///< empty: only the picture
+    bool overwrite = false;     ///< files there may be replaced
     std::int64_t first = 0;
     std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/

@@ -2,7 +2,11 @@
 
 #include <chrono>
 #include <exception>
+#include <new>
 #include <string>
+#include <utility>
+
+#include "player/memory.hpp"
 
 namespace touchable {
 
@@ -15,7 +19,7 @@ constexpr std::chrono::milliseconds slot_wait(1);
 
 }  // namespace
 
-FeedThreads::FeedThreads(SurfaceFeed& feed) : feed_(feed) {
+FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late) : feed_(feed), is_late_(std::move(is_late)) {
     decoder_ = std::thread([this] { guarded(&FeedThreads::decode); });
     builder_ = std::thread([this] { guarded(&FeedThreads::build); });
 }
@@ -38,6 +42,8 @@ void FeedThreads::stop() {
 void FeedThreads::guarded(void (FeedThreads::*work)()) {
     try {
         (this->*work)();
+    } catch (const std::bad_alloc&) {
+        fail(too_large(frames_in_words(feed_.reader().scene())));
     } catch (const std::exception& fault) {
         fail({ErrorKind::internal, std::string("while frames were read: ") + fault.what()});
     }
@@ -83,7 +89,10 @@ void FeedThreads::build() {
         while (true) {
             const auto published = feed_.publish(raw);
             if (!published.ok()) return fail(published.error());
-            if (*published) break;
+            if (*published) {
+                late_frames_ += is_late_(raw);
+                break;
+            }
             lock.lock();
             if (changed_.wait_for(lock, slot_wait, [this] { return stopping_; })) return;
             lock.unlock();

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -14,13 +16,17 @@ namespace touchable {
 /// timeline has room. They meet at a short queue.
 class FeedThreads {
 public:
+    /// Whether a frame that has just been published was needed before; asked by the thread that builds.
+    using IsLate = std::function<bool(const RawFrame&)>;
     /// `feed` outlives this and is left alone until `stop`.
-    explicit FeedThreads(SurfaceFeed& feed);
+    FeedThreads(SurfaceFeed& feed, IsLate is_late);
     ~FeedThreads();  ///< stops them
     FeedThreads(const FeedThreads&) = delete;
     FeedThreads& operator=(const FeedThreads&) = delete;
 
     void stop();
+    /// How many frames were; after `stop`.
+    std::int64_t late_frames() const { return late_frames_; }
     /// End of the clip's last frame once all are published.
     std::optional<std::int64_t> end_ns() const;
     /// Why they ended early, if they did.
@@ -39,6 +45,8 @@ private:
     bool decoded_all_ = false, stopping_ = false;
     std::optional<std::int64_t> end_ns_;
     std::optional<Error> error_;
+    const IsLate is_late_;
+    std::int64_t late_frames_ = 0;  // the builder's
     std::thread decoder_, builder_;
 };
 

@@ -32,6 +32,20 @@ Image validity_image(const SurfaceFrame& surface) {
     return image;
 }
 
+/// The scene of the pictures that are written of one frame, so that their folder is a clip again.
+Scene as_still(Scene scene, const RawFrame& raw) {
+    const auto name_of = [](const PlaneView& plane, const char* name) {
+        return plane.empty() ? std::string() : std::string(name);
+    };
+    scene.folder = FolderSource{"depth.png",
+                                name_of(raw.colour, "colour.png"),
+                                name_of(raw.haptic, "haptic.png"),
+                                name_of(raw.height, "height.png"),
+                                0,
+                                0};
+    return scene;
+}
+
 Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
     std::ofstream out(file, std::ios::binary);
     out << text;
@@ -60,7 +74,7 @@ Result<void> write_frame_files(const std::filesystem::path& folder, const RawFra
             !written.ok())
             return written;
     }
-    return write_text(folder / "scene.json", scene_to_json(scene) + "\n");
+    return write_text(folder / "scene.json", scene_to_json(as_still(scene, raw)) + "\n");
 }
 
 }  // namespace touchable

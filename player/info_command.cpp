@@ -4,11 +4,15 @@
 #include <iostream>
 #include <memory>
 
-#include "player/clip_facts.hpp"
+#include "player/clip_report.hpp"
+#include "player/file_option.hpp"
+#include "player/memory.hpp"
 
 namespace touchable {
 
-Result<void> run_info(const InfoOptions& options) {
+namespace {
+
+Result<void> print_facts(const InfoOptions& options) {
     const auto facts = clip_facts(options.clip, options.scene);
     if (!facts.ok()) return facts.error();
     if (options.json)  // names of files need not be UTF-8
@@ -18,11 +22,18 @@ Result<void> run_info(const InfoOptions& options) {
     return {};
 }
 
+}  // namespace
+
+Result<void> run_info(const InfoOptions& options) {
+    return within_memory("the frames of " + options.clip.string(), [&] { return print_facts(options); });
+}
+
 void add_info_command(CLI::App& app, Command& command) {
     auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch");
     auto options = std::make_shared<InfoOptions>();
-    info->add_option("CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
-    info->add_option("--scene", options->scene, "scene file that describes the clip instead of its own");
+    add_file_option(*info, "CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
+    add_file_option(*info, "--scene", options->scene,
+                    "scene file that describes the clip instead of its own");
     info->add_flag("--json", options->json, "the same facts as JSON");
     info->callback([options, &command] { command = [options] { return run_info(*options); }; });
 }

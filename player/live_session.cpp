@@ -15,6 +15,13 @@ namespace {
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
+/// Whether a frame that is there now was needed before: a held one from its own time on, one that the surface
+/// goes to (`linear`) as soon as it leaves the frame before.
+bool comes_late(const RawFrame& raw, const Scene& scene, std::int64_t now_ns) {
+    if (scene.interpolation == FrameInterpolation::hold) return now_ns >= raw.time_ns;
+    return now_ns > scene.rate.time_ns(raw.number - 1);
+}
+
 }  // namespace
 
 LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
@@ -24,8 +31,8 @@ LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, Hapt
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     TouchStep step(solver_, settings_.guard, settings_.fingers);
     TickLog log(log_ticks, settings_.fingers);
-    FeedThreads threads(feed_);
     HapticLoop loop(scene_, feed_.timeline(), step, port_, log);
+    FeedThreads threads(feed_, [&](const RawFrame& raw) { return comes_late(raw, scene_, loop.time_ns()); });
 
     Result<void> taken;
     auto drain = [&] {
@@ -50,14 +57,14 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     loop.stop();
     threads.stop();
     drain();
-    facts_ = loop.facts();
+    facts_ = {loop.facts(), threads.late_frames()};
     if (interrupted()) return interrupted_error();
     if (const auto error = threads.error()) return *error;
     if (!taken.ok()) return taken;
-    if (facts_.port_failed)
+    if (facts_.loop.port_failed)
         return Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
-    if (facts_.lost > 0)
-        return Error{ErrorKind::internal, std::to_string(facts_.lost) +
+    if (facts_.loop.lost > 0)
+        return Error{ErrorKind::internal, std::to_string(facts_.loop.lost) +
                                               " ticks were lost on their way to the files; the disk "
                                               "is too slow for what was asked to be written"};
     return {};

@@ -7,6 +7,12 @@
 
 namespace touchable {
 
+/// How a live session went.
+struct LiveFacts {
+    LoopFacts loop;
+    std::int64_t late_frames = 0;  ///< not built yet when the surface first needed them
+};
+
 /// Touch on the wall clock: decoding, building and the haptic loop each on a thread of its own, the sinks on
 /// the caller's. Which frames a tick found is part of what a recording keeps, so that the session replays
 /// exactly.
@@ -19,7 +25,7 @@ public:
 
     /// To the end, or until the person asks to stop (an error then).
     Result<void> run(std::span<TouchSink* const> sinks);
-    const LoopFacts& facts() const { return facts_; }
+    const LiveFacts& facts() const { return facts_; }
 
 private:
     const Scene& scene_;
@@ -28,7 +34,7 @@ private:
     HapticPort& port_;
     const TouchSolver& solver_;
     TouchSessionSettings settings_;
-    LoopFacts facts_;
+    LiveFacts facts_;
 };
 
 }  // namespace touchable

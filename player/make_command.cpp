@@ -1,16 +1,19 @@
 #include "player/make_command.hpp"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
+#include <algorithm>
 #include <iostream>
+#include <limits>
 #include <memory>
-#include <optional>
 #include <string_view>
-#include <system_error>
 
 #include "engine/media/clip.hpp"
+#include "player/file_option.hpp"
 #include "player/interrupt.hpp"
+#include "player/memory.hpp"
+#include "player/outputs.hpp"
 #include "player/progress.hpp"
+#include "player/typed_numbers.hpp"
 
 namespace touchable {
 namespace {
@@ -20,29 +23,20 @@ constexpr std::int64_t most_frames = 1'000'000;
 /// Options as typed; what was not typed stays with the scene's own default.
 struct MakeWords {
     MakeOptions options;
-    std::string size, preset;
+    std::string size, preset, frames = "90", seed = "1";
     bool properties = false, plain = false;
-    bool seed = false, tilt = false, tilt_direction = false;
+    const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
+                      *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
 };
 
-std::optional<int> whole_number(std::string_view text) {
-    int value = 0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
-
-Result<void> read_size(const std::string& text, SceneOptions& out) {
-    const std::size_t cross = text.find('x');
-    const auto width = whole_number(std::string_view(text).substr(0, cross));
-    const auto height =
-        cross == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(cross + 1));
-    if (!width || !height)
-        return usage_error("--size " + text +
-                           " is not a size; right would be WxH in pixels, such as 720x480");
-    out.width = *width;
-    out.height = *height;
-    return {};
+/// A clip is Matroska, whatever it is called; under another name other programs would take it for what it is
+/// not.
+Result<void> check_name(const std::filesystem::path& out) {
+    std::string ending = out.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (ending == ".mkv") return {};
+    return usage_error("OUT '" + out.string() + "' does not end in .mkv; a clip is a Matroska file");
 }
 
 Result<void> read_preset(const std::string& text, SceneOptions& out) {
@@ -53,7 +47,7 @@ Result<void> read_preset(const std::string& text, SceneOptions& out) {
     else if (text == "B")
         out.preset = CameraPreset::b;
     else
-        return usage_error("--preset " + text + " is not known; there are A, A' and B");
+        return usage_error("--preset '" + text + "' is not known; there are A, A' and B");
     return {};
 }
 
@@ -70,27 +64,42 @@ Result<void> refuse_idle_options(const MakeWords& words) {
         return usage_error(std::string(option) + " does nothing for '" + scene + "'; it belongs to " +
                            scenes);
     };
+    const auto typed = [](const CLI::Option* option) { return option->count() > 0; };
     const bool globe = scene == "globe", plane = scene == "plane", random = without_shape(scene);
     for (const Result<void>& checked :
-         {only(!words.preset.empty(), "--preset", globe, "globe"),
+         {only(typed(words.preset_typed), "--preset", globe, "globe"),
           only(words.properties, "--properties", globe, "globe"),
-          only(words.plain, "--plain", globe, "globe"), only(words.tilt, "--tilt", plane, "plane"),
-          only(words.tilt_direction, "--tilt-direction", plane, "plane"),
-          only(words.seed, "--seed", random || (globe && !words.plain),
+          only(words.plain, "--plain", globe, "globe"),
+          only(typed(words.tilt_typed), "--tilt", plane, "plane"),
+          only(typed(words.tilt_direction_typed), "--tilt-direction", plane, "plane"),
+          only(typed(words.seed_typed), "--seed", random || (globe && !words.plain),
                "noise, cliffs, grain and the planet of globe")})
         if (!checked.ok()) return checked;
     return {};
 }
 
 Result<MakeOptions> read_words(const MakeWords& words) {
+    if (auto named = check_name(words.options.out); !named.ok()) return named.error();
     if (auto fits = refuse_idle_options(words); !fits.ok()) return fits.error();
     MakeOptions options = words.options;
-    if (without_shape(options.scene)) options.generator.width = options.generator.height = 128;
-    if (!words.size.empty())
-        if (auto size = read_size(words.size, options.generator); !size.ok()) return size.error();
-    if (!words.preset.empty())
-        if (auto preset = read_preset(words.preset, options.generator); !preset.ok()) return preset.error();
-    options.generator.properties = options.scene == "globe" && !words.plain;
+    SceneOptions& generator = options.generator;
+    if (without_shape(options.scene)) generator.width = generator.height = 128;
+    if (words.size_typed->count() > 0) {
+        const auto size = read_pixel_size("--size", words.size, 2, 16384);
+        if (!size.ok()) return size.error();
+        generator.width = size->width;
+        generator.height = size->height;
+    }
+    if (words.preset_typed->count() > 0)
+        if (auto preset = read_preset(words.preset, generator); !preset.ok()) return preset.error();
+    const auto frames = read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames);
+    if (!frames.ok()) return frames.error();
+    options.frames = *frames;
+    const auto seed =
+        read_whole_number<std::uint64_t>("--seed", words.seed, 0, std::numeric_limits<std::uint64_t>::max());
+    if (!seed.ok()) return seed.error();
+    generator.seed = *seed;
+    generator.properties = options.scene == "globe" && !words.plain;
     return options;
 }
 
@@ -104,9 +113,8 @@ std::string known_scenes() {
 }  // namespace
 
 Result<void> run_make(const MakeOptions& options) {
-    if (options.frames < 1 || options.frames > most_frames)
-        return usage_error("--frames " + std::to_string(options.frames) +
-                           " is out of range; right would be 1 to " + std::to_string(most_frames));
+    if (auto apart = check_outputs(Outputs{{{"OUT", options.out}}, options.overwrite}, {}); !apart.ok())
+        return apart;
     const auto scene = make_scene(options.scene, options.generator);
     if (!scene.ok()) return scene.error();
     const AnalyticScene& source = **scene;
@@ -127,33 +135,36 @@ void add_make_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<MakeWords>();
     SceneOptions& generator = words->options.generator;
     make->add_option("SCENE", words->options.scene, "one of " + known_scenes())->required();
-    make->add_option("OUT", words->options.out, "the clip to write (.mkv)")->required();
-    make->add_option("--size", words->size,
-                     "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
-    make->add_option("--frames", words->options.frames, "how many, at 30/s")->capture_default_str();
+    add_file_option(*make, "OUT", words->options.out, "the clip to write (.mkv)")->required();
+    add_overwrite_option(*make, words->options.overwrite);
+    words->size_typed = make->add_option("--size", words->size,
+                                         "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
+    make->add_option("--frames", words->frames, "how many, at 30/s")->capture_default_str();
     make->add_option("--bits", generator.bits, "of a stored depth, 8 to 16")->capture_default_str();
-    make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
+    words->preset_typed = make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
     auto* properties = make->add_flag("--properties", words->properties,
                                       "globe: turning planet; land and ocean differ to the touch (default)");
     make->add_flag("--plain", words->plain, "globe: at rest, depth alone")->excludes(properties);
-    auto* seed = make->add_option("--seed", generator.seed, "noise, cliffs, grain, and the planet of globe")
-                     ->capture_default_str();
-    auto* tilt =
+    words->seed_typed =
+        make->add_option("--seed", words->seed, "noise, cliffs, grain, and the planet of globe")
+            ->capture_default_str();
+    words->tilt_typed =
         make->add_option("--tilt", generator.tilt_degrees, "plane: degrees, 0 to 60")->capture_default_str();
-    auto* direction = make->add_option("--tilt-direction", generator.tilt_direction_degrees,
-                                       "plane: degrees in the picture")
-                          ->capture_default_str();
-    make->callback([words, seed, tilt, direction, &command] {
-        words->seed = seed->count() > 0;
-        words->tilt = tilt->count() > 0;
-        words->tilt_direction = direction->count() > 0;
+    words->tilt_direction_typed = make->add_option("--tilt-direction", generator.tilt_direction_degrees,
+                                                   "plane: degrees in the picture")
+                                      ->capture_default_str();
+    make->callback([words, &command] {
         command = [words]() -> Result<void> {
             const auto options = read_words(*words);
             if (!options.ok()) return options.error();
-            if (auto made = run_make(*options); !made.ok()) return made;
+            const SceneOptions& made = options->generator;
+            const std::string size = std::to_string(made.width) + "x" + std::to_string(made.height);
+            if (auto done =
+                    within_memory("frames of " + size + " pixels", [&] { return run_make(*options); });
+                !done.ok())
+                return done;
             std::cout << options->out.string() << ": " << options->frames << " frames of " << options->scene
-                      << ", " << options->generator.width << "x" << options->generator.height << ", "
-                      << options->generator.bits << " bits\n";
+                      << ", " << size << ", " << made.bits << " bits\n";
             return {};
         };
     });

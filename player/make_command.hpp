@@ -15,9 +15,10 @@ class App;
 namespace touchable {
 
 struct MakeOptions {
-    std::string scene;  ///< of scene_names()
-    std::filesystem::path out;
-    std::int64_t frames = 90;
+    std::string scene;          ///< of scene_names()
+    std::filesystem::path out;  ///< a name that ends in .mkv
+    bool overwrite = false;     ///< a file of that name may be there already
+    std::int64_t frames = 90;   ///< 1 to 1 000 000
     SceneOptions generator;
 };
 

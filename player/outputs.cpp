@@ -1,33 +1,43 @@
-#include "player/outputs_apart.hpp"
+#include "player/outputs.hpp"
 
+#include <CLI/CLI.hpp>
+#include <map>
 #include <system_error>
 
 namespace touchable {
 
 namespace {
 
-bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-    if (a.empty() || b.empty()) return false;
+/// One name for a file, however it is written. Of two hard links only the one named is ever replaced.
+std::filesystem::path whole_name(const std::filesystem::path& path) {
     std::error_code failure;
-    if (std::filesystem::equivalent(a, b, failure)) return true;
-    const auto whole_a = std::filesystem::weakly_canonical(a, failure);
-    if (failure) return false;
-    const auto whole_b = std::filesystem::weakly_canonical(b, failure);
-    return !failure && whole_a == whole_b;
+    auto whole = std::filesystem::weakly_canonical(path, failure);
+    return failure ? std::filesystem::absolute(path, failure).lexically_normal() : whole;
+}
+
+Result<void> refuse(const NamedFile& output, const std::string& why) {
+    return usage_error(output.name + " " + output.path.string() + why);
 }
 
 }  // namespace
 
-Result<void> keep_outputs_apart(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
-    for (std::size_t k = 0; k < outputs.size(); ++k) {
-        const auto refuse = [&](const NamedFile& other) -> Error {
-            return usage_error(outputs[k].name + " " + outputs[k].path.string() + " is also " + other.name +
-                               ", which it would replace; give it a name of its own");
-        };
-        for (const NamedFile& input : inputs)
-            if (same_file(outputs[k].path, input.path)) return refuse(input);
-        for (std::size_t j = 0; j < k; ++j)
-            if (same_file(outputs[k].path, outputs[j].path)) return refuse(outputs[j]);
+void add_overwrite_option(CLI::App& sub, bool& overwrite) {
+    sub.add_flag("--overwrite", overwrite, "replace files that are there already, rather than refuse");
+}
+
+Result<void> check_outputs(const Outputs& outputs, const std::vector<NamedFile>& inputs) {
+    std::map<std::filesystem::path, std::string> taken;
+    for (const NamedFile& input : inputs)
+        if (!input.path.empty()) taken.emplace(whole_name(input.path), input.name);
+    for (const NamedFile& output : outputs.files) {
+        const auto [at, free] = taken.emplace(whole_name(output.path), output.name);
+        if (!free)
+            return refuse(output,
+                          " is also " + at->second + ", which it would replace; give it a name of its own");
+        // What is no file, a folder or a device, is told on opening it.
+        std::error_code ignored;
+        if (!outputs.overwrite && std::filesystem::is_regular_file(output.path, ignored))
+            return refuse(output, " is there already; give another name, or --overwrite");
     }
     return {};
 }

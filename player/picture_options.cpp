@@ -1,37 +1,25 @@
 #include "player/picture_options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <iostream>
 #include <utility>
 
+#include "player/file_option.hpp"
 #include "player/output_file.hpp"
+#include "player/typed_numbers.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr int largest_side = 8192;
 
-Result<void> read_size(const std::string& text, PictureSettings& settings) {
-    const char *begin = text.data(), *end = begin + text.size();
-    const auto width = std::from_chars(begin, end, settings.width);
-    const bool has_both = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
-    const auto height = has_both ? std::from_chars(width.ptr + 1, end, settings.height) : width;
-    auto fits = [](int side) { return side >= 1 && side <= largest_side; };
-    if (has_both && height.ec == std::errc() && height.ptr == end && fits(settings.width) &&
-        fits(settings.height))
-        return {};
-    return usage_error("--picture-size " + text + " is no size; right would be WIDTHxHEIGHT, each 1 to " +
-                       std::to_string(largest_side) + ", such as 1280x720");
-}
-
 }  // namespace
 
 void add_picture_options(CLI::App& sub, PictureOptions& options) {
-    auto* picture = sub.add_option("--picture", options.file, "draw the scene to this PNG file");
+    auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene to this PNG file");
     sub.add_option("--view", options.view,
-                   "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES, "
-                   "each optional")
+                   "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES; "
+                   "what is left out is the clip's camera's")
         ->needs(picture)
         ->capture_default_str();
     sub.add_option("--painter", options.painter,
@@ -50,7 +38,10 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     const auto viewpoint = parse_viewpoint(options.view);
     if (!viewpoint.ok()) return viewpoint.error();
     order.settings.viewpoint = *viewpoint;
-    if (auto read = read_size(options.size, order.settings); !read.ok()) return read.error();
+    const auto size = read_pixel_size("--picture-size", options.size, 1, largest_side);
+    if (!size.ok()) return size.error();
+    order.settings.width = size->width;
+    order.settings.height = size->height;
     if (options.draws_on_gpu() && choice.gpu != "auto" && !choice.gpu_fallback)
         if (const auto opened = gpu.open(); !opened.ok()) return opened.error();
     auto painter = make_painter(options.painter, [&gpu] { return gpu.open(); });

@@ -17,7 +17,7 @@ namespace touchable {
 /// `--picture` and what goes with it, as typed.
 struct PictureOptions {
     std::optional<std::filesystem::path> file;  ///< nothing: no picture is asked for
-    std::string view = "orbit:az=20,el=15";
+    std::string view = usual_viewpoint;
     std::string painter = "auto";  ///< as in make_painter
     std::string size = "1280x720";
 

@@ -1,12 +1,7 @@
 #include "player/recording.hpp"
 
-#include <xxhash.h>
-
 #include <bit>
-#include <cstdio>
-#include <cstring>
 #include <fstream>
-#include <span>
 
 namespace touchable {
 
@@ -73,17 +68,6 @@ Result<std::string> read_whole(const std::filesystem::path& file) {
     return bytes;
 }
 
-bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
-    return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
-    char text[128];
-    std::snprintf(text, sizeof text, "(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z,
-                  guard);
-    return text;
-}
-
 }  // namespace
 
 Result<Recording> read_recording(const std::filesystem::path& file) {
@@ -105,7 +89,9 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
         return refuse(damaged);
     Bytes tail(bytes.substr(bytes.size() - tail_size));
     const std::uint64_t facts_size = tail.integer(8), ticks = tail.integer(8), hash = tail.integer(8);
-    if (hash != XXH64(bytes.data(), bytes.size() - 8, 0)) return refuse(damaged);
+    ByteHash found;
+    found.add(bytes.data(), bytes.size() - 8);
+    if (hash != found.value()) return refuse(damaged);
     const std::uint64_t tick_bytes = tick_size + finger_size * fingers;
     const std::uint64_t room = bytes.size() - head_size - tail_size;
     if (facts_size > room || ticks > room / tick_bytes || ticks * tick_bytes + facts_size != room)
@@ -126,20 +112,8 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     return recording;
 }
 
-struct RecordingFile::Hash {
-    XXH64_state_t* state = XXH64_createState();
-    Hash() { XXH64_reset(state, 0); }
-    ~Hash() { XXH64_freeState(state); }
-    Hash(const Hash&) = delete;
-    Hash& operator=(const Hash&) = delete;
-};
-
-RecordingFile::RecordingFile(std::unique_ptr<OutputFile> file)
-    : file_(std::move(file)), hash_(std::make_unique<Hash>()) {}
-RecordingFile::~RecordingFile() = default;
-
 Result<void> RecordingFile::write(const std::string& bytes) {
-    XXH64_update(hash_->state, bytes.data(), bytes.size());
+    hash_.add(bytes.data(), bytes.size());
     return file_->write(bytes);
 }
 
@@ -176,37 +150,9 @@ Result<void> RecordingFile::finish(const nlohmann::ordered_json& facts) {
     put(tail, ticks_, 8);
     if (auto written = write(tail); !written.ok()) return written;
     std::string hash;
-    put(hash, XXH64_digest(hash_->state), 8);
+    put(hash, hash_.value(), 8);
     if (auto written = write(hash); !written.ok()) return written;
     return file_->finish();
-}
-
-void ReplayHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) {
-    const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick)];
-    std::copy(recorded.goals.begin(), recorded.goals.end(), goals.begin());
-}
-
-Result<void> ReplayCheck::take(const TouchTick& tick) {
-    if (difference_) return {};
-    const RecordedTick& recorded = recording_.ticks[next_++];
-    const std::string where = "tick " + std::to_string(tick.tick);
-    if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
-        recorded.blend != tick.blend) {
-        difference_ = where + ": between frames " + std::to_string(tick.pair.prev.number) + " and " +
-                      std::to_string(tick.pair.next.number) + ", recorded between " +
-                      std::to_string(recorded.frame_prev) + " and " + std::to_string(recorded.frame_next);
-        return {};
-    }
-    for (std::size_t k = 0; k < tick.forces.size(); ++k) {
-        if (same_bits(recorded.forces[k], tick.forces[k].force) &&
-            recorded.guards[k] == tick.forces[k].reasons)
-            continue;
-        difference_ = where + ", finger " + std::to_string(k) + ": force " +
-                      to_text(tick.forces[k].force, tick.forces[k].reasons) + ", recorded " +
-                      to_text(recorded.forces[k], recorded.guards[k]);
-        return {};
-    }
-    return {};
 }
 
 }  // namespace touchable

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "device/hand.hpp"
+#include "engine/byte_hash.hpp"
 #include "player/output_file.hpp"
 #include "player/touch_session.hpp"
 
@@ -40,48 +40,18 @@ Result<Recording> read_recording(const std::filesystem::path& file);
 class RecordingFile final : public TouchSink {
 public:
     static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers);
-    ~RecordingFile() override;
     Result<void> take(const TouchTick& tick) override;
     /// Adds the facts and gives the file its name; without this nothing is left behind.
     Result<void> finish(const nlohmann::ordered_json& facts);
 
 private:
-    struct Hash;
-    explicit RecordingFile(std::unique_ptr<OutputFile> file);
+    explicit RecordingFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
     Result<void> write(const std::string& bytes);
 
     std::unique_ptr<OutputFile> file_;
-    std::unique_ptr<Hash> hash_;  // of what is written
+    ByteHash hash_;  // of what is written
     std::uint64_t ticks_ = 0;
     std::string bytes_;  // of one tick
-};
-
-/// `--replay FILE`: the recorded goals as a hand.
-class ReplayHand final : public Hand {
-public:
-    explicit ReplayHand(const Recording& recording) : recording_(recording) {}
-    int fingers() const override { return recording_.fingers; }
-    void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
-    std::optional<std::int64_t> ticks() const override {
-        return static_cast<std::int64_t>(recording_.ticks.size());
-    }
-
-private:
-    const Recording& recording_;
-};
-
-/// Compares each tick with the recorded one, bit for bit, and remembers the first difference.
-class ReplayCheck final : public TouchSink {
-public:
-    explicit ReplayCheck(const Recording& recording) : recording_(recording) {}
-    Result<void> take(const TouchTick& tick) override;
-    /// What differs first: tick, finger, and both values; nothing where all is the same.
-    const std::optional<std::string>& difference() const { return difference_; }
-
-private:
-    const Recording& recording_;
-    std::size_t next_ = 0;  // the tick that comes, by its place in the recording
-    std::optional<std::string> difference_;
 };
 
 }  // namespace touchable

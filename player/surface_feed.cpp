@@ -1,11 +1,7 @@
 #include "player/surface_feed.hpp"
 
-#include <xxhash.h>
-
-#include <array>
 #include <cassert>
 #include <chrono>
-#include <cstdio>
 
 namespace touchable {
 
@@ -17,30 +13,9 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-struct SurfaceFeed::PlanesHash {
-    XXH64_state_t* state = XXH64_createState();
-    PlanesHash() { XXH64_reset(state, 0); }
-    ~PlanesHash() { XXH64_freeState(state); }
-    PlanesHash(const PlanesHash&) = delete;
-    PlanesHash& operator=(const PlanesHash&) = delete;
-
-    void add(const PlaneView& plane) {
-        if (plane.empty()) return;
-        const auto row_bytes = static_cast<std::size_t>(plane.width) *
-                               static_cast<std::size_t>(plane.channels) *
-                               static_cast<std::size_t>(plane.bytes_per_sample);
-        for (int y = 0; y < plane.height; ++y) XXH64_update(state, plane.row(y), row_bytes);
-    }
-};
-
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                          const Scene& scene)
-    : reader_(std::move(reader)),
-      builder_(std::move(builder)),
-      rate_(scene.rate),
-      hash_(std::make_unique<PlanesHash>()) {}
-
-SurfaceFeed::~SurfaceFeed() = default;
+    : reader_(std::move(reader)), builder_(std::move(builder)), rate_(scene.rate) {}
 
 Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
@@ -55,8 +30,9 @@ Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
     const auto start = std::chrono::steady_clock::now();
     if (auto built = builder_->build(raw, *slot); !built.ok()) return built.error();
     build_ms_.push_back(milliseconds_since(start));
-    for (const PlaneView* plane : {&raw.depth, &raw.haptic, &raw.height}) hash_->add(*plane);
-    if (auto published = timeline_.publish(raw.number, raw.time_ns); !published.ok()) return published.error();
+    hash_.add(raw);
+    if (auto published = timeline_.publish(raw.number, raw.time_ns); !published.ok())
+        return published.error();
     ++frames_;
     return true;
 }
@@ -95,13 +71,6 @@ Result<FramePair> SurfaceFeed::pair_of(std::int64_t prev, std::int64_t next, dou
                            " side by side");
     pair->blend = next == prev ? 0.0 : blend;
     return pair;
-}
-
-std::string SurfaceFeed::planes_hash() const {
-    std::array<char, 17> text;
-    std::snprintf(text.data(), text.size(), "%016llx",
-                  static_cast<unsigned long long>(XXH64_digest(hash_->state)));
-    return text.data();
 }
 
 }  // namespace touchable

@@ -8,6 +8,7 @@
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/planes_hash.hpp"
 
 namespace touchable {
 
@@ -42,20 +43,17 @@ public:
     /// Per frame, milliseconds.
     const std::vector<double>& read_ms() const { return read_ms_; }
     const std::vector<double>& build_ms() const { return build_ms_; }
-    /// XXH64 of the touch planes (depth, haptic, height) of all frames so far, hexadecimal: what a recording
-    /// of forces depends on.
-    std::string planes_hash() const;
-    ~SurfaceFeed();
+    /// Of the frames published so far.
+    std::string planes_hash() const { return hash_.hex(); }
 
 private:
-    struct PlanesHash;
     Result<void> publish_next();
 
     std::unique_ptr<ClipReader> reader_;
     std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;
     SurfaceTimeline timeline_{4};
-    std::unique_ptr<PlanesHash> hash_;
+    PlanesHash hash_;
     std::int64_t frames_ = 0;
     bool ended_ = false;
     std::vector<double> read_ms_, build_ms_;

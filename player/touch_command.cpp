@@ -2,11 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <map>
 #include <memory>
 
 #include "haptics_cpu/tick_velocity.hpp"
+#include "player/file_option.hpp"
+#include "player/outputs.hpp"
 #include "player/touch_run.hpp"
+#include "player/word_option.hpp"
 
 namespace touchable {
 
@@ -55,22 +57,24 @@ void add_touch_command(CLI::App& app, Command& command) {
         "touch", "touch a clip with a scripted or recorded hand: forces, figures, a recording");
     auto words = std::make_shared<TouchWords>();
     TouchOptions& o = words->options;
-    const std::map<std::string, TouchMetric> metrics{
+    const Words<TouchMetric> metrics{
         {"world", TouchMetric::world}, {"pixel", TouchMetric::pixel}, {"scaled", TouchMetric::scaled}};
-    const std::map<std::string, FrameInterpolation> interpolations{{"hold", FrameInterpolation::hold},
-                                                                   {"linear", FrameInterpolation::linear}};
+    const Words<FrameInterpolation> interpolations{{"hold", FrameInterpolation::hold},
+                                                   {"linear", FrameInterpolation::linear}};
 
-    const std::map<std::string, bool> rises{{"map", false}, {"passive", true}};
+    const Words<bool> rises{{"map", false}, {"passive", true}};
 
-    words->clip = sub->add_option("CLIP", o.clip, "a clip, a folder of images, or a scene file");
-    sub->add_option("--scene", o.scene, "scene file that describes the clip instead of its own");
+    words->clip = add_file_option(*sub, "CLIP", o.clip, "a clip, a folder of images, or a scene file");
+    add_file_option(*sub, "--scene", o.scene, "scene file that describes the clip instead of its own");
     add_builder_options(*sub, o.builder, {"cpu", "vulkan", "lazy", "reference"});
-    sub->add_option("--json", o.json, "write the figures as JSON");
-    sub->add_option("--forces", o.forces, "write goal, proxy and force of every tick and finger as CSV");
-    auto* record = sub->add_option("--record", o.record, "keep what it takes to repeat the run");
+    add_file_option(*sub, "--json", o.json, "write the figures as JSON");
+    add_file_option(*sub, "--forces", o.forces,
+                    "write goal, proxy and force of every tick and finger as CSV");
+    auto* record = add_file_option(*sub, "--record", o.record, "keep what it takes to repeat the run");
     auto* replay =
-        sub->add_option("--replay", o.replay, "repeat a recorded run and compare every force with it");
+        add_file_option(*sub, "--replay", o.replay, "repeat a recorded run and compare every force with it");
     record->excludes(replay);
+    add_overwrite_option(*sub, o.overwrite);
 
     add_picture_options(*sub, o.picture);
     words->picture_moment =
@@ -100,15 +104,14 @@ void add_touch_command(CLI::App& app, Command& command) {
         sub->add_option("--fingers", o.fingers, "copies of the hand's path, spread on a circle")
             ->check(CLI::Range(1, 256))
             ->capture_default_str(),
-        sub->add_option("--metric", o.metric,
+        add_word_option(*sub, "--metric", o.metric,
                         "where distances are measured: world; to compare, pixel (the paper's) or scaled "
-                        "(pixel with levels as long as they are where the finger is)")
-            ->transform(CLI::CheckedTransformer(metrics)),
+                        "(pixel with levels as long as they are where the finger is)",
+                        metrics),
         sub->add_option("--median", o.median, "window side instead of the scene's: 0 (off), 3 or 5"),
         sub->add_option("--fill-holes", o.fill_holes, "passes instead of the scene's: 0 to 16"),
-        sub->add_option("--interpolation", o.interpolation,
-                        "between frames, instead of the scene's: hold or linear")
-            ->transform(CLI::CheckedTransformer(interpolations)),
+        add_word_option(*sub, "--interpolation", o.interpolation,
+                        "between frames, instead of the scene's: hold or linear", interpolations),
         sub->add_option("--max-force", o.guard.max_force, "N: what the device can exert on a finger")
             ->capture_default_str(),
         sub->add_option("--max-stiffness", words->max_stiffness_n_mm, "N/mm: what the device renders stably")
@@ -117,9 +120,9 @@ void add_touch_command(CLI::App& app, Command& command) {
                "--stribeck", o.stribeck_speed,
                "m/s: friction falls from static to dynamic about this speed; 0: the moment it slides")
             ->capture_default_str(),
-        sub->add_option("--stiffness", o.guard.rise.paid,
-                        "in contact: map (the clip's), or passive (rises only as far as losses pay for)")
-            ->transform(CLI::CheckedTransformer(rises)),
+        add_word_option(*sub, "--stiffness", o.guard.rise.paid,
+                        "in contact: map (the clip's), or passive (rises only as far as losses pay for)",
+                        rises),
         sub->add_option("--damping", o.guard.damping, "N s/m beside the spring, against the hand's motion")
             ->capture_default_str(),
         sub->add_option("--passivity", o.guard.passivity,

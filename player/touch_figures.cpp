@@ -153,10 +153,14 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     line("not finite", count("nonfinite_ticks") + " ticks");
     line("event limit reached", count("capped_ticks") + " ticks");
     line("time per tick", spread(r["tick_us"]) + " us, all fingers");
-    if (r["clock"] == "wall")
+    if (r["clock"] == "wall") {
         line("on the wall clock", count("late_ticks") + " ticks late by 1 ms or more, " +
                                       count("skipped_ticks") + " skipped; began " + spread(r["late_us"]) +
                                       " us after their time; " + r["scheduling"].get<std::string>());
+        line("frames too late", count("late_frames") + " of " + count("frames") +
+                                    number(r["late_frames_pct"], " (%.1f %%)") +
+                                    (r["late_frames"] == 0 ? "" : "; decoding and building are too slow"));
+    }
     line("time per frame", spread(r["frame_ms"]) + " ms");
     line("force hash", r["force_hash"].get<std::string>());
     return text;

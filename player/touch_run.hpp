@@ -28,6 +28,7 @@ struct TouchOptions {
     bool live = false;                  ///< on the wall clock, in real time
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     std::optional<std::filesystem::path> json, forces, record, replay;
+    bool overwrite = false;  ///< files of those names may be replaced
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
 };

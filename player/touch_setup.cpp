@@ -10,6 +10,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/field_probe.hpp"
+#include "player/replay.hpp"
 
 namespace touchable {
 
@@ -34,10 +35,10 @@ double median_depth(const Scene& scene, const SurfaceFrame& frame) {
 constexpr double most_damping = 100;
 
 Result<void> check_guard(const GuardSettings& guard) {
-    if (!(guard.max_force > 0 && std::isfinite(guard.max_force)))
-        return usage_error("--max-force must be a number above 0 N");
-    if (!(guard.max_stiffness > 0 && std::isfinite(guard.max_stiffness)))
-        return usage_error("--max-stiffness must be a number above 0 N/mm");
+    if (!(guard.max_force >= 1e-6 && guard.max_force <= 1e9))
+        return usage_error("--max-force must be a number from 1e-6 to 1e9 N");
+    if (!(guard.max_stiffness >= 1e-3 && guard.max_stiffness <= 1e12))
+        return usage_error("--max-stiffness must be a number from 1e-6 to 1e9 N/mm");
     if (!(guard.rise.per_tick > 0))
         return usage_error("--stiffness-slew must be a number above 0 N/mm per second");
     if (!(guard.damping >= 0 && guard.damping <= most_damping))
@@ -153,8 +154,38 @@ Json TouchSetup::facts() const {
 
 namespace {
 
+/// Throws std::out_of_range, with the member's name, where it is missing or no `kind`.
+template <class Value>
+Value member(const Json& facts, const char* name, const char* kind) {
+    try {
+        return facts.at(name).get<Value>();
+    } catch (const Json::exception&) {
+        throw std::out_of_range(std::string(name) +
+                                (facts.contains(name) ? std::string(" must be ") + kind : " is missing"));
+    }
+}
+
+std::string text(const Json& facts, const char* name) {
+    return member<std::string>(facts, name, "text");
+}
+
+double number(const Json& facts, const char* name) {
+    return member<double>(facts, name, "a number");
+}
+
+/// Of versions that did not know it, the default.
+double number_or(const Json& facts, const char* name, double otherwise) {
+    return facts.contains(name) ? number(facts, name) : otherwise;
+}
+
+Json object(const Json& facts, const char* name) {
+    auto value = member<Json>(facts, name, "an object");
+    if (!value.is_object()) throw std::out_of_range(std::string(name) + " must be an object");
+    return value;
+}
+
 int whole_number(const Json& facts, const char* name, int least, int most) {
-    const auto value = facts.at(name).get<double>();
+    const double value = number(facts, name);
     if (value >= least && value <= most && value == std::floor(value)) return static_cast<int>(value);
     throw std::out_of_range(std::string(name) + " must be a whole number, " + std::to_string(least) + " to " +
                             std::to_string(most));
@@ -166,34 +197,47 @@ TouchMetric metric_named(const std::string& name) {
     throw std::out_of_range("metric must be world, pixel or scaled");
 }
 
-/// Reads what `TouchSetup::facts` wrote, and gives the recorded scene. Throws std::exception where something
-/// is missing, of another type or impossible.
+/// Reads what `TouchSetup::facts` wrote, and gives the recorded scene. Throws std::out_of_range where
+/// something is missing, of another kind or impossible.
 Json read_facts(const Json& facts, TouchSetup& setup) {
-    setup.clip = facts.at("clip").get<std::string>();
-    if (facts.contains("scene_file")) setup.scene_file = facts["scene_file"].get<std::string>();
-    setup.hand_words = facts.at("hand").get<std::string>();
-    setup.live = facts.value("clock", "virtual") == "wall";
-    setup.device_words = facts.value("device", "");
+    setup.clip = text(facts, "clip");
+    if (facts.contains("scene_file")) setup.scene_file = text(facts, "scene_file");
+    setup.hand_words = text(facts, "hand");
+    setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
+    if (facts.contains("device")) setup.device_words = text(facts, "device");
     TouchSettings& touch = setup.settings.touch;
-    touch.metric = metric_named(facts.at("metric").get<std::string>());
-    touch.metres_per_scene_unit = facts.at("S").get<double>();
+    touch.metric = metric_named(text(facts, "metric"));
+    touch.metres_per_scene_unit = number(facts, "S");
     if (!(touch.metres_per_scene_unit > 0)) throw std::out_of_range("S must be above 0");
     touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);
-    touch.stribeck_speed = facts.value("stribeck_speed", touch.stribeck_speed);
+    touch.stribeck_speed = number_or(facts, "stribeck_speed", touch.stribeck_speed);
     if (!(touch.stribeck_speed >= 0)) throw std::out_of_range("stribeck_speed must be 0 or above");
-    const Json& limits = facts.at("guard");
+    const Json limits = object(facts, "guard");
     GuardSettings& guard = setup.settings.guard;
-    guard.max_force = limits.at("max_force").get<double>();
-    guard.max_stiffness = limits.at("max_stiffness").get<double>();
+    guard.max_force = number(limits, "max_force");
+    guard.max_stiffness = number(limits, "max_stiffness");
     guard.ramp_in_ticks = whole_number(limits, "ramp_in_ticks", 0, 1'000'000);
     guard.ramp_out_ticks = whole_number(limits, "ramp_out_ticks", 0, 1'000'000);
-    guard.rise.paid = limits.value("paid_rise", guard.rise.paid);
-    guard.rise.per_tick = limits.value("rise_per_tick", guard.rise.per_tick);
-    guard.damping = limits.value("damping", guard.damping);
-    guard.passivity = limits.value("passivity", guard.passivity);
+    if (limits.contains("paid_rise")) guard.rise.paid = member<bool>(limits, "paid_rise", "true or false");
+    guard.rise.per_tick = number_or(limits, "rise_per_tick", guard.rise.per_tick);
+    guard.damping = number_or(limits, "damping", guard.damping);
+    guard.passivity = number_or(limits, "passivity", guard.passivity);
     if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
-    for (const char* hash : {"planes_hash", "force_hash"}) (void)facts.at(hash).get<std::string>();
-    return facts.at("scene");
+    if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, 1'000'000'000);
+    for (const char* hash : {"planes_hash", "force_hash"}) (void)text(facts, hash);
+    return object(facts, "scene");
+}
+
+/// Why the recorded clip could not be opened; where it, or its scene file, is gone, how to say where it is
+/// now.
+Error gone(Error error, const TouchSetup& setup, const TouchOptions& options) {
+    std::error_code ignored;
+    const std::string again = "; where it is now can be said: --replay " + options.replay->string();
+    if (options.clip.empty() && !std::filesystem::exists(setup.clip, ignored))
+        error.message += again + " CLIP";
+    else if (!options.scene && setup.scene_file && !std::filesystem::exists(*setup.scene_file, ignored))
+        error.message += again + " --scene FILE";
+    return error;
 }
 
 }  // namespace
@@ -212,7 +256,8 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     if (!scene.ok()) return scene.error();
     if (!options.clip.empty()) setup->clip = options.clip;
     if (options.scene) setup->scene_file = options.scene;
-    if (auto opened = open_feed(*setup, *scene, options); !opened.ok()) return opened.error();
+    if (auto opened = open_feed(*setup, *scene, options); !opened.ok())
+        return gone(opened.error(), *setup, options);
     setup->hand = std::make_unique<ReplayHand>(recording);
     setup->settings.fingers = recording.fingers;
     setup->settings.time_of_tick = [&recording](std::int64_t tick) {

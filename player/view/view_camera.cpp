@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <set>
 #include <string_view>
 
 #include "engine/trigonometry.hpp"
@@ -78,8 +79,9 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
                    width, height);
 }
 
-/// What is wrong with "key=value" of an orbit; nothing where it is right.
-std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoint) {
+/// What is wrong with "key=value" of an orbit; nothing where it is right. `read`: the keys before it.
+std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoint,
+                                      std::set<std::string_view>& read) {
     double fov = 0;
     const struct {
         std::string_view key;
@@ -92,6 +94,7 @@ std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoin
     const std::size_t equals = word.find('=');
     for (const auto& key : keys) {
         if (equals == std::string_view::npos || word.substr(0, equals) != key.key) continue;
+        if (!read.insert(key.key).second) return std::string(key.key) + " is given twice; give it once";
         const std::string_view digits = word.substr(equals + 1);
         const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), *key.value);
         if (failure == std::errc() && end == digits.data() + digits.size() && *key.value >= key.least &&
@@ -103,7 +106,7 @@ std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoin
         std::snprintf(range, sizeof range, " must be a number from %g to %g", key.least, key.most);
         return std::string(key.key) + range;
     }
-    return std::string(word) + " is none of az=, el=, zoom=, fov=";
+    return std::string("'").append(word).append("' is none of az=, el=, zoom=, fov=");
 }
 
 }  // namespace
@@ -116,11 +119,13 @@ Result<Viewpoint> parse_viewpoint(const std::string& words) {
     }
     std::string_view rest = words;
     if (!rest.starts_with("orbit") || (rest.size() > 5 && rest[5] != ':'))
-        return usage_error("--view " + words + " is not known; there are own and orbit:az=20,el=10,zoom=1");
+        return usage_error("--view '" + words + "' is not known; there are own, and orbit such as " +
+                           usual_viewpoint);
     rest.remove_prefix(std::min<std::size_t>(rest.size(), 6));
+    std::set<std::string_view> read;
     while (!rest.empty()) {
         const std::size_t comma = std::min(rest.find(','), rest.size());
-        if (const auto fault = read_orbit(rest.substr(0, comma), viewpoint))
+        if (const auto fault = read_orbit(rest.substr(0, comma), viewpoint, read))
             return usage_error("--view " + words + ": " + *fault);
         rest.remove_prefix(std::min(rest.size(), comma + 1));
     }

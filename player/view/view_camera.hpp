@@ -12,8 +12,11 @@
 
 namespace touchable {
 
-/// From where a surface is looked at, as a person says it: "own", the clip's camera, or
-/// "orbit:az=20,el=10,zoom=1", round the middle of what is seen.
+/// Where nobody says from where to look.
+inline constexpr const char* usual_viewpoint = "orbit:az=20,el=15";
+
+/// From where a surface is looked at, as a person says it: "own", the clip's camera, or like
+/// `usual_viewpoint`, round the middle of what is seen.
 struct Viewpoint {
     bool own = false;
     double azimuth = 0;         ///< degrees to the right of the clip's camera, -180 to 180

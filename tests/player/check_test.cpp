@@ -49,6 +49,13 @@ TEST(Check, WithoutADriverTheMachineIsReadyForTheCpuAlone) {
     EXPECT_NE(run.out.find("verdict   ready, without Vulkan"), std::string::npos) << run.out;
 }
 
+TEST(Check, StopsWhenItIsInterrupted) {
+    const Outcome run = run_interrupted_once_it_speaks({"check"});
+    EXPECT_EQ(run.code, 130) << run.err;
+    EXPECT_EQ(run.out.find("verdict"), std::string::npos) << run.out;
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+}
+
 TEST(Check, TellsAPersonTheVerdict) {
     const Outcome run = run_touchable({"check"});
     EXPECT_EQ(run.code, 0);

@@ -8,9 +8,12 @@
 #include "engine/scene/scene_file.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
 
 namespace touchable::test {
 namespace {
+
+using Words = std::vector<std::string>;
 
 Image image_of(const std::string& file) {
     auto image = read_image(file);
@@ -30,8 +33,8 @@ int differing(const PlaneView& a, const PlaneView& b) {
 class Export : public ::testing::Test {
 protected:
     void make(const std::string& scene, int frames, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words{
-            "make", scene, clip(), "--size", "72x48", "--frames", std::to_string(frames)};
+        std::vector<std::string> words{"make",   scene,   clip(),     "--overwrite",
+                                       "--size", "72x48", "--frames", std::to_string(frames)};
         words.insert(words.end(), more.begin(), more.end());
         ASSERT_EQ(run_touchable(words).code, 0);
     }
@@ -75,7 +78,7 @@ TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
     make("noise", 1);
     for (const char* builder : {"cpu", "reference", "vulkan"}) {
         ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "5",
-                                 "--fill-holes", "2", "--builder", builder})
+                                 "--fill-holes", "2", "--builder", builder, "--overwrite"})
                       .code,
                   0);
         const auto scene = read_scene_file(out("scene.json"));
@@ -99,7 +102,9 @@ TEST_F(Export, RangeWritesAFolderPerFrame) {
     EXPECT_EQ(names_in(out()), (std::vector<std::string>{"1", "2"}));
     EXPECT_EQ(differing(image_of(out("2/depth.png")).view(), frame(2).depth), 0);
     EXPECT_FALSE(std::filesystem::exists(out("2/mesh.ply")));
-    ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", out(), "--mesh"}).code, 0);
+    ASSERT_EQ(
+        run_touchable({"export", clip(), "--frames", "all", "--out", out(), "--mesh", "--overwrite"}).code,
+        0);
     EXPECT_EQ(names_in(out()), (std::vector<std::string>{"0", "1", "2", "3"}));
     EXPECT_TRUE(std::filesystem::exists(out("3/mesh.ply")));
 }
@@ -127,6 +132,66 @@ TEST_F(Export, ImpossibleSettingsAreCode2AndLeaveNothing) {
     }
     for (const char* range : {"", "2-1", "a-b", "1-", "-1"})
         EXPECT_EQ(run_touchable({"export", clip(), "--frames", range, "--out", out()}).code, 2) << range;
+}
+
+TEST_F(Export, FrameThatIsNoNumberIsCode2) {
+    make("plane", 1);
+    for (const char* frame :
+         {"", "-1", "1.5", "0x1", "first", "9223372036854775807", "99999999999999999999"}) {
+        const Outcome run = run_touchable({"export", clip(), "--frame", frame, "--out", out()});
+        EXPECT_EQ(run.code, 2) << frame;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(std::string("--frame '") + frame + "'"), std::string::npos) << run.err;
+    }
+}
+
+TEST_F(Export, EarlierFilesStayUnlessTheyMayBeReplaced) {
+    make("moving", 3);
+    for (const Words& what : {Words{"--frame", "1", "--out", out()}, Words{"--frames", "0-1", "--out", out()},
+                              Words{"--frame", "1", "--picture", folder / "p.png"}}) {
+        Words words{"export", clip()};
+        words.insert(words.end(), what.begin(), what.end());
+        ASSERT_EQ(run_touchable(words).code, 0);
+        const Outcome again = run_touchable(words);
+        EXPECT_EQ(again.code, 2);
+        EXPECT_TRUE(again.one_line_of_error()) << again.err;
+        EXPECT_NE(again.err.find("is there already"), std::string::npos) << again.err;
+        words.emplace_back("--overwrite");
+        EXPECT_EQ(run_touchable(words).code, 0);
+    }
+    EXPECT_EQ(run_touchable({"export", clip(), "--frames", "2-2", "--out", out()}).code, 0)
+        << "another frame";
+}
+
+TEST_F(Export, FolderIsAClipOfThatFrameWhichFeelsTheSame) {
+    make("globe", 1);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "3"}).code, 0);
+    const Words hand{"--hand", zigzag_hand(folder / "zigzag.csv")};
+    const auto hash = [&](Words words) {
+        words.insert(words.end(), hand.begin(), hand.end());
+        return force_hash(words);
+    };
+    const std::string felt = hash({clip(), "--median", "3"});
+    EXPECT_EQ(hash({out()}), felt);
+    EXPECT_EQ(hash({out("scene.json")}), felt);
+    EXPECT_NE(hash({clip()}), felt) << "the filter is part of it";
+    ASSERT_EQ(run_touchable({"export", out(), "--frame", "0", "--out", folder / "again"}).code, 0);
+    for (const std::string& name : names_in(out()))
+        EXPECT_EQ(file_contents(folder / ("again/" + name)), file_contents(out(name))) << name;
+}
+
+TEST_F(Export, FullDiskIsCode3AndLeavesNothing) {
+    make("globe", 1);
+    for (const int kibibytes : {0, 8}) {
+        for (const Words& what : {Words{"--out", out()}, Words{"--picture", folder / "p.png"}}) {
+            Words words{"export", clip(), "--frame", "0"};
+            words.insert(words.end(), what.begin(), what.end());
+            const Outcome run = run_on_full_disk(words, kibibytes);
+            EXPECT_EQ(run.code, 3) << run.err;
+            EXPECT_TRUE(run.one_line_of_error()) << run.err;
+            EXPECT_EQ(names_in(folder.path()), Words{"clip.mkv"}) << kibibytes;
+        }
+    }
 }
 
 TEST_F(Export, FolderWithoutANameIsCode2) {
@@ -161,7 +226,7 @@ TEST_F(Export, PlanesOfAnEarlierClipDoNotStayBehind) {
     make("globe", 1);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
     make("noise", 1);
-    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--overwrite"}).code, 0);
     EXPECT_FALSE(std::filesystem::exists(out("haptic.png")));
     EXPECT_TRUE(std::filesystem::exists(out("depth.png")));
 }

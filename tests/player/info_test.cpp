@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/media/clip.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {
@@ -62,6 +64,31 @@ TEST(Info, TellsAPersonTheSame) {
     for (const char* fact :
          {"64x48", "3 frames", "30 frames/s", "field of view", "16 bits", "kappa", "ffv1", "median off"})
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
+}
+
+TEST(Info, TellsOnceWhatStandsForAHapticPlane) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "plane.mkv";
+    ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "64x48", "--frames", "1"}).code, 0);
+    const Outcome run = run_touchable({"info", clip});
+    const std::size_t at = run.out.find("0.6 N/mm");
+    ASSERT_NE(at, std::string::npos) << run.out;
+    EXPECT_EQ(run.out.find("0.6 N/mm", at + 1), std::string::npos) << run.out;
+}
+
+// The example of docs/scene_file.md is what `make globe` writes.
+TEST(Info, GlobesSceneIsTheOneDocumented) {
+    const std::string page = file_contents(TOUCHABLE_SOURCE_DIR "/docs/scene_file.md");
+    const std::size_t chapter = page.find("## A generated clip"), begin = page.find('{', chapter);
+    ASSERT_NE(chapter, std::string::npos);
+    const auto documented = parse_scene(page.substr(begin, page.find("```", begin) - begin), "scene_file.md");
+    ASSERT_TRUE(documented.ok()) << documented.error().message;
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv";
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1"}).code, 0);
+    const auto reader = open_clip(clip);
+    ASSERT_TRUE(reader.ok());
+    EXPECT_EQ(scene_to_json(*documented), scene_to_json((*reader)->scene()));
 }
 
 TEST(Info, ReadsEveryScene) {

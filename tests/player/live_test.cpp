@@ -2,9 +2,11 @@
 // deadline.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/player/program.hpp"
+#include "tests/player/recording_bytes.hpp"
 
 namespace touchable::test {
 namespace {
@@ -19,7 +21,7 @@ protected:
     }
     nlohmann::json touch(std::vector<std::string> arguments) {
         arguments.insert(arguments.begin(), "touch");
-        arguments.insert(arguments.end(), {"--json", folder / "report.json"});
+        arguments.insert(arguments.end(), {"--overwrite", "--json", folder / "report.json"});
         const Outcome outcome = run_touchable(arguments);
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return nlohmann::json::parse(file_contents(folder / "report.json"), nullptr, false);
@@ -48,10 +50,44 @@ TEST_F(Live, ASessionReplaysToItsHashWithEveryBuilder) {
     }
 }
 
+// A live session's threads read ahead of the hand; a replay reads no more than it needs.
+TEST_F(Live, AReplayThatDiffersBlamesTheClipOnlyForAnotherClip) {
+    touch({clip, "--live", "--seconds", "0.2", "--record", folder / "live.rec"});
+    RecordingBytes raw(file_contents(folder / "live.rec"));
+    const std::size_t at = raw.force_at(raw.ticks() - 1, 0);
+    raw.set_integer(at, 8, raw.integer(at, 8) ^ 1);
+    std::ofstream(folder / "changed.rec", std::ios::binary) << raw.bytes();
+    const std::string blame = "the clip's frames are not the recorded ones";
+    const Outcome same = run_touchable({"touch", "--replay", folder / "changed.rec"});
+    EXPECT_EQ(same.code, 6) << same.err;
+    EXPECT_EQ(same.err.find(blame), std::string::npos) << same.err;
+    const std::string other = folder / "other.mkv";
+    ASSERT_EQ(run_touchable({"make", "bumps", other, "--size", "64x48", "--frames", "12"}).code, 0);
+    const Outcome different = run_touchable({"touch", other, "--replay", folder / "changed.rec"});
+    EXPECT_EQ(different.code, 6) << different.err;
+    EXPECT_NE(different.err.find(blame), std::string::npos) << different.err;
+}
+
 TEST_F(Live, ASessionReplaysToItsHashOnVulkan) {
     const auto live = touch({clip, "--live", "--seconds", "0.3", "--record", folder / "live.rec"});
     EXPECT_EQ(touch({"--replay", folder / "live.rec", "--builder", "vulkan"})["force_hash"],
               live["force_hash"]);
+}
+
+// A thousand frames a second, each far more work than a millisecond.
+TEST_F(Live, FramesThatComeTooLateAreCounted) {
+    const std::string hard = folder / "hard.mkv";
+    ASSERT_EQ(run_touchable({"make", "noise", hard, "--size", "256x256", "--frames", "8"}).code, 0);
+    ASSERT_EQ(run_touchable({"export", hard, "--frame", "0", "--out", folder / "frame"}).code, 0);
+    auto scene = nlohmann::json::parse(file_contents(folder / "frame/scene.json"));
+    scene["rate"] = {1000, 1};
+    std::ofstream(folder / "fast.json") << scene;
+    const auto late = touch({hard, "--scene", folder / "fast.json", "--live", "--builder", "reference",
+                             "--median", "5", "--seconds", "0.5"});
+    const double count = late["late_frames"], frames = late["frames"];
+    EXPECT_GT(count, 0);
+    EXPECT_LE(count, frames);
+    EXPECT_DOUBLE_EQ(late["late_frames_pct"].get<double>(), 100 * count / frames);
 }
 
 TEST_F(Live, ATickIsRunOrCountedAsSkipped) {

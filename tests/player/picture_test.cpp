@@ -22,13 +22,13 @@ protected:
     std::string clip() const { return folder / "clip.mkv"; }
     std::string file() const { return folder / "scene.png"; }
     Outcome touch(const std::vector<std::string>& more) const {
-        std::vector<std::string> words{"touch",     clip(), "--seconds", "0.5",
-                                       "--fingers", "3",    "--picture", file()};
+        std::vector<std::string> words{"touch", clip(),      "--seconds", "0.5",        "--fingers",
+                                       "3",     "--picture", file(),      "--overwrite"};
         words.insert(words.end(), more.begin(), more.end());
         return run_touchable(words);
     }
     Outcome draw(const std::vector<std::string>& more) const {
-        std::vector<std::string> words{"export", clip(), "--frame", "3", "--picture", file()};
+        std::vector<std::string> words{"export", clip(), "--frame", "3", "--picture", file(), "--overwrite"};
         words.insert(words.end(), more.begin(), more.end());
         return run_touchable(words);
     }
@@ -61,8 +61,8 @@ TEST_F(Picture, IsTheSameFromRunToRunAndWhenReplayed) {
     const std::string first = file_contents(file());
     ASSERT_EQ(touch({"--picture-size", "96x54"}).code, 0);
     EXPECT_EQ(file_contents(file()), first);
-    ASSERT_EQ(run_touchable(
-                  {"touch", "--replay", folder / "run.rec", "--picture", file(), "--picture-size", "96x54"})
+    ASSERT_EQ(run_touchable({"touch", "--replay", folder / "run.rec", "--picture", file(), "--picture-size",
+                             "96x54", "--overwrite"})
                   .code,
               0);
     EXPECT_EQ(file_contents(file()), first);
@@ -135,16 +135,20 @@ TEST_F(Picture, OfAFrameNeedsNoFolder) {
 }
 
 TEST_F(Picture, OfManyFramesIsRefused) {
-    EXPECT_EQ(run_touchable({"export", clip(), "--frames", "0-2", "--picture", file()}).code, 2);
-    EXPECT_EQ(run_touchable({"export", clip(), "--frame", "0"}).code, 2);  // neither folder nor picture
-    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"clip.mkv"});
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"export", clip(), "--frames", "0-2", "--picture", file()},
+          std::vector<std::string>{"export", clip(), "--picture", file()}})
+        expect_refused(run_touchable(words), 2, "right would be --frame N");
+    expect_refused(run_touchable({"export", clip(), "--frame", "0"}), 2, "--out FOLDER, or --picture FILE");
 }
 
 TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
-    expect_refused(touch({"--view", "above"}), 2, "--view above");
+    expect_refused(touch({"--view", "above"}), 2,
+                   "--view 'above' is not known; there are own, and orbit such");
+    expect_refused(touch({"--view", "orbit:az=1,el=2,az=3"}), 2, "az is given twice");
     expect_refused(touch({"--view", "orbit:zoom=99"}), 2, "zoom must be a number from 0.1 to 20");
     for (const char* size : {"10", "0x10", "10x", "10x9000", "1e2x10", "-5x5"})
-        expect_refused(touch({"--picture-size", size}), 2, std::string("--picture-size ") + size);
+        expect_refused(touch({"--picture-size", size}), 2, std::string("--picture-size '") + size);
     expect_refused(run_touchable({"touch", clip(), "--seconds", "0.1", "--picture", folder / "no/where.png"}),
                    3, "--picture");
     expect_refused(run_touchable({"touch", clip(), "--seconds", "0.1", "--picture", folder.path().string()}),

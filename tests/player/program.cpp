@@ -1,10 +1,12 @@
 #include "tests/player/program.hpp"
 
-#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -17,27 +19,100 @@ namespace touchable::test {
 namespace fs = std::filesystem;
 namespace {
 
-Outcome run(const std::vector<std::string>& arguments, const std::function<void(pid_t)>& meanwhile) {
-    const TemporaryFolder folder;
-    const std::string out = folder / "out", err = folder / "err";
+using Hook = std::function<void()>;
+
+/// A child's stream, as it comes.
+class Pipe {
+public:
+    Pipe() {
+        if (pipe(ends_.data()) != 0) std::abort();
+    }
+    ~Pipe() {
+        for (const int end : ends_) close(end);
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+
+    /// In the child: `stream` goes here.
+    void take_over(int stream) const { dup2(ends_[1], stream); }
+    /// In the parent: nobody but the child writes.
+    void leave_to_child() {
+        close(ends_[1]);
+        ends_[1] = -1;
+    }
+    int reading_end() const { return ends_[0]; }
+    /// Adds what is there; false at the end.
+    bool read_into(std::string& text) const {
+        std::array<char, 4096> some;
+        const auto count = read(ends_[0], some.data(), some.size());
+        if (count > 0) text.append(some.data(), static_cast<std::size_t>(count));
+        return count > 0;
+    }
+
+private:
+    std::array<int, 2> ends_{-1, -1};
+};
+
+/// Reads both streams to their ends; `spoken` is called once, when there is something of the first.
+void read_all(const Pipe& out, const Pipe& err, Outcome& outcome, const Hook& spoken) {
+    std::array<pollfd, 2> waiting{{{out.reading_end(), POLLIN, 0}, {err.reading_end(), POLLIN, 0}}};
+    bool silent = true;
+    for (int open = 2; open > 0;) {
+        poll(waiting.data(), waiting.size(), -1);
+        for (std::size_t k = 0; k < waiting.size(); ++k) {
+            if (waiting[k].revents == 0) continue;
+            const bool more = k == 0 ? out.read_into(outcome.out) : err.read_into(outcome.err);
+            if (more) continue;
+            waiting[k].fd = -1;  // poll looks past it
+            --open;
+        }
+        if (silent && !outcome.out.empty()) {
+            silent = false;
+            spoken();
+        }
+    }
+}
+
+/// `prepare` runs in the child; `meanwhile` and `spoken` in the parent, with the child's id.
+struct Hooks {
+    Hook prepare = [] {};
+    std::function<void(pid_t)> meanwhile = [](pid_t) {}, spoken = [](pid_t) {};
+};
+
+Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     std::vector<std::string> words{TOUCHABLE_PROGRAM};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
 
+    Pipe out, err;
     const pid_t child = fork();
     if (child == 0) {
-        dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
-        dup2(open(err.c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
+        out.take_over(STDOUT_FILENO);
+        err.take_over(STDERR_FILENO);
+        hooks.prepare();
         execv(argv[0], argv.data());
         _exit(127);
     }
-    meanwhile(child);
+    out.leave_to_child();
+    err.leave_to_child();
+    hooks.meanwhile(child);
+    Outcome outcome;
+    read_all(out, err, outcome, [&] { hooks.spoken(child); });
     int status = 0;
     waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), file_contents(out),
-            file_contents(err)};
+    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    return outcome;
+}
+
+Outcome run_limited(const std::vector<std::string>& arguments, decltype(RLIMIT_AS) what, rlim_t bytes) {
+    Hooks hooks;
+    hooks.prepare = [=] {
+        const rlimit limit{bytes, bytes};
+        setrlimit(what, &limit);
+    };
+    return run(arguments, hooks);
 }
 
 }  // namespace
@@ -48,28 +123,33 @@ bool Outcome::one_line_of_error() const {
 }
 
 Outcome run_touchable(const std::vector<std::string>& arguments) {
-    return run(arguments, [](pid_t) {});
+    return run(arguments, {});
 }
 
 Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::path& folder) {
-    return run(arguments, [&](pid_t child) {
+    Hooks hooks;
+    hooks.meanwhile = [&](pid_t child) {
         using namespace std::chrono_literals;
         for (int tries = 0; tries < 1000 && names_in(folder).empty(); ++tries)
             std::this_thread::sleep_for(10ms);
         std::this_thread::sleep_for(50ms);
         kill(child, SIGINT);
-    });
+    };
+    return run(arguments, hooks);
 }
 
-TemporaryFolder::TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "touchable-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    path_ = name;
+Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments) {
+    Hooks hooks;
+    hooks.spoken = [](pid_t child) { kill(child, SIGINT); };
+    return run(arguments, hooks);
 }
 
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
+Outcome run_on_full_disk(const std::vector<std::string>& arguments, int kibibytes) {
+    return run_limited(arguments, RLIMIT_FSIZE, static_cast<rlim_t>(kibibytes) * 1024);
+}
+
+Outcome run_in_memory(const std::vector<std::string>& arguments, int mebibytes) {
+    return run_limited(arguments, RLIMIT_AS, static_cast<rlim_t>(mebibytes) << 20);
 }
 
 std::string file_contents(const fs::path& file) {

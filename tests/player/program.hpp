@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/temporary_folder.hpp"
+
 namespace touchable::test {
 
 /// What a run of the program `touchable` left behind.
@@ -21,20 +23,14 @@ Outcome run_touchable(const std::vector<std::string>& arguments);
 /// Starts it, sends SIGINT once there is something in `folder`, and waits for its end.
 Outcome run_interrupted(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
-/// A folder of its own for a test, removed with everything in it.
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+/// Starts it, sends SIGINT once it has said something, and waits for its end.
+Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments);
 
-    const std::filesystem::path& path() const { return path_; }
-    std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+/// Runs it where no file may grow beyond `kibibytes`: a full disk, for its files but not for what it says.
+Outcome run_on_full_disk(const std::vector<std::string>& arguments, int kibibytes);
 
-private:
-    std::filesystem::path path_;
-};
+/// Runs it where it may have no more than `mebibytes` of memory, its libraries included.
+Outcome run_in_memory(const std::vector<std::string>& arguments, int mebibytes);
 
 std::string file_contents(const std::filesystem::path& file);
 /// Names in a folder, hidden ones too, sorted.

@@ -26,7 +26,7 @@ protected:
         return touch(words);
     }
     Outcome replay(const Words& more = {}) const {
-        Words words{"touch", "--replay", file()};
+        Words words{"touch", "--replay", file(), "--overwrite"};
         words.insert(words.end(), more.begin(), more.end());
         return run_touchable(words);
     }
@@ -82,6 +82,7 @@ TEST_F(Replay, ClipMayHaveMoved) {
     record("globe", {"--seconds", "0.4"});
     fs::rename(clip(), folder / "moved.mkv");
     expect_ends_with(3, clip());
+    expect_ends_with(3, "--replay " + file() + " CLIP");
     EXPECT_EQ(replay({folder / "moved.mkv"}).code, 0);
 }
 
@@ -176,7 +177,7 @@ TEST_F(Replay, WhatIsNoRecordingIsCode3) {
         std::ofstream(file(), std::ios::binary) << whole.substr(0, at);
         expect_ends_with(3, file());
     }
-    for (const std::string& other : {clip(), folder.path().string(), folder / "nothing.rec", std::string()}) {
+    for (const std::string& other : {clip(), folder.path().string(), (folder / "nothing.rec").string()}) {
         const Outcome run = run_touchable({"touch", "--replay", other});
         EXPECT_EQ(run.code, 3) << other;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
@@ -216,6 +217,7 @@ TEST_F(Replay, FolderOfImagesIsOpenedWithTheRecordedSceneFile) {
     EXPECT_EQ(replay().code, 0);
     fs::rename(folder / "described.json", folder / "moved.json");
     expect_ends_with(3, "described.json");
+    expect_ends_with(3, "--replay " + file() + " --scene FILE");
     EXPECT_EQ(replay({"--scene", folder / "moved.json"}).code, 0);
 }
 
@@ -233,12 +235,14 @@ TEST_F(Replay, FactThatIsMissingOrImpossibleIsNamed) {
          {"clip", "scene", "hand", "metric", "S", "event_limit", "guard", "planes_hash", "force_hash"}) {
         auto changed = facts;
         changed.erase(name);
-        refuse(changed, name);
+        refuse(changed, std::string(name) + " is missing");
         changed[name] = nullptr;
-        refuse(changed, file());
+        refuse(changed, std::string(name) + " must be");
     }
     for (const auto& [name, value] :
-         std::vector<std::pair<const char*, nlohmann::json>>{{"metric", "feet"},
+         std::vector<std::pair<const char*, nlohmann::json>>{{"frames", 0},
+                                                             {"frames", "all"},
+                                                             {"metric", "feet"},
                                                              {"S", 0},
                                                              {"S", -1},
                                                              {"S", "1"},

@@ -26,7 +26,7 @@ void expect_verified(const Words& clip_and_hand, const std::string& exported) {
     EXPECT_EQ(report["nonfinite_ticks"], 0);
     EXPECT_GE(report["finger_contact_pct"], 50);
     const std::string command = std::string(TOUCHABLE_VERIFIER) + " --forces " + csv + " --frames " +
-                                exported + " --min-contact 0.5 >" + (folder / "said") + " 2>&1";
+                                exported + " --min-contact 0.5 >" + (folder / "said").string() + " 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << file_contents(folder / "said");
 }
 

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <cstdlib>
 #include <fstream>
 
 #include "tests/player/program.hpp"
@@ -48,9 +47,9 @@ TEST_F(TouchRefusal, AnOutputNeverReplacesWhatTheRunReadsNorAnotherOutput) {
     expect_refused({"touch", clip(), "--seconds", "0.1", "--json", out("x"), "--forces", out("../out/x")}, 2,
                    "also --forces");
     std::ofstream(folder / "h.csv") << "t_s,z\n0,0\n1,0.01\n";
-    expect_refused(
-        {"touch", clip(), "--hand", "csv:" + (folder / "h.csv") + ":columns=z", "--forces", folder / "h.csv"},
-        2, "the hand's file");
+    expect_refused({"touch", clip(), "--hand", "csv:" + (folder / "h.csv").string() + ":columns=z",
+                    "--forces", folder / "h.csv"},
+                   2, "the hand's file");
     EXPECT_EQ(run_touchable({"touch", clip(), "--seconds", "0.1", "--record", out("a.rec")}).code, 0);
     expect_refused({"touch", "--replay", out("a.rec"), "--json", out("a.rec")}, 2, "also --replay");
     expect_refused({"export", clip(), "--frame", "0", "--picture", clip()}, 2, "also the clip");
@@ -80,6 +79,7 @@ TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
         {{"--max-force", "inf"}, "--max-force"},
         {{"--max-force", "nan"}, "--max-force"},
         {{"--max-stiffness", "-1"}, "--max-stiffness"},
+        {{"--max-stiffness", "1e308"}, "from 1e-6 to 1e9 N/mm"},
         {{"--speed", "1"}, "--speed"}};
     for (const auto& [more, fragment] : wrong) {
         Words words = writing({clip()});
@@ -138,8 +138,8 @@ TEST_F(TouchRefusal, PlaceThatCannotBeWrittenIsCode3AndNothingElseIsWritten) {
     std::ofstream(kept) << "earlier\n";
     for (const char* option : {"--json", "--forces", "--record"})
         for (const std::string& place :
-             {std::string("/no-such-folder/file"), folder.path().string(), out(), pipe, std::string()}) {
-            Words words{"touch", clip(), "--seconds", "0.1"};
+             {std::string("/no-such-folder/file"), folder.path().string(), out(), pipe}) {
+            Words words{"touch", clip(), "--overwrite", "--seconds", "0.1"};
             for (const auto& [name, file] :
                  {std::pair{"--json", kept}, {"--forces", out("f.csv")}, {"--record", out("r.rec")}}) {
                 words.emplace_back(name);
@@ -152,28 +152,41 @@ TEST_F(TouchRefusal, PlaceThatCannotBeWrittenIsCode3AndNothingElseIsWritten) {
         }
 }
 
-TEST_F(TouchRefusal, EarlierFilesAreReplacedByARunThatEndsWell) {
+TEST_F(TouchRefusal, EarlierFilesStayUnlessTheyMayBeReplaced) {
     make();
+    for (const char* name : {"r.json", "f.csv", "r.rec"}) {
+        std::ofstream(out(name)) << "earlier\n";
+        expect_refused(writing({clip(), "--seconds", "0.1"}), 2, "--overwrite");
+        EXPECT_EQ(names_in(out()), Words{name});
+        EXPECT_EQ(file_contents(out(name)), "earlier\n");
+        fs::remove(out(name));
+    }
     for (const char* name : {"r.json", "f.csv", "r.rec"}) std::ofstream(out(name)) << "earlier\n";
-    ASSERT_EQ(run_touchable(writing({clip(), "--seconds", "0.1"})).code, 0);
+    ASSERT_EQ(run_touchable(writing({clip(), "--seconds", "0.1", "--overwrite"})).code, 0);
     EXPECT_EQ(names_in(out()), (Words{"f.csv", "r.json", "r.rec"}));
     EXPECT_EQ(read_forces(out("f.csv")).size(), 100U);
     for (const char* name : {"r.json", "r.rec"}) EXPECT_NE(file_contents(out(name)), "earlier\n");
 }
 
-// A limit on the size of files stands in for a full disk: writing fails half-way.
+// A limit on the size of files stands in for a full disk: writing fails half-way, or at the very end, for
+// files so small that nothing is written before they are closed.
 TEST_F(TouchRefusal, FullDiskIsCode3AndLeavesNothing) {
     make();
-    for (const char* option : {"--forces", "--record"}) {
-        const std::string command = std::string("trap '' XFSZ; ulimit -f 64; exec ") + TOUCHABLE_PROGRAM +
-                                    " touch " + clip() + " --seconds 3 " + option + " " + out("file") + " >" +
-                                    (folder / "said") + " 2>&1";
-        const int status = std::system(command.c_str());
-        ASSERT_TRUE(WIFEXITED(status));
-        EXPECT_EQ(WEXITSTATUS(status), 3) << file_contents(folder / "said");
-        EXPECT_NE(file_contents(folder / "said").find("disk is full"), std::string::npos);
-        EXPECT_TRUE(names_in(out()).empty());
-    }
+    const auto expect_nothing = [&](int kibibytes, const char* option, const char* seconds) {
+        const Outcome run =
+            run_on_full_disk({"touch", clip(), "--seconds", seconds, option, out("file")}, kibibytes);
+        EXPECT_EQ(run.code, 3) << option << ": " << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(option), std::string::npos) << run.err;
+        EXPECT_TRUE(names_in(out()).empty()) << option;
+    };
+    for (const char* option : {"--forces", "--record"}) expect_nothing(64, option, "3");
+    for (const char* option : {"--forces", "--record", "--json"}) expect_nothing(0, option, "0.002");
+    const Outcome drawn =
+        run_on_full_disk({"touch", clip(), "--seconds", "0.1", "--picture", out("file")}, 0);
+    EXPECT_EQ(drawn.code, 3) << drawn.err;
+    EXPECT_TRUE(drawn.one_line_of_error()) << drawn.err;
+    EXPECT_TRUE(names_in(out()).empty());
 }
 
 TEST_F(TouchRefusal, InterruptedIsCode130AndLeavesNothing) {

@@ -13,7 +13,7 @@
 namespace touchable::test {
 
 void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more) {
-    std::vector<std::string> words{"make", scene, file};
+    std::vector<std::string> words{"make", scene, file, "--overwrite"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome run = run_touchable(words);
     ASSERT_EQ(run.code, 0) << run.err;
@@ -36,7 +36,7 @@ std::string zigzag_hand(const std::string& file) {
 
 nlohmann::json touch(const std::vector<std::string>& more) {
     const TemporaryFolder folder;
-    std::vector<std::string> words{"touch", "--json", folder / "report.json"};
+    std::vector<std::string> words{"touch", "--overwrite", "--json", folder / "report.json"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome run = run_touchable(words);
     EXPECT_EQ(run.code, 0) << run.err;

@@ -8,7 +8,7 @@
 
 namespace touchable::test {
 
-/// Makes a clip of a generated scene; fails the test where that goes wrong.
+/// Makes a clip of a generated scene, over an earlier one; fails the test where that goes wrong.
 void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more);
 /// A clip's scene file.
 nlohmann::json scene_of(const std::string& clip);
@@ -16,7 +16,7 @@ nlohmann::json scene_of(const std::string& clip);
 /// repeats it. It knows nothing of the ground, so that it meets walls as well.
 std::string zigzag_hand(const std::string& file);
 
-/// Runs `touchable touch` with these words, which must succeed, and gives what --json wrote.
+/// Runs `touchable touch` with these words and --overwrite, which must succeed, and gives what --json wrote.
 nlohmann::json touch(const std::vector<std::string>& words);
 /// Its force_hash.
 std::string force_hash(const std::vector<std::string>& words);

@@ -27,6 +27,34 @@ TEST(Usage, HelpAndVersionAreNoErrors) {
     }
 }
 
+TEST(Usage, HelpSpeaksOfWordsNotOfWhatTheyBecome) {
+    for (const char* command : {"make", "info", "touch", "export", "check"}) {
+        const std::string help = run_touchable({command, "-h"}).out;
+        for (const char* internal : {"->", "ENUM", "VALUE IN", "{0"})
+            EXPECT_EQ(help.find(internal), std::string::npos) << command << ": " << internal;
+    }
+}
+
+TEST(Usage, EmptyNamesAreCode2) {
+    const std::vector<std::vector<std::string>> wrong{{"info", ""},
+                                                      {"info", "clip.mkv", "--scene", ""},
+                                                      {"make", "plane", ""},
+                                                      {"touch", ""},
+                                                      {"touch", "clip.mkv", "--json", ""},
+                                                      {"touch", "clip.mkv", "--forces", ""},
+                                                      {"touch", "clip.mkv", "--record", ""},
+                                                      {"touch", "clip.mkv", "--picture", ""},
+                                                      {"touch", "--replay", ""},
+                                                      {"export", "", "--frame", "0", "--out", "out"},
+                                                      {"export", "clip.mkv", "--frame", "0", "--out", ""}};
+    for (const auto& words : wrong) {
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, 2) << words[0] << ": " << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find("names no file"), std::string::npos) << run.err;
+    }
+}
+
 TEST(Usage, WrongWordsAreCode2AndOneLineThatNamesThem) {
     const std::vector<std::vector<std::string>> wrong{{"paint"},
                                                       {"info"},

@@ -123,7 +123,7 @@ TEST(Viewpoint, IsReadFromWords) {
 TEST(Viewpoint, RefusesWhatItDoesNotKnowAndSaysWhatWouldBeRight) {
     for (const char* words :
          {"", "front", "orbits", "orbit:az", "orbit:az=", "orbit:az=1x", "orbit:az=nan", "orbit:roll=3",
-          "orbit:el=90", "orbit:zoom=0", "orbit:fov=180", "orbit:az=181"}) {
+          "orbit:el=90", "orbit:az=1,az=1", "orbit:zoom=0", "orbit:fov=180", "orbit:az=181"}) {
         const auto refused = parse_viewpoint(words);
         ASSERT_FALSE(refused.ok()) << words;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);

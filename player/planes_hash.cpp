@@ -1,0 +1,32 @@
+#include "player/planes_hash.hpp"
+
+#include "engine/media/clip.hpp"
+
+namespace touchable {
+
+void PlanesHash::add(const RawFrame& frame) {
+    for (const PlaneView* plane : {&frame.depth, &frame.haptic, &frame.height}) {
+        if (plane->empty()) continue;
+        const auto row_bytes = static_cast<std::size_t>(plane->width) *
+                               static_cast<std::size_t>(plane->channels) *
+                               static_cast<std::size_t>(plane->bytes_per_sample);
+        for (int y = 0; y < plane->height; ++y) hash_.add(plane->row(y), row_bytes);
+    }
+}
+
+Result<std::string> planes_hash_of(const std::filesystem::path& clip,
+                                   const std::optional<std::filesystem::path>& scene_file,
+                                   std::int64_t frames) {
+    auto reader = open_clip(clip, scene_file);
+    if (!reader.ok()) return reader.error();
+    PlanesHash hash;
+    for (std::int64_t number = 0; number < frames; ++number) {
+        const auto frame = (*reader)->next();
+        if (!frame.ok()) return frame.error();
+        if (!*frame) break;
+        hash.add(**frame);
+    }
+    return hash.hex();
+}
+
+}  // namespace touchable

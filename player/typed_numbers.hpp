@@ -1,0 +1,29 @@
+#pragma once
+
+#include <charconv>
+#include <string>
+#include <string_view>
+
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A whole number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range. What
+/// is too large for its type is refused as well, not cut down to it.
+template <class Whole>
+Result<Whole> read_whole_number(const std::string& option, std::string_view text, Whole least, Whole most) {
+    Whole value = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failure == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
+        return value;
+    return usage_error(option + " '" + std::string(text) + "' will not do; right would be a whole number, " +
+                       std::to_string(least) + " to " + std::to_string(most));
+}
+
+struct PixelSize {
+    int width = 0, height = 0;
+};
+/// "720x480" as typed after `option`, each side `least` to `most` pixels.
+Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most);
+
+}  // namespace touchable
