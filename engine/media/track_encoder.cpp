@@ -2,6 +2,10 @@
 
 #include <cstring>
 
+extern "C" {
+#include <libavutil/imgutils.h>
+}
+
 namespace touchable {
 namespace {
 
@@ -58,6 +62,10 @@ Result<TrackEncoder> TrackEncoder::open(PlaneRole role, const PlaneView& first, 
         return usage_error("pictures of " + std::to_string(first.width) + "x" + std::to_string(first.height) +
                            " cannot be stored: FFV1 needs sides of at least 2 pixels, and of 4 where one is "
                            "over 352 wide or 288 high");
+    if (av_image_check_size(static_cast<unsigned>(first.width), static_cast<unsigned>(first.height), 0,
+                            nullptr) < 0)
+        return usage_error("pictures of " + std::to_string(first.width) + "x" + std::to_string(first.height) +
+                           " cannot be stored: FFmpeg takes no more than some 16384x16128 pixels");
     TrackEncoder track;
     track.role_ = role;
     track.codec_.reset(avcodec_alloc_context3(codec));
