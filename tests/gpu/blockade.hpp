@@ -8,7 +8,7 @@
 
 #include "engine/gpu/gpu_device.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 
 /// Keeps a device's queue from getting on, as a GPU that hangs does: whatever is submitted from now on waits.
 class Blockade {
@@ -62,4 +62,4 @@ private:
     VkSemaphore semaphore_ = VK_NULL_HANDLE;
 };
 
-}  // namespace touchable::testing
+}  // namespace touchable::test

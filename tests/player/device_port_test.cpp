@@ -7,7 +7,7 @@
 
 #include "engine/content/scenes.hpp"
 
-namespace touchable::testing {
+namespace touchable::test {
 namespace {
 
 /// Means its fingers to be 10 units apart, moved along by one unit at tick 100.
@@ -88,4 +88,4 @@ TEST_F(HeldDevice, ThatFailsSaysSo) {
 }
 
 }  // namespace
-}  // namespace touchable::testing
+}  // namespace touchable::test

@@ -100,7 +100,7 @@ TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
     const auto gpus = list_gpus();
     ASSERT_TRUE(gpus.ok());
     EXPECT_NE(done.out.find("by the raster painter on " + gpus->at(0).name), std::string::npos) << done.out;
-    const auto report = testing::touch(
+    const auto report = test::touch(
         {clip(), "--seconds", "0.5", "--picture", file(), "--painter", "raster", "--gpu", "0"});
     EXPECT_EQ(report["painter"], "raster");
     EXPECT_EQ(report["painter_device_name"], gpus->at(0).name);

@@ -106,7 +106,7 @@ TEST(FallbackBuilder, GoesOnWhereTheGpuHangs) {
                                          [&](const std::string& line) { told.push_back(line); });
     SurfaceFrame slots[3];
     for (std::int64_t number = 0; number < 3; ++number) expect_built(*builder, number, slots[number]);
-    testing::Blockade blockade(*device);
+    Blockade blockade(*device);
     device->set_patience(std::chrono::milliseconds(20));
     device.reset();  // the builder's alone, and so destroyed when that gives up
     for (std::int64_t number = 3; number < 9; ++number) expect_built(*builder, number, slots[number % 3]);

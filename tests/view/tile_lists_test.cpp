@@ -15,9 +15,8 @@
 namespace touchable::test {
 namespace {
 
-using testing::must;
 
-class TileListsOnGpu : public testing::GpuTest {
+class TileListsOnGpu : public GpuTest {
 protected:
     /// Lists by the kernels and by their twin, which are the same.
     ViewTiles compare(int width, int height, const std::function<float()>& next_q) {
