@@ -26,7 +26,8 @@ const std::map<std::string, Rooms> may_use{
     {"device", {"engine"}},
     {"shaders", {}},
     {"player/view",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/gpu", "haptics_cpu", "shaders"}}};
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
+      "shaders"}}};
 
 /// The folders of what a file includes from the root.
 Rooms used_by(const fs::path& file) {
