@@ -37,7 +37,8 @@ Motion along_face(const CellFace& face, const dvec3& n, const dvec3& pull) {
     motion.j = face.j;
     const double vn = dot(pull, n), nn = dot(n, n);
     motion.way = pull - n * (vn / nn);
-    motion.load2 = vn * vn / nn;
+    // A pull off the face, of a proxy that may not leave for now, presses nothing: friction does not hold it.
+    motion.load2 = vn < 0 ? vn * vn / nn : 0.0;
     return motion;
 }
 
