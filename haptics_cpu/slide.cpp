@@ -165,13 +165,15 @@ private:
 
     enum class Progress { nearer, same, none };
 
-    /// How far a rounding of its fraction moves a place: far, where a cell reaches from the camera to far
+    /// How far the roundings of its w move a place: far, where a cell reaches from near the camera to far
     /// away.
     double misplaced_by(const Proxy& at) const {
-        Proxy aside = at;
-        if (at.a > 0) aside.a -= 0x1p-52;
-        if (at.b > 0) aside.b -= 0x1p-52;
-        return glm::distance(surface_point(space_, aside), at.point);
+        double largest = 0;
+        for (const int dj : {0, 1})
+            for (const int di : {0, 1})
+                largest = std::max(largest, std::abs(space_.vertex(at.i + di, at.j + dj).w));
+        const double w = surface_w(space_, at) + largest * 0x1p-49;
+        return glm::distance(space_.position({at.x(), at.y(), w}), at.point);
     }
 
     /// Takes the new place unless it is farther from the goal than rounding explains.
