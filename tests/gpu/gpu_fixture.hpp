@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -15,6 +16,9 @@ namespace touchable::test {
 class GpuTest : public ::testing::Test {
 protected:
     void SetUp() override {
+        // Else it is unloaded with the last device, and the leak checker cannot tell its leaks (lsan.supp)
+        // from ours.
+        dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
         GpuOptions options;
         options.validation = true;
         auto opened = GpuDevice::open(options);
