@@ -102,7 +102,7 @@ TEST_F(TwoStiffnesses, FrictionPaysForStiffness) {
     paint(wall.prev, 255);  // mu 1
     const PathResult result = run(-2.2, 4, 0.002, true);
     EXPECT_LE(result.energy.created, result.energy.bound + rounding);
-    const auto at = [&result](double goal_x) {
+    const auto at = [](double goal_x) {
         return static_cast<std::size_t>((0.9 + 1.1 + goal_x / 2) * 1000);
     };
     // Losses of 0.08 N over 1.4 mm of soft ground have paid for a part once the proxy is on hard ground;
