@@ -128,7 +128,7 @@ public:
                     space.field().width() + 1.0) {}
 
     /// `start`: the place on the surface where the way begins, if it begins there.
-    std::optional<Proxy> run(const ChartPoint& from, const Proxy* start) {
+    std::optional<Place> run(const ChartPoint& from, const Place* start) {
         if (start) {
             vertical_.start_at(start->i, start->a);
             horizontal_.start_at(start->j, start->b);
@@ -166,7 +166,7 @@ private:
         diagonal_.seek(s);
     }
 
-    std::optional<Proxy> walk(double begin, double end) {
+    std::optional<Place> walk(double begin, double end) {
         double s = begin;
         while (true) {
             const double sv = vertical_.parameter(), sh = horizontal_.parameter(), sd = diagonal_.parameter();
@@ -190,7 +190,7 @@ private:
     }
 
     /// Between two looks the height above the surface is linear; below at the second means a hit in between.
-    std::optional<Proxy> look(double s0, double s1, double above) {
+    std::optional<Place> look(double s0, double s1, double above) {
         ++lines_;
         if (above >= 0) {
             above_ = above;
@@ -199,7 +199,7 @@ private:
         const double s = s0 + (s1 - s0) * (above_ / (above_ - above));
         // The face is the one the interval runs in, whatever rounding says of the hit itself.
         const double middle = s0 + 0.5 * (s1 - s0);
-        const Proxy face = face_under(way_.x(middle), way_.y(middle));
+        const Place face = face_under(way_.x(middle), way_.y(middle));
         return face_or_rim_place(face.feature, face.i, face.j, way_.x(s) - static_cast<double>(face.i),
                                  way_.y(s) - static_cast<double>(face.j));
     }
@@ -214,7 +214,7 @@ private:
 }  // namespace
 
 template <class Space>
-std::optional<Proxy> cast(const Space& space, const glm::dvec3& from, const Proxy* from_surface,
+std::optional<Place> cast(const Space& space, const glm::dvec3& from, const Place* from_surface,
                           const glm::dvec3& to, int* cells) {
     const auto range = space.clip(from, to);
     if (!range) return std::nullopt;
@@ -244,9 +244,9 @@ bool is_clear(const Space& space, const glm::dvec3& from, const glm::dvec3& to) 
 template bool is_clear(const WorldSpace&, const glm::dvec3&, const glm::dvec3&);
 template bool is_clear(const PixelSpace&, const glm::dvec3&, const glm::dvec3&);
 
-template std::optional<Proxy> cast(const WorldSpace&, const glm::dvec3&, const Proxy*, const glm::dvec3&,
+template std::optional<Place> cast(const WorldSpace&, const glm::dvec3&, const Place*, const glm::dvec3&,
                                    int*);
-template std::optional<Proxy> cast(const PixelSpace&, const glm::dvec3&, const Proxy*, const glm::dvec3&,
+template std::optional<Place> cast(const PixelSpace&, const glm::dvec3&, const Place*, const glm::dvec3&,
                                    int*);
 
 }  // namespace touchable

@@ -12,7 +12,7 @@ namespace touchable {
 /// (docs/solver.md). `from_surface`: `from` is the surface's point at that place, so its height above
 /// the surface is 0 by definition. `cells`, where given, counts the lattice lines looked at.
 template <class Space>
-std::optional<Proxy> cast(const Space& space, const glm::dvec3& from, const Proxy* from_surface,
+std::optional<Place> cast(const Space& space, const glm::dvec3& from, const Place* from_surface,
                           const glm::dvec3& to, int* cells = nullptr);
 
 /// True where one bound tells that the straight way between two free points stays in front of the surface,

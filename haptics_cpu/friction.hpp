@@ -30,7 +30,7 @@ bool is_slow(double speed, double stribeck_speed);
 
 /// Stiffness and friction at a place of the surface.
 template <class Space>
-HapticProperties properties_at(const Space& space, const Proxy& at) {
+HapticProperties properties_at(const Space& space, const Place& at) {
     // A corner of no weight is not looked at.
     const bool right = at.a > 0, below = at.b > 0;
     const auto valid = [&](int di, int dj) { return space.vertex(at.i + di, at.j + dj).valid; };
@@ -39,11 +39,15 @@ HapticProperties properties_at(const Space& space, const Proxy& at) {
         {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)});
 }
 
-/// The cone of a proxy on the surface; all zero where the field has no friction.
+/// The cone of a proxy on the surface; all zero where the field has no friction. `corners_valid`: of its
+/// motion.
 template <class Space>
-FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Slip& slip) {
-    if (!space.field().has_friction()) return {};
-    const HapticProperties properties = properties_at(space, proxy);
+FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Slip& slip, bool corners_valid) {
+    const HeightField& field = space.field();
+    if (!field.has_friction()) return {};
+    const HapticProperties properties =
+        corners_valid ? field.properties(proxy.i, proxy.j, proxy.a, proxy.b, {true, true, true, true})
+                      : properties_at(space, proxy);
     const double sliding = properties.dynamic_friction +
                            slip.static_share * (properties.static_friction - properties.dynamic_friction);
     return {proxy.sliding ? sliding : properties.static_friction, sliding};

@@ -61,10 +61,10 @@ private:
 
 class Search {
 public:
-    Search(const WorldSpace& space, const Proxy& around, const dvec3& point, double within)
+    Search(const WorldSpace& space, const Place& around, const dvec3& point, double within)
         : space_(space), i_(around.i), j_(around.j), point_(point), best_(within), window_(space, i_, j_) {}
 
-    std::optional<Proxy> run() {
+    std::optional<Place> run() {
         for (int ring = 0; ring <= nearest_window && !(beyond2(ring) >= best_ * best_); ++ring)
             for (int dj = -ring; dj <= ring; ++dj) {
                 const bool whole_row = std::abs(dj) == ring;
@@ -117,16 +117,14 @@ private:
     dvec3 point_;
     double best_;
     Window window_;
-    std::optional<Proxy> found_;
+    std::optional<Place> found_;
 };
 
 }  // namespace
 
-std::optional<Proxy> nearest_place(const WorldSpace& space, const Proxy& around, const dvec3& point,
+std::optional<Place> nearest_place(const WorldSpace& space, const Place& around, const dvec3& point,
                                    double within) {
-    auto found = Search(space, around, point, within).run();
-    if (found) found->point = surface_point(space, *found);
-    return found;
+    return Search(space, around, point, within).run();
 }
 
 }  // namespace touchable

@@ -12,9 +12,9 @@ namespace touchable {
 inline constexpr int nearest_window = 8;
 
 /// The place of the surface nearest to a world point, among those nearer than `within` (scene units) and at
-/// most `nearest_window` cells from the cell of `around`; its point is set. Looks at cells ring by ring and
-/// stops where no farther one can be nearer. Of equally near places the first in that order.
-std::optional<Proxy> nearest_place(const WorldSpace& space, const Proxy& around, const glm::dvec3& point,
+/// most `nearest_window` cells from the cell of `around`. Looks at cells ring by ring and stops where no
+/// farther one can be nearer. Of equally near places the first in that order.
+std::optional<Place> nearest_place(const WorldSpace& space, const Place& around, const glm::dvec3& point,
                                    double within);
 
 }  // namespace touchable

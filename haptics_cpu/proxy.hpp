@@ -17,19 +17,22 @@ enum class Feature : std::uint8_t {
     vertex       ///< (i, j)
 };
 
-/// A finger's god-object: a free point, or a place on the lattice's surface. The place is an integer cell and
-/// a local fraction, never a global float, so the proxy is on the surface by construction, and stays on its
-/// pixel's ray when the surface moves.
-struct Proxy {
+/// A place on the lattice's surface: an integer cell and a local fraction, never a global float.
+struct Place {
     Feature feature = Feature::free;
     std::int64_t i = 0, j = 0;
-    double a = 0, b = 0;    ///< image location (i + a, j + b), 0 <= a, b <= 1
-    glm::dvec3 point{0.0};  ///< the free point; on the surface, where it was at the last tick
-    bool sliding = false;   ///< dynamic friction holds it back, not static
+    double a = 0, b = 0;  ///< image location (i + a, j + b), 0 <= a, b <= 1
 
     double x() const { return static_cast<double>(i) + a; }
     double y() const { return static_cast<double>(j) + b; }
     bool on_surface() const { return feature != Feature::free; }
+};
+
+/// A finger's god-object: a free point, or a place. So it is on the surface by construction, and stays on its
+/// pixel's ray when the surface moves.
+struct Proxy : Place {
+    glm::dvec3 point{0.0};  ///< the free point; on the surface, where it was at the last tick
+    bool sliding = false;   ///< dynamic friction holds it back, not static
 };
 
 }  // namespace touchable

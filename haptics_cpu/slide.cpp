@@ -61,18 +61,31 @@ FaceExit exit_of_face(Feature face, double a, double b, double dx, double dy, co
     return exit;
 }
 
-/// Over a face of cell (motion.i, motion.j), at most `length` image steps far. True if it went all of it and
-/// is inside the face: on the rim the other side has its say too.
-bool move_over_face(const Proxy& from, const Motion& motion, const ImageStep& step, double length,
-                    Proxy& to) {
+/// True where it is certain, without a root or a division, that a motion goes on beyond `length` image steps:
+/// that the share of its way to there, s = length / (1 - length stretch), is less than friction leaves it.
+bool goes_beyond(double length, const ImageStep& step, const FrictionCone& cone, const Motion& motion) {
+    constexpr double certain = 1.0 + 1e-6;  // by far more than roundings can be wrong
+    const double rest = 1.0 - length * (1.0 + step.stretch), whole = rest + length;  // (1 - s) : 1
+    const double held = cone.stopping * whole;
+    return rest > 1e-6 &&
+           held * held * motion.load2 * certain < rest * rest * glm::dot(motion.way, motion.way);
+}
+
+/// Over a face of cell (motion.i, motion.j). True if it went all the way that friction leaves it and is
+/// inside the face: on the rim the other side has its say too.
+bool move_over_face(const Place& from, const Motion& motion, const ImageStep& step, const FrictionCone& cone,
+                    Place& to) {
     const double a = static_cast<double>(from.i - motion.i) + from.a;
     const double b = static_cast<double>(from.j - motion.j) + from.b;
     const FaceExit exit =
         exit_of_face(motion.feature, a, b, step.dx, step.dy, start_edges(from.feature, motion.feature, a, b));
-    if (length < exit.length) {
-        to =
-            face_or_rim_place(motion.feature, motion.i, motion.j, a + length * step.dx, b + length * step.dy);
-        return to.feature == motion.feature;
+    if (!goes_beyond(exit.length, step, cone, motion)) {
+        const double length = step.length_at(sliding_share(cone, motion));
+        if (length < exit.length) {
+            to = face_or_rim_place(motion.feature, motion.i, motion.j, a + length * step.dx,
+                                   b + length * step.dy);
+            return to.feature == motion.feature;
+        }
     }
     if (exit.edge == Feature::free) {  // no way out and none to go: a motion of no length
         to = from;
@@ -86,9 +99,10 @@ bool move_over_face(const Proxy& from, const Motion& motion, const ImageStep& st
     return false;
 }
 
-/// Along an edge, at most `length` image steps far. True if it went all of it.
-bool move_along_edge(const Proxy& from, const Motion& motion, const ImageStep& step, double length,
-                     Proxy& to) {
+/// Along an edge. True if it went all the way that friction leaves it.
+bool move_along_edge(const Place& from, const Motion& motion, const ImageStep& step, const FrictionCone& cone,
+                     Place& to) {
+    const double length = step.length_at(sliding_share(cone, motion));
     const bool vertical = motion.feature == Feature::edge_v;
     const double start = vertical ? static_cast<double>(from.j - motion.j) + from.b
                                   : static_cast<double>(from.i - motion.i) + from.a;
@@ -102,17 +116,16 @@ constexpr int stall_limit = 8;
 template <class Space>
 class Slide {
 public:
-    Slide(const Space& space, const Proxy& proxy, const dvec3& goal, const Slip& slip)
-        : space_(space), proxy_(proxy), goal_(goal), slip_(slip) {}
-    const Proxy& proxy() const { return proxy_; }
+    Slide(const Space& space, Proxy& proxy, const dvec3& goal, const Slip& slip, SolveCounts& counts)
+        : space_(space), proxy_(proxy), goal_(goal), slip_(slip), counts_(counts) {}
 
-    SolveCounts run(int event_limit) {
+    void run(int event_limit) {
         bool may_leave = true;
         int stalls = 0;
         while (true) {
             if (counts_.events == event_limit) {
                 counts_.capped = true;
-                return counts_;
+                return;
             }
             ++counts_.events;
             const dvec3 pull = goal_ - proxy_.point;
@@ -121,27 +134,25 @@ public:
                 if (settled(may_leave, stalls)) return rest();
                 continue;
             }
-            Proxy next;
-            bool arrived;
+            Place next;
+            bool sliding = false, arrived = false;
             if (motion.kind == Motion::Kind::leave) {
-                const Proxy start = proxy_;
-                const auto hit = cast(space_, start.point, &start, goal_, &counts_.cells);
+                const auto hit = cast(space_, proxy_.point, &proxy_, goal_, &counts_.cells);
                 if (!hit) return fly();
                 next = *hit;
-                arrived = false;
             } else {
-                const FrictionCone cone = friction_cone(space_, proxy_, slip_);
+                const FrictionCone cone = friction_cone(space_, proxy_, slip_, motion.corners_valid);
                 if (rests(cone, motion)) {
                     if (settled(may_leave, stalls)) return rest();
                     continue;
                 }
                 // Held back by friction, the place may have another cone than the start: look again.
-                arrived = move(motion, sliding_share(cone, motion), next) && cone.stopping == 0;
-                next.sliding = cone.stopping > 0;
+                arrived = move(motion, cone, next) && cone.stopping == 0;
+                sliding = cone.stopping > 0;
             }
-            const Progress progress = take(next, pull);
+            const Progress progress = take(next, sliding, pull);
             if (progress == Progress::nearer) {
-                if (arrived && may_leave) return counts_;
+                if (arrived && may_leave) return;
                 stalls = 0;
                 may_leave = true;  // also where it had to stay, and came to its foot on the surface
                 continue;
@@ -155,36 +166,37 @@ public:
     }
 
 private:
-    bool move(const Motion& motion, double share, Proxy& to) {
+    bool move(const Motion& motion, const FrictionCone& cone, Place& to) {
         ++counts_.cells;
         const ImageStep step = space_.image_step(proxy_.point, motion.way);
-        const double length = step.length_at(share);
-        return motion.kind == Motion::Kind::face ? move_over_face(proxy_, motion, step, length, to)
-                                                 : move_along_edge(proxy_, motion, step, length, to);
+        return motion.kind == Motion::Kind::face ? move_over_face(proxy_, motion, step, cone, to)
+                                                 : move_along_edge(proxy_, motion, step, cone, to);
     }
 
     enum class Progress { nearer, same, none };
 
     /// How far the roundings of its w move a place: far, where a cell reaches from near the camera to far
     /// away.
-    double misplaced_by(const Proxy& at) const {
+    double misplaced_by(const Place& at, const dvec3& point) const {
         double largest = 0;
         for (const int dj : {0, 1})
             for (const int di : {0, 1})
                 largest = std::max(largest, std::abs(space_.vertex(at.i + di, at.j + dj).w));
         const double w = surface_w(space_, at) + largest * 0x1p-49;
-        return glm::distance(space_.position({at.x(), at.y(), w}), at.point);
+        return glm::distance(space_.position({at.x(), at.y(), w}), point);
     }
 
     /// Takes the new place unless it is farther from the goal than rounding explains.
-    Progress take(Proxy& next, const dvec3& pull) {
-        next.point = surface_point(space_, next);
-        const dvec3 rest = goal_ - next.point;
+    Progress take(const Place& next, bool sliding, const dvec3& pull) {
+        const dvec3 point = surface_point(space_, next);
+        const dvec3 rest = goal_ - point;
         const double before = glm::dot(pull, pull), after = glm::dot(rest, rest);
         if (!(after <= before * (1.0 + 1e-13)) &&
-            !(std::sqrt(after) <= std::sqrt(before) + misplaced_by(next)))
+            !(std::sqrt(after) <= std::sqrt(before) + misplaced_by(next, point)))
             return Progress::none;
-        proxy_ = next;
+        static_cast<Place&>(proxy_) = next;
+        proxy_.point = point;
+        proxy_.sliding = sliding;
         // Nearer than it ever was: places a rounding apart could take turns for ever.
         least_ = std::min(least_, before);
         if (!(after < least_)) return Progress::same;
@@ -201,36 +213,29 @@ private:
 
     /// Stays where it is. A proxy that had not moved at all in this solve sticks from now on, unless its
     /// speed has the say.
-    SolveCounts rest() {
+    void rest() {
         if (counts_.events == 1 && slip_.sticks_at_rest) proxy_.sliding = false;
-        return counts_;
     }
 
-    SolveCounts fly() {
-        proxy_ = Proxy{};
-        proxy_.point = goal_;
-        return counts_;
-    }
+    void fly() { proxy_ = {{}, goal_}; }
 
     const Space& space_;
-    Proxy proxy_;
+    Proxy& proxy_;
     const dvec3 goal_;
     const Slip slip_;
     double least_ = std::numeric_limits<double>::infinity();  // distance to the goal so far, squared
-    SolveCounts counts_;
+    SolveCounts& counts_;
 };
 
 }  // namespace
 
 template <class Space>
-SolveCounts slide(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip) {
-    Slide<Space> slide(space, proxy, goal, slip);
-    const SolveCounts counts = slide.run(event_limit);
-    proxy = slide.proxy();
-    return counts;
+void slide(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip,
+           SolveCounts& counts) {
+    Slide<Space>(space, proxy, goal, slip, counts).run(event_limit);
 }
 
-template SolveCounts slide(const WorldSpace&, Proxy&, const dvec3&, int, const Slip&);
-template SolveCounts slide(const PixelSpace&, Proxy&, const dvec3&, int, const Slip&);
+template void slide(const WorldSpace&, Proxy&, const dvec3&, int, const Slip&, SolveCounts&);
+template void slide(const PixelSpace&, Proxy&, const dvec3&, int, const Slip&, SolveCounts&);
 
 }  // namespace touchable

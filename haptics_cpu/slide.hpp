@@ -14,9 +14,10 @@ struct SolveCounts {
 
 /// Moves a proxy that rests on the surface, its point up to date, to where the goal pulls it: the exact
 /// projected flow (docs/solver.md), feature by feature, until it is nearest to the goal, held by friction, or
-/// off the surface and at the goal. The distance to the goal never grows.
+/// off the surface and at the goal. The distance to the goal never grows. `counts`: of this solve
+/// so far, no event among it.
 template <class Space>
-SolveCounts slide(const Space& space, Proxy& proxy, const glm::dvec3& goal, int event_limit,
-                  const Slip& slip);
+void slide(const Space& space, Proxy& proxy, const glm::dvec3& goal, int event_limit, const Slip& slip,
+           SolveCounts& counts);
 
 }  // namespace touchable

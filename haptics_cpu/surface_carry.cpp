@@ -27,25 +27,21 @@ bool lift(const Space& space, Proxy& proxy) {
     // Beyond this a point so close to the camera's plane is seen under no pixel worth the name, and is in
     // front.
     if (!(std::abs(at.x) < farthest_pixel) || !(std::abs(at.y) < farthest_pixel)) return false;
-    Proxy under = face_under(at.x, at.y);
+    const Place under = face_under(at.x, at.y);
     if (!(at.w < surface_w(space, under))) return false;
-    under.point = surface_point(space, under);
-    proxy = under;
+    proxy = {under, surface_point(space, under)};
     return true;
 }
 
 /// False where it went another way than on its ray.
-bool carry_suddenly(const WorldSpace& space, Proxy& proxy, const Proxy& before, double distance) {
-    const dvec3& was = before.point;
+bool carry_suddenly(const WorldSpace& space, Proxy& proxy, const dvec3& was, double distance) {
     if (proxy.point.z < was.z) {
-        proxy = Proxy{};
-        proxy.point = was;
+        proxy = {{}, was};
         return false;
     }
-    auto aside = nearest_place(space, proxy, was, much_nearer * distance);
+    const auto aside = nearest_place(space, proxy, was, much_nearer * distance);
     if (!aside) return true;
-    aside->sliding = proxy.sliding;
-    proxy = *aside;
+    proxy = {*aside, surface_point(space, *aside), proxy.sliding};
     return false;
 }
 
@@ -53,15 +49,15 @@ bool carry_suddenly(const WorldSpace& space, Proxy& proxy, const Proxy& before, 
 
 template <class Space>
 bool carry(const Space& space, Proxy& proxy, double sudden) {
-    const Proxy before = proxy;
+    const dvec3 was = proxy.point;
     if (proxy.on_surface())
         proxy.point = surface_point(space, proxy);
     else if (!lift(space, proxy))
         return true;
     if constexpr (std::is_same_v<Space, WorldSpace>) {
-        const dvec3 way = proxy.point - before.point;
+        const dvec3 way = proxy.point - was;
         const double squared = glm::dot(way, way);
-        if (squared > sudden * sudden) return carry_suddenly(space, proxy, before, std::sqrt(squared));
+        if (squared > sudden * sudden) return carry_suddenly(space, proxy, was, std::sqrt(squared));
     }
     return true;
 }

@@ -18,7 +18,7 @@ inline double along_edge(double w0, double w1, double f) {
 
 /// w of the surface at a place of the lattice (any feature but free).
 template <class Space>
-double surface_w(const Space& space, const Proxy& at) {
+[[gnu::always_inline]] inline double surface_w(const Space& space, const Place& at) {
     auto w = [&](int di, int dj) { return space.vertex(at.i + di, at.j + dj).w; };
     switch (at.feature) {
         case Feature::vertex:
@@ -41,9 +41,9 @@ double surface_w(const Space& space, const Proxy& at) {
 }
 
 /// The place of a face at image location (x, y) of its cell; rounding never leaves the face.
-inline Proxy face_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
+inline Place face_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
     auto unit = [](double f) { return f < 0 ? 0.0 : (f > 1 ? 1.0 : f); };
-    Proxy at;
+    Place at;
     at.feature = face;
     at.i = i;
     at.j = j;
@@ -65,7 +65,7 @@ inline std::int64_t lattice_index(double whole) {
 }
 
 /// The face under image location (x, y).
-inline Proxy face_under(double x, double y) {
+inline Place face_under(double x, double y) {
     const double fx = std::floor(x), fy = std::floor(y);
     const double a = x - fx, b = y - fy;
     return face_place(a >= b ? Feature::face_lower : Feature::face_upper, lattice_index(fx),
@@ -73,9 +73,9 @@ inline Proxy face_under(double x, double y) {
 }
 
 /// The place at fraction f of an edge; its ends are vertices.
-inline Proxy edge_place(Feature edge, std::int64_t i, std::int64_t j, double f) {
+inline Place edge_place(Feature edge, std::int64_t i, std::int64_t j, double f) {
     const bool along_x = edge != Feature::edge_v, along_y = edge != Feature::edge_h;
-    Proxy at;
+    Place at;
     at.feature = edge;
     at.i = i;
     at.j = j;
@@ -93,8 +93,8 @@ inline Proxy edge_place(Feature edge, std::int64_t i, std::int64_t j, double f) 
 }
 
 /// A place of a face; on the face's rim, the edge's or the vertex', where both sides count.
-inline Proxy face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
-    const Proxy at = face_place(face, i, j, a, b);
+inline Place face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
+    const Place at = face_place(face, i, j, a, b);
     const bool lower = face == Feature::face_lower;
     if (at.a == at.b) return edge_place(Feature::edge_d, i, j, at.a);
     if (at.b == (lower ? 0.0 : 1.0)) return edge_place(Feature::edge_h, i, j + !lower, at.a);
@@ -103,7 +103,7 @@ inline Proxy face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, dou
 }
 
 template <class Space>
-glm::dvec3 surface_point(const Space& space, const Proxy& at) {
+glm::dvec3 surface_point(const Space& space, const Place& at) {
     return space.position({at.x(), at.y(), surface_w(space, at)});
 }
 

@@ -22,15 +22,10 @@ struct CellFace {
     std::int64_t i, j;
 };
 
-Motion leave() {
-    Motion motion;
-    motion.kind = Motion::Kind::leave;
-    return motion;
-}
+// What is found out is written where it will be read: copies of what was just stored in pieces stall.
 
 /// Along a face with the outward normal n (any length).
-Motion along_face(const CellFace& face, const dvec3& n, const dvec3& pull) {
-    Motion motion;
+void along_face(const CellFace& face, const dvec3& n, const dvec3& pull, Motion& motion) {
     motion.kind = Motion::Kind::face;
     motion.feature = face.feature;
     motion.i = face.i;
@@ -39,14 +34,12 @@ Motion along_face(const CellFace& face, const dvec3& n, const dvec3& pull) {
     motion.way = pull - n * (vn / nn);
     // A pull off the face, of a proxy that may not leave for now, presses nothing: friction does not hold it.
     motion.load2 = vn < 0 ? vn * vn / nn : 0.0;
-    return motion;
 }
 
 /// Along an edge between faces with the outward normals n0 and n1. In a valley G - C = -(l0 n0 + l1 n1) for
 /// unit normals; the sum l0 + l1 needs no division by their small difference.
-Motion along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way, const dvec3& pull,
-                  const dvec3& n0, const dvec3& n1) {
-    Motion motion;
+void along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way, const dvec3& pull,
+                const dvec3& n0, const dvec3& n1, Motion& motion) {
     motion.kind = Motion::Kind::edge;
     motion.feature = edge;
     motion.i = i;
@@ -55,22 +48,27 @@ Motion along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way
     const double length0 = std::sqrt(dot(n0, n0)), length1 = std::sqrt(dot(n1, n1));
     const double pressed = -(dot(pull, n0) / length0 + dot(pull, n1) / length1);
     const double opening = 1.0 + dot(n0, n1) / (length0 * length1);
+    motion.load2 = 0;
     if (pressed > 0) {
         const double load = opening > 0 ? pressed / opening : std::numeric_limits<double>::infinity();
         motion.load2 = load * load;
     }
-    return motion;
 }
 
 template <class Space>
-Motion on_face(const Space& space, const Proxy& at, const dvec3& pull, bool may_leave) {
-    const dvec3 p00 = space.vertex(at.i, at.j).position, p11 = space.vertex(at.i + 1, at.j + 1).position;
+void on_face(const Space& space, const Place& at, const dvec3& pull, bool may_leave, Motion& motion) {
+    const SpaceVertex &v00 = space.vertex(at.i, at.j), &v11 = space.vertex(at.i + 1, at.j + 1);
+    const SpaceVertex &v10 = space.vertex(at.i + 1, at.j), &v01 = space.vertex(at.i, at.j + 1);
     const bool lower = at.feature == Feature::face_lower;
-    const dvec3 apex = space.vertex(lower ? at.i + 1 : at.i, lower ? at.j : at.j + 1).position;
+    const dvec3 p00 = v00.position, diagonal = v11.position - p00;
     // Clockwise in the image is 00, 10, 11 and 00, 11, 01; seen so, b x a points towards the camera.
-    const dvec3 n = lower ? cross(p11 - p00, apex - p00) : cross(apex - p00, p11 - p00);
-    if (may_leave && dot(pull, n) > 0) return leave();
-    return along_face({at.feature, at.i, at.j}, n, pull);
+    const dvec3 n = lower ? cross(diagonal, v10.position - p00) : cross(v01.position - p00, diagonal);
+    if (may_leave && dot(pull, n) > 0) {
+        motion.kind = Motion::Kind::leave;
+        return;
+    }
+    along_face({at.feature, at.i, at.j}, n, pull, motion);
+    motion.corners_valid = v00.valid && v10.valid && v01.valid && v11.valid;
 }
 
 /// One face beside an edge: its place, its vertex off the edge.
@@ -80,7 +78,7 @@ struct EdgeSide {
 };
 
 /// The faces of an edge: first the one counterclockwise of it in the image.
-std::array<EdgeSide, 2> sides_of(const Proxy& at) {
+std::array<EdgeSide, 2> sides_of(const Place& at) {
     const std::int64_t i = at.i, j = at.j;
     using enum Feature;
     switch (at.feature) {
@@ -106,16 +104,20 @@ bool points_to_first(Feature edge, const ImageStep& step) {
 }
 
 template <class Space>
-Motion on_edge(const Space& space, const Proxy& at, const dvec3& point, const dvec3& pull, bool may_leave) {
+void on_edge(const Space& space, const Place& at, const dvec3& point, const dvec3& pull, bool may_leave,
+             Motion& motion) {
     const std::int64_t end_i = at.i + (at.feature == Feature::edge_v ? 0 : 1);
     const std::int64_t end_j = at.j + (at.feature == Feature::edge_h ? 0 : 1);
-    const dvec3 start = space.vertex(at.i, at.j).position;
-    const dvec3 e = space.vertex(end_i, end_j).position - start;
+    const SpaceVertex &first = space.vertex(at.i, at.j), &last = space.vertex(end_i, end_j);
+    const dvec3 start = first.position, e = last.position - start;
     const double ee = dot(e, e);
     const auto sides = sides_of(at);
+    bool valid = first.valid && last.valid;
     std::array<dvec3, 2> inward, normal;  // within the face away from the edge; towards the camera
     for (std::size_t k = 0; k < 2; ++k) {
-        const dvec3 to_apex = space.vertex(sides[k].apex_i, sides[k].apex_j).position - start;
+        const SpaceVertex& apex = space.vertex(sides[k].apex_i, sides[k].apex_j);
+        const dvec3 to_apex = apex.position - start;
+        valid &= apex.valid;
         inward[k] = to_apex * ee - e * dot(to_apex, e);
         normal[k] = k == 0 ? cross(e, to_apex) : cross(to_apex, e);
     }
@@ -126,7 +128,10 @@ Motion on_edge(const Space& space, const Proxy& at, const dvec3& point, const dv
             off_first == off_second || points_to_first(at.feature, space.image_step(point, pull))
                 ? off_first
                 : off_second;
-        if (leaves) return leave();
+        if (leaves) {
+            motion.kind = Motion::Kind::leave;
+            return;
+        }
     }
     // Along the face that descends; on a ridge, where both do, along the one that brings the goal nearer.
     const double descent0 = dot(pull, inward[0]), descent1 = dot(pull, inward[1]);
@@ -135,11 +140,13 @@ Motion on_edge(const Space& space, const Proxy& at, const dvec3& point, const dv
             descent0 > 0 && (!(descent1 > 0) || descent0 * descent0 * dot(inward[1], inward[1]) >=
                                                     descent1 * descent1 * dot(inward[0], inward[0]));
         const std::size_t k = to_first ? 0 : 1;
-        return along_face(sides[k].face, normal[k], pull);
+        along_face(sides[k].face, normal[k], pull, motion);
+    } else {
+        const double along = dot(pull, e);
+        if (along == 0) return;
+        along_edge(at.feature, at.i, at.j, e * (along / ee), pull, normal[0], normal[1], motion);
     }
-    const double along = dot(pull, e);
-    if (along == 0) return {};
-    return along_edge(at.feature, at.i, at.j, e * (along / ee), pull, normal[0], normal[1]);
+    motion.corners_valid = valid;
 }
 
 /// The six edges around a vertex, clockwise in the image from +x, and the faces between each and the next.
@@ -170,15 +177,19 @@ std::size_t sector_of(const ImageStep& step) {
 }
 
 template <class Space>
-Motion on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& point, const dvec3& pull,
-                 bool may_leave) {
+void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& point, const dvec3& pull,
+               bool may_leave, Motion& motion) {
     std::array<dvec3, 6> e, n;
     for (std::size_t k = 0; k < 6; ++k)
         e[k] = space.vertex(i + spokes[k].di, j + spokes[k].dj).position - point;
     for (std::size_t k = 0; k < 6; ++k) n[k] = cross(e[(k + 1) % 6], e[k]);
 
-    if (may_leave && dot(pull, n[sector_of(space.image_step(point, pull))]) > 0) return leave();
+    if (may_leave && dot(pull, n[sector_of(space.image_step(point, pull))]) > 0) {
+        motion.kind = Motion::Kind::leave;
+        return;
+    }
 
+    motion.corners_valid = false;  // the vertex itself was not looked at
     double longest = 0;
     int face = -1, edge = -1;
     for (std::size_t k = 0; k < 6; ++k) {
@@ -204,11 +215,11 @@ Motion on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3
         const auto k = static_cast<std::size_t>(edge);
         const Spoke& spoke = spokes[k];
         const dvec3 way = e[k] * (dot(pull, e[k]) / dot(e[k], e[k]));
-        return along_edge(spoke.edge, i + spoke.edge_di, j + spoke.edge_dj, way, pull, n[(k + 5) % 6], n[k]);
+        along_edge(spoke.edge, i + spoke.edge_di, j + spoke.edge_dj, way, pull, n[(k + 5) % 6], n[k], motion);
+    } else if (face >= 0) {
+        const auto k = static_cast<std::size_t>(face);
+        along_face({spokes[k].face, i + spokes[k].face_di, j + spokes[k].face_dj}, n[k], pull, motion);
     }
-    if (face < 0) return {};
-    const auto k = static_cast<std::size_t>(face);
-    return along_face({spokes[k].face, i + spokes[k].face_di, j + spokes[k].face_dj}, n[k], pull);
 }
 
 }  // namespace
@@ -216,17 +227,21 @@ Motion on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3
 template <class Space>
 Motion project_on_tangent_cone(const Space& space, const Proxy& proxy, const dvec3& point, const dvec3& pull,
                                bool may_leave) {
+    Motion motion;
     switch (proxy.feature) {
         case Feature::free:
-            return {};
+            break;
         case Feature::face_lower:
         case Feature::face_upper:
-            return on_face(space, proxy, pull, may_leave);
+            on_face(space, proxy, pull, may_leave, motion);
+            break;
         case Feature::vertex:
-            return on_vertex(space, proxy.i, proxy.j, point, pull, may_leave);
+            on_vertex(space, proxy.i, proxy.j, point, pull, may_leave, motion);
+            break;
         default:
-            return on_edge(space, proxy, point, pull, may_leave);
+            on_edge(space, proxy, point, pull, may_leave, motion);
     }
+    return motion;
 }
 
 template Motion project_on_tangent_cone(const WorldSpace&, const Proxy&, const dvec3&, const dvec3&, bool);

@@ -13,13 +13,16 @@ struct Motion {
         edge    ///< along edge `feature` from (i, j)
     };
     Kind kind = Kind::stay;
-    Feature feature = Feature::free;
-    std::int64_t i = 0, j = 0;
+    // Only of a face and an edge; else not written.
+    Feature feature;
+    std::int64_t i, j;
     /// From the proxy to the point of the face's plane (the edge's line) nearest to the goal.
-    glm::dvec3 way{0.0};
+    glm::dvec3 way;
     /// How hard the goal presses: the square of |G - C| on a face, of the sum of both faces' shares in a
     /// valley.
-    double load2 = 0;
+    double load2;
+    /// Every corner of weight at the proxy is known to be valid.
+    bool corners_valid;
 };
 
 /// Projects the pull v = G - P on the tangent cone of the free space at the proxy (docs/solver.md): the

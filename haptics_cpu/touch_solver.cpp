@@ -31,21 +31,17 @@ bool is_usable(const dvec3& goal) {
 
 /// From a place on or in front of the surface.
 template <class Space>
-SolveCounts solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip) {
-    SolveCounts counts;
+void solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip,
+           SolveCounts& counts) {
     if (!proxy.on_surface()) {
         const auto hit = cast(space, proxy.point, nullptr, goal, &counts.cells);
         if (!hit) {
             proxy.point = goal;
-            return counts;
+            return;
         }
-        proxy = *hit;
-        proxy.point = surface_point(space, proxy);
+        proxy = {*hit, surface_point(space, *hit)};
     }
-    const int cells = counts.cells;
-    counts = slide(space, proxy, goal, event_limit, slip);
-    counts.cells += cells;
-    return counts;
+    slide(space, proxy, goal, event_limit, slip, counts);
 }
 
 /// Friction in this tick.
@@ -92,7 +88,8 @@ void bring(const Space& space, const TouchSettings& settings, double sudden, con
     if (!left_behind && !(glm::distance(before, proxy.point) > sudden)) return;
     contact.jumped = true;
     Proxy still = proxy;
-    solve(space, still, goal, settings.event_limit, slip);
+    SolveCounts of_the_jump;
+    solve(space, still, goal, settings.event_limit, slip, of_the_jump);
     if (still.on_surface())
         contact.jumped_force = properties_at(space, still).stiffness * settings.metres_per_scene_unit *
                                (space.to_world(still.point) - goal);
@@ -153,7 +150,7 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
         } else {
             const Slip slip = slip_of(settings, finger);
             bring(space, settings, sudden, goal_before, slip, proxy, contact);
-            contact.counts = solve(space, proxy, goal, settings.event_limit, slip);
+            solve(space, proxy, goal, settings.event_limit, slip, contact.counts);
         }
         if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);

@@ -40,7 +40,8 @@ public:
     glm::dvec3 to_world(const glm::dvec3& point) const { return point; }
 
     const HeightField& field() const { return field_; }
-    SpaceVertex vertex(std::int64_t i, std::int64_t j) const {
+    /// Stays as it is until a vertex more than three away in i or j is asked for.
+    const SpaceVertex& vertex(std::int64_t i, std::int64_t j) const {
         return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
     }
     glm::dvec3 position(const ChartPoint& at) const;

@@ -10,7 +10,7 @@ namespace touchable {
 std::optional<double> FieldProbe::depth_under(double x, double y) const {
     const double right = field_.width() - 1, bottom = field_.height() - 1;
     if (!(x >= 0 && y >= 0 && x <= right && y <= bottom)) return std::nullopt;
-    const Proxy at = face_under(x, y);
+    const Place at = face_under(x, y);
     // At the picture's last column and row the place is its cell's near edge; there is no cell beyond.
     for (const int di : {0, 1})
         for (const int dj : {0, 1}) {
