@@ -9,7 +9,7 @@ namespace touchable {
 /// Where the straight way from `from` to `to` first goes from above the surface (or on it) to below it;
 /// nothing if it stays above. Watertight: at each lattice line the way crosses, its w is compared with that
 /// of the edge's two vertices alone, so both faces of an edge see the same number and no crossing can be lost
-/// (docs/solver.md). `from_surface`: `from` is the surface's point at that place, so its height above
+/// (docs/solver.md, Cast). `from_surface`: `from` is the surface's point at that place, so its height above
 /// the surface is 0 by definition. `cells`, where given, counts the lattice lines looked at.
 template <class Space>
 std::optional<Place> cast(const Space& space, const glm::dvec3& from, const Place* from_surface,

@@ -6,9 +6,9 @@
 
 namespace touchable {
 
-/// A damper beside the spring: b times the rate at which the hand's own motion stretches it. What the
-/// surface's motion stretches is left out, so that it takes energy from the hand and passes none on from the
-/// clip.
+/// A damper beside the spring (docs/solver.md, Guard): b times the rate at which the hand's own motion
+/// stretches it. What the surface's motion stretches is left out, so that it takes energy from the hand and
+/// passes none on from the clip.
 class ContactDamping {
 public:
     /// b in N s/m; 0: none.

@@ -8,14 +8,15 @@ namespace touchable {
 
 /// How the stiffness under a finger may rise while it touches. It falls at once: that takes energy away.
 struct StiffnessRise {
-    /// Only as far as this contact's losses pay for (docs/solver.md): a map of stiffness creates no energy.
+    /// Only as far as this contact's losses pay for: a map of stiffness creates no energy.
     bool paid = false;
     double per_tick = std::numeric_limits<double>::infinity();  ///< N/m
 
     bool limited() const { return paid || per_tick < std::numeric_limits<double>::infinity(); }
 };
 
-/// The stiffness in effect, never above the map's; a contact begins with the map's.
+/// The stiffness in effect, never above the map's; a contact begins with the map's (docs/solver.md, Stiffness
+/// that differs from place to place).
 class ContactStiffness {
 public:
     explicit ContactStiffness(const StiffnessRise& rise) : rise_(rise) {}

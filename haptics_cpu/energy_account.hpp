@@ -33,8 +33,8 @@ struct EnergyFigures {
     double balance() const { return work - surface + stored; }
 };
 
-/// The books of one finger's energy, exact per tick (docs/solver.md). A tick: the surface moves under the old
-/// goal, the goal moves against the force that is held, a new force is made and held.
+/// The books of one finger's energy, exact per tick (docs/solver.md, Energy). A tick: the surface moves under
+/// the old goal, the goal moves against the force that is held, a new force is made and held.
 class EnergyAccount {
 public:
     EnergyAccount(const DeviceSpring& spring, double metres_per_scene_unit)

@@ -42,8 +42,8 @@ struct GuardedForce {
 };
 
 /// Stands between the solver's force and one finger's device: device limits, ramp in, ramp out on a fault,
-/// and the books of energy. Unless a damper or the passivity controller is asked for it only ever shortens a
-/// force. No allocation; a pure function of what it was given so far.
+/// and the books of energy (docs/solver.md, Guard). Unless a damper or the passivity controller is asked for
+/// it only ever shortens a force. No allocation; a pure function of what it was given so far.
 class ForceGuard {
 public:
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);

@@ -9,7 +9,8 @@
 namespace touchable {
 
 /// XXH64 (seed 0) over guarded forces as little-endian doubles fx, fy, fz (newtons, world axes), -0 written
-/// as +0, ticks outer, fingers inner: equal hashes mean equal forces to the last bit.
+/// as +0, ticks outer, fingers inner (docs/conventions.md, Units): equal hashes mean equal forces to the last
+/// bit.
 class ForceHash {
 public:
     void add(const glm::dvec3& force);

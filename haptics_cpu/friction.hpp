@@ -6,8 +6,9 @@
 
 namespace touchable {
 
-/// Coulomb friction as a cone around the goal (Melder and Harwin 2004): a proxy rests where the rest of its
-/// way to the minimum is at most mu times the load, mu static while it sticks and dynamic while it slides.
+/// Coulomb friction as a cone around the goal (Melder and Harwin 2004; docs/solver.md, Friction): a proxy
+/// rests where the rest of its way to the minimum is at most mu times the load, mu static while it sticks and
+/// dynamic while it slides.
 struct FrictionCone {
     double resting = 0;   ///< within this mu it rests where it is
     double stopping = 0;  ///< sliding, it comes to rest at this mu

@@ -25,7 +25,7 @@ struct LoopFacts {
 
 /// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time.
 /// It never waits for anybody, never allocates; a tick that comes too late is counted and the missed ones are
-/// skipped.
+/// skipped (docs/architecture.md, Threads).
 class HapticLoop {
 public:
     /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.

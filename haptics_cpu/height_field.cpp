@@ -50,7 +50,7 @@ FieldVertex HeightField::frame_vertex(const SurfaceFrame& frame, const SurfaceFr
     const DepthSample sample = codes ? sample_of(*codes, x, y) : frame.vertices->at(x, y);
     if (!sample.valid) return {scene_.depth.far, false};
     if (frame.heights.empty()) return {sample.depth, true};
-    // Eq. 2, as a length: height is taken off the depth.
+    // The paper's Eq. 2, as a length: height is taken off the depth.
     return {sample.depth - height_per_code_ * frame.heights[frame.index(x, y)], true};
 }
 
@@ -73,21 +73,6 @@ double HeightField::nearest_depth(int tile_x, int tile_y) const {
     double nearest = nearest_of(*prev_);
     if (next_) nearest = std::min(nearest, nearest_of(*next_));
     return nearest - largest_height_;
-}
-
-TileDepths HeightField::depths(int tile_x, int tile_y) const {
-    TileDepths depths = prev_->vertices->tile(tile_x, tile_y);
-    if (next_) {
-        const TileDepths other = next_->vertices->tile(tile_x, tile_y);
-        const bool any = depths.nearest <= depths.farthest, any_other = other.nearest <= other.farthest;
-        depths.any_invalid |= other.any_invalid;
-        depths.nearest = any && any_other ? std::min(depths.nearest, other.nearest)
-                                          : (any ? depths.nearest : other.nearest);
-        depths.farthest = any && any_other ? std::max(depths.farthest, other.farthest)
-                                           : (any ? depths.farthest : other.farthest);
-    }
-    if (depths.nearest <= depths.farthest) depths.nearest -= largest_height_;
-    return depths;
 }
 
 HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j, bool valid) const {

@@ -16,8 +16,8 @@ struct FieldVertex {
 
 /// The surface under the hand at one moment: a pair of frames and a blend, seen as a lattice of vertices with
 /// one per pixel, a ring at the far plane around the picture, and flat strips beyond it, so that every
-/// integer (i, j) is a vertex. Nothing is computed but what is asked for. Cheap to make; refers to the scene
-/// and the frames.
+/// integer (i, j) is a vertex (docs/conventions.md, From stored value to surface 5 to 8, and Time). Nothing
+/// is computed but what is asked for. Cheap to make; refers to the scene and the frames.
 class HeightField {
 public:
     HeightField(const Scene& scene, const FramePair& pair);
@@ -34,9 +34,6 @@ public:
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;
     /// No vertex of the tile, ring included, has a smaller depth. May be smaller than any of them.
     double nearest_depth(int tile_x, int tile_y) const;
-    /// Bounds on the depths of the tile's valid pixels, height taken off, ring left out; may be wider than
-    /// they need to be.
-    TileDepths depths(int tile_x, int tile_y) const;
     /// No depth of any frame of this scene is smaller.
     double nearest_depth_anywhere() const { return nearest_anywhere_; }
     TileGrid tiles() const { return tiles_; }

@@ -15,9 +15,9 @@ struct CalmedForce {
 };
 
 /// Keeps a surface that jumps under one finger - a cut, an object from the side, a frame that was late - from
-/// kicking the hand. With J the jump of the force at the goal of the tick before, the hand gets F - w J,
-/// where w goes smoothly from 1 to 0 in `fade_ticks`: no step when the surface jumps, and dF/dG is the
-/// spring's own, so nothing lags.
+/// kicking the hand (docs/solver.md, Sudden change). With J the jump of the force at the goal of the tick
+/// before, the hand gets F - w J, where w goes smoothly from 1 to 0 in `fade_ticks`: no step when the surface
+/// jumps, and dF/dG is the spring's own, so nothing lags.
 ///
 /// It only takes away: the result is never longer than F, nor does it pull against F. Jumps that overlap go
 /// on from the current result; the end of contact ends it at once. Where a jump leaves

@@ -5,7 +5,7 @@
 namespace touchable {
 
 /// Takes back energy that a contact has created, as a damper of the hand's motion for as long as there is any
-/// (Hannaford and Ryu 2002): alpha = excess / (T |v|^2), F -= alpha v.
+/// (Hannaford and Ryu 2002; docs/solver.md, Guard): alpha = excess / (T |v|^2), F -= alpha v.
 class PassivityController {
 public:
     /// `most`: the largest alpha, N s/m; 0: never.

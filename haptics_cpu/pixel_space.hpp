@@ -4,12 +4,12 @@
 
 namespace touchable {
 
-/// The paper's metric (section 3.3): pixels sideways and grey levels in depth, z_p = 255 (far - depth)/(far -
-/// near), as if they were one unit. Kept because its error is worth publishing: forces point tens of degrees
-/// wrong and create energy. For linear coding and square pixels. Positions are (x, -y, kappa z_p), so that
-/// axes are right-handed; kappa is 1 for the paper's metric. With that of a place (`kappa_at`) the space
-/// measures there, near the axis, what the world does but for a factor: shear and the change of range are
-/// left out.
+/// The paper's metric (sections 3.3.2 and 3.3.3): pixels sideways and grey levels in depth, z_p = 255 (far -
+/// depth)/(far - near) by Eq. 3, as if they were one unit. Kept because its error is worth publishing
+/// (docs/solver.md, Why not in pixel space): forces point tens of degrees wrong and create energy. For linear
+/// coding and square pixels. Positions are (x, -y, kappa z_p), so that axes are right-handed; kappa is 1 for
+/// the paper's metric. With that of a place (`kappa_at`) the space measures there, near the axis, what the
+/// world does but for a factor: shear and the change of range are left out.
 class PixelSpace {
 public:
     explicit PixelSpace(const HeightField& field, double kappa = 1.0) : field_(field), kappa_(kappa) {}
@@ -36,8 +36,7 @@ private:
     SpaceVertex compute_vertex(std::int64_t i, std::int64_t j) const;
     double level_of(double depth) const;
     const HeightField& field_;
-    double
-        kappa_;  // of one level; its product with 1 is exact, so that the paper's metric pays nothing for it
+    double kappa_;  // of one level; times 1 is exact: the paper's metric stays what it is
     mutable VertexCache cache_;
 };
 

@@ -28,11 +28,13 @@ struct Place {
     bool on_surface() const { return feature != Feature::free; }
 };
 
-/// A finger's god-object: a free point, or a place. So it is on the surface by construction, and stays on its
-/// pixel's ray when the surface moves.
+/// A finger's god-object (Zilles and Salisbury 1995): a free point, or a place. A place is on the surface by
+/// construction, and stays on its pixel's ray when the surface moves.
 struct Proxy : Place {
-    glm::dvec3 point{0.0};  ///< the free point; on the surface, where it was at the last tick
-    bool sliding = false;   ///< dynamic friction holds it back, not static
+    /// In the space of the solve (the world, or pixels and levels): the free point; of a place, where the
+    /// surface had it when it was last looked at.
+    glm::dvec3 point{0.0};
+    bool sliding = false;  ///< dynamic friction holds it back, not static
 };
 
 }  // namespace touchable

@@ -13,9 +13,9 @@ struct SolveCounts {
 };
 
 /// Moves a proxy that rests on the surface, its point up to date, to where the goal pulls it: the exact
-/// projected flow (docs/solver.md), feature by feature, until it is nearest to the goal, held by friction, or
-/// off the surface and at the goal. The distance to the goal never grows. `counts`: of this solve
-/// so far, no event among it.
+/// projected flow (docs/solver.md, Slide), feature by feature, until it is nearest to the goal, held by
+/// friction, or off the surface and at the goal. The distance to the goal never grows. Adds to `counts`, in
+/// which there is no event yet.
 template <class Space>
 void slide(const Space& space, Proxy& proxy, const glm::dvec3& goal, int event_limit, const Slip& slip,
            SolveCounts& counts);

@@ -6,7 +6,8 @@
 #include "haptics_cpu/proxy.hpp"
 #include "haptics_cpu/world_space.hpp"
 
-/// Places on the surface: interpolation within faces and along edges, and the normal forms of a place.
+/// Places on the surface: w, linear on faces and edges of the chart, and the normal form of a place (the rim
+/// of a face is its edges', their ends are vertices).
 namespace touchable {
 
 /// Exact at both ends, so that all edges meeting at a vertex see the same number there.
@@ -40,7 +41,7 @@ template <class Space>
     }
 }
 
-/// The place of a face at image location (x, y) of its cell; rounding never leaves the face.
+/// The place of a face at (a, b) of its cell; rounding never leaves the face.
 inline Place face_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
     auto unit = [](double f) { return f < 0 ? 0.0 : (f > 1 ? 1.0 : f); };
     Place at;
@@ -102,6 +103,7 @@ inline Place face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, dou
     return at;
 }
 
+/// Where a place of the lattice is, in the space.
 template <class Space>
 glm::dvec3 surface_point(const Space& space, const Place& at) {
     return space.position({at.x(), at.y(), surface_w(space, at)});

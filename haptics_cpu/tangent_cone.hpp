@@ -25,8 +25,8 @@ struct Motion {
     bool corners_valid;
 };
 
-/// Projects the pull v = G - P on the tangent cone of the free space at the proxy (docs/solver.md): the
-/// cone's boundary is a union of face sectors, so the projection is the longest among the projections on
+/// Projects the pull v = G - P on the tangent cone of the free space at the proxy (docs/solver.md, Slide):
+/// the cone's boundary is a union of face sectors, so the projection is the longest among the projections on
 /// incident faces (where it falls into the face's sector) and edges. Exact, also at ridges and saddles, where
 /// free space is not convex. `may_leave` false treats a pull off the surface as one along it.
 template <class Space>

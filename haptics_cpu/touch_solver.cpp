@@ -29,7 +29,7 @@ bool is_usable(const dvec3& goal) {
            std::abs(goal.z) <= largest_goal;
 }
 
-/// From a place on or in front of the surface.
+/// Cast, then slide: from a place on or in front of the surface to where the goal pulls the proxy.
 template <class Space>
 void solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip,
            SolveCounts& counts) {
@@ -52,7 +52,6 @@ Slip slip_of(const TouchSettings& settings, FingerState& finger) {
 }
 
 constexpr double never = std::numeric_limits<double>::infinity();
-constexpr double tick_s = 0.001;
 
 /// How far (scene units) the surface may take a proxy along in this tick before that is sudden: as far as it
 /// gets at the speed that is not, in a tick where frames are interpolated and in a frame where they are held.
@@ -64,7 +63,7 @@ double sudden_distance(const HeightField& field, const TouchSettings& settings, 
     if (!finger.started || moved_s == 0 || settings.metric != TouchMetric::world) return never;
     const double due_s = scene.interpolation == FrameInterpolation::hold
                              ? static_cast<double>(scene.rate.den) / static_cast<double>(scene.rate.num)
-                             : tick_s;
+                             : tick_seconds;
     return settings.sudden_speed * std::min(moved_s, due_s) / settings.metres_per_scene_unit;
 }
 
@@ -76,7 +75,8 @@ void book_carried(const Space& space, const Proxy& proxy, Contact& contact) {
     contact.carried_stiffness = space.field().stiffness(proxy.i, proxy.j, proxy.a, proxy.b);
 }
 
-/// Brings a proxy to the surface of this tick; `goal`: of the tick before.
+/// Brings a proxy to the surface of this tick, and finds what a sudden one exerts at `goal`, of the tick
+/// before.
 template <class Space>
 void bring(const Space& space, const TouchSettings& settings, double sudden, const dvec3& goal,
            const Slip& slip, Proxy& proxy, Contact& contact) {
@@ -124,6 +124,7 @@ void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scen
     contact.pixel_y = image ? image->y : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// The order of docs/solver.md, A tick, file by file.
 template <class Space>
 void tick_in(const Space& space, const TouchSettings& settings, std::span<const dvec3> goals,
              std::span<FingerState> fingers, std::span<Contact> contacts) {

@@ -32,7 +32,7 @@ struct TouchSettings {
 struct FingerState {
     Proxy proxy;
     bool started = false;
-    glm::dvec3 goal{0.0};   ///< the last goal that was finite
+    glm::dvec3 goal{0.0};   ///< the last one that could be used, world
     double slip_speed = 0;  ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
     double moment_ns = 0;   ///< of the surface it last met
 };
@@ -43,12 +43,13 @@ struct Contact {
     glm::dvec3 proxy{0.0};
     glm::dvec3 force{0.0};  ///< k S (P - G), before any guard
     bool touching = false;
-    bool goal_held =
-        false;  ///< the goal was not finite (or no pixel sees it, pixel metric): the last one stood in
+    /// The goal was no number, beyond any scene, or (metrics of pixels) seen by no pixel: the last one stood
+    /// in.
+    bool goal_held = false;
     double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN where no pixel sees it
     HapticProperties properties;      ///< at the proxy; zero out of contact
-    /// Where the surface of this tick took a proxy that was on it, before the goal moved; and k there, N/m, 0
-    /// for a proxy that was free.
+    /// Where the surface of this tick took the proxy, before the goal moved; and k there, N/m, 0 where that
+    /// is off the surface.
     glm::dvec3 carried{0.0};
     double carried_stiffness = 0;
     bool off_its_ray = false;  ///< the surface moved suddenly, and took the proxy aside or left it behind
@@ -59,8 +60,8 @@ struct Contact {
     SolveCounts counts;
 };
 
-/// The touch solver: goals of N fingers in, proxies and forces out. A pure function of settings, field, goals
-/// and state; no allocation, lock or I/O. Fingers do not feel each other.
+/// The touch solver (docs/solver.md): goals of N fingers in, proxies and forces out. A pure function of
+/// settings, field, goals and state; no allocation, lock or I/O. Fingers do not feel each other.
 class TouchSolver {
 public:
     /// Refuses the metrics of pixels where the scene's depth is not linear or its pixels are not square, and

@@ -8,7 +8,7 @@
 namespace touchable {
 
 /// N fingers from tick to tick: solver, jump cancellation, guard, and what they carry over. The one way a
-/// tick is made, offline and live.
+/// tick is made, offline and live (docs/solver.md, A tick, file by file).
 class TouchStep {
 public:
     /// `solver` outlives this.

@@ -30,7 +30,8 @@ struct SegmentRange {
 };
 
 /// The solver's metric as it should be: world space, scene units. w = q = 1 / planar depth makes (x, y, q) a
-/// projective chart of it: incidence is decided in the chart, distance in the world.
+/// projective chart of it: incidence is decided in the chart, distance in the world (docs/solver.md, Why not
+/// in pixel space). PixelSpace has the same members.
 class WorldSpace {
 public:
     /// One tick's; not for two threads at once.
