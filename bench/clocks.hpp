@@ -4,6 +4,8 @@
 
 namespace touchable {
 
+inline constexpr std::int64_t tick_ns = 1'000'000;  ///< of the touched time, from one tick to the next
+
 std::int64_t monotonic_ns();
 /// CPU time of this thread.
 std::int64_t thread_cpu_ns();

@@ -93,7 +93,7 @@ std::string text(double value, const std::string& unit) {
     return unit.empty() ? digits : std::string(digits) + " " + unit;
 }
 
-std::string padded(std::string words, std::size_t width) {
+std::string left_aligned(std::string words, std::size_t width) {
     if (words.size() < width) words.resize(width, ' ');
     return words;
 }
@@ -130,8 +130,8 @@ Verdict judge(const Target& target, const std::vector<CaseFigures>& measured) {
 std::string table_of(const std::vector<Target>& targets, const std::vector<CaseFigures>& measured) {
     const auto line = [](const std::string& what, const std::string& elsewhere, const std::string& wanted,
                          const std::string& value, const std::string& cases, const std::string& verdict) {
-        return padded(what, 43) + padded(elsewhere, 22) + padded(wanted, 12) + padded(value, 14) +
-               padded(cases, 8) + verdict + "\n";
+        return left_aligned(what, 43) + left_aligned(elsewhere, 22) + left_aligned(wanted, 12) +
+               left_aligned(value, 14) + left_aligned(cases, 8) + verdict + "\n";
     };
     std::string table = line("target", "elsewhere", "wanted", "measured", "cases", "");
     for (const Target& target : targets) {

@@ -13,7 +13,7 @@
 namespace touchable {
 namespace {
 
-constexpr double nearest_goal = 0.1;  // a goal stays this share of the anchor's depth in front of the camera
+constexpr double nearest_share = 0.1;  // a goal stays this share of the anchor's depth in front of the camera
 
 glm::dvec3 pushed_in(glm::dvec3 goal, double push, double nearest_z) {
     goal.z = std::min(goal.z - push, nearest_z);
@@ -167,7 +167,7 @@ Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, i
     for (int finger = 0; finger < fingers; ++finger) {
         offsets.emplace_back(finger_offset(finger, fingers, given->number("spread")) * units_per_metre, 0);
     }
-    const double nearest_z = -nearest_goal * depth;
+    const double nearest_z = -nearest_share * depth;
     const ContactSearch search(positions, offsets, nearest_z, probe);
     const double push = search.push_for(given->number("contact"), 0.001 * units_per_metre);
     for (glm::dvec3& p : positions) p = pushed_in(p, push, nearest_z);

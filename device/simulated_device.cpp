@@ -12,14 +12,14 @@ namespace touchable {
 
 namespace {
 
-constexpr double tick_s = 0.001;
+constexpr double period_s = 0.001;
 
 bool is_finite(const glm::dvec3& v) {
     return std::isfinite(glm::dot(v, v));
 }
 
 constexpr HandleDynamics standard;
-constexpr std::array<HandKey, 6> keys{{
+constexpr std::array<HandKey, 6> device_keys{{
     {"mass", "kg", 0.05, 10, standard.mass},
     {"damping", "N s/m", 0, 50, standard.damping},
     {"friction", "N", 0, 5, standard.friction},
@@ -32,7 +32,7 @@ constexpr std::array<HandKey, 6> keys{{
 
 SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits, const HandleDynamics& handle)
     : limits_(limits),
-      handles_(static_cast<std::size_t>(fingers), HeldHandle(handle, tick_s)),
+      handles_(static_cast<std::size_t>(fingers), HeldHandle(handle, period_s)),
       exerted_(static_cast<std::size_t>(fingers), glm::dvec3(0)) {
     assert(fingers > 0 && limits.max_force > 0 && limits.max_stiffness > 0);
 }
@@ -93,7 +93,7 @@ void SimulatedDevice::pass_tick() {
     for (std::size_t finger = 0; finger < handles_.size(); ++finger)
         handles_[finger].advance(exerted_[finger]);
     ++silent_ticks_;
-    if (silent_ticks_ * tick_s > silence_s) go_limp();
+    if (silent_ticks_ * period_s > silence_s) go_limp();
     if (ticks_to_unplugging_ && --*ticks_to_unplugging_ <= 0) {
         ticks_to_unplugging_.reset();
         fail("was unplugged");
@@ -116,7 +116,7 @@ Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string
         return usage_error("unknown device '" + description.substr(0, colon) +
                            "'; the one there is is simulated");
     const auto given = HandOptions::parse(
-        "device 'simulated'", colon == std::string::npos ? "" : description.substr(colon + 1), keys);
+        "device 'simulated'", colon == std::string::npos ? "" : description.substr(colon + 1), device_keys);
     if (!given.ok()) return given.error();
     HandleDynamics handle;
     handle.mass = given->number("mass");
@@ -126,7 +126,7 @@ Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string
     handle.hand_stiffness = given->number("hand") * 1000;
     auto device = std::make_unique<SimulatedDevice>(fingers, limits, handle);
     if (given->given("unplug"))
-        device->unplug_after(static_cast<std::int64_t>(given->number("unplug") / tick_s + 0.5));
+        device->unplug_after(static_cast<std::int64_t>(given->number("unplug") / period_s + 0.5));
     return device;
 }
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "bench/clocks.hpp"
+
 namespace touchable {
 namespace {
-
-constexpr std::int64_t tick_ns = 1'000'000;
 
 glm::dvec3 point_of(const HeightField& field, int x, int y) {
     const Scene& scene = field.scene();

@@ -15,10 +15,6 @@ constexpr double off_surface = 2;     // scene units, millimetres: more than thi
 constexpr double surely_under = 0.5;  // millimetres of goal under the surface: far above facets and codes
 constexpr HapticProperties smooth{600, 0, 0};
 
-double length(const glm::dvec3& v) {
-    return std::sqrt(glm::dot(v, v));
-}
-
 std::vector<ReliefStroke::Goal> stroke_of(const FollowingRun& run) {
     ReliefStroke stroke(relief_of(run.setup.scene), run.setup.width, run.setup.height, run.speed);
     std::vector<ReliefStroke::Goal> goals;

@@ -10,7 +10,6 @@
 namespace touchable {
 namespace {
 
-constexpr std::int64_t tick_ns = 1'000'000;
 constexpr int slots = 4;
 
 /// The same picture in memory of its own, as a builder leaves it.

@@ -14,10 +14,6 @@ namespace {
 
 constexpr double true_force = 1;  // newtons: 1 N/mm, 1 mm under the surface
 
-double length(const glm::dvec3& v) {
-    return std::sqrt(glm::dot(v, v));
-}
-
 struct RootMeanSquare {
     double sum = 0;
     int count = 0;

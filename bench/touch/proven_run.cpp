@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "bench/clocks.hpp"
 #include "bench/touch/touch_run.hpp"
 #include "engine/content/strokes.hpp"
 #include "tests/reference/certificate.hpp"
@@ -12,10 +13,9 @@
 namespace touchable {
 namespace {
 
-constexpr HapticProperties smooth{600, 0, 0};
-constexpr std::int64_t tick_ns = 1'000'000;
+constexpr HapticProperties frictionless{600, 0, 0};
 // What the roundings of doubles explain: of 1 / depth, relative, and of lengths per (1 + |P - G|).
-constexpr double behind_tolerance = 1e-9, excess_tolerance = 1e-9, way_tolerance = 1e-7;
+constexpr double depth_tolerance = 1e-9, excess_tolerance = 1e-9, way_tolerance = 1e-7;
 
 std::vector<glm::dvec3> goals_of(const ProvenRun& run) {
     const TouchCase& c = run.setup;
@@ -37,7 +37,7 @@ public:
     void look(const reference::Surface& truth, const Proxy& before, const Proxy& after,
               const Contact& contact) {
         ++ticks_;
-        tunnelled_ += !(reference::depth_behind(truth, contact.proxy) <= behind_tolerance);
+        tunnelled_ += !(reference::depth_behind(truth, contact.proxy) <= depth_tolerance);
         if (contact.counts.capped) {  // goes on at the next tick
             ++capped_;
             return;
@@ -86,7 +86,7 @@ private:
 }  // namespace
 
 Result<void> measure_proof(const TouchSurface& surface, const ProvenRun& run, Figures& figures) {
-    auto made = TouchRun::create(surface, run.setup, smooth, goals_of(run));
+    auto made = TouchRun::create(surface, run.setup, frictionless, goals_of(run));
     if (!made.ok()) return made.error();
     TouchRun& touch = **made;
     Proof proof;

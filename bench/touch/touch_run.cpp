@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "bench/clocks.hpp"
+
 namespace touchable {
 namespace {
-
-constexpr std::int64_t tick_ns = 1'000'000;
 
 /// What is wrong with a contact; nullptr if it is sound.
 const char* fault_of(const Contact& contact, const HeightField& field, double metres_per_scene_unit,

@@ -286,7 +286,7 @@ private:
     std::vector<Variable> variables_;
 };
 
-std::string_view name_of(std::optional<GpuBindingKind> kind) {
+std::string_view kind_name(std::optional<GpuBindingKind> kind) {
     if (!kind) return "of a kind this engine does not bind";
     switch (*kind) {
         case GpuBindingKind::storage_buffer:
@@ -305,10 +305,10 @@ std::string text(const std::array<std::uint32_t, 3>& size) {
 
 std::string difference_of_bindings(const SpirvLayout& kernel, const GpuLayout& believed) {
     for (const auto& [number, kind] : kernel.bindings) {
-        const std::string what = "binding " + std::to_string(number) + " is " + std::string(name_of(kind));
+        const std::string what = "binding " + std::to_string(number) + " is " + std::string(kind_name(kind));
         if (number >= believed.bindings.size()) return what + ", and C++ has no such binding";
         if (kind != believed.bindings[number])
-            return what + ", and C++ binds " + std::string(name_of(believed.bindings[number]));
+            return what + ", and C++ binds " + std::string(kind_name(believed.bindings[number]));
     }
     for (std::uint32_t i = 0; i < believed.bindings.size(); ++i)
         if (!kernel.bindings.contains(i))

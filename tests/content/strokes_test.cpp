@@ -10,7 +10,7 @@
 namespace touchable {
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double one_degree = 3.14159265358979323846 / 180;
 
 TEST(GlobeStroke, RunsOneMillimetreUnderTheSphereAlongItsNormals) {
     const GlobeStroke stroke(CameraPreset::b, 720, 480);
@@ -21,8 +21,8 @@ TEST(GlobeStroke, RunsOneMillimetreUnderTheSphereAlongItsNormals) {
          tick < GlobeStroke::approach_ticks + GlobeStroke::stroke_ticks; ++tick) {
         const double T = (tick - 200) * 0.001;
         const GlobeStroke::Goal at = stroke.at(tick);
-        double nx = std::sin(50 * degree * std::sin(2 * M_PI * 0.37 * T));
-        double ny = std::sin(50 * degree * std::sin(2 * M_PI * 0.29 * T + 1));
+        double nx = std::sin(50 * one_degree * std::sin(2 * M_PI * 0.37 * T));
+        double ny = std::sin(50 * one_degree * std::sin(2 * M_PI * 0.29 * T + 1));
         if (nx * nx + ny * ny > 0.72) {
             const double scale = std::sqrt(0.72 / (nx * nx + ny * ny));
             nx *= scale, ny *= scale;
@@ -33,8 +33,8 @@ TEST(GlobeStroke, RunsOneMillimetreUnderTheSphereAlongItsNormals) {
         ASSERT_GT(at.normal.z, 0);
         ASSERT_NEAR(length(at.goal - sphere.centre - (sphere.radius - units_per_mm) * at.normal), 0, 1e-10);
         ASSERT_NEAR(at.polar_angle, std::acos(at.normal.z), 1e-12);
-        ASSERT_LE(at.polar_angle, 58.06 * degree);
-        const double polar = at.polar_angle / degree;
+        ASSERT_LE(at.polar_angle, 58.06 * one_degree);
+        const double polar = at.polar_angle / one_degree;
         ++bins[polar < 15 ? 0 : polar < 30 ? 1 : polar < 45 ? 2 : 3];
     }
     for (const int count : bins) EXPECT_GT(count, 500);

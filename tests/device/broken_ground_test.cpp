@@ -6,15 +6,11 @@
 #include <limits>
 #include <vector>
 
-#include "device/hand.hpp"
-#include "tests/device/fake_probe.hpp"
+#include "tests/device/hand_path.hpp"
 
 namespace touchable {
 namespace {
 
-using Path = std::vector<glm::dvec3>;
-
-const Workspace workspace = default_workspace(640, 500, 800);
 constexpr std::size_t down_at = 250;        // ticks: the hand has come down
 constexpr double deepest = 0.002 * 10 / 7;  // how far the default hand goes under a surface, device metres
 
@@ -24,20 +20,6 @@ double millimetres(double scene_units) {
 
 double scene_units(double millimetres) {
     return millimetres / 1000 / workspace.metres_per_scene_unit;
-}
-
-Path run(const std::string& description, const SurfaceProbe& probe, int fingers = 1, int ticks = 4000) {
-    Result<std::unique_ptr<Hand>> hand = make_hand(description, fingers, workspace, probe);
-    if (!hand) {
-        ADD_FAILURE() << hand.error().message;
-        return {};
-    }
-    Path path(static_cast<std::size_t>(ticks * fingers));
-    for (int tick = 0; tick < ticks; ++tick) {
-        const auto first = static_cast<std::size_t>(tick * fingers);
-        (*hand)->goals_at(tick, probe, std::span(path).subspan(first, static_cast<std::size_t>(fingers)));
-    }
-    return path;
 }
 
 /// Millimetres of device space by which a goal is behind the surface under it; far below 0 over a hole.

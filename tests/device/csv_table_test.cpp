@@ -7,7 +7,7 @@
 namespace touchable {
 namespace {
 
-std::string refusal_of(const std::string& text, const std::string& column = "") {
+std::string table_refusal(const std::string& text, const std::string& column = "") {
     const TemporaryFile file("table.csv", text);
     const Result<CsvTable> table = CsvTable::read(file.path());
     Error error;
@@ -65,20 +65,21 @@ TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
 }
 
 TEST(CsvTable, RefusalNamesLineAndColumn) {
-    EXPECT_EQ(refusal_of("a,b\n1,2\n3,x\n", "b"), "line 3, column 'b' holds 'x'; expected a finite number");
-    EXPECT_EQ(refusal_of("a,b\n1,\n", "b"), "line 2, column 'b' holds nothing; expected a finite number");
-    EXPECT_EQ(refusal_of("a,b\n1,nan\n", "b"), "line 2, column 'b' holds 'nan'; expected a finite number");
-    EXPECT_EQ(refusal_of("1\n-inf\n", "1"), "line 2, column '1' holds '-inf'; expected a finite number");
-    EXPECT_EQ(refusal_of("a,b\n1,1e999\n", "b"),
+    EXPECT_EQ(table_refusal("a,b\n1,2\n3,x\n", "b"),
+              "line 3, column 'b' holds 'x'; expected a finite number");
+    EXPECT_EQ(table_refusal("a,b\n1,\n", "b"), "line 2, column 'b' holds nothing; expected a finite number");
+    EXPECT_EQ(table_refusal("a,b\n1,nan\n", "b"), "line 2, column 'b' holds 'nan'; expected a finite number");
+    EXPECT_EQ(table_refusal("1\n-inf\n", "1"), "line 2, column '1' holds '-inf'; expected a finite number");
+    EXPECT_EQ(table_refusal("a,b\n1,1e999\n", "b"),
               "line 2, column 'b' holds '1e999'; expected a finite number");
-    EXPECT_EQ(refusal_of("a,b\n1,2\n", "c"), "has no column 'c'; columns are 1 to 2, a, b");
-    EXPECT_EQ(refusal_of("a,b\n1,2\n3\n"), "line 3 has 1 fields; the lines before have 2");
-    EXPECT_EQ(refusal_of("a,b\n1,2\n\n3,4\n"), "line 3 has 1 fields; the lines before have 2");
-    EXPECT_EQ(refusal_of(""), "has no row of data; expected numbers");
-    EXPECT_EQ(refusal_of("a,b\n"), "has no row of data; expected numbers");
-    EXPECT_EQ(refusal_of("a,\"b\n1,2\n"), "line 1: a quote is opened and not closed");
-    EXPECT_EQ(refusal_of("a,\"b\"c\n1,2\n"), "line 1: text follows a closing quote; expected a comma");
-    EXPECT_EQ(refusal_of(std::string("a,b\n1,\0\n", 8)),
+    EXPECT_EQ(table_refusal("a,b\n1,2\n", "c"), "has no column 'c'; columns are 1 to 2, a, b");
+    EXPECT_EQ(table_refusal("a,b\n1,2\n3\n"), "line 3 has 1 fields; the lines before have 2");
+    EXPECT_EQ(table_refusal("a,b\n1,2\n\n3,4\n"), "line 3 has 1 fields; the lines before have 2");
+    EXPECT_EQ(table_refusal(""), "has no row of data; expected numbers");
+    EXPECT_EQ(table_refusal("a,b\n"), "has no row of data; expected numbers");
+    EXPECT_EQ(table_refusal("a,\"b\n1,2\n"), "line 1: a quote is opened and not closed");
+    EXPECT_EQ(table_refusal("a,\"b\"c\n1,2\n"), "line 1: text follows a closing quote; expected a comma");
+    EXPECT_EQ(table_refusal(std::string("a,b\n1,\0\n", 8)),
               "line 2 holds bytes that are no text; give a comma-separated table");
 }
 

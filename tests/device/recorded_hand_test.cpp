@@ -7,15 +7,13 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "device/hand.hpp"
 #include "device/recorded_motion.hpp"
-#include "tests/device/fake_probe.hpp"
+#include "tests/device/hand_path.hpp"
 #include "tests/device/temporary_file.hpp"
 
 namespace touchable {
 namespace {
 
-const Workspace workspace = default_workspace(640, 500, 800);
 const std::string recordings = std::string(TOUCHABLE_TEST_DATA) + "/haptics/";
 
 FakeProbe slanted_view() {
@@ -31,16 +29,6 @@ std::vector<glm::dvec3> goals_of(Hand& hand, const SurfaceProbe& probe) {
                       std::span(goals).subspan(tick * fingers, fingers));
     }
     return goals;
-}
-
-double share_under(const std::vector<glm::dvec3>& goals, const SurfaceProbe& probe) {
-    std::size_t under = 0;
-    for (const glm::dvec3& goal : goals) {
-        const glm::dvec3 seen = probe.project(goal);
-        const std::optional<double> surface = probe.depth_under(seen.x, seen.y);
-        under += surface && seen.z > *surface ? 1 : 0;
-    }
-    return static_cast<double>(under) / static_cast<double>(goals.size());
 }
 
 TEST(RecordedMotion, LinearDataIsResampledExactly) {

@@ -16,6 +16,9 @@ public:
     }
     /// 0 <= result < n; the bias of the remainder does not matter to a test.
     int below(int n) { return static_cast<int>(next() % static_cast<std::uint64_t>(n)); }
+    double within(double low, double high) {
+        return low + (high - low) * (static_cast<double>(below(1 << 30)) / (1 << 30));
+    }
 
 private:
     std::uint64_t state_;

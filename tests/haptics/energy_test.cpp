@@ -13,7 +13,7 @@ namespace {
 using glm::dvec3;
 
 // Sums of thousands of terms of millijoules.
-constexpr double rounding = 1e-13;
+constexpr double energy_rounding = 1e-13;
 
 class Globe : public testing::Test {
 protected:
@@ -41,9 +41,9 @@ TEST_F(Globe, PressSlideRetractCreatesNoMoreThanHoldingForcesDoes) {
             const PathResult result = loop(0.2 + flank, 0.02, limbward);
             EXPECT_GT(result.touching(), 200);
             EXPECT_GT(result.energy.bound, 1e-5);
-            EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+            EXPECT_LE(result.energy.created, result.energy.bound + energy_rounding);
             EXPECT_EQ(result.energy.stored, 0) << "it ends in the air";
-            EXPECT_NEAR(result.energy.surface, 0, rounding) << "nothing but the hand moves";
+            EXPECT_NEAR(result.energy.surface, 0, energy_rounding) << "nothing but the hand moves";
         }
 }
 
@@ -78,7 +78,7 @@ TEST_F(Globe, ForcesCutOffByTheDeviceCreateNothingEither) {
     const PathResult result = loop(1.2, 0.02, true, settings);
     EXPECT_GT(result.ticks_with(guard_force), 100);
     EXPECT_GT(result.ticks_with(guard_stiffness), 200);
-    EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+    EXPECT_LE(result.energy.created, result.energy.bound + energy_rounding);
     EXPECT_LT(result.energy.bound, loop(1.2, 0.02, true).energy.bound);
 }
 
@@ -91,7 +91,7 @@ TEST_F(Globe, AGuardThatRampsInPutsEnergyIntoTheSpring) {
     EXPECT_EQ(result.ticks_with(guard_ramp), 100);
     EXPECT_GT(result.energy.surface, 1.5e-3);
     EXPECT_GT(result.energy.work, 1.5e-3);
-    EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+    EXPECT_LE(result.energy.created, result.energy.bound + energy_rounding);
 }
 
 TEST(Energy, PressingIntoAWallLeaksExactlyHalfKStepSquaredATick) {
@@ -112,7 +112,7 @@ TEST(Energy, FrictionOnlyTakes) {
     wall.scene.default_properties = {1000, 0.5, 0.3};
     const auto path = path_along({{-3, 0, -99}, {-3, 0, -101}, {3, 0, -101}, {3, 0, -99}}, 0.01);
     const PathResult result = run_path(path, without_ramp(), wall);
-    EXPECT_LE(result.energy.created, result.energy.bound + rounding);
+    EXPECT_LE(result.energy.created, result.energy.bound + energy_rounding);
     // 0.3 N over about 5.7 mm.
     EXPECT_NEAR(result.energy.balance(), -0.3 * 5.7e-3, 2e-4);
 }
@@ -132,7 +132,7 @@ TEST(Energy, ASurfaceThatLiftsTheHandGivesWhatItGives) {
     }
     EXPECT_NEAR(energy.surface, 0.5 * 1000 * 3.5e-3 * 3.5e-3, 1e-4);
     EXPECT_NEAR(energy.work, energy.surface, 1e-4);
-    EXPECT_LE(energy.created, energy.bound + rounding);
+    EXPECT_LE(energy.created, energy.bound + energy_rounding);
     EXPECT_LT(energy.bound, 1e-4);
 }
 
@@ -156,7 +156,7 @@ TEST(Energy, AMovingReliefCreatesNoMoreThanHoldingForcesDoes) {
             const Contact& contact = rig.tick(stroke.next().goal);
             energy = guard.guard(contact).energy;
             touching += contact.touching;
-            ASSERT_LE(energy.created, energy.bound + rounding) << tick;
+            ASSERT_LE(energy.created, energy.bound + energy_rounding) << tick;
         }
         EXPECT_GT(touching, 500);
         EXPECT_GT(std::abs(energy.surface), 1e-4);
@@ -173,7 +173,7 @@ TEST(Energy, AGoalThatIsLostForAWhileLeavesTheBooksFinite) {
         energy = guard.guard(wall.touch(finger, {0, 0, z})).energy;
         ASSERT_TRUE(std::isfinite(energy.balance())) << k;
     }
-    EXPECT_LE(energy.created, energy.bound + rounding);
+    EXPECT_LE(energy.created, energy.bound + energy_rounding);
 }
 
 }  // namespace

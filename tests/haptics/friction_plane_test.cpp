@@ -17,7 +17,7 @@ using glm::dot;
 using glm::dvec3;
 
 // Places near -1000 are known to 2e-13, forces are made of differences of a few of them over 2 units.
-constexpr double rounding = 5e-11;
+constexpr double plane_rounding = 5e-11;
 
 /// The plane at a tilt: its normal, a direction along it, and its point on the optical axis.
 class TiltedPlane {
@@ -66,7 +66,7 @@ TEST_P(PlaneFriction, ALoadStraightDownSlipsExactlyAboveTheAngleOfFriction) {
         const double slid = length(landed.proxy - dvec3(0, 0, -1000));
         // What mu does not hold of the 2 sin a along the plane.
         const double expected = share > 1 ? 0 : 2 * cosine(tilt) * (steepness - mu);
-        EXPECT_NEAR(slid, expected, rounding) << "mu " << share << " of tan a";
+        EXPECT_NEAR(slid, expected, plane_rounding) << "mu " << share << " of tan a";
     }
 }
 
@@ -77,13 +77,13 @@ TEST_P(PlaneFriction, SlidingPullsBackByMuDynamicTimesTheLoad) {
         const double depth = 2 + 0.002 * k;
         const Contact contact = plane.rig.tick(plane.goal(0.02 * k, depth));
         const double load = plane.normal_force(contact);
-        EXPECT_NEAR(load, depth, rounding);  // 1000 N/m
+        EXPECT_NEAR(load, depth, plane_rounding);  // 1000 N/m
         const dvec3 drag = plane.tangential_force(contact);
         if (k > 80) {
-            EXPECT_NEAR(length(drag), 0.3 * load, rounding * load) << k;
-            EXPECT_NEAR(dot(drag, plane.along), -length(drag), rounding);
+            EXPECT_NEAR(length(drag), 0.3 * load, plane_rounding * load) << k;
+            EXPECT_NEAR(dot(drag, plane.along), -length(drag), plane_rounding);
         } else if (k < 50) {
-            EXPECT_NEAR(length(drag), 0.02 * k, rounding) << "sticks, and pulls like the spring " << k;
+            EXPECT_NEAR(length(drag), 0.02 * k, plane_rounding) << "sticks, and pulls like the spring " << k;
         }
     }
 }

@@ -22,10 +22,6 @@ constexpr double newtons_per_unit = 0.6;  // 600 N/m, a unit is a millimetre
 /// steepest of a fade over the device's 10 N, with a fifth for fades that overlap.
 constexpr double largest_rise = 0.1 * newtons_per_unit + 1.2 * 10 * 1.5 / JumpCancellation::fade_ticks;
 
-double within(Random& random, double low, double high) {
-    return low + (high - low) * (static_cast<double>(random.below(1 << 30)) / (1 << 30));
-}
-
 /// One finger over a small field, through TouchStep; every tick is looked at.
 class Stage {
 public:
@@ -96,13 +92,13 @@ TEST(SuddenSurface, RisesThroughAFreeFingerAtAnySpeedAndNeverKicks) {
             Stage stage(FrameInterpolation::linear);
             const double level = stage.field.scene.depth.level();
             std::vector<double> grain(33 * 33);
-            for (double& g : grain) g = within(random, -rough, rough);
+            for (double& g : grain) g = random.within(-rough, rough);
             double deepest = 370;
             double most = 0;
             for (int sweep = 0; sweep < 3; ++sweep) {
                 stage.begin();
                 stage.force = dvec3(0.0);
-                const dvec3 goal{within(random, -3, 3), within(random, -3, 3), within(random, -330, -250)};
+                const dvec3 goal{random.within(-3, 3), random.within(-3, 3), random.within(-330, -250)};
                 double depth = deepest;
                 for (int tick = 0; tick < 40; ++tick) {
                     stage.field.shape(stage.field.prev, [&](int x, int y) {
@@ -128,8 +124,8 @@ TEST_P(CutEveryFrame, NeverKicksNeverLosesTheSurface) {
     Stage stage(GetParam());
     const double spread[] = {4, 15, 60, 150};
     const auto cut = [&](SurfaceFrame& frame, std::int64_t n) {
-        const double depth = 200 + within(random, -0.5, 0.5) * spread[n / 8 % 4];
-        const double tilt_x = within(random, -0.4, 0.4), tilt_y = within(random, -0.4, 0.4);
+        const double depth = 200 + random.within(-0.5, 0.5) * spread[n / 8 % 4];
+        const double tilt_x = random.within(-0.4, 0.4), tilt_y = random.within(-0.4, 0.4);
         stage.field.shape(frame, [&](int x, int y) { return depth + tilt_x * (x - 16) + tilt_y * (y - 16); });
     };
     stage.begin();

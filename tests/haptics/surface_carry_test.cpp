@@ -17,10 +17,6 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-double within(Random& random, double low, double high) {
-    return low + (high - low) * (static_cast<double>(random.below(1 << 30)) / (1 << 30));
-}
-
 /// Nearest of the window without rings: many points on every triangle, each nearer than the last.
 double nearest_by_sampling(const WorldSpace& space, const Place& around, const glm::dvec3& point) {
     double least = never;
@@ -43,14 +39,14 @@ TEST(NearestPlace, NoSampleOfTheWindowIsNearerAndItIsNearestOnItsOwnTriangles) {
     for (int round = 0; round < 60; ++round) {
         SmallField field(40, 40, 100.0);
         const double rough = round % 3 == 0 ? 0.5 : (round % 3 == 1 ? 5.0 : 60.0);
-        field.shape(field.prev, [&](int, int) { return 160 + within(random, -rough, rough); });
+        field.shape(field.prev, [&](int, int) { return 160 + random.within(-rough, rough); });
         const FramePair pair{{0, 0, &field.prev}, {0, 0, &field.prev}, 0};
         const HeightField surface(field.scene, pair);
         const WorldSpace space(surface);
-        const Place around = face_under(within(random, -3, 42), within(random, -3, 42));
+        const Place around = face_under(random.within(-3, 42), random.within(-3, 42));
         // Behind the surface, on the place's ray.
-        const glm::dvec3 point = surface_point(space, around) * within(random, 1.0, 1.1);
-        const double reach = within(random, 0.2, 20);
+        const glm::dvec3 point = surface_point(space, around) * random.within(1.0, 1.1);
+        const double reach = random.within(0.2, 20);
         const auto place = nearest_place(space, around, point, reach);
         const double sampled = nearest_by_sampling(space, around, point);
         if (!place) {
@@ -201,16 +197,16 @@ TEST(SurfaceCarry, ASlopeThatRisesKeepsAStickingFingerOnItsRay) {
 TEST(SurfaceCarry, WhatIsNotSuddenIsTheSameToTheBitAsWithoutALimit) {
     Random random(5);
     SmallField field(24, 24, 100.0);
-    field.shape(field.prev, [&](int, int) { return 150 + within(random, -20, 20); });
-    field.shape(field.next, [&](int, int) { return 150 + within(random, -20, 20); });
+    field.shape(field.prev, [&](int, int) { return 150 + random.within(-20, 20); });
+    field.shape(field.next, [&](int, int) { return 150 + random.within(-20, 20); });
     FingerState bounded, unbounded;
     TouchSettings wide, none;
     wide.sudden_speed = 1000;
     none.sudden_speed = never;
     int touching = 0;
     for (int tick = 0; tick < 1000; ++tick) {
-        const glm::dvec3 goal{within(random, -4, 4), within(random, -4, 4), within(random, -170, -130)};
-        const double blend = within(random, 0, 0.999);
+        const glm::dvec3 goal{random.within(-4, 4), random.within(-4, 4), random.within(-170, -130)};
+        const double blend = random.within(0, 0.999);
         const Contact a = field.touch(bounded, goal, blend, wide),
                       b = field.touch(unbounded, goal, blend, none);
         ASSERT_EQ(a.force, b.force) << "tick " << tick;

@@ -11,8 +11,6 @@
 namespace touchable::test {
 namespace {
 
-constexpr Planes all_planes{true, true, true};
-
 /// What can be told of a clip: everything, or the error.
 struct Outcome {
     std::string error;

@@ -44,6 +44,7 @@ struct Planes {
     bool colour = false, haptic = false, height = false;
     bool noisy = true;  ///< uniform over the whole range; else a ramp
 };
+inline constexpr Planes all_planes{true, true, true};
 
 /// The same numbers on every machine.
 class Numbers {

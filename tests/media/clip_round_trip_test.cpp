@@ -10,7 +10,7 @@
 namespace touchable::test {
 namespace {
 
-constexpr Planes depth_only{}, all_planes{true, true, true};
+constexpr Planes depth_only{};
 
 void expect_round_trip(const TemporaryFolder& folder, const Scene& scene, int frames, const Planes& planes) {
     const auto file = folder / "clip.mkv";

@@ -11,8 +11,7 @@
 namespace touchable::test {
 namespace {
 
-constexpr const char* guid = "0123456789ABCDEF0123456789ABCDEF";
-constexpr int width = 12, height = 10;
+constexpr int wide = 12, high = 10;
 
 std::uint8_t depth_at(int x, int y) {
     return static_cast<std::uint8_t>(20 * x + 3 * y);
@@ -20,21 +19,21 @@ std::uint8_t depth_at(int x, int y) {
 
 /// A depth map as phones store it: three channels alike, and alpha.
 std::string depth_png(int odd_one_out = -1) {
-    return encoded("png", AV_PIX_FMT_RGBA, width, height, [&](AVFrame& frame) {
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
+    return encoded("png", AV_PIX_FMT_RGBA, wide, high, [&](AVFrame& frame) {
+        for (int y = 0; y < high; ++y)
+            for (int x = 0; x < wide; ++x) {
                 std::uint8_t* pixel =
                     frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y + 4 * std::ptrdiff_t{x};
                 pixel[0] = pixel[1] = pixel[2] = depth_at(x, y);
                 pixel[3] = 255;
-                if (y * width + x == odd_one_out) ++pixel[1];
+                if (y * wide + x == odd_one_out) ++pixel[1];
             }
     });
 }
 
 /// A plain picture; half the depth map's size where asked.
 std::string plain_jpeg(int divisor = 1) {
-    return encoded("mjpeg", AV_PIX_FMT_YUVJ420P, width / divisor, height / divisor, [&](AVFrame& frame) {
+    return encoded("mjpeg", AV_PIX_FMT_YUVJ420P, wide / divisor, high / divisor, [&](AVFrame& frame) {
         for (int plane = 0; plane < 3; ++plane)
             for (int y = 0; y < (plane == 0 ? frame.height : (frame.height + 1) / 2); ++y)
                 for (int x = 0; x < (plane == 0 ? frame.width : (frame.width + 1) / 2); ++x)
@@ -78,13 +77,13 @@ TEST(GdepthJpeg, IsAClipOfOneFrame) {
     ASSERT_EQ(message(clip), "");
     const Scene& scene = (*clip)->scene();
     EXPECT_EQ(scene.name, "still");
-    EXPECT_EQ(scene.width, width);
-    EXPECT_EQ(scene.height, height);
+    EXPECT_EQ(scene.width, wide);
+    EXPECT_EQ(scene.height, high);
     EXPECT_EQ(scene.metres_per_unit, 1.0);
     EXPECT_EQ(scene.camera.cx, 5.5);
     EXPECT_EQ(scene.camera.cy, 4.5);
     EXPECT_EQ(scene.camera.fx, scene.camera.fy);
-    EXPECT_NEAR(2 * std::atan(width / 2.0 / scene.camera.fx) * 180 / M_PI, 60, 1e-12);
+    EXPECT_NEAR(2 * std::atan(wide / 2.0 / scene.camera.fx) * 180 / M_PI, 60, 1e-12);
     EXPECT_EQ(scene.depth.semantics, DepthSemantics::planar);
     for (int v = 0; v < 256; ++v)  // as the format's description has it
         EXPECT_NEAR(scene.depth.depth(static_cast<std::uint16_t>(v)), 10.0 * 2 / (10 - v / 255.0 * (10 - 2)),
@@ -102,8 +101,8 @@ TEST(GdepthJpeg, IsAClipOfOneFrame) {
         const RawFrame& frame = frames->front();
         EXPECT_EQ(frame.time_ns, 0);
         ASSERT_EQ(frame.depth.channels, 1);
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
+        for (int y = 0; y < high; ++y)
+            for (int x = 0; x < wide; ++x) {
                 ASSERT_EQ(frame.depth.sample(x, y), depth_at(x, y));
                 ASSERT_EQ(frame.colour.sample(x, y, 0), frame.colour.sample(0, 0, 0));
             }
@@ -131,7 +130,7 @@ TEST(GdepthJpeg, SaysWhatItsDepthsMean) {
 TEST(GdepthJpeg, DepthMayBeOfSixteenBits) {
     const TemporaryFolder folder;
     Samples memory;
-    const PlaneView plane = test_plane(memory, width, height, 2, 1, 65535, 3, true);
+    const PlaneView plane = test_plane(memory, wide, high, 2, 1, 65535, 3, true);
     ASSERT_EQ(message(write_png(folder / "depth.png", plane)), "");
     Gdepth still;
     still.data = encode_base64(read_bytes(folder / "depth.png"));
@@ -149,12 +148,12 @@ TEST(GdepthJpeg, APictureOfAnotherSizeIsResampledAndSaysSo) {
     auto clip = open_bytes(folder, still.file());
     ASSERT_EQ(message(clip), "");
     EXPECT_TRUE(has_note(**clip, "colour is 6x5: resampled"));
-    EXPECT_EQ((*read_all(**clip)).front().colour.width, width);
+    EXPECT_EQ((*read_all(**clip)).front().colour.width, wide);
 }
 
 TEST(GdepthJpeg, ASceneFileReplacesWhatIsAssumed) {
     const TemporaryFolder folder;
-    Scene scene = small_scene(width, height);
+    Scene scene = small_scene(wide, high);
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.scale = 3;
     scene.depth.near = 0;
@@ -166,7 +165,7 @@ TEST(GdepthJpeg, ASceneFileReplacesWhatIsAssumed) {
     ASSERT_EQ(message(clip), "");
     EXPECT_EQ((*clip)->scene().name, "small");
     EXPECT_FALSE(has_note(**clip, "assumed"));
-    const double deepest = 3.0 * depth_at(width - 1, height - 1);
+    const double deepest = 3.0 * depth_at(wide - 1, high - 1);
     EXPECT_DOUBLE_EQ((*clip)->scene().depth.far, 1.05 * deepest);
 }
 

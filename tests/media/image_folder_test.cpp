@@ -7,10 +7,10 @@
 namespace touchable::test {
 namespace {
 
-constexpr int width = 24, height = 18;
+constexpr int columns = 24, rows = 18;
 
 Scene folder_scene(const FolderSource& source, int depth_bits = 16) {
-    Scene scene = small_scene(width, height, depth_bits);
+    Scene scene = small_scene(columns, rows, depth_bits);
     scene.folder = source;
     return scene;
 }
@@ -83,7 +83,7 @@ TEST(ImageFolder, GreyColourOfAnotherSizeIsResampledToTheNearestPixel) {
     source.colour = "colour_%03d.png";
     write_folder(folder, folder_scene(source), 1, {});
     for (const auto& [w, h] :
-         {std::pair{width * 2, height * 3}, {width / 2, height / 3}, {7, 5}, {width, height}}) {
+         {std::pair{columns * 2, rows * 3}, {columns / 2, rows / 3}, {7, 5}, {columns, rows}}) {
         Samples memory;
         const PlaneView picture = grey(memory, w, h);
         ASSERT_EQ(message(write_png(folder / "colour_000.png", picture)), "");
@@ -91,17 +91,17 @@ TEST(ImageFolder, GreyColourOfAnotherSizeIsResampledToTheNearestPixel) {
         ASSERT_EQ(message(reader), "");
         const std::string note = "colour is " + std::to_string(w) + "x" + std::to_string(h) + ": resampled";
         const bool noted = (*reader)->notes()[0].find(note) != std::string::npos;
-        EXPECT_EQ(noted, w != width) << (*reader)->notes()[0];
+        EXPECT_EQ(noted, w != columns) << (*reader)->notes()[0];
         const auto frame = (*reader)->next();
         ASSERT_EQ(message(frame), "");
         const PlaneView& colour = (*frame)->colour;
-        ASSERT_EQ(colour.width, width);
-        ASSERT_EQ(colour.height, height);
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x)
+        ASSERT_EQ(colour.width, columns);
+        ASSERT_EQ(colour.height, rows);
+        for (int y = 0; y < rows; ++y)
+            for (int x = 0; x < columns; ++x)
                 for (int c = 0; c < 3; ++c)  // the sample under the pixel's centre
                     ASSERT_EQ(colour.sample(x, y, c),
-                              picture.sample(int((x + 0.5) * w / width), int((y + 0.5) * h / height)));
+                              picture.sample(int((x + 0.5) * w / columns), int((y + 0.5) * h / rows)));
     }
 }
 
@@ -165,20 +165,20 @@ TEST(ImageFolder, ImagesThatDoNotFitAreNamed) {
     const auto says = [](const std::string& text, const std::string& part) {
         return text.find(part) != std::string::npos;
     };
-    const std::string size = std::to_string(width) + "x" + std::to_string(height);
-    EXPECT_PRED2(says, refused("depth_001.png", grey(memory, width + 1, height, 2)),
+    const std::string size = std::to_string(columns) + "x" + std::to_string(rows);
+    EXPECT_PRED2(says, refused("depth_001.png", grey(memory, columns + 1, rows, 2)),
                  "(depth, frame 1): is 25x18 gray16be, but frame 0 is " + size);
-    EXPECT_PRED2(says, refused("depth_000.png", grey(memory, width + 1, height, 2)),
+    EXPECT_PRED2(says, refused("depth_000.png", grey(memory, columns + 1, rows, 2)),
                  "(depth, frame 0): is 25x18, but the scene is " + size);
-    EXPECT_PRED2(says, refused("depth_001.png", grey(memory, width, height)),
+    EXPECT_PRED2(says, refused("depth_001.png", grey(memory, columns, rows)),
                  "(depth, frame 1): is " + size + " gray, but");
-    EXPECT_PRED2(says, refused("depth_000.png", grey(memory, width, height)),
+    EXPECT_PRED2(says, refused("depth_000.png", grey(memory, columns, rows)),
                  "is 8-bit grey, but the scene's depth.bits, 16, needs 16-bit grey");
-    EXPECT_PRED2(says, refused("haptic_000.png", grey(memory, width, height)),
+    EXPECT_PRED2(says, refused("haptic_000.png", grey(memory, columns, rows)),
                  "(haptic, frame 0): is 8-bit grey; haptic is 8-bit RGB");
-    EXPECT_PRED2(says, refused("colour_000.png", grey(memory, width, height, 2)),
+    EXPECT_PRED2(says, refused("colour_000.png", grey(memory, columns, rows, 2)),
                  "(colour, frame 0): is 16-bit grey; colour is");
-    EXPECT_PRED2(says, refused("height_000.png", test_plane(memory, width, height, 1, 3, 255, 1, true)),
+    EXPECT_PRED2(says, refused("height_000.png", test_plane(memory, columns, rows, 1, 3, 255, 1, true)),
                  "(height, frame 0): is 8-bit RGB, but");
     EXPECT_EQ(refusal(folder), "");
 }
@@ -215,7 +215,7 @@ TEST(ImageFolder, FarPlaneMissingFromTheSceneIsFoundInAllFrames) {
     for (const int deepest : {4000, 65535}) {
         for (int n = 0; n < 3; ++n) {
             Samples memory;
-            const PlaneView depth = test_plane(memory, width, height, 2, 1, n == 2 ? deepest : 1000, 4, true);
+            const PlaneView depth = test_plane(memory, columns, rows, 2, 1, n == 2 ? deepest : 1000, 4, true);
             const auto code = static_cast<std::uint16_t>(deepest);
             if (n == 2) std::memcpy(memory.data() + 6, &code, 2);
             ASSERT_EQ(message(write_png(folder / ("depth_00" + std::to_string(n) + ".png"), depth)), "");
@@ -264,7 +264,7 @@ TEST(ImageFolder, WhatIsAskedForMustMakeSense) {
     const auto twice = open_clip(folder / "scene.json", folder / "scene.json");
     ASSERT_FALSE(twice.ok());
     EXPECT_EQ(twice.error().kind, ErrorKind::usage);
-    write_bytes(folder / "plain.json", scene_to_json(small_scene(width, height)));
+    write_bytes(folder / "plain.json", scene_to_json(small_scene(columns, rows)));
     EXPECT_NE(message(open_clip(folder / "plain.json")).find("has no member \"folder\""), std::string::npos);
 }
 

@@ -25,11 +25,15 @@ inline std::string extension_header() {
     return std::string("http://ns.adobe.com/xmp/extension/") + '\0';
 }
 
+/// What names an extended packet: 32 digits, of an MD5 sum where a camera wrote it.
+inline constexpr const char* guid = "0123456789ABCDEF0123456789ABCDEF";
+
 /// Bytes `from` to `to` of an extended packet, said to be of its length or of another.
-inline std::string extension_segment(const std::string& guid, const std::string& packet, std::size_t from,
+inline std::string extension_segment(const std::string& its_guid, const std::string& packet, std::size_t from,
                                      std::size_t to, std::uint64_t length = 0) {
-    return segment('\xe1', extension_header() + guid + big_endian(length == 0 ? packet.size() : length, 4) +
-                               big_endian(from, 4) + packet.substr(from, to - from));
+    return segment('\xe1', extension_header() + its_guid +
+                               big_endian(length == 0 ? packet.size() : length, 4) + big_endian(from, 4) +
+                               packet.substr(from, to - from));
 }
 
 /// The segments between a JPEG's first bytes and its picture.

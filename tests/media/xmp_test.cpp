@@ -51,8 +51,6 @@ TEST(Xmp, BrokenTagsAreRefused) {
     EXPECT_TRUE(parse_xmp("no tag at all")->empty());
 }
 
-constexpr const char* guid = "0123456789ABCDEF0123456789ABCDEF";
-
 std::string packet(const std::string& attributes) {
     return "<x:xmpmeta><rdf:Description " + attributes + "/></x:xmpmeta>";
 }

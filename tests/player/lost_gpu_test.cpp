@@ -58,14 +58,14 @@ struct Touched {
 };
 
 /// The scene's own filter, but a median of 3x3.
-Scene scene_of(const ClipReader& reader) {
+Scene scene_in(const ClipReader& reader) {
     Scene scene = reader.scene();
     scene.filter.median = 3;
     return scene;
 }
 
 Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder) {
-    const Scene scene = scene_of(*reader);
+    const Scene scene = scene_in(*reader);
     SurfaceFeed feed(std::move(reader), std::move(builder), scene);
     const auto first = feed.pair_at(0);
     EXPECT_TRUE(first.ok());
@@ -96,7 +96,7 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
         return std::move(*opened);
     };
     auto whole = reader();
-    const Scene scene = scene_of(*whole);
+    const Scene scene = scene_in(*whole);
     const Touched expected = touched_with(std::move(whole), make_cpu_builder(scene));
     EXPECT_EQ(expected.ticks, ticks);
 

@@ -13,10 +13,6 @@ namespace {
 using glm::cross;
 using glm::dot;
 
-Real length(const Vec& v) {
-    return std::sqrt(dot(v, v));
-}
-
 Vec closest_on_segment(const Vec& p, const Vec& s, const Vec& e) {
     const Vec d = e - s;
     return s + d * std::clamp(dot(p - s, d) / dot(d, d), Real(0), Real(1));

@@ -10,10 +10,6 @@ namespace touchable::reference {
 
 namespace {
 
-Real length(const Vec& v) {
-    return std::sqrt(glm::dot(v, v));
-}
-
 bool all_in(const Place& some, const Place& others) {
     return std::all_of(some.parts.begin(), some.parts.end(),
                        [&](const Place::Part& part) { return others.has(part.corner); });

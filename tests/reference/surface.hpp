@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "engine/frame/surface_timeline.hpp"
@@ -13,6 +15,10 @@ namespace touchable::reference {
 
 using Real = long double;
 using Vec = glm::vec<3, Real>;
+
+inline Real length(const Vec& v) {
+    return std::sqrt(glm::dot(v, v));
+}
 
 /// A vertex of the lattice: pixels, the ring around them, and all whole numbers beyond.
 struct Corner {

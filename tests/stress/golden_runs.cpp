@@ -14,7 +14,7 @@ namespace {
 
 // Where a change is meant to change forces, the failing test prints the new hashes; take them over only once
 // GCC and Clang, -O0 and -O3 agree on them.
-constexpr std::array<GoldenRun, 18> all{{
+constexpr std::array<GoldenRun, 18> all_runs{{
     {"bumps", "8a4b347fc948555b", "bumps", "stroke", 16, 1, TouchMetric::world, 0.6},
     {"bumps-8-bits-5-fingers", "bee57884f5c4cfcc", "bumps", "stroke", 8, 5, TouchMetric::world, 0.6},
     {"bumps-pixels", "916303851c49d2b3", "bumps", "stroke", 16, 1, TouchMetric::pixel},
@@ -37,7 +37,6 @@ constexpr std::array<GoldenRun, 18> all{{
 }};
 
 constexpr int width = 96, height = 64, frames_made = 4;
-constexpr std::int64_t tick_ns = 1'000'000;
 
 SceneOptions options_of(const GoldenRun& golden) {
     SceneOptions options;
@@ -131,13 +130,13 @@ std::unique_ptr<StressRun> GoldenRun::make(GoldenBuilder builder) const {
 }
 
 std::span<const GoldenRun> golden_runs() {
-    return all;
+    return all_runs;
 }
 
 const GoldenRun* find_golden_run(std::string_view name) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const GoldenRun& run) { return run.name == name; });
-    return found == all.end() ? nullptr : &*found;
+    const auto found = std::find_if(all_runs.begin(), all_runs.end(),
+                                    [&](const GoldenRun& run) { return run.name == name; });
+    return found == all_runs.end() ? nullptr : &*found;
 }
 
 }  // namespace touchable::stress

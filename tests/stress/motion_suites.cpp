@@ -12,8 +12,6 @@ namespace touchable::stress {
 
 namespace {
 
-constexpr std::int64_t tick_ns = 1'000'000;
-
 /// A loop of frames, `ticks_per_frame` apart, over and over; frame numbers and times go on.
 class LoopRun final : public StressRun {
 public:

@@ -9,7 +9,6 @@ namespace touchable::stress {
 namespace {
 
 constexpr double near = 40, far = 160;
-constexpr std::int64_t tick_ns = 1'000'000;
 
 class PickedRun final : public StressRun {
 public:

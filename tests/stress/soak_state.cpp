@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int format = 1;
-constexpr std::size_t kept_violations = 100;
+constexpr std::size_t violations_on_file = 100;
 
 /// The names of a Coverage's members in the file.
 constexpr std::array<std::pair<const char*, std::int64_t Coverage::*>, 18> counts{{
@@ -101,7 +101,7 @@ void SoakState::add(const Suite& suite, std::uint64_t seed, const Watched& watch
     coverage[std::string(suite.name)].add(watched.coverage);
     violation_count += watched.violation_count;
     for (const std::string& violation : watched.violations)
-        if (violations.size() < kept_violations)
+        if (violations.size() < violations_on_file)
             violations.push_back("--suite " + std::string(suite.name) + " --seed " + std::to_string(seed) +
                                  " --ticks " + std::to_string(plan.unit_ticks) + ": " + violation);
 }

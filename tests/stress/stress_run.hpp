@@ -8,6 +8,8 @@
 
 namespace touchable::stress {
 
+inline constexpr std::int64_t tick_ns = 1'000'000;
+
 /// Something to touch and the hand that does: frames and goals tick by tick, the same from the same seed.
 class StressRun {
 public:

@@ -12,7 +12,7 @@ namespace {
 constexpr Needs some_contact{};
 constexpr Needs little_contact{0.02};
 
-constexpr std::array<Suite, 22> all{{
+constexpr std::array<Suite, 22> all_suites{{
     {"uniform-noise", "every pixel for itself over the whole range", make_uniform_noise, some_contact},
     {"checkerboard", "cliffs from near to far, 1 to 3 pixels apart", make_checkerboard, some_contact},
     {"staircase", "ramps of single codes", make_staircase, some_contact},
@@ -60,13 +60,13 @@ std::unique_ptr<StressRun> Suite::run(std::uint64_t seed) const {
 }
 
 std::span<const Suite> suites() {
-    return all;
+    return all_suites;
 }
 
 const Suite* find_suite(std::string_view name) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const Suite& suite) { return suite.name == name; });
-    return found == all.end() ? nullptr : &*found;
+    const auto found = std::find_if(all_suites.begin(), all_suites.end(),
+                                    [&](const Suite& suite) { return suite.name == name; });
+    return found == all_suites.end() ? nullptr : &*found;
 }
 
 }  // namespace touchable::stress

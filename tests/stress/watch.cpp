@@ -17,7 +17,6 @@ namespace {
 
 using reference::Surface;
 
-constexpr std::int64_t tick_ns = 1'000'000;
 constexpr std::size_t kept_violations = 20;
 // Room for the roundings of doubles: the worst of tens of millions of ticks were 1e-11, 1e-12 and 3e-9, but
 // for fields that come as close to the camera as a rounding (rounding_at).

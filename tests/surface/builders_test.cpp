@@ -19,11 +19,6 @@ std::vector<std::unique_ptr<SurfaceBuilder>> all_builders(const Scene& scene) {
     return builders;
 }
 
-StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed) {
-    Random random(seed);
-    return store_plane(scene.width, scene.height, fill_picture(scene, fill, random), {});
-}
-
 /// A frame with all planes of width x height.
 struct FullFrame {
     std::vector<std::uint8_t> colour, haptic;

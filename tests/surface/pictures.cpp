@@ -181,6 +181,11 @@ std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& r
     return values;
 }
 
+StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed) {
+    Random random(seed);
+    return store_plane(scene.width, scene.height, fill_picture(scene, fill, random), {});
+}
+
 std::string first_difference(const SurfaceFrame& expected, const SurfaceFrame& actual) {
     if (expected.width != actual.width || expected.height != actual.height) return "sizes differ";
     if (expected.coding != actual.coding) return "codings differ";

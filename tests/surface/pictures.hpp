@@ -68,6 +68,8 @@ enum class Fill {
 inline constexpr int fill_count = static_cast<int>(Fill::blob) + 1;
 
 std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& random);
+/// That picture of the seed, stored without awkwardness.
+StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed);
 
 /// Where two frames differ first, bit for bit, or nothing.
 std::string first_difference(const SurfaceFrame& expected, const SurfaceFrame& actual);

@@ -7,11 +7,6 @@
 namespace touchable::test {
 namespace {
 
-StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed) {
-    Random random(seed);
-    return store_plane(scene.width, scene.height, fill_picture(scene, fill, random), {});
-}
-
 TEST(ValidCodes, AreTheCodingsForEveryCode) {
     for (const int bits : {8, 10, 16})
         for (const Marking marking : all_markings) {

@@ -6,7 +6,7 @@
 namespace touchable::verify {
 namespace {
 
-constexpr real relative = 1e-9L;
+constexpr real relative_slack = 1e-9L;
 
 /// The lattice's directions in turn about a vertex (clockwise as the picture is seen).
 constexpr std::array<std::array<int, 2>, 6> directions = {
@@ -93,7 +93,7 @@ Judgement judge_star(const Star& star, const Vec3& v, real mu, real slack) {
         if (length(way.along) < steepest * (1 - 1e-7L)) continue;  // equally steep ways: any may be taken
         best.allowed = std::max(best.allowed, mu * way.pressure);
     }
-    if (steepest <= best.allowed * (1 + relative) + slack) best.verdict = Verdict::stuck;
+    if (steepest <= best.allowed * (1 + relative_slack) + slack) best.verdict = Verdict::stuck;
     return best;
 }
 
@@ -132,7 +132,7 @@ Star star_at(const Surface& surface, ImagePosition exact) {
 }
 
 real position_slack(const Vec3& proxy, const Vec3& goal) {
-    return relative * length(goal - proxy) + 1e-12L * length(proxy);
+    return relative_slack * length(goal - proxy) + 1e-12L * length(proxy);
 }
 
 Judgement judge(const Star& star, const Vec3& proxy, const Vec3& goal, real mu) {
