@@ -3,7 +3,11 @@
 # A force is the same bits on every compiler and optimisation level (docs/architecture.md, decision 3):
 # no fused multiply-add where the source has a product and a sum.
 add_compile_options(-ffp-contract=off)
-add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wfloat-conversion)
+add_compile_options(-Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Wold-style-cast -Wfloat-conversion)
+# Where a room is one translation unit, a file's globals would be shadowed by another's locals.
+if(NOT CMAKE_UNITY_BUILD)
+  add_compile_options(-Wshadow)
+endif()
 if(TOUCHABLE_WERROR)
   add_compile_options(-Werror)
 endif()
