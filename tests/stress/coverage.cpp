@@ -52,9 +52,9 @@ std::string Coverage::in_words() const {
     std::snprintf(
         text.data(), text.size(),
         "contact %.1f %%, landings %lld, departures %lld; of contact: heights %.0f %%, friction %.0f %% "
-        "(sliding %.0f %%), at invalid pixels %.1f %%; frame changes %lld, between frames %.0f %%, held "
-        "goals "
-        "%lld, refusals %lld; most events %lld, capped %lld; certified %lld (way left %.1e, behind %.1e), "
+        "(sliding %.0f %%), at invalid pixels %.1f %%; frame changes %lld, between frames %.0f %%, "
+        "held goals %lld, refusals %lld; most events %lld, capped %lld; "
+        "certified %lld (way left %.1e, behind %.1e), "
         "compared %lld (other basins %lld, distance x %.9f, angle %.1e deg); "
         "energy created %.3g of at most %.3g mJ",
         100 * contact_share(), static_cast<long long>(landings), static_cast<long long>(departures),

@@ -27,7 +27,7 @@ void draw_heights(SplitMix64& random, Scene& scene) {
     const bool linear = scene.depth.kind == DepthCodingKind::linear;
     scene.height_coding.units = linear && chance(random, 0.5) ? HeightUnits::levels : HeightUnits::world;
     scene.height_coding.code_max = chance(random, 0.5) ? 255 : 1023;
-    const double nearest = std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min);
+    const double nearest = nearest_depth(scene);
     const double longest = std::min(0.5 * nearest, 0.3 * (scene.depth.far - nearest)) * random.unit();
     const bool levels = scene.height_coding.units == HeightUnits::levels;
     scene.height_coding.max_height = levels ? longest / scene.depth.level() : longest;
@@ -95,6 +95,28 @@ Scene draw_scene(SplitMix64& random, int most_pixels) {
     return scene;
 }
 
+Scene whole_unit_scene(int side, double near, double far) {
+    Scene scene;
+    scene.width = scene.height = side;
+    const double focal = side - 1;
+    scene.camera = {focal, focal, focal / 2, focal / 2};
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.near = near;
+    scene.depth.far = far;
+    scene.depth.scale = 1;
+    scene.depth_bits = 10;
+    scene.depth.code_max = 1023;
+    derive_valid_range(scene.depth);
+    scene.device_metres_per_unit = 0.001;
+    scene.default_properties = {1000, 0, 0};
+    return scene;
+}
+
+double nearest_depth(const Scene& scene) {
+    return std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min);
+}
+
 std::uint16_t draw_code(const Scene& scene, SplitMix64& random) {
     const DepthCoding& coding = scene.depth;
     while (true) {
@@ -138,8 +160,7 @@ DrawnPlanes draw_waves(const Scene& scene, SplitMix64& random) {
         double by_x, by_y, phase, height;
     };
     std::array<Wave, 3> waves;
-    const double near = std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min),
-                 far = scene.depth.far;
+    const double near = nearest_depth(scene), far = scene.depth.far;
     // No steeper than the camera sees well: a wave's height goes with its length in the picture.
     for (Wave& wave : waves) {
         const double length = random.within(6, 40), turn = random.within(0, 2 * pi);

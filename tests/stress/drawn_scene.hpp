@@ -21,6 +21,11 @@ inline bool chance(SplitMix64& random, double share) {
 /// axis, any coding but hue; with or without friction, heights, a haptic image's ranges, invalid codes and
 /// filters.
 Scene draw_scene(SplitMix64& random, int most_pixels = 72);
+/// A small square picture of planar depths, a unit a code, without friction. Focal length `side` - 1 and the
+/// axis through the middle pixel: where that is a power of two, places on lattice lines are exact in doubles.
+Scene whole_unit_scene(int side, double near, double far);
+/// No depth that can be coded is smaller.
+double nearest_depth(const Scene& scene);
 /// A depth coding between two planes, of `bits`; metric codings get a scale of their own.
 void set_planes(Scene& scene, DepthCodingKind kind, double near, double far, int bits);
 

@@ -7,44 +7,43 @@
 #include <vector>
 
 #include "engine/trigonometry.hpp"
-#include "tests/stress/drawn_scene.hpp"
+#include "tests/stress/still_run.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {
 
 namespace {
 
-/// One picture, and a hand that goes round closed loops of `ticks_` ticks: each comes back to where it began.
-class LoopingHand : public StressRun {
+/// Depth at the pixel nearest to (x, y), of the coding's semantics; the far plane's where it is none.
+double depth_under(const Scene& scene, const SurfaceFrame& frame, double x, double y) {
+    const int i = std::clamp(static_cast<int>(std::floor(x + 0.5)), 0, scene.width - 1);
+    const int j = std::clamp(static_cast<int>(std::floor(y + 0.5)), 0, scene.height - 1);
+    const DepthSample sample = frame.vertices->at(i, j);
+    return sample.valid ? sample.depth : scene.depth.far;
+}
+
+/// A hand that goes round closed loops of `loop_ticks` ticks: each comes back to where it began.
+class LoopingHand : public StillRun {
 public:
     LoopingHand(const Scene& scene, const DrawnPlanes& planes, SplitMix64 random)
-        : StressRun(scene), random_(random) {
-        FrameMaker(scene_).build(planes, frame_);
-    }
-    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
-        pair.prev = pair.next = {0, 0, &frame_};
-        pair.blend = 0;
-        if (tick % loop_ticks == 0) begin_loop();
-        const double turn = static_cast<double>(tick % loop_ticks) / loop_ticks;
-        goals[0] = on_loop(turn);
-    }
+        : StillRun(scene, planes), random_(random) {}
 
 protected:
     static constexpr int loop_ticks = 400;
     /// Picks the corners of the next loop; four of them, in pixels and planar depth.
     virtual std::array<glm::dvec3, 4> corners() = 0;
 
-    /// Planar depth of the surface under a pixel; the far plane's where it is none.
+    /// Planar depth of the surface under a pixel.
     double surface_depth(double x, double y) const {
-        const int i = std::clamp(static_cast<int>(std::floor(x + 0.5)), 0, scene_.width - 1);
-        const int j = std::clamp(static_cast<int>(std::floor(y + 0.5)), 0, scene_.height - 1);
-        const DepthSample sample = frame_.vertices->at(i, j);
-        return planar_depth(scene_.camera, scene_.depth.semantics, x, y,
-                            sample.valid ? sample.depth : scene_.depth.far);
+        return planar_depth(scene_.camera, scene_.depth.semantics, x, y, depth_under(scene_, frame_, x, y));
     }
     SplitMix64 random_;
 
 private:
+    glm::dvec3 goal(std::int64_t tick) override {
+        if (tick % loop_ticks == 0) begin_loop();
+        return on_loop(static_cast<double>(tick % loop_ticks) / loop_ticks);
+    }
     void begin_loop() {
         const auto at = corners();
         for (std::size_t k = 0; k < 4; ++k) corners_[k] = unproject(scene_.camera, at[k].x, at[k].y, at[k].z);
@@ -54,7 +53,6 @@ private:
         return corners_[side] +
                (corners_[(side + 1) % 4] - corners_[side]) * (4 * turn - static_cast<double>(side));
     }
-    SurfaceFrame frame_;
     std::array<glm::dvec3, 4> corners_{};
 };
 
@@ -108,21 +106,12 @@ private:
 
 /// A hand that rests in the surface while its encoders flicker by one count (0.06 mm): the same flicker over
 /// and over must not set anything swinging.
-class EncoderDither final : public StressRun {
+class EncoderDither final : public StillRun {
 public:
     EncoderDither(const Scene& scene, const DrawnPlanes& planes, SplitMix64 random)
-        : StressRun(scene), random_(random) {
+        : StillRun(scene, planes), random_(random) {
         guard_.max_force = 1e6;
-        FrameMaker(scene_).build(planes, frame_);
         count_ = 0.00006 / touch_.metres_per_scene_unit;
-    }
-    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
-        pair.prev = pair.next = {0, 0, &frame_};
-        pair.blend = 0;
-        if (tick % rest_ticks == 0) settle();
-        const auto& flicker = pattern_[static_cast<std::size_t>(tick % period)];
-        // It comes from in front; then it rests.
-        goals[0] = tick % rest_ticks == 0 ? glm::dvec3{0, 0, 0} : rest_ + count_ * flicker;
     }
     std::string broken_promise(std::int64_t tick, std::span<const Contact> contacts,
                                std::span<const GuardedForce> forces) override {
@@ -143,11 +132,16 @@ public:
 
 private:
     static constexpr int period = 8, rest_ticks = 400;
+    glm::dvec3 goal(std::int64_t tick) override {
+        if (tick % rest_ticks == 0) {
+            settle();
+            return glm::dvec3(0.0);  // it comes from in front; then it rests
+        }
+        return rest_ + count_ * pattern_[static_cast<std::size_t>(tick % period)];
+    }
     void settle() {
         const double x = random_.within(0, scene_.width - 1), y = random_.within(0, scene_.height - 1);
-        const DepthSample sample =
-            frame_.vertices->at(static_cast<int>(std::floor(x + 0.5)), static_cast<int>(std::floor(y + 0.5)));
-        const double depth = sample.valid ? sample.depth : scene_.depth.far;
+        const double depth = depth_under(scene_, frame_, x, y);
         const double pressed = random_.within(0, 0.05) * (scene_.depth.far - scene_.depth.near);
         rest_ = unproject(scene_.camera, x, y,
                           planar_depth(scene_.camera, scene_.depth.semantics, x, y, depth + pressed));
@@ -155,7 +149,6 @@ private:
             flicker = {below(random_, 3) - 1, below(random_, 3) - 1, below(random_, 3) - 1};
     }
     SplitMix64 random_;
-    SurfaceFrame frame_;
     double count_ = 0;
     glm::dvec3 rest_{0};
     std::array<glm::dvec3, period> pattern_{}, last_{};

@@ -6,52 +6,40 @@
 #include <variant>
 
 #include "engine/trigonometry.hpp"
-#include "tests/stress/drawn_scene.hpp"
 #include "tests/stress/hands.hpp"
+#include "tests/stress/still_run.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {
 
 namespace {
 
-/// One picture that stands still under one hand.
-class StillRun final : public StressRun {
+/// One picture under one hand.
+class HandRun final : public StillRun {
 public:
     using Hand = std::variant<Walk, Skim>;
     template <class MakeHand>
-    StillRun(const Scene& scene, const DrawnPlanes& planes, MakeHand make_hand)
-        : StressRun(scene), hand_(make_hand(scene_)) {
-        FrameMaker(scene_).build(planes, frame_);
-    }
-
-    void next(std::int64_t, FramePair& pair, std::span<glm::dvec3> goals) override {
-        pair.prev = pair.next = {0, 0, &frame_};
-        pair.blend = 0;
-        if (Walk* walk = std::get_if<Walk>(&hand_))
-            goals[0] = walk->next();
-        else
-            goals[0] = std::get<Skim>(hand_).next(frame_);
-    }
+    HandRun(const Scene& scene, const DrawnPlanes& planes, MakeHand make_hand)
+        : StillRun(scene, planes), hand_(make_hand(scene_)) {}
 
 private:
-    SurfaceFrame frame_;
+    glm::dvec3 goal(std::int64_t) override {
+        if (Walk* walk = std::get_if<Walk>(&hand_)) return walk->next();
+        return std::get<Skim>(hand_).next(frame_);
+    }
     Hand hand_;
 };
 
 template <class MakeHand>
 std::unique_ptr<StressRun> still(const Scene& scene, const DrawnPlanes& planes, MakeHand make_hand) {
-    return std::make_unique<StillRun>(scene, planes, make_hand);
+    return std::make_unique<HandRun>(scene, planes, make_hand);
 }
 
 auto walking(std::uint64_t seed, const Walk::Reach& reach = {}) {
-    return [=](const Scene& scene) -> StillRun::Hand { return Walk(scene, seed, reach); };
+    return [=](const Scene& scene) -> HandRun::Hand { return Walk(scene, seed, reach); };
 }
 auto skimming(std::uint64_t seed, const Skim::Pace& pace = {}) {
-    return [=](const Scene& scene) -> StillRun::Hand { return Skim(scene, seed, pace); };
-}
-
-double nearest_depth(const Scene& scene) {
-    return std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min);
+    return [=](const Scene& scene) -> HandRun::Hand { return Skim(scene, seed, pace); };
 }
 
 }  // namespace
@@ -131,34 +119,30 @@ namespace {
 
 /// Whether the ground is a pyramid, a pit, a roof or a valley, or nothing: goals under the middle are as far
 /// from all sides, and every choice is a tie.
-class PlateauRun final : public StressRun {
+class PlateauRun final : public StillRun {
 public:
-    PlateauRun(const Scene& scene, SplitMix64 random) : StressRun(scene), random_(random) {
+    PlateauRun(const Scene& scene, SplitMix64 random) : StillRun(scene), random_(random) {
         middle_ = scene_.width / 2;
         slope_ = below(random_, 5) - 2;
         const bool roof = chance(random_, 0.5);
-        const DrawnPlanes planes = shaped(scene_, [&](int x, int y) {
+        show(shaped(scene_, [&](int x, int y) {
             const int aside = std::abs(x - middle_), along = std::abs(y - middle_);
             return 128.0 - 8.0 * slope_ * (roof ? aside : std::max(aside, along));
-        });
-        FrameMaker(scene_).build(planes, frame_);
+        }));
     }
 
-    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
-        pair.prev = pair.next = {0, 0, &frame_};
-        pair.blend = 0;
+private:
+    glm::dvec3 goal(std::int64_t tick) override {
         // From above the middle straight down, and now and then a whole pixel aside: exactly, in doubles.
         if (tick % 40 == 0) {
             x_ = middle_ + (chance(random_, 0.5) ? 0 : below(random_, 9) - 4);
             y_ = middle_ + (chance(random_, 0.5) ? 0 : below(random_, 9) - 4);
         }
         const double depth = 32.0 + 16.0 * static_cast<double>(tick % 40 < 20 ? tick % 40 : 39 - tick % 40);
-        goals[0] = unproject(scene_.camera, x_, y_, depth);
+        return unproject(scene_.camera, x_, y_, depth);
     }
 
-private:
     SplitMix64 random_;
-    SurfaceFrame frame_;
     int middle_, slope_;
     double x_ = 0, y_ = 0;
 };
@@ -167,19 +151,8 @@ private:
 
 std::unique_ptr<StressRun> make_plateau(std::uint64_t seed) {
     SplitMix64 random(seed);
-    Scene scene;
-    scene.width = scene.height = 17;
-    scene.camera = {16, 16, 8, 8};
-    scene.depth.semantics = chance(random, 0.7) ? DepthSemantics::planar : DepthSemantics::range;
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.near = 32;
-    scene.depth.far = 512;
-    scene.depth.scale = 1;
-    scene.depth_bits = 10;
-    scene.depth.code_max = 1023;
-    derive_valid_range(scene.depth);
-    scene.device_metres_per_unit = 0.001;
-    scene.default_properties = {1000, 0, 0};
+    Scene scene = whole_unit_scene(17, 32, 512);
+    if (!chance(random, 0.7)) scene.depth.semantics = DepthSemantics::range;
     if (chance(random, 0.4)) scene.default_properties = {1000, 0.5, 0.5};
     return std::make_unique<PlateauRun>(scene, random);
 }

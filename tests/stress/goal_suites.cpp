@@ -5,32 +5,21 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/stress/drawn_scene.hpp"
 #include "tests/stress/hands.hpp"
+#include "tests/stress/still_run.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {
 
 namespace {
 
-/// A picture that stands still; what the hand does is up to the suite.
-class GoalRun : public StressRun {
+class GoalRun : public StillRun {
 public:
     GoalRun(const Scene& scene, const DrawnPlanes& planes, std::uint64_t seed)
-        : StressRun(scene), random_(seed) {
-        FrameMaker(scene_).build(planes, frame_);
-    }
-    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
-        pair.prev = pair.next = {0, 0, &frame_};
-        pair.blend = 0;
-        goals[0] = goal(tick);
-        for (std::size_t k = 1; k < goals.size(); ++k) goals[k] = goals[0];
-    }
+        : StillRun(scene, planes), random_(seed) {}
 
 protected:
-    virtual glm::dvec3 goal(std::int64_t tick) = 0;
     SplitMix64 random_;
-    SurfaceFrame frame_;
 };
 
 /// Goals whose pixel and planar depth are exact in doubles: focal lengths and depths are powers of two, so
@@ -160,19 +149,7 @@ std::unique_ptr<StressRun> over_drawn(std::uint64_t seed) {
 
 std::unique_ptr<StressRun> make_lattice_lines(std::uint64_t seed) {
     SplitMix64 random(seed);
-    Scene scene;
-    scene.width = scene.height = 9;
-    scene.camera = {8, 8, 4, 4};
-    scene.depth.semantics = DepthSemantics::planar;
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.near = 32;
-    scene.depth.far = 256;
-    scene.depth.scale = 1;
-    scene.depth_bits = 10;
-    scene.depth.code_max = 1023;
-    derive_valid_range(scene.depth);
-    scene.device_metres_per_unit = 0.001;
-    scene.default_properties = {1000, 0, 0};
+    Scene scene = whole_unit_scene(9, 32, 256);
     if (chance(random, 0.3)) scene.default_properties = {1000, 0.4, 0.25};
     DrawnPlanes planes;
     const bool flat = chance(random, 0.3);

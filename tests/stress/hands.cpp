@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/trigonometry.hpp"
+#include "tests/stress/drawn_scene.hpp"
 
 namespace touchable::stress {
 
@@ -20,7 +21,7 @@ double fold(double position, double low, double high) {
 
 Walk::Walk(const Scene& scene, std::uint64_t seed, const Reach& reach)
     : camera_(scene.camera),
-      low_(-2, -2, 0.9 * std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min)),
+      low_(-2, -2, 0.9 * nearest_depth(scene)),
       high_(scene.width + 1, scene.height + 1, 1.05 * scene.depth.far),
       reach_(reach.pixels, reach.pixels, reach.depth * (high_.z - low_.z)),
       jumps_(reach.jumps),

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/stress/drawn_scene.hpp"
 #include "tests/stress/hands.hpp"
+#include "tests/stress/still_run.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {
@@ -12,21 +12,14 @@ namespace touchable::stress {
 namespace {
 
 /// A walk over one picture of a scene that is only just possible; neighbours of it were refused.
-class JustPossible final : public StressRun {
+class JustPossible final : public StillRun {
 public:
     JustPossible(const Scene& scene, const DrawnPlanes& planes, std::uint64_t seed, int refusals)
-        : StressRun(scene), walk_(scene_, seed), refusals_(refusals) {
-        FrameMaker(scene_).build(planes, frame_);
-    }
-    void next(std::int64_t, FramePair& pair, std::span<glm::dvec3> goals) override {
-        pair.prev = pair.next = {0, 0, &frame_};
-        pair.blend = 0;
-        goals[0] = walk_.next();
-    }
+        : StillRun(scene, planes), walk_(scene_, seed), refusals_(refusals) {}
     int refusals() const override { return refusals_; }
 
 private:
-    SurfaceFrame frame_;
+    glm::dvec3 goal(std::int64_t) override { return walk_.next(); }
     Walk walk_;
     int refusals_;
 };
@@ -90,10 +83,10 @@ std::unique_ptr<StressRun> make_impossible_planes(std::uint64_t seed) {
 namespace {
 
 /// Unquantised depths with NaN and infinity among them, under a hand whose device breaks now and then.
-class NotFinite final : public StressRun {
+class NotFinite final : public StillRun {
 public:
     NotFinite(const Scene& scene, std::uint64_t seed)
-        : StressRun(scene), random_(seed), walk_(scene_, seed + 1) {
+        : StillRun(scene), random_(seed), walk_(scene_, seed + 1) {
         guard_.ramp_in_ticks = guard_.ramp_out_ticks = 20;
         const double nan = std::numeric_limits<double>::quiet_NaN(),
                      inf = std::numeric_limits<double>::infinity();
@@ -107,18 +100,6 @@ public:
         frame_.height = scene_.height;
         frame_.coding = scene_.depth;
         frame_.vertices = std::make_unique<ExactVertices>(scene_.width, scene_.height, std::move(depths));
-    }
-
-    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
-        pair.prev = pair.next = {0, 0, &frame_};
-        pair.blend = 0;
-        goals[0] = walk_.next();
-        if (tick % 100 == 0) broken_ = chance(random_, 0.3) ? 1 + below(random_, 60) : 0;
-        if (broken_-- <= 0) return;
-        const std::array<double, 5> odd{std::numeric_limits<double>::quiet_NaN(), 1e300, 1.0000001e9,
-                                        std::numeric_limits<double>::infinity(),
-                                        -std::numeric_limits<double>::infinity()};
-        goals[0][below(random_, 3)] = odd[static_cast<std::size_t>(below(random_, 5))];
     }
 
     std::string broken_promise(std::int64_t, std::span<const Contact> contacts,
@@ -135,9 +116,18 @@ public:
     }
 
 private:
+    glm::dvec3 goal(std::int64_t tick) override {
+        glm::dvec3 at = walk_.next();
+        if (tick % 100 == 0) broken_ = chance(random_, 0.3) ? 1 + below(random_, 60) : 0;
+        if (broken_-- <= 0) return at;
+        const std::array<double, 5> odd{std::numeric_limits<double>::quiet_NaN(), 1e300, 1.0000001e9,
+                                        std::numeric_limits<double>::infinity(),
+                                        -std::numeric_limits<double>::infinity()};
+        at[below(random_, 3)] = odd[static_cast<std::size_t>(below(random_, 5))];
+        return at;
+    }
     SplitMix64 random_;
     Walk walk_;
-    SurfaceFrame frame_;
     int broken_ = 0;
     double last_length2_ = 0;
 };

@@ -49,8 +49,7 @@ std::unique_ptr<StressRun> make_rising(std::uint64_t seed) {
     scene.filter = {};
     const int levels = 1 << below(random, 8);  // a tick: 1 to 128 of 255, and all of it below
     const double rise = chance(random, 0.2) ? 1.0 : levels / 255.0;
-    const double near = std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min),
-                 far = scene.depth.far;
+    const double near = nearest_depth(scene), far = scene.depth.far;
     std::vector<DrawnPlanes> pictures;
     const int steps = std::clamp(static_cast<int>(std::ceil(1 / rise)), 1, 48);
     for (int k = 0; k <= steps; ++k) {

@@ -23,18 +23,7 @@ using reference::Vec;
 class Ground {
 public:
     template <class Depth>
-    explicit Ground(Depth depth) {
-        scene.width = scene.height = 17;
-        scene.camera = {16, 16, 8, 8};
-        scene.depth.semantics = DepthSemantics::planar;
-        scene.depth.kind = DepthCodingKind::metric;
-        scene.depth.near = 1;
-        scene.depth.far = 1000;
-        scene.depth.scale = 1;
-        scene.depth_bits = 10;
-        scene.depth.code_max = 1023;
-        derive_valid_range(scene.depth);
-        scene.default_properties = {1000, 0, 0};
+    explicit Ground(Depth depth) : scene(whole_unit_scene(17, 1, 1000)) {
         FrameMaker(scene).build(shaped(scene, depth), frame);
     }
     FramePair pair() const { return {{0, 0, &frame}, {0, 0, &frame}, 0}; }

@@ -34,8 +34,7 @@ public:
 ///   S1 no proxy is behind the surface (long double)        S3 nothing is infinite or NaN
 ///   S4 |F| is at most the guard's, and 0 out of contact    S5 no more events than the limit
 ///   S7 no more energy comes from nowhere than holding a force for a tick explains: in each tick where
-///   stiffness is
-///      the same everywhere, since the start where its rise has to be paid for
+///      stiffness is the same everywhere, since the start where its rise has to be paid for
 /// and at those asked for:
 ///   S2 the certificate: a minimum of the distance, or held by friction; capped ticks are exempt
 ///   and |P - G| at most 1.0001 of the reference solver's from the same state, in the same basin within 1e-7
