@@ -86,24 +86,13 @@ TEST_F(DampedWall, ASurfaceThatMovesUnderAHandAtRestIsNotDamped) {
     }
 }
 
-class Passivity : public testing::Test {
+class Passivity : public GlobeFlank {
 protected:
-    Passivity() : rig("globe", options(), TouchRig::Depth::codes) {
-        rig.scene().default_properties = {1000, 0, 0};
-    }
     PathResult loop(double azimuth, bool limbward, double most) {
         GuardSettings settings = without_ramp();
         settings.passivity = most;
-        const FlankLoop flank(rig, options().width, options().height, azimuth);
-        return run_path(flank.path(0.02, limbward), settings, rig);
+        return GlobeFlank::loop(azimuth, 0.02, limbward, settings);
     }
-    static SceneOptions options() {
-        SceneOptions options;
-        options.width = 360;
-        options.height = 240;
-        return options;
-    }
-    TouchRig rig;
 };
 
 TEST_F(Passivity, NeverEngagesOnAConstantStiffnessInTheWorldsMetric) {

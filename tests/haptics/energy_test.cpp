@@ -15,25 +15,7 @@ using glm::dvec3;
 // Sums of thousands of terms of millijoules.
 constexpr double energy_rounding = 1e-13;
 
-class Globe : public testing::Test {
-protected:
-    Globe() : rig("globe", options(), TouchRig::Depth::codes) {
-        rig.scene().default_properties = {1000, 0, 0};
-    }
-    PathResult loop(double azimuth, double step_mm, bool limbward,
-                    const GuardSettings& settings = without_ramp()) {
-        const FlankLoop flank(rig, options().width, options().height, azimuth);
-        return run_path(flank.path(step_mm, limbward), settings, rig);
-    }
-    static SceneOptions options() {
-        SceneOptions options;
-        options.width = 360;
-        options.height = 240;
-        return options;
-    }
-
-    TouchRig rig;
-};
+class Globe : public GlobeFlank {};
 
 TEST_F(Globe, PressSlideRetractCreatesNoMoreThanHoldingForcesDoes) {
     for (int flank = 0; flank < 6; ++flank)
@@ -84,10 +66,9 @@ TEST_F(Globe, ForcesCutOffByTheDeviceCreateNothingEither) {
 
 TEST_F(Globe, AGuardThatRampsInPutsEnergyIntoTheSpring) {
     // The hand goes in while there is no force, and is pushed out by all of it.
-    const FlankLoop flank(rig, options().width, options().height, 0.2);
-    std::vector<dvec3> path = flank.path(0.02, true);
-    path.erase(path.begin(), path.begin() + 145);  // begins all but 2 mm deep
-    const PathResult result = run_path(path, GuardSettings{}, rig);
+    std::vector<dvec3> going = path(0.2, 0.02, true);
+    going.erase(going.begin(), going.begin() + 145);  // begins all but 2 mm deep
+    const PathResult result = run_path(going, GuardSettings{}, rig);
     EXPECT_EQ(result.ticks_with(guard_ramp), 100);
     EXPECT_GT(result.energy.surface, 1.5e-3);
     EXPECT_GT(result.energy.work, 1.5e-3);

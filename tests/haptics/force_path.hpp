@@ -75,30 +75,41 @@ inline PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSetti
                     [&](FingerState&, const glm::dvec3& goal) { return rig.tick(goal); });
 }
 
-/// On the flank of the globe, 45 degrees from its axis: from 1 mm outside straight in to 2 mm, 5 mm along,
-/// out and back through free space. Device millimetres; `limbward`: along away from the axis, or towards it.
-class FlankLoop {
-public:
-    FlankLoop(const TouchRig& rig, int width, int height, double azimuth) {
-        const GlobeSphere sphere = globe_sphere(CameraPreset::b, width, height);
-        scale_ = 0.001 / rig.settings.metres_per_scene_unit;
-        const glm::dvec3 aside{cosine(azimuth), sine(azimuth), 0}, axis{0, 0, 1};
-        const double half = std::sqrt(0.5);
-        out_ = half * (aside + axis);
-        along_ = half * (aside - axis);
-        touching_ = sphere.centre + sphere.radius * out_;
+/// A globe to press, slide along and retract from, on its flank 45 degrees from its axis; stiffness 1000 N/m,
+/// no friction.
+class GlobeFlank : public testing::Test {
+protected:
+    GlobeFlank() : rig("globe", options(), TouchRig::Depth::codes) {
+        rig.scene().default_properties = {1000, 0, 0};
     }
-    std::vector<glm::dvec3> path(double step, bool limbward) const {
+    /// From 1 mm outside straight in to 2 mm, 5 mm along, out and back through free space, in steps of
+    /// `step_mm`, millimetres of the device; `limbward`: along away from the axis, or towards it.
+    std::vector<glm::dvec3> path(double azimuth, double step_mm, bool limbward) const {
+        const GlobeSphere sphere = globe_sphere(CameraPreset::b, options().width, options().height);
+        const double scale = 0.001 / rig.settings.metres_per_scene_unit, half = std::sqrt(0.5);
+        const glm::dvec3 aside{cosine(azimuth), sine(azimuth), 0}, axis{0, 0, 1};
+        const glm::dvec3 out = half * (aside + axis), along = half * (aside - axis);
+        const glm::dvec3 touching = sphere.centre + sphere.radius * out;
+        auto at = [&](double mm_along, double mm_outside) {
+            return touching + scale * (mm_along * along + mm_outside * out);
+        };
         const double near = limbward ? -2.5 : 2.5, far = -near;
-        return path_along({at(near, 1), at(near, -2), at(far, -2), at(far, 1), at(near, 1)}, step * scale_);
+        return path_along({at(near, 1), at(near, -2), at(far, -2), at(far, 1), at(near, 1)}, step_mm * scale);
+    }
+    PathResult loop(double azimuth, double step_mm, bool limbward,
+                    const GuardSettings& settings = without_ramp()) {
+        return run_path(path(azimuth, step_mm, limbward), settings, rig);
     }
 
+    TouchRig rig;
+
 private:
-    glm::dvec3 at(double along, double outside) const {
-        return touching_ + scale_ * (along * along_ + outside * out_);
+    static SceneOptions options() {
+        SceneOptions options;
+        options.width = 360;
+        options.height = 240;
+        return options;
     }
-    double scale_;
-    glm::dvec3 out_, along_, touching_;
 };
 
 }  // namespace touchable::test
