@@ -68,11 +68,8 @@ Real way_left(const Surface& surface, const Proxy& proxy, const glm::dvec3& goal
 }
 
 Real depth_behind(const Surface& surface, const glm::dvec3& point) {
-    if (!(point.z < 0)) return -1;
-    const ImagePoint at = surface.image(Vec(point));
-    constexpr Real countable = 1e15L;  // what lies farther aside is seen under no pixel worth the name
-    if (!(std::fabs(at.x) < countable) || !(std::fabs(at.y) < countable)) return -1;
-    return 1 - at.q / surface.q(at.x, at.y);
+    const auto at = surface.seen(Vec(point));
+    return at ? 1 - at->q / surface.q(at->x, at->y) : -1;
 }
 
 Real rounding_at(const Surface& surface, const glm::dvec3& point) {

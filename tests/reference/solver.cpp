@@ -47,7 +47,8 @@ void add_crossings(std::vector<Real>& crossings, LineOf line_of, const ImagePoin
     }
 }
 
-Real static_mu(const Finger& finger, const Properties& p) {
+/// What holds a finger where it is.
+Real resting_mu(const Finger& finger, const Properties& p) {
     return finger.sliding ? p.dynamic_friction : p.static_friction;
 }
 
@@ -131,14 +132,14 @@ private:
         const Way& way = *std::max_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
             return dot(a.step, a.step) < dot(b.step, b.step);
         });
-        const Real length = std::sqrt(dot(way.step, way.step));
-        if (length == 0) return false;
+        const Real whole = length(way.step);
+        if (whole == 0) return false;
         const Properties here = properties_at(surface_, *finger_.place);
-        const Real holds = static_mu(finger_, here) * way.load;
+        const Real holds = resting_mu(finger_, here) * way.load;
         // What was stopped on the cone in double may lie beyond it by a rounding.
-        if (holds > 0 && length <= holds * (1 + Real(1e-9))) return false;
+        if (holds > 0 && whole <= holds * (1 + Real(1e-9))) return false;
         const Real mu = here.dynamic_friction;
-        const Real share = mu > 0 ? std::max(Real(0), 1 - mu * way.load / length) : 1;
+        const Real share = mu > 0 ? std::max(Real(0), 1 - mu * way.load / whole) : 1;
         next.place.emplace();
         arrived = advance(surface_, *finger_.place, way, share, *next.place) && mu == 0;
         next.sliding = mu > 0;
@@ -207,13 +208,9 @@ Finger finger_of(const Surface& surface, const Proxy& proxy) {
     if (proxy.on_surface()) {
         finger.place = place_of(surface, proxy);
         finger.point = point_of(surface, *finger.place);
-    } else if (finger.point.z < 0) {
-        const ImagePoint at = surface.image(finger.point);
-        constexpr Real countable = 1e15L;
-        if (std::fabs(at.x) < countable && std::fabs(at.y) < countable && at.q < surface.q(at.x, at.y)) {
-            finger.place = place_at(surface, at.x, at.y, at.x, at.y);
-            finger.point = point_of(surface, *finger.place);
-        }
+    } else if (const auto at = surface.seen(finger.point); at && at->q < surface.q(at->x, at->y)) {
+        finger.place = place_at(surface, at->x, at->y, at->x, at->y);
+        finger.point = point_of(surface, *finger.place);
     }
     return finger;
 }

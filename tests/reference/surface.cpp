@@ -64,7 +64,7 @@ Vertex Surface::vertex(Corner corner) const {
         // Beyond the ring q is the ring's.
         const Vec r = ray(std::clamp<std::int64_t>(corner.i, -1, scene_.width),
                           std::clamp<std::int64_t>(corner.j, -1, scene_.height));
-        planar /= std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z);
+        planar /= length(r);
     }
     return {planar * ray(corner.i, corner.j), 1 / planar, p.valid};
 }
@@ -116,6 +116,14 @@ ImagePoint Surface::image(const Vec& point) const {
     return {c.cx + c.fx * point.x / -point.z, c.cy - c.fy * point.y / -point.z, -1 / point.z};
 }
 
+std::optional<ImagePoint> Surface::seen(const Vec& point) const {
+    constexpr Real countable = 1e15L;
+    if (!(point.z < 0)) return std::nullopt;
+    const ImagePoint at = image(point);
+    if (!(std::fabs(at.x) < countable) || !(std::fabs(at.y) < countable)) return std::nullopt;
+    return at;
+}
+
 Real Surface::least_planar_depth() const {
     const DepthCoding& coding = scene_.depth;
     Real depth = coding.near;
@@ -125,10 +133,7 @@ Real Surface::least_planar_depth() const {
     Real longest = 1;
     if (coding.semantics == DepthSemantics::range)
         for (const int x : {-1, scene_.width})
-            for (const int y : {-1, scene_.height}) {
-                const Vec r = ray(x, y);
-                longest = std::max(longest, std::sqrt(r.x * r.x + r.y * r.y + 1));
-            }
+            for (const int y : {-1, scene_.height}) longest = std::max(longest, length(ray(x, y)));
     return depth / longest;
 }
 

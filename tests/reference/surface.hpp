@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/scene/scene.hpp"
@@ -58,6 +59,9 @@ public:
     Vec ray(Real x, Real y) const;
     /// Where a point in front of the camera is seen.
     ImagePoint image(const Vec& point) const;
+    /// Where any point is seen; nothing for one that no pixel worth the name sees: behind the camera, or so
+    /// close to its plane that pixels could not be counted.
+    std::optional<ImagePoint> seen(const Vec& point) const;
     /// No vertex has a smaller planar depth.
     Real least_planar_depth() const;
 

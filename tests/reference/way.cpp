@@ -16,7 +16,7 @@ using glm::dot;
 Vec normal_of(const Surface& surface, const Triangle& t) {
     const Vec a = surface.vertex(t[0]).point, b = surface.vertex(t[1]).point, c = surface.vertex(t[2]).point;
     const Vec n = cross(b - a, c - a);
-    const Vec unit = n / std::sqrt(dot(n, n));
+    const Vec unit = n / length(n);
     return dot(unit, a) > 0 ? -unit : unit;
 }
 
