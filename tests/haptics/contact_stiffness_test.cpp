@@ -27,8 +27,7 @@ GuardSettings strong(bool paid) {
 /// A flat wall at 100, soft on the left of the axis and stiff on the right, without friction.
 class TwoStiffnesses : public testing::Test {
 protected:
-    TwoStiffnesses() : wall(65, 33, 100.0) {
-        wall.scene.depth.semantics = DepthSemantics::planar;
+    TwoStiffnesses() : wall(65, 33, 100.0, DepthSemantics::planar) {
         wall.scene.haptic.static_friction = wall.scene.haptic.dynamic_friction = {0, 1};
         paint(wall.prev, 0);
     }
@@ -102,9 +101,7 @@ TEST_F(TwoStiffnesses, FrictionPaysForStiffness) {
     paint(wall.prev, 255);  // mu 1
     const PathResult result = run(-2.2, 4, 0.002, true);
     EXPECT_LE(result.energy.created, result.energy.bound + rounding);
-    const auto at = [](double goal_x) {
-        return static_cast<std::size_t>((0.9 + 1.1 + goal_x / 2) * 1000);
-    };
+    const auto at = [](double goal_x) { return static_cast<std::size_t>((0.9 + 1.1 + goal_x / 2) * 1000); };
     // Losses of 0.08 N over 1.4 mm of soft ground have paid for a part once the proxy is on hard ground;
     // there friction is larger the stiffer it has become.
     const double on_arrival = result.forces[at(1.2)].force.z / depth * 1e3;

@@ -18,7 +18,7 @@ GuardSettings damped(double b) {
 
 class DampedWall : public testing::Test {
 protected:
-    DampedWall() : wall(33, 33, 100.0) { wall.scene.depth.semantics = DepthSemantics::planar; }
+    DampedWall() : wall(33, 33, 100.0, DepthSemantics::planar) {}
     SmallField wall;
 };
 

@@ -76,8 +76,7 @@ TEST_F(Globe, AGuardThatRampsInPutsEnergyIntoTheSpring) {
 }
 
 TEST(Energy, PressingIntoAWallLeaksExactlyHalfKStepSquaredATick) {
-    SmallField wall(33, 33, 100.0);
-    wall.scene.depth.semantics = DepthSemantics::planar;
+    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     const double step = 0.01;  // mm
     const auto path = path_along({{0, 0, -99.5}, {0, 0, -102}, {0, 0, -99.5}}, step);
     const PathResult result = run_path(path, without_ramp(), wall);
@@ -88,8 +87,7 @@ TEST(Energy, PressingIntoAWallLeaksExactlyHalfKStepSquaredATick) {
 }
 
 TEST(Energy, FrictionOnlyTakes) {
-    SmallField wall(65, 65, 100.0);
-    wall.scene.depth.semantics = DepthSemantics::planar;
+    SmallField wall(65, 65, 100.0, DepthSemantics::planar);
     wall.scene.default_properties = {1000, 0.5, 0.3};
     const auto path = path_along({{-3, 0, -99}, {-3, 0, -101}, {3, 0, -101}, {3, 0, -99}}, 0.01);
     const PathResult result = run_path(path, without_ramp(), wall);
@@ -101,8 +99,7 @@ TEST(Energy, FrictionOnlyTakes) {
 TEST(Energy, ASurfaceThatLiftsTheHandGivesWhatItGives) {
     // A wall comes 4 mm nearer to a hand that gives way at the end: its work is the wall's, nothing is
     // created.
-    SmallField wall(33, 33, 100.0);
-    wall.scene.depth.semantics = DepthSemantics::planar;
+    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     wall.fill(wall.next, 96.0);
     FingerState finger;
     ForceGuard guard(without_ramp(), 0.001);

@@ -8,7 +8,7 @@
 #include "engine/trigonometry.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/force_hash.hpp"
-#include "tests/haptics/small_field.hpp"
+#include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {
 namespace {
@@ -21,21 +21,15 @@ Contact pressing(double newtons, double stiffness = 1000) {
     return contact;
 }
 
-GuardSettings settled() {
-    GuardSettings settings;
-    settings.ramp_in_ticks = 0;
-    return settings;
-}
-
 TEST(ForceGuard, LeavesAForceWithinTheLimitsAlone) {
-    ForceGuard guard(settled(), 0.001);
+    ForceGuard guard(without_ramp(), 0.001);
     const GuardedForce out = guard.guard(pressing(3.25));
     EXPECT_EQ(out.force, glm::dvec3(0, 0, 3.25));
     EXPECT_EQ(out.reasons, guard_none);
 }
 
 TEST(ForceGuard, ShortensToTheDevicesForceAndKeepsTheDirection) {
-    ForceGuard guard(settled(), 0.001);
+    ForceGuard guard(without_ramp(), 0.001);
     Contact contact = pressing(0);
     contact.force = {30, 0, 40};
     const GuardedForce out = guard.guard(contact);
@@ -48,7 +42,7 @@ TEST(ForceGuard, NoRoundingBringsALimitedForceAboveTheDevices) {
     SplitMix64 random(5);
     int limited = 0;
     for (int k = 0; k < 100'000; ++k) {
-        GuardSettings settings = settled();
+        GuardSettings settings = without_ramp();
         settings.max_force = random.within(0.1, 20);
         settings.max_stiffness = random.within(500, 1500);
         ForceGuard guard(settings, 0.001);
@@ -66,7 +60,7 @@ TEST(ForceGuard, NoRoundingBringsALimitedForceAboveTheDevices) {
 }
 
 TEST(ForceGuard, LimitsStiffnessToTheDevices) {
-    ForceGuard guard(settled(), 0.001);
+    ForceGuard guard(without_ramp(), 0.001);
     const GuardedForce out = guard.guard(pressing(4, 40000));
     EXPECT_DOUBLE_EQ(out.force.z, 1.0);
     EXPECT_EQ(out.reasons, guard_stiffness);
@@ -90,7 +84,7 @@ TEST(ForceGuard, RampsInFromZero) {
 TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
     SmallField wall(33, 33, 100.0);
     FingerState finger;
-    GuardSettings settings = settled();
+    GuardSettings settings = without_ramp();
     settings.ramp_in_ticks = settings.ramp_out_ticks = 10;
     ForceGuard guard(settings, 0.001);
     wall.touch(finger, {0, 0, -99});
@@ -114,8 +108,7 @@ TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
 }
 
 TEST(ForceGuard, LimitsHoldWithEverythingOnAndGoalsThatJumpAndFail) {
-    SmallField ground(65, 65, 0);
-    ground.scene.depth.semantics = DepthSemantics::planar;
+    SmallField ground(65, 65, 0, DepthSemantics::planar);
     SplitMix64 random(3);
     ground.shape(ground.prev, [&](int, int) { return random.within(97, 103); });
     ground.shape(ground.next, [&](int, int) { return random.within(97, 103); });

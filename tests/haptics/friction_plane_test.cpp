@@ -151,8 +151,7 @@ TEST(Friction, EachFingerSticksAndSlidesByItself) {
 /// Walls of two slopes that meet in column 16; depth of a column from `depth(columns right of it)`.
 template <class Depth>
 SmallField folded(Depth depth) {
-    SmallField field(33, 65, 0);
-    field.scene.depth.semantics = DepthSemantics::planar;
+    SmallField field(33, 65, 0, DepthSemantics::planar);
     field.scene.camera.cx = 16;
     field.shape(field.prev, [&](int x, int) { return depth(x - 16); });
     return field;

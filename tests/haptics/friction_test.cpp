@@ -12,10 +12,7 @@ namespace {
 /// A large flat wall at planar depth 100 and a finger pressed `depth` into it at the centre.
 class Wall : public testing::Test {
 protected:
-    Wall() : wall(65, 65, 100.0) {
-        wall.scene.depth.semantics = DepthSemantics::planar;
-        wall.scene.default_properties = {1000, 0.5, 0.3};
-    }
+    Wall() : wall(65, 65, 100.0, DepthSemantics::planar) { wall.scene.default_properties = {1000, 0.5, 0.3}; }
     Contact goal_at(double x, double depth) { return wall.touch(finger, {x, 0.1, -100 - depth}); }
 
     SmallField wall;
@@ -108,8 +105,7 @@ TEST(Friction, ATiltedPlaneHoldsUpToTheAngleOfFriction) {
 
 TEST(Friction, AValleyHoldsByTheLoadOnBothItsWalls) {
     // A V along y: walls of slope 1 on both sides of column 16. Pulled along the valley, the load is l0 + l1.
-    SmallField valley(33, 65, 0);
-    valley.scene.depth.semantics = DepthSemantics::planar;
+    SmallField valley(33, 65, 0, DepthSemantics::planar);
     valley.scene.default_properties = {1000, 0.4, 0.4};
     valley.scene.camera.cx = 16;
     valley.shape(valley.prev, [](int x, int) { return 100.0 - 0.25 * std::abs(x - 16); });

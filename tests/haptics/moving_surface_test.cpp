@@ -13,8 +13,7 @@ namespace touchable::test {
 namespace {
 
 TEST(MovingSurface, ARisingSurfaceTakesAFreeFingerAlongItsRay) {
-    SmallField wall(33, 33, 100.0);
-    wall.scene.depth.semantics = DepthSemantics::planar;
+    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     wall.fill(wall.next, 80.0);
     FingerState finger;
     const glm::dvec3 goal{1, 0.5, -95};
@@ -27,8 +26,7 @@ TEST(MovingSurface, ARisingSurfaceTakesAFreeFingerAlongItsRay) {
 }
 
 TEST(MovingSurface, AStickingFingerStaysOnItsRay) {
-    SmallField wall(33, 33, 100.0);
-    wall.scene.depth.semantics = DepthSemantics::planar;
+    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     wall.scene.default_properties = {1000, 0.9, 0.9};
     wall.fill(wall.next, 99.0);
     FingerState finger;
@@ -40,8 +38,7 @@ TEST(MovingSurface, AStickingFingerStaysOnItsRay) {
 }
 
 TEST(MovingSurface, ASinkingSurfaceLetsTheFingerGo) {
-    SmallField wall(33, 33, 100.0);
-    wall.scene.depth.semantics = DepthSemantics::planar;
+    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     wall.fill(wall.next, 120.0);
     FingerState finger;
     const glm::dvec3 goal{0, 0, -102};
@@ -142,8 +139,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Motion{FrameInterpolation::hold, 0.1}, Motion{FrameInterpolation::hold, 0.3}));
 
 TEST(Border, ComingInFromTheSideMeetsAWall) {
-    SmallField block(17, 17, 100.0);
-    block.scene.depth.semantics = DepthSemantics::planar;
+    SmallField block(17, 17, 100.0, DepthSemantics::planar);
     FingerState finger;
     // Beside the picture, deep under its surface but before the far plane: free.
     const double side = block.scene.camera.u(40) * 150;
@@ -156,8 +152,7 @@ TEST(Border, ComingInFromTheSideMeetsAWall) {
 }
 
 TEST(Border, AHoleHasWallsAndAFloorAtTheFarPlane) {
-    SmallField block(33, 33, 100.0);
-    block.scene.depth.semantics = DepthSemantics::planar;
+    SmallField block(33, 33, 100.0, DepthSemantics::planar);
     block.shape(block.prev, [](int x, int y) { return x > 10 && x < 24 && y > 10 && y < 24 ? NAN : 100.0; });
     FingerState finger;
     block.touch(finger, {0, 0, -90});

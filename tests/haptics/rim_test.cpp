@@ -10,9 +10,8 @@ namespace {
 /// Columns that come nearer to the right; above row 4 the ground falls away. Focal length and depths are
 /// powers of two and their sums, so that goals of height 0 run along row 4 to the bit.
 TEST(Rim, AFootOnTheRimIsNoRestWhereTheOtherSideFallsAway) {
-    SmallField cliff(9, 9, 256);
+    SmallField cliff(9, 9, 256, DepthSemantics::planar);
     cliff.scene.camera = {8, 8, 4, 4};
-    cliff.scene.depth.semantics = DepthSemantics::planar;
     cliff.shape(cliff.prev, [](int x, int y) { return y < 4 ? 256.0 : 128.0 - 8 * x; });
     const reference::Surface surface(cliff.scene, cliff.pair());
     FingerState finger;

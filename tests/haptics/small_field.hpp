@@ -12,13 +12,13 @@ namespace touchable::test {
 /// A pair of small frames with depths set by hand; NaN is an invalid pixel.
 class SmallField {
 public:
-    SmallField(int width, int height, double depth) {
+    SmallField(int width, int height, double depth, DepthSemantics semantics = DepthSemantics::range) {
         scene.width = width;
         scene.height = height;
         scene.camera = {400, 400, width / 2.0, height / 2.0};
         scene.depth.near = 40;
         scene.depth.far = 400;
-        scene.depth.semantics = DepthSemantics::range;
+        scene.depth.semantics = semantics;
         scene.default_properties = {1000, 0, 0};
         for (SurfaceFrame* frame : {&prev, &next}) {
             frame->width = width;

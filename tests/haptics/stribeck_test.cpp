@@ -15,8 +15,7 @@ constexpr double mu_s = 0.5, mu_d = 0.3;
 /// A flat wall at 100, and strokes over it 1 mm deep.
 class Stribeck : public testing::Test {
 protected:
-    Stribeck() : wall(129, 33, 100.0) {
-        wall.scene.depth.semantics = DepthSemantics::planar;
+    Stribeck() : wall(129, 33, 100.0, DepthSemantics::planar) {
         wall.scene.default_properties = {1000, mu_s, mu_d};
     }
     /// Where the proxy is (mm), tick by tick, for a goal at x(0), x(1), ...

@@ -69,9 +69,8 @@ TEST(NearestPlace, NoSampleOfTheWindowIsNearerAndItIsNearestOnItsOwnTriangles) {
 /// A block 30 mm high before a wall at 1000, its side at column `edge`, under the tabletop's camera.
 class Block {
 public:
-    Block() : field(161, 41, 1000.0) {
+    Block() : field(161, 41, 1000.0, DepthSemantics::planar) {
         field.scene.camera = {800, 800, 80, 20};  // 1.25 mm a pixel at 1000
-        field.scene.depth.semantics = DepthSemantics::planar;
         field.scene.depth.near = 900;
         field.scene.depth.far = 1100;
         field.scene.default_properties = {600, 0, 0};
@@ -154,9 +153,8 @@ TEST(SurfaceCarry, SidewaysBackByAPixelItStaysAtTheSide) {
 
 /// A face tilted by `degrees`, rising along the ray by `rise` between two frames, a finger stuck to it.
 Proxy stuck_on_a_rising_slope(double degrees, double rise, double sudden_speed) {
-    SmallField slope(81, 81, 1000.0);
+    SmallField slope(81, 81, 1000.0, DepthSemantics::planar);
     slope.scene.camera = {400, 400, 40, 40};
-    slope.scene.depth.semantics = DepthSemantics::planar;
     slope.scene.depth.near = 500;
     slope.scene.depth.far = 1500;
     slope.scene.default_properties = {600, 5, 5};
