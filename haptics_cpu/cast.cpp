@@ -197,11 +197,17 @@ private:
             return std::nullopt;
         }
         const double s = s0 + (s1 - s0) * (above_ / (above_ - above));
+        const double x = way_.x(s), y = way_.y(s);
         // The face is the one the interval runs in, whatever rounding says of the hit itself.
         const double middle = s0 + 0.5 * (s1 - s0);
-        const Place face = face_under(way_.x(middle), way_.y(middle));
-        return face_or_rim_place(face.feature, face.i, face.j, way_.x(s) - static_cast<double>(face.i),
-                                 way_.y(s) - static_cast<double>(face.j));
+        Place face = face_under(way_.x(middle), way_.y(middle));
+        // Beyond the ring, where no line bends the surface, it runs through many.
+        const HeightField& field = space_.field();
+        const bool in_ring =
+            face.i >= -1 && face.i < field.width() && face.j >= -1 && face.j < field.height();
+        if (!in_ring) face = face_under(x, y);
+        return face_or_rim_place(face.feature, face.i, face.j, x - static_cast<double>(face.i),
+                                 y - static_cast<double>(face.j));
     }
 
     const Space& space_;

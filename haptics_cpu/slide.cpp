@@ -99,6 +99,13 @@ bool move_over_face(const Place& from, const Motion& motion, const ImageStep& st
     return false;
 }
 
+/// The distance to the goal is the same after such a way: it is gone whole, whatever friction says. Friction
+/// may end each way at the same share, because it vanishes at an invalid vertex, and so would never get
+/// there.
+bool too_short_to_tell(const Motion& motion, const dvec3& pull) {
+    return glm::dot(motion.way, motion.way) <= 0x1p-52 * glm::dot(pull, pull);
+}
+
 /// Along an edge. True if it went all the way that friction leaves it.
 bool move_along_edge(const Place& from, const Motion& motion, const ImageStep& step, const FrictionCone& cone,
                      Place& to) {
@@ -147,7 +154,8 @@ public:
                     continue;
                 }
                 // Held back by friction, the place may have another cone than the start: look again.
-                arrived = move(motion, cone, next) && cone.stopping == 0;
+                const bool whole = stalls > 0 && too_short_to_tell(motion, pull);
+                arrived = move(motion, whole ? FrictionCone{} : cone, next) && cone.stopping == 0;
                 sliding = cone.stopping > 0;
             }
             const Progress progress = take(next, sliding, pull);
@@ -186,13 +194,21 @@ private:
         return glm::distance(space_.position({at.x(), at.y(), w}), point);
     }
 
+    /// Whether roundings explain that the goal is farther from a new place than from this one. By a millionth
+    /// at most: beside the camera's plane they could explain anything, and a step there would wind up the
+    /// spring.
+    bool is_explained(double before, double after, const Place& next, const dvec3& point) const {
+        return after <= before * (1.0 + 1e-6) &&
+               after <= before + misplaced_by(proxy_, proxy_.point) + misplaced_by(next, point);
+    }
+
     /// Takes the new place unless it is farther from the goal than rounding explains.
     Progress take(const Place& next, bool sliding, const dvec3& pull) {
         const dvec3 point = surface_point(space_, next);
         const dvec3 rest = goal_ - point;
         const double before = glm::dot(pull, pull), after = glm::dot(rest, rest);
         if (!(after <= before * (1.0 + 1e-13)) &&
-            !(std::sqrt(after) <= std::sqrt(before) + misplaced_by(next, point)))
+            !is_explained(std::sqrt(before), std::sqrt(after), next, point))
             return Progress::none;
         static_cast<Place&>(proxy_) = next;
         proxy_.point = point;

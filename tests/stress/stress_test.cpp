@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <utility>
 
 #include "tests/stress/golden_runs.hpp"
 #include "tests/stress/suites.hpp"
@@ -56,10 +57,23 @@ TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {
     for (const Known& known :
          {Known{"lattice-lines", 9, 2000}, Known{"lattice-lines", 28, 3000}, Known{"lattice-lines", 32, 4000},
           Known{"lattice-lines", 7, 19000}, Known{"far-million", 0, 13000}, Known{"far-million", 355, 7000},
-          Known{"height-limit", 204, 12000}}) {
+          Known{"height-limit", 204, 12000}, Known{"lattice-lines", 535, 8100},
+          Known{"rising", 438, 13300}}) {
         const Watched watched = watch(*find_suite(known.suite)->run(known.seed), {known.ticks, 1, 0});
         EXPECT_EQ(watched.violation_count, 0) << known.suite << ' ' << known.seed;
         EXPECT_EQ(watched.coverage.capped, 0) << "places a rounding apart take turns: " << known.suite;
+    }
+}
+
+// A way from far aside that met the strip beyond the ring was put down in the middle of its last interval,
+// thousands of pixels from where it met it; a step next to the camera's plane that wound up the spring; a
+// landing a rounding before the goal.
+TEST(Stress, RunsThatOnceCreatedEnergyDoNot) {
+    for (const auto& [suite, seed] :
+         {std::pair{"camera-axis", 492}, {"height-limit", 827}, {"press-slide-retract", 830}}) {
+        const Watched watched =
+            watch(*find_suite(suite)->run(static_cast<std::uint64_t>(seed)), {7000, 1, 0});
+        EXPECT_EQ(watched.violation_count, 0) << suite << ' ' << seed;
     }
 }
 

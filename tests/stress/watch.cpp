@@ -133,8 +133,11 @@ private:
     /// back.
     void check_energy(const TouchTick& done, std::size_t k) {
         const EnergyFigures now = done.forces[k].energy, last = std::exchange(energy_[k], now);
+        // Of sums of joules, and of the proxy's coordinates times its force.
+        const Contact& contact = done.contacts[k];
         const double rounding =
-            1e-12 * (1e-6 + std::fabs(now.work) + std::fabs(now.surface) + now.stored) + 4e-15 * now.bound;
+            1e-12 * (1e-6 + std::fabs(now.work) + std::fabs(now.surface) + now.stored) + 4e-15 * now.bound +
+            1e-15 * length(contact.proxy) * done.metres_per_scene_unit * length(contact.force);
         covered().energy_created = std::max(covered().energy_created, now.created);
         covered().energy_bound = std::max(covered().energy_bound, now.bound);
         if (run_.guard().rise.paid)
