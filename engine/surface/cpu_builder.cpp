@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <cassert>
+#include <thread>
 
-#include "engine/surface/decode.hpp"
 #include "engine/surface/hole_filling.hpp"
+#include "engine/surface/line_source.hpp"
 #include "engine/surface/median.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
@@ -10,21 +12,53 @@
 namespace touchable {
 namespace {
 
+/// A thread more pays where it has this many pixels to do: waking it costs as much as about a tenth of them.
+constexpr long pixels_per_thread = 100'000;
+/// More of them wait for memory, and the others of a program want cores too.
+constexpr int most_threads = 4;
+
+int threads_for(const Scene& scene, int asked) {
+    if (asked > 0) return asked;
+    const long pixels = long{scene.width} * scene.height;
+    const int cores = static_cast<int>(std::thread::hardware_concurrency());
+    return std::clamp(static_cast<int>(std::min<long>(pixels / pixels_per_thread, most_threads)), 1,
+                      std::max(cores, 1));
+}
+
+/// The widest that there is, up to the one that is asked for.
+VectorUnit unit_for(VectorUnit most) {
+    const auto units = usable_vector_units();
+    return *std::find_if(units.begin(), units.end() - 1, [&](VectorUnit unit) { return unit <= most; });
+}
+
 class CpuBuilder final : public SurfaceBuilder {
 public:
-    explicit CpuBuilder(const Scene& scene) : scene_(scene) {
+    CpuBuilder(const Scene& scene, const CpuPlan& plan)
+        : scene_(scene),
+          unit_(unit_for(plan.vectors)),
+          bands_(threads_for(scene, plan.threads)),
+          median_(unit_),
+          tiles_(unit_) {
         assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
     }
     std::string_view name() const override { return "cpu"; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
-        out.coding = scene_.depth;
         out.raw = {};
-        decode(raw.depth, out);
-        if (scene_.filter.fill_holes > 0) holes_.fill(scene_.filter.fill_holes, out);
-        if (scene_.filter.median > 0) median_.apply(scene_.filter.median, out);
-        tiles_.bound(out);
+        take_size(out);
+        const StoredLines stored(raw.depth, scene_.depth, unit_);
+        const int side = std::max(scene_.filter.median, 1);
+        if (scene_.filter.fill_holes == 0) {
+            median_.apply(side, stored, bands_, out);
+        } else {
+            SurfaceFrame& filled = side > 1 ? filled_ : out;
+            take_size(filled);
+            median_.apply(1, stored, bands_, filled);
+            holes_.fill(scene_.filter.fill_holes, bands_, filled);
+            if (side > 1) median_.apply(side, FrameLines(filled), bands_, out);
+        }
+        tiles_.bound(bands_, out);
         copy_touch_planes(raw, out);
         if (dynamic_cast<FilteredVertices*>(out.vertices.get()) == nullptr)
             out.vertices = std::make_unique<FilteredVertices>(out);
@@ -32,7 +66,19 @@ public:
     }
 
 private:
+    void take_size(SurfaceFrame& frame) const {
+        frame.coding = scene_.depth;
+        frame.width = scene_.width;
+        frame.height = scene_.height;
+        frame.codes.resize(frame.index(0, frame.height));
+        frame.validity.resize(static_cast<std::size_t>(frame.validity_words_per_row()) *
+                              static_cast<std::size_t>(frame.height));
+    }
+
     Scene scene_;
+    const VectorUnit unit_;
+    RowBands bands_;
+    SurfaceFrame filled_;  // between hole filling and median; empty where not both are asked for
     HoleFiller holes_;
     MedianFilter median_;
     TileBounder tiles_;
@@ -41,7 +87,10 @@ private:
 }  // namespace
 
 std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene) {
-    return std::make_unique<CpuBuilder>(scene);
+    return make_cpu_builder(scene, {});
+}
+std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPlan& plan) {
+    return std::make_unique<CpuBuilder>(scene, plan);
 }
 
 }  // namespace touchable

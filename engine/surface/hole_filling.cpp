@@ -1,5 +1,6 @@
 #include "engine/surface/hole_filling.hpp"
 
+#include <atomic>
 #include <bit>
 
 #include "engine/surface/lower_median.hpp"
@@ -38,18 +39,26 @@ int valid_neighbours(const SurfaceFrame& frame, const ValidityBits& before, int 
 
 }  // namespace
 
-void HoleFiller::fill(int passes, SurfaceFrame& frame) {
+void HoleFiller::fill(int passes, RowBands& bands, SurfaceFrame& frame) {
     for (int pass = 0; pass < passes; ++pass)
-        if (!fill_once(frame)) return;  // nor would any later pass
+        if (!fill_once(bands, frame)) return;  // nor would any later pass
+}
+
+bool HoleFiller::fill_once(RowBands& bands, SurfaceFrame& frame) {
+    before_.assign(frame.validity.begin(), frame.validity.end());
+    std::atomic<bool> filled_any = false;
+    bands.for_each_band(frame.height, TileGrid::cells, [&](const RowBand& band) {
+        if (fill_rows(band, frame)) filled_any.store(true, std::memory_order_relaxed);
+    });
+    return filled_any.load(std::memory_order_relaxed);
 }
 
 // Codes change in place: a pixel filled in this pass is not valid in `before_`, so nobody reads it yet.
-bool HoleFiller::fill_once(SurfaceFrame& frame) {
-    before_.assign(frame.validity.begin(), frame.validity.end());
+bool HoleFiller::fill_rows(const RowBand& band, SurfaceFrame& frame) const {
     const int words = frame.validity_words_per_row();
     const ValidityBits before{before_, words, frame.height};
     bool filled_any = false;
-    for (int y = 0; y < frame.height; ++y)
+    for (int y = band.first; y < band.last; ++y)
         for (int w = 0; w < words; ++w) {
             std::uint32_t holes = ~before.word(w, y) & inside_bits(frame.width, w);
             if (holes == 0) continue;

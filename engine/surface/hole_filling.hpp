@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
+#include "engine/surface/row_bands.hpp"
 
 namespace touchable {
 
@@ -15,10 +16,11 @@ inline constexpr int neighbours_to_fill = 3;
 class HoleFiller {
 public:
     /// Changes codes and validity of `frame` in place. No allocation once it has seen the size.
-    void fill(int passes, SurfaceFrame& frame);
+    void fill(int passes, RowBands& bands, SurfaceFrame& frame);
 
 private:
-    bool fill_once(SurfaceFrame& frame);
+    bool fill_once(RowBands& bands, SurfaceFrame& frame);
+    bool fill_rows(const RowBand& band, SurfaceFrame& frame) const;
 
     std::vector<std::uint32_t> before_;  // validity before the pass
 };

@@ -5,6 +5,7 @@
 
 #include "engine/frame/surface_frame.hpp"
 #include "engine/result.hpp"
+#include "engine/surface/vector_unit.hpp"
 
 namespace touchable {
 
@@ -22,8 +23,15 @@ public:
 
 /// The obvious code: the definition that the others are tested against.
 std::unique_ptr<SurfaceBuilder> make_reference_builder(const Scene& scene);
-/// The whole frame, fast.
+/// How the CPU builder does its work. The bits are the same with any plan.
+struct CpuPlan {
+    int threads = 0;  ///< with the one that builds; 0: as many as pay for the scene's size, at most 4
+    VectorUnit vectors = VectorUnit::avx512;  ///< at most; what the CPU lacks is not used
+};
+/// The whole frame, fast, on some threads of its own: they start with the first frame, sleep between frames,
+/// and are scheduled as the thread that builds.
 std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene);
+std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPlan& plan);
 /// Keeps the raw frame (and its storage) and filters a pixel when it is asked for: the paper's way. The frame
 /// has no codes, validity or tiles of its own; its `vertices` answer instead.
 std::unique_ptr<SurfaceBuilder> make_lazy_builder(const Scene& scene);

@@ -1,11 +1,66 @@
 #include "engine/surface/tile_bounds.hpp"
 
 #include <algorithm>
+#include <cstring>
 
+#include "engine/surface/median_network.hpp"
 #include "engine/surface/validity_strip.hpp"
+#include "engine/surface/vectors.hpp"
 
 namespace touchable {
 namespace {
+
+/// Rows [first, last] of a frame.
+struct Rows {
+    const SurfaceFrame& frame;
+    int first, last;
+};
+
+/// Least and greatest valid code of each column of strip `w`, and which columns have an invalid pixel. An
+/// invalid pixel's code is 0, which cannot raise a greatest code; for the least one it counts as 65535.
+template <class Lanes>
+[[gnu::always_inline]] inline std::uint32_t bound_strip(const Rows& rows, int w, std::uint16_t* least,
+                                                        std::uint16_t* greatest) {
+    constexpr int lanes = lane_count<Lanes>, vectors = strip_pixels / lanes;
+    const SurfaceFrame& frame = rows.frame;
+    const int x = w * strip_pixels, count = std::min(strip_pixels, frame.width - x);
+    const std::uint32_t inside = inside_bits(frame.width, w);
+    const std::uint32_t* validity = frame.validity.data() + w;
+    std::uint16_t padded[strip_pixels] = {}, masks[strip_pixels];
+    Lanes low[vectors], high[vectors] = {};
+    for (Lanes& values : low) values = ~Lanes{};
+    std::uint32_t all_holes = 0;
+    for (int y = rows.first; y <= rows.last; ++y) {
+        const std::uint16_t* codes = frame.codes.data() + frame.index(x, y);
+        if (count < strip_pixels)
+            codes = static_cast<std::uint16_t*>(
+                std::memcpy(padded, codes, static_cast<std::size_t>(count) * sizeof(std::uint16_t)));
+        const std::uint32_t holes = ~validity[std::ptrdiff_t{y} * frame.validity_words_per_row()] & inside;
+        all_holes |= holes;
+        if (holes != 0) masks_of_bits(holes, masks);
+        for (int k = 0; k < vectors; ++k) {
+            Lanes values = load_lanes<Lanes>(codes + k * lanes);
+            high[k] = greater(high[k], values);
+            if (holes != 0) values |= load_lanes<Lanes>(masks + k * lanes);
+            low[k] = lesser(low[k], values);
+        }
+    }
+    for (int k = 0; k < vectors; ++k) {
+        store_lanes(low[k], least + x + k * lanes);
+        store_lanes(high[k], greatest + x + k * lanes);
+    }
+    return all_holes;
+}
+
+/// Each value becomes the lesser (or greater) of itself and the one `step` further on.
+template <class Lanes>
+[[gnu::always_inline]] inline void fold(int step, int strips, std::uint16_t* least, std::uint16_t* greatest) {
+    for (int x = 0; x < strips * strip_pixels; x += lane_count<Lanes>) {
+        store_lanes(lesser(load_lanes<Lanes>(least + x), load_lanes<Lanes>(least + x + step)), least + x);
+        store_lanes(greater(load_lanes<Lanes>(greatest + x), load_lanes<Lanes>(greatest + x + step)),
+                    greatest + x);
+    }
+}
 
 bool any_bit(const std::vector<std::uint32_t>& words, int first, int last) {
     for (int w = first / strip_pixels; w <= last / strip_pixels; ++w) {
@@ -19,50 +74,50 @@ bool any_bit(const std::vector<std::uint32_t>& words, int first, int last) {
 
 }  // namespace
 
-// An invalid pixel's code is 0, which cannot raise a greatest code; for the least one it counts as 65535.
-void TileBounder::gather_rows(const SurfaceFrame& frame, int first, int last) {
-    const int words = frame.validity_words_per_row();
-    const auto columns = static_cast<std::size_t>(words * strip_pixels);
-    least_.assign(columns, 65535);
-    greatest_.assign(columns, 0);
-    holes_.assign(static_cast<std::size_t>(words), 0);
-    for (int y = first; y <= last; ++y) {
-        const std::uint16_t* row = frame.codes.data() + frame.index(0, y);
-        const std::uint32_t* validity = frame.validity.data() + static_cast<std::ptrdiff_t>(y) * words;
-        for (int w = 0; w < words; ++w) {
-            const int x = w * strip_pixels, count = std::min(strip_pixels, frame.width - x);
-            const std::uint32_t holes = ~validity[w] & inside_bits(frame.width, w);
-            const std::uint16_t* codes = row + x;
-            std::uint16_t* least = least_.data() + x;
-            std::uint16_t* greatest = greatest_.data() + x;
-            holes_[static_cast<std::size_t>(w)] |= holes;
-            for (int k = 0; k < count; ++k) greatest[k] = std::max(greatest[k], codes[k]);
-            if (holes == 0) {
-                for (int k = 0; k < count; ++k) least[k] = std::min(least[k], codes[k]);
-            } else {
-                std::uint16_t masks[strip_pixels];
-                masks_of_bits(holes, masks);
-                for (int k = 0; k < count; ++k)
-                    least[k] = std::min(least[k], static_cast<std::uint16_t>(codes[k] | masks[k]));
-            }
-        }
-    }
+void TileBounder::Columns::resize(int strips) {
+    const auto pixels = static_cast<std::size_t>((strips + 1) * strip_pixels);
+    least.resize(pixels);
+    greatest.resize(pixels);
+    holes.resize(static_cast<std::size_t>(strips));
 }
 
-void TileBounder::bound(SurfaceFrame& frame) {
+// Afterwards `least` and `greatest` of a column are those of a tile that begins there.
+void TileBounder::bound_columns(const SurfaceFrame& frame, int first, int last, Columns& columns) const {
+    const int strips = frame.validity_words_per_row();
+    std::uint16_t *least = columns.least.data(), *greatest = columns.greatest.data();
+    run_vectors(
+        unit_, [&](auto kind) __attribute__((always_inline)) {
+            using Lanes = typename decltype(kind)::Lanes;
+            for (int w = 0; w < strips; ++w)
+                columns.holes[static_cast<std::size_t>(w)] =
+                    bound_strip<Lanes>({frame, first, last}, w, least, greatest);
+            std::fill(least + frame.width, least + columns.least.size(), std::uint16_t{65535});
+            std::fill(greatest + frame.width, greatest + columns.greatest.size(), std::uint16_t{0});
+            for (int step = 1; step < TileGrid::cells; step *= 2) fold<Lanes>(step, strips, least, greatest);
+            fold<Lanes>(1, strips, least, greatest);
+        });
+}
+
+void TileBounder::bound(RowBands& bands, SurfaceFrame& frame) {
     const TileGrid grid = TileGrid::of(frame.width, frame.height);
     frame.tiles.resize(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
-    TileBounds* tile = frame.tiles.data();
-    for (int ty = 0; ty < grid.tiles_y; ++ty) {
-        const int top = ty * TileGrid::cells;
-        gather_rows(frame, top, std::min(top + TileGrid::cells, frame.height - 1));
-        for (int tx = 0; tx < grid.tiles_x; ++tx, ++tile) {
-            const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame.width - 1);
-            tile->least = *std::min_element(least_.begin() + left, least_.begin() + right + 1);
-            tile->greatest = *std::max_element(greatest_.begin() + left, greatest_.begin() + right + 1);
-            tile->any_invalid = any_bit(holes_, left, right);
+    columns_.resize(static_cast<std::size_t>(bands.threads()));
+    for (Columns& columns : columns_) columns.resize(frame.validity_words_per_row());
+    bands.for_each_band(grid.tiles_y, 1, [&](const RowBand& band) {
+        Columns& columns = columns_[static_cast<std::size_t>(band.thread)];
+        for (int ty = band.first; ty < band.last; ++ty) {
+            const int top = ty * TileGrid::cells;
+            bound_columns(frame, top, std::min(top + TileGrid::cells, frame.height - 1), columns);
+            TileBounds* tile = frame.tiles.data() + std::ptrdiff_t{ty} * grid.tiles_x;
+            for (int tx = 0; tx < grid.tiles_x; ++tx, ++tile) {
+                const int left = tx * TileGrid::cells,
+                          right = std::min(left + TileGrid::cells, frame.width - 1);
+                tile->least = columns.least[static_cast<std::size_t>(left)];
+                tile->greatest = columns.greatest[static_cast<std::size_t>(left)];
+                tile->any_invalid = any_bit(columns.holes, left, right);
+            }
         }
-    }
+    });
 }
 
 }  // namespace touchable

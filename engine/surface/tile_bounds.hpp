@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
+#include "engine/surface/row_bands.hpp"
+#include "engine/surface/vector_unit.hpp"
 
 namespace touchable {
 
@@ -11,15 +13,23 @@ namespace touchable {
 /// cells (see TileBounds).
 class TileBounder {
 public:
+    explicit TileBounder(VectorUnit unit) : unit_(unit) {}
+
     /// Codes and validity of `frame` -> its tiles. No allocation once it has seen the size.
-    void bound(SurfaceFrame& frame);
+    void bound(RowBands& bands, SurfaceFrame& frame);
 
 private:
-    void gather_rows(const SurfaceFrame& frame, int first, int last);
+    /// Over the rows of one row of tiles, by column, a strip beyond the picture.
+    struct Columns {
+        std::vector<std::uint16_t> least, greatest;
+        std::vector<std::uint32_t> holes;
 
-    // Over the rows of one row of tiles, by column.
-    std::vector<std::uint16_t> least_, greatest_;
-    std::vector<std::uint32_t> holes_;
+        void resize(int strips);
+    };
+    void bound_columns(const SurfaceFrame& frame, int first, int last, Columns& columns) const;
+
+    VectorUnit unit_;
+    std::vector<Columns> columns_;  // of each thread
 };
 
 }  // namespace touchable

@@ -113,20 +113,6 @@ TEST(Builders, ReuseASlotOfAnyBuilderAndSize) {
     }
 }
 
-TEST(CpuBuilder, AllocatesNothingForTheSecondFrame) {
-    const Scene scene = depth_scene(131, 67, 16, Marking::zero, {5, 2});
-    const StoredPlane first = noisy_plane(scene, Fill::few_holes, 1),
-                      second = noisy_plane(scene, Fill::blob, 2);
-    const auto builder = make_cpu_builder(scene);
-    SurfaceFrame slot;
-    const std::size_t before_first = allocations();
-    ASSERT_TRUE(builder->build(first.frame(), slot));
-    const std::size_t before = allocations();
-    EXPECT_GT(before, before_first);  // or this counts nothing
-    ASSERT_TRUE(builder->build(second.frame(), slot));
-    EXPECT_EQ(allocations(), before);
-}
-
 TEST(LazyBuilder, AllocatesNothingForTheSecondFrameNorForAnyVertexOrTile) {
     const Scene scene = depth_scene(53, 38, 16, Marking::zero, {5, 16});
     const StoredPlane first = noisy_plane(scene, Fill::few_holes, 1),

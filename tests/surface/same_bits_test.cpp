@@ -48,6 +48,10 @@ protected:
         ASSERT_TRUE(make_cpu_builder(scene)->build(plane.frame(), cpu_));
         ASSERT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy_));
         ASSERT_EQ(first_difference(reference, cpu_), "");
+        for (const VectorUnit unit : usable_vector_units()) {
+            ASSERT_TRUE(make_cpu_builder(scene, {1, unit})->build(plane.frame(), cpu_));
+            ASSERT_EQ(first_difference(reference, cpu_), "") << "vectors " << static_cast<int>(unit);
+        }
         for (const SurfacePlan& plan : all_plans) {
             auto vulkan = make_vulkan_builder(scene, test_kernels(), plan);
             ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;

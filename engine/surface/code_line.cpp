@@ -1,0 +1,137 @@
+#include "engine/surface/code_line.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+#include "engine/frame/stored_code.hpp"
+#include "engine/surface/median_network.hpp"
+#include "engine/surface/vectors.hpp"
+
+namespace touchable {
+namespace {
+
+/// Whether every code is valid, of whole strips: minima and maxima alone, so that this is as fast as memory.
+/// Of a code and an invalid one the exclusive or is 0 where they are equal.
+template <class Lanes>
+[[gnu::always_inline]] inline bool all_valid(const DepthCoding& coding, const std::uint16_t* codes,
+                                             int pixels) {
+    Lanes least = load_lanes<Lanes>(codes), greatest = least, nearest_to_invalid = ~Lanes{};
+    Lanes invalid[DepthCoding::max_invalid_codes];
+    for (int n = 0; n < coding.invalid_code_count; ++n)
+        invalid[n] = Lanes{} + coding.invalid_codes[static_cast<std::size_t>(n)];
+    for (int x = 0; x < pixels; x += lane_count<Lanes>) {
+        const Lanes values = load_lanes<Lanes>(codes + x);
+        least = lesser(least, values);
+        greatest = greater(greatest, values);
+        for (int n = 0; n < coding.invalid_code_count; ++n)
+            nearest_to_invalid = lesser<Lanes>(nearest_to_invalid, values ^ invalid[n]);
+    }
+    bool all = true;
+    for (int k = 0; k < lane_count<Lanes>; ++k)
+        all &= least[k] >= coding.valid_min && greatest[k] <= coding.valid_max && nearest_to_invalid[k] != 0;
+    return all;
+}
+
+/// All ones where not DepthCoding::is_valid, of a strip.
+void invalid_masks(const DepthCoding& coding, const std::uint16_t* codes, std::uint16_t* masks) {
+    for (int k = 0; k < strip_pixels; ++k)
+        masks[k] = codes[k] < coding.valid_min || codes[k] > coding.valid_max ? 0xFFFF : 0;
+    for (int n = 0; n < coding.invalid_code_count; ++n) {
+        const std::uint16_t invalid = coding.invalid_codes[static_cast<std::size_t>(n)];
+        for (int k = 0; k < strip_pixels; ++k)
+            masks[k] = static_cast<std::uint16_t>(masks[k] | (codes[k] == invalid ? 0xFFFF : 0));
+    }
+}
+
+}  // namespace
+
+void CodeLine::resize(int width, int reach) {
+    assert(width > 0 && 0 <= reach && reach <= strip_pixels / 2);
+    if (width == width_ && reach == reach_) return;
+    width_ = width;
+    reach_ = reach;
+    const auto strips = static_cast<std::size_t>((width + strip_pixels - 1) / strip_pixels);
+    codes_.assign(strips + 1, Strip{});
+    invalid_.assign(strips + 1, Strip{});
+    holes_.assign(strips, 0);
+    clean_ = true;
+}
+
+void CodeLine::load(const PlaneView& depth, const DepthCoding& coding, int y) {
+    std::uint16_t* codes = inside(codes_);
+    if (coding.kind == DepthCodingKind::hue)
+        for (int x = 0; x < width_; ++x) codes[x] = stored_code(depth, coding, x, y);
+    else if (depth.bytes_per_sample == 2)
+        std::memcpy(codes, depth.row(y), static_cast<std::size_t>(width_) * sizeof(std::uint16_t));
+    else
+        std::copy_n(depth.row(y), width_, codes);
+}
+
+void CodeLine::decode(const PlaneView& depth, const DepthCoding& coding, int y, VectorUnit unit) {
+    load(depth, coding, y);
+    repeat_border(codes_.front().pixels);
+    bool all = false;
+    run_vectors(
+        unit, [&](auto kind) __attribute__((always_inline)) {
+            all = all_valid<typename decltype(kind)::Lanes>(coding, codes(),
+                                                            static_cast<int>(codes_.size()) * strip_pixels);
+        });
+    if (all) {
+        set_clean();
+        return;
+    }
+    clean_ = false;
+    for (std::size_t w = 0; w < codes_.size(); ++w) {
+        Strip &strip = codes_[w], &masks = invalid_[w];
+        invalid_masks(coding, strip.pixels, masks.pixels);
+        for (int k = 0; k < strip_pixels; ++k)
+            strip.pixels[k] = static_cast<std::uint16_t>(strip.pixels[k] & ~masks.pixels[k]);
+    }
+    for (int w = 0; w < strips(); ++w)
+        holes_[static_cast<std::size_t>(w)] =
+            bits_of_masks(inside(invalid_) + w * strip_pixels) & inside_bits(width_, w);
+}
+
+void CodeLine::copy(const SurfaceFrame& decoded, int y) {
+    std::memcpy(inside(codes_), decoded.codes.data() + decoded.index(0, y),
+                static_cast<std::size_t>(width_) * sizeof(std::uint16_t));
+    repeat_border(codes_.front().pixels);
+    const std::uint32_t* validity = decoded.validity.data() + static_cast<std::ptrdiff_t>(y) * strips();
+    std::uint32_t any = 0;
+    for (int w = 0; w < strips(); ++w) any |= ~validity[w] & inside_bits(width_, w);
+    if (any == 0) {
+        set_clean();
+        return;
+    }
+    clean_ = false;
+    for (int w = 0; w < strips(); ++w) {
+        holes_[static_cast<std::size_t>(w)] = ~validity[w] & inside_bits(width_, w);
+        masks_of_bits(holes_[static_cast<std::size_t>(w)], inside(invalid_) + w * strip_pixels);
+    }
+    repeat_border(invalid_.front().pixels);
+}
+
+void CodeLine::repeat_border(std::uint16_t* line) const {
+    std::uint16_t* first = line + reach_;
+    std::fill(line, first, *first);
+    std::fill(first + width_, line + codes_.size() * strip_pixels, first[width_ - 1]);
+}
+
+void CodeLine::set_clean() {
+    if (clean_) return;
+    clean_ = true;
+    std::fill(invalid_.begin(), invalid_.end(), Strip{});
+    std::fill(holes_.begin(), holes_.end(), 0U);
+}
+
+void CodeLine::write_codes(std::uint16_t* codes) const {
+    std::memcpy(codes, this->codes() + reach_, static_cast<std::size_t>(width_) * sizeof(std::uint16_t));
+}
+
+void CodeLine::write_validity(std::uint32_t* validity) const {
+    for (int w = 0; w < strips(); ++w)
+        validity[w] = ~holes_[static_cast<std::size_t>(w)] & inside_bits(width_, w);
+}
+
+}  // namespace touchable

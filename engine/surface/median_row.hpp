@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/surface/code_line.hpp"
+#include "engine/surface/vector_unit.hpp"
+
+namespace touchable {
+
+/// The lower median of the valid codes in each window of Side x Side, of a row of `width` codes; 0 where the
+/// centre is invalid. `lines`: the windows' rows from the upper one on, with reach Side / 2. Side: 3 or 5.
+template <int Side>
+void median_of_row(VectorUnit unit, const CodeLine* const (&lines)[Side], std::uint16_t* codes, int width);
+
+}  // namespace touchable

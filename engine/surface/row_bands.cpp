@@ -1,0 +1,74 @@
+#include "engine/surface/row_bands.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <system_error>
+
+namespace touchable {
+namespace {
+
+/// More bands than threads, so that one that is late, or whose core is taken, keeps nobody waiting for long.
+constexpr int bands_per_thread = 4;
+
+}  // namespace
+
+RowBands::RowBands(int threads) : threads_(threads) {
+    assert(threads >= 1);
+}
+
+RowBands::~RowBands() {
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+    }
+    there_is_work_.notify_all();
+    for (std::thread& other : others_) other.join();
+}
+
+void RowBands::run(Job job) {
+    if (threads_ == 1 || job.rows <= job.step) {
+        job.call(job.work, {0, job.rows, 0});
+        return;
+    }
+    const int steps = (job.rows + job.step - 1) / job.step;
+    job.band_rows = job.step * std::max(1, steps / (threads_ * bands_per_thread));
+    std::unique_lock lock(mutex_);
+    start_others();
+    job_ = job;
+    there_is_work_.notify_all();
+    take_bands(lock, 0);
+    all_done_.wait(lock, [this] { return job_.bands_at_work == 0; });
+}
+
+/// Where the system grants no more threads, those that there are do all the work.
+void RowBands::start_others() try {
+    while (static_cast<int>(others_.size()) < threads_ - 1)
+        others_.emplace_back([this, thread = static_cast<int>(others_.size()) + 1] { serve(thread); });
+} catch (const std::system_error&) {
+}
+
+/// Until none is left. `lock` is held but while a band is worked on.
+void RowBands::take_bands(std::unique_lock<std::mutex>& lock, int thread) {
+    while (job_.next_row < job_.rows) {
+        const RowBand band{job_.next_row, std::min(job_.next_row + job_.band_rows, job_.rows), thread};
+        job_.next_row = band.last;
+        ++job_.bands_at_work;
+        const auto call = job_.call;
+        void* const work = job_.work;
+        lock.unlock();
+        call(work, band);
+        lock.lock();
+        if (--job_.bands_at_work == 0) all_done_.notify_one();
+    }
+}
+
+void RowBands::serve(int thread) {
+    std::unique_lock lock(mutex_);
+    while (true) {
+        there_is_work_.wait(lock, [this] { return ending_ || job_.next_row < job_.rows; });
+        if (ending_) return;
+        take_bands(lock, thread);
+    }
+}
+
+}  // namespace touchable
