@@ -6,6 +6,8 @@
 
 #include "bench/clocks.hpp"
 #include "bench/suite.hpp"
+#include "bench/surface/codes_race.hpp"
+#include "bench/surface/race.hpp"
 #include "engine/surface/vulkan_builder.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/gpu_painters.hpp"
@@ -70,11 +72,6 @@ long mismatches(const SurfaceFrame& expected, const SurfaceFrame& actual) {
            (expected.tiles == actual.tiles ? 0 : 1);
 }
 
-/// The least of some frames, milliseconds.
-struct FrameTimes {
-    double wall_ms = HUGE_VAL, cpu_ms = HUGE_VAL;
-};
-
 template <class Work>
 Result<FrameTimes> least_times(int repeats, Work&& work) {
     FrameTimes times;
@@ -89,11 +86,6 @@ Result<FrameTimes> least_times(int repeats, Work&& work) {
 
 Result<FrameTimes> time_frames(SurfaceBuilder& builder, const RawFrame& raw, SurfaceFrame& out, int frames) {
     return least_times(frames, [&] { return builder.build(raw, out); });
-}
-
-void add_times(Figures& figures, const std::string& what, const FrameTimes& times) {
-    figures.push_back({what + "_ms", times.wall_ms, "ms"});
-    figures.push_back({what + "_cpu_ms", times.cpu_ms, "ms"});
 }
 
 FramePair still(const SurfaceFrame& frame) {
@@ -217,16 +209,12 @@ Result<void> measure(const SurfaceCase& c, int frames, const std::shared_ptr<Sur
         if (mismatched > 0)
             return wrong(c,
                          std::to_string(mismatched) + " codes differ from the CPU builder's, median " + what);
-        const auto times = time_frames(**vulkan, picture.raw, frame, frames);
-        if (!times.ok()) return times.error();
+        if (auto raced = race_for_codes(picture.scene, picture.raw, **vulkan, frames, figures); !raced.ok())
+            return wrong(c, raced.error().message);
         double kernels_ms = 0;
         for (const GpuTime& stage : (*vulkan)->stages()) kernels_ms += stage.ms;
-        const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));
-        if (!cpu_times.ok()) return cpu_times.error();
-        add_times(figures, "codes" + what, *times);
         figures.push_back({"codes" + what + "_kernels_ms", kernels_ms, "ms"});
         figures.push_back({"codes" + what + "_first_ms", first->wall_ms, "ms"});
-        figures.push_back({"cpu_builder" + what + "_ms", cpu_times->wall_ms, "ms"});
         if (side == 0) continue;
         if (auto done = measure_mesh(c, picture, **vulkan, frames, kernels->device(), figures); !done.ok())
             return done;

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "bench/suite.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+
+namespace touchable {
+
+/// Codes of one picture, with the scene's median, by the Vulkan builder, by the CPU builder on threads of its
+/// choice, on one and on two, and, where every pixel is valid, by OpenCV's median, against each other. An
+/// error where any of them gives other codes than the CPU builder.
+Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfaceBuilder& vulkan, int rounds,
+                            Figures& figures);
+
+}  // namespace touchable
