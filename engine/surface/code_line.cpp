@@ -33,14 +33,22 @@ template <class Lanes>
     return all;
 }
 
-/// All ones where not DepthCoding::is_valid, of a strip.
-void invalid_masks(const DepthCoding& coding, const std::uint16_t* codes, std::uint16_t* masks) {
-    for (int k = 0; k < strip_pixels; ++k)
-        masks[k] = codes[k] < coding.valid_min || codes[k] > coding.valid_max ? 0xFFFF : 0;
-    for (int n = 0; n < coding.invalid_code_count; ++n) {
-        const std::uint16_t invalid = coding.invalid_codes[static_cast<std::size_t>(n)];
-        for (int k = 0; k < strip_pixels; ++k)
-            masks[k] = static_cast<std::uint16_t>(masks[k] | (codes[k] == invalid ? 0xFFFF : 0));
+/// `masks`: all ones where not DepthCoding::is_valid; codes become 0 there. Of whole strips, without
+/// comparing, for vectors of 64 bytes compare into masks of another kind.
+template <class Lanes>
+[[gnu::always_inline]] inline void mask_invalid(const DepthCoding& coding, std::uint16_t* codes,
+                                                std::uint16_t* masks, int pixels) {
+    const Lanes least = Lanes{} + coding.valid_min, greatest = Lanes{} + coding.valid_max, one = Lanes{} + 1;
+    for (int x = 0; x < pixels; x += lane_count<Lanes>) {
+        const Lanes values = load_lanes<Lanes>(codes + x);
+        const Lanes outside = (lesser(values, least) ^ least) | (greater(values, greatest) ^ greatest);
+        Lanes mask = Lanes{} - lesser(outside, one);
+        for (int n = 0; n < coding.invalid_code_count; ++n)
+            mask |=
+                lesser<Lanes>(values ^ (Lanes{} + coding.invalid_codes[static_cast<std::size_t>(n)]), one) -
+                one;
+        store_lanes(mask, masks + x);
+        store_lanes<Lanes>(values & ~mask, codes + x);
     }
 }
 
@@ -55,6 +63,7 @@ void CodeLine::resize(int width, int reach) {
     codes_.assign(strips + 1, Strip{});
     invalid_.assign(strips + 1, Strip{});
     holes_.assign(strips, 0);
+    holes_near_.assign(strips, 0);
     clean_ = true;
 }
 
@@ -71,26 +80,26 @@ void CodeLine::load(const PlaneView& depth, const DepthCoding& coding, int y) {
 void CodeLine::decode(const PlaneView& depth, const DepthCoding& coding, int y, VectorUnit unit) {
     load(depth, coding, y);
     repeat_border(codes_.front().pixels);
+    const int pixels = static_cast<int>(codes_.size()) * strip_pixels;
     bool all = false;
     run_vectors(
         unit, [&](auto kind) __attribute__((always_inline)) {
-            all = all_valid<typename decltype(kind)::Lanes>(coding, codes(),
-                                                            static_cast<int>(codes_.size()) * strip_pixels);
+            all = all_valid<typename decltype(kind)::Lanes>(coding, codes(), pixels);
         });
     if (all) {
         set_clean();
         return;
     }
     clean_ = false;
-    for (std::size_t w = 0; w < codes_.size(); ++w) {
-        Strip &strip = codes_[w], &masks = invalid_[w];
-        invalid_masks(coding, strip.pixels, masks.pixels);
-        for (int k = 0; k < strip_pixels; ++k)
-            strip.pixels[k] = static_cast<std::uint16_t>(strip.pixels[k] & ~masks.pixels[k]);
-    }
+    run_vectors(
+        unit, [&](auto kind) __attribute__((always_inline)) {
+            mask_invalid<typename decltype(kind)::Lanes>(coding, codes_.front().pixels,
+                                                         invalid_.front().pixels, pixels);
+        });
     for (int w = 0; w < strips(); ++w)
         holes_[static_cast<std::size_t>(w)] =
             bits_of_masks(inside(invalid_) + w * strip_pixels) & inside_bits(width_, w);
+    look_near();
 }
 
 void CodeLine::copy(const SurfaceFrame& decoded, int y) {
@@ -110,6 +119,7 @@ void CodeLine::copy(const SurfaceFrame& decoded, int y) {
         masks_of_bits(holes_[static_cast<std::size_t>(w)], inside(invalid_) + w * strip_pixels);
     }
     repeat_border(invalid_.front().pixels);
+    look_near();
 }
 
 void CodeLine::repeat_border(std::uint16_t* line) const {
@@ -123,6 +133,19 @@ void CodeLine::set_clean() {
     clean_ = true;
     std::fill(invalid_.begin(), invalid_.end(), Strip{});
     std::fill(holes_.begin(), holes_.end(), 0U);
+    std::fill(holes_near_.begin(), holes_near_.end(), 0U);
+}
+
+// What is repeated beyond the border is within reach of the border's own pixel.
+void CodeLine::look_near() {
+    for (std::size_t w = 0; w < holes_.size(); ++w) {
+        std::uint32_t holes = holes_[w];
+        if (w > 0)
+            holes |= static_cast<std::uint32_t>(std::uint64_t{holes_[w - 1]} >> (strip_pixels - reach_));
+        if (w + 1 < holes_.size())
+            holes |= static_cast<std::uint32_t>(std::uint64_t{holes_[w + 1]} << (strip_pixels - reach_));
+        holes_near_[w] = holes;
+    }
 }
 
 void CodeLine::write_codes(std::uint16_t* codes) const {

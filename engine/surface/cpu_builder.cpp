@@ -48,17 +48,16 @@ public:
         out.raw = {};
         take_size(out);
         const StoredLines stored(raw.depth, scene_.depth, unit_);
-        const int side = std::max(scene_.filter.median, 1);
+        tiles_.begin(bands_.threads(), out);
         if (scene_.filter.fill_holes == 0) {
-            median_.apply(side, stored, bands_, out);
+            filter_and_bound(stored, out);
         } else {
-            SurfaceFrame& filled = side > 1 ? filled_ : out;
-            take_size(filled);
-            median_.apply(1, stored, bands_, filled);
-            holes_.fill(scene_.filter.fill_holes, bands_, filled);
-            if (side > 1) median_.apply(side, FrameLines(filled), bands_, out);
+            take_size(filled_);
+            decode(stored, filled_);
+            holes_.fill(scene_.filter.fill_holes, bands_, filled_);
+            filter_and_bound(FrameLines(filled_), out);
         }
-        tiles_.bound(bands_, out);
+        tiles_.finish(bands_, out);
         copy_touch_planes(raw, out);
         if (dynamic_cast<FilteredVertices*>(out.vertices.get()) == nullptr)
             out.vertices = std::make_unique<FilteredVertices>(out);
@@ -75,10 +74,25 @@ private:
                               static_cast<std::size_t>(frame.height));
     }
 
+    void decode(const LineSource& stored, SurfaceFrame& out) {
+        median_.begin(1, out.width, bands_.threads());
+        bands_.for_each_band(out.height, TileGrid::cells,
+                             [&](const RowBand& band) { median_.filter(band, stored, out); });
+    }
+    /// Decoding too, where `source` does. The bounds are only those that need no other band: what changes
+    /// codes after the median has to come before all bounds.
+    void filter_and_bound(const LineSource& source, SurfaceFrame& out) {
+        median_.begin(std::max(scene_.filter.median, 1), out.width, bands_.threads());
+        bands_.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
+            median_.filter(band, source, out);
+            tiles_.bound_inside(band, out);
+        });
+    }
+
     Scene scene_;
     const VectorUnit unit_;
     RowBands bands_;
-    SurfaceFrame filled_;  // between hole filling and median; empty where not both are asked for
+    SurfaceFrame filled_;  // between hole filling and median; empty where no holes are filled
     HoleFiller holes_;
     MedianFilter median_;
     TileBounder tiles_;

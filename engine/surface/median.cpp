@@ -32,19 +32,21 @@ void filter_band(const RowBand& band, const LineSource& source, std::vector<Code
 
 }  // namespace
 
-void MedianFilter::apply(int side, const LineSource& source, RowBands& bands, SurfaceFrame& out) {
+void MedianFilter::begin(int side, int width, int threads) {
     assert(side == 1 || side == 3 || side == 5);
-    lines_.resize(static_cast<std::size_t>(bands.threads()));
+    side_ = side;
+    lines_.resize(static_cast<std::size_t>(threads));
     for (std::vector<CodeLine>& ring : lines_) {
         if (ring.size() < static_cast<std::size_t>(side)) ring.resize(static_cast<std::size_t>(side));
-        for (CodeLine& line : ring) line.resize(out.width, side / 2);
+        for (CodeLine& line : ring) line.resize(width, side / 2);
     }
-    bands.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
-        std::vector<CodeLine>& ring = lines_[static_cast<std::size_t>(band.thread)];
-        if (side == 1) filter_band<1>(band, source, ring, unit_, out);
-        if (side == 3) filter_band<3>(band, source, ring, unit_, out);
-        if (side == 5) filter_band<5>(band, source, ring, unit_, out);
-    });
+}
+
+void MedianFilter::filter(const RowBand& band, const LineSource& source, SurfaceFrame& out) {
+    std::vector<CodeLine>& ring = lines_[static_cast<std::size_t>(band.thread)];
+    if (side_ == 1) filter_band<1>(band, source, ring, unit_, out);
+    if (side_ == 3) filter_band<3>(band, source, ring, unit_, out);
+    if (side_ == 5) filter_band<5>(band, source, ring, unit_, out);
 }
 
 }  // namespace touchable

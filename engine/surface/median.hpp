@@ -15,12 +15,15 @@ class MedianFilter {
 public:
     explicit MedianFilter(VectorUnit unit) : unit_(unit) {}
 
-    /// `side`: 1, 3 or 5. `source` has the size that `out` has; writes its codes and validity. No allocation
-    /// once it has seen the size.
-    void apply(int side, const LineSource& source, RowBands& bands, SurfaceFrame& out);
+    /// To be called before the bands of a frame. `side`: 1, 3 or 5; `threads`: those that will call. No
+    /// allocation once it has seen the size.
+    void begin(int side, int width, int threads);
+    /// Codes and validity of a band of `out`, which has the size that `source` has.
+    void filter(const RowBand& band, const LineSource& source, SurfaceFrame& out);
 
 private:
     VectorUnit unit_;
+    int side_ = 1;
     std::vector<std::vector<CodeLine>> lines_;  // of each thread a ring: row y in [y % side]
 };
 

@@ -61,35 +61,22 @@ template <class Lanes, int Side>
     }
 }
 
-/// Invalid pixels in the windows of a strip.
-template <int Side>
-std::uint32_t holes_around(const CodeLine* const (&lines)[Side], int w) {
-    constexpr int radius = Side / 2;
-    std::uint32_t holes = 0;
-    for (const CodeLine* line : lines) {
-        const std::uint32_t* of_line = line->holes() + w;
-        holes |= of_line[0];
-        if (w > 0) holes |= of_line[-1] >> (strip_pixels - radius);
-        if (w + 1 < line->strips()) holes |= of_line[1] << (strip_pixels - radius);
-    }
-    return holes;
-}
-
 /// Strips from `w` on, at most a block, whose windows have no invalid pixel.
 template <int Side>
-int clean_strips(const CodeLine* const (&lines)[Side], bool all_clean, int w) {
+int clean_strips(const CodeLine* const (&lines)[Side], int w) {
     const int end = std::min(w + block_pixels / strip_pixels, lines[0]->strips());
-    if (all_clean) return end - w;
     int n = w;
-    while (n < end && holes_around(lines, n) == 0) ++n;
+    for (; n < end; ++n) {
+        std::uint32_t holes = 0;
+        for (const CodeLine* line : lines) holes |= line->holes_near()[n];
+        if (holes != 0) break;
+    }
     return n - w;
 }
 
 template <class Lanes, int Side>
 [[gnu::always_inline]] inline void median_row(const CodeLine* const (&lines)[Side], std::uint16_t* codes,
                                               int width) {
-    const bool all_clean =
-        std::all_of(lines, lines + Side, [](const CodeLine* line) { return line->clean(); });
     alignas(64) std::uint16_t beyond[block_pixels];  // for what reaches beyond the row
     for (int w = 0, strips; w < lines[0]->strips(); w += strips) {
         const int x = w * strip_pixels;
@@ -98,7 +85,7 @@ template <class Lanes, int Side>
             rows[k] = lines[k]->codes() + x;
             invalid[k] = lines[k]->invalid() + x;
         }
-        strips = clean_strips(lines, all_clean, w);
+        strips = clean_strips(lines, w);
         const bool clean = strips > 0;
         strips = std::max(strips, 1);
         const int pixels = strips * strip_pixels;

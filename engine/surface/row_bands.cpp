@@ -7,8 +7,9 @@
 namespace touchable {
 namespace {
 
-/// More bands than threads, so that one that is late, or whose core is taken, keeps nobody waiting for long.
-constexpr int bands_per_thread = 4;
+/// More bands than threads, so that one that is late, or whose core is taken, keeps nobody waiting for long;
+/// and none so long that its first rows have left the cache when the last are done.
+constexpr int bands_per_thread = 4, most_rows = 128;
 
 }  // namespace
 
@@ -26,12 +27,14 @@ RowBands::~RowBands() {
 }
 
 void RowBands::run(Job job) {
+    const int steps = (job.rows + job.step - 1) / job.step;
+    job.band_rows =
+        job.step * std::clamp(steps / (threads_ * bands_per_thread), 1, std::max(most_rows / job.step, 1));
     if (threads_ == 1 || job.rows <= job.step) {
-        job.call(job.work, {0, job.rows, 0});
+        for (int y = 0; y < job.rows; y += job.band_rows)
+            job.call(job.work, {y, std::min(y + job.band_rows, job.rows), 0});
         return;
     }
-    const int steps = (job.rows + job.step - 1) / job.step;
-    job.band_rows = job.step * std::max(1, steps / (threads_ * bands_per_thread));
     std::unique_lock lock(mutex_);
     start_others();
     job_ = job;

@@ -10,46 +10,64 @@
 namespace touchable {
 namespace {
 
-/// Rows [first, last] of a frame.
+/// Rows [first, last] of a frame, and how an invalid pixel, whose code is 0, comes to count as 65535 for the
+/// least code: all codes become one less, or, where 0 is a valid code too, by its validity bit.
 struct Rows {
     const SurfaceFrame& frame;
     int first, last;
+    std::uint16_t one_less;
+    bool masked;
 };
 
-/// Least and greatest valid code of each column of strip `w`, and which columns have an invalid pixel. An
-/// invalid pixel's code is 0, which cannot raise a greatest code; for the least one it counts as 65535.
-template <class Lanes>
-[[gnu::always_inline]] inline std::uint32_t bound_strip(const Rows& rows, int w, std::uint16_t* least,
-                                                        std::uint16_t* greatest) {
-    constexpr int lanes = lane_count<Lanes>, vectors = strip_pixels / lanes;
+/// Least and greatest valid code of each of so many vectors of columns from `x` on, as far as the picture
+/// goes.
+template <bool Masked, class Lanes, int Vectors>
+[[gnu::always_inline]] inline void bound_vectors(const Rows& rows, int x, std::uint16_t* least,
+                                                 std::uint16_t* greatest) {
+    constexpr int lanes = lane_count<Lanes>, pixels = Vectors * lanes;
     const SurfaceFrame& frame = rows.frame;
-    const int x = w * strip_pixels, count = std::min(strip_pixels, frame.width - x);
-    const std::uint32_t inside = inside_bits(frame.width, w);
-    const std::uint32_t* validity = frame.validity.data() + w;
-    std::uint16_t padded[strip_pixels] = {}, masks[strip_pixels];
-    Lanes low[vectors], high[vectors] = {};
+    static_assert(!Masked || pixels == strip_pixels);
+    const int count = std::min(pixels, frame.width - x);
+    std::uint16_t padded[pixels] = {}, masks[pixels];
+    Lanes low[Vectors], high[Vectors] = {};
     for (Lanes& values : low) values = ~Lanes{};
-    std::uint32_t all_holes = 0;
     for (int y = rows.first; y <= rows.last; ++y) {
         const std::uint16_t* codes = frame.codes.data() + frame.index(x, y);
-        if (count < strip_pixels)
+        if (count < pixels)
             codes = static_cast<std::uint16_t*>(
                 std::memcpy(padded, codes, static_cast<std::size_t>(count) * sizeof(std::uint16_t)));
-        const std::uint32_t holes = ~validity[std::ptrdiff_t{y} * frame.validity_words_per_row()] & inside;
-        all_holes |= holes;
-        if (holes != 0) masks_of_bits(holes, masks);
-        for (int k = 0; k < vectors; ++k) {
+        if constexpr (Masked)
+            masks_of_bits(~frame.validity[static_cast<std::size_t>(y * frame.validity_words_per_row() +
+                                                                   x / strip_pixels)],
+                          masks);
+        for (int k = 0; k < Vectors; ++k) {
             Lanes values = load_lanes<Lanes>(codes + k * lanes);
             high[k] = greater(high[k], values);
-            if (holes != 0) values |= load_lanes<Lanes>(masks + k * lanes);
-            low[k] = lesser(low[k], values);
+            if constexpr (Masked) values |= load_lanes<Lanes>(masks + k * lanes);
+            low[k] = lesser<Lanes>(low[k], values - rows.one_less);
         }
     }
-    for (int k = 0; k < vectors; ++k) {
-        store_lanes(low[k], least + x + k * lanes);
+    for (int k = 0; k < Vectors; ++k) {
+        // One more again, but where nothing is valid.
+        store_lanes<Lanes>(low[k] + lesser<Lanes>(~low[k], Lanes{} + rows.one_less), least + x + k * lanes);
         store_lanes(high[k], greatest + x + k * lanes);
     }
-    return all_holes;
+}
+
+/// A few vectors at a time, for the sake of the loop over the rows; by strips where there are masks, and at
+/// the end.
+template <class Lanes>
+[[gnu::always_inline]] inline void bound_columns(const Rows& rows, std::uint16_t* least,
+                                                 std::uint16_t* greatest) {
+    constexpr int lanes = lane_count<Lanes>, vectors = 4;
+    constexpr int of_strip = strip_pixels / lanes;
+    const int width = rows.frame.width;
+    int x = 0;
+    if (rows.masked)
+        for (; x < width; x += strip_pixels) bound_vectors<true, Lanes, of_strip>(rows, x, least, greatest);
+    for (; x + vectors * lanes <= width; x += vectors * lanes)
+        bound_vectors<false, Lanes, vectors>(rows, x, least, greatest);
+    for (; x < width; x += strip_pixels) bound_vectors<false, Lanes, of_strip>(rows, x, least, greatest);
 }
 
 /// Each value becomes the lesser (or greater) of itself and the one `step` further on.
@@ -82,15 +100,23 @@ void TileBounder::Columns::resize(int strips) {
 }
 
 // Afterwards `least` and `greatest` of a column are those of a tile that begins there.
-void TileBounder::bound_columns(const SurfaceFrame& frame, int first, int last, Columns& columns) const {
+void TileBounder::bound_columns_of(const SurfaceFrame& frame, int first, int last, Columns& columns) const {
     const int strips = frame.validity_words_per_row();
+    std::fill(columns.holes.begin(), columns.holes.end(), 0U);
+    for (int y = first; y <= last; ++y) {
+        const std::uint32_t* validity = frame.validity.data() + std::ptrdiff_t{y} * strips;
+        for (int w = 0; w < strips; ++w)
+            columns.holes[static_cast<std::size_t>(w)] |= ~validity[w] & inside_bits(frame.width, w);
+    }
+    const bool holes =
+        std::any_of(columns.holes.begin(), columns.holes.end(), [](auto bits) { return bits != 0; });
+    const bool masked = holes && frame.coding.is_valid(0);
+    const Rows rows{frame, first, last, static_cast<std::uint16_t>(holes && !masked ? 1 : 0), masked};
     std::uint16_t *least = columns.least.data(), *greatest = columns.greatest.data();
     run_vectors(
         unit_, [&](auto kind) __attribute__((always_inline)) {
             using Lanes = typename decltype(kind)::Lanes;
-            for (int w = 0; w < strips; ++w)
-                columns.holes[static_cast<std::size_t>(w)] =
-                    bound_strip<Lanes>({frame, first, last}, w, least, greatest);
+            bound_columns<Lanes>(rows, least, greatest);
             std::fill(least + frame.width, least + columns.least.size(), std::uint16_t{65535});
             std::fill(greatest + frame.width, greatest + columns.greatest.size(), std::uint16_t{0});
             for (int step = 1; step < TileGrid::cells; step *= 2) fold<Lanes>(step, strips, least, greatest);
@@ -98,25 +124,42 @@ void TileBounder::bound_columns(const SurfaceFrame& frame, int first, int last, 
         });
 }
 
-void TileBounder::bound(RowBands& bands, SurfaceFrame& frame) {
+void TileBounder::bound_row(int ty, int thread, SurfaceFrame& frame) {
+    Columns& columns = columns_[static_cast<std::size_t>(thread)];
+    const TileGrid grid = TileGrid::of(frame.width, frame.height);
+    const int top = ty * TileGrid::cells;
+    bound_columns_of(frame, top, std::min(top + TileGrid::cells, frame.height - 1), columns);
+    TileBounds* tile = frame.tiles.data() + std::ptrdiff_t{ty} * grid.tiles_x;
+    for (int tx = 0; tx < grid.tiles_x; ++tx, ++tile) {
+        const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame.width - 1);
+        tile->least = columns.least[static_cast<std::size_t>(left)];
+        tile->greatest = columns.greatest[static_cast<std::size_t>(left)];
+        tile->any_invalid = any_bit(columns.holes, left, right);
+    }
+    bounded_[static_cast<std::size_t>(ty)] = 1;
+}
+
+void TileBounder::begin(int threads, SurfaceFrame& frame) {
     const TileGrid grid = TileGrid::of(frame.width, frame.height);
     frame.tiles.resize(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
-    columns_.resize(static_cast<std::size_t>(bands.threads()));
+    columns_.resize(static_cast<std::size_t>(threads));
     for (Columns& columns : columns_) columns.resize(frame.validity_words_per_row());
-    bands.for_each_band(grid.tiles_y, 1, [&](const RowBand& band) {
-        Columns& columns = columns_[static_cast<std::size_t>(band.thread)];
-        for (int ty = band.first; ty < band.last; ++ty) {
-            const int top = ty * TileGrid::cells;
-            bound_columns(frame, top, std::min(top + TileGrid::cells, frame.height - 1), columns);
-            TileBounds* tile = frame.tiles.data() + std::ptrdiff_t{ty} * grid.tiles_x;
-            for (int tx = 0; tx < grid.tiles_x; ++tx, ++tile) {
-                const int left = tx * TileGrid::cells,
-                          right = std::min(left + TileGrid::cells, frame.width - 1);
-                tile->least = columns.least[static_cast<std::size_t>(left)];
-                tile->greatest = columns.greatest[static_cast<std::size_t>(left)];
-                tile->any_invalid = any_bit(columns.holes, left, right);
-            }
-        }
+    bounded_.assign(static_cast<std::size_t>(grid.tiles_y), 0);
+}
+
+// A tile's last row of vertices is the first of the next tile.
+void TileBounder::bound_inside(const RowBand& band, SurfaceFrame& frame) {
+    const TileGrid grid = TileGrid::of(frame.width, frame.height);
+    for (int ty = (band.first + TileGrid::cells - 1) / TileGrid::cells; ty < grid.tiles_y; ++ty) {
+        if (std::min((ty + 1) * TileGrid::cells, frame.height - 1) >= band.last) return;
+        bound_row(ty, band.thread, frame);
+    }
+}
+
+void TileBounder::finish(RowBands& bands, SurfaceFrame& frame) {
+    bands.for_each_band(static_cast<int>(bounded_.size()), 1, [&](const RowBand& band) {
+        for (int ty = band.first; ty < band.last; ++ty)
+            if (bounded_[static_cast<std::size_t>(ty)] == 0) bound_row(ty, band.thread, frame);
     });
 }
 

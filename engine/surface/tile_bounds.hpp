@@ -15,8 +15,13 @@ class TileBounder {
 public:
     explicit TileBounder(VectorUnit unit) : unit_(unit) {}
 
-    /// Codes and validity of `frame` -> its tiles. No allocation once it has seen the size.
-    void bound(RowBands& bands, SurfaceFrame& frame);
+    /// To be called before the others, of each frame. `threads`: those that will call. No allocation once it
+    /// has seen the size.
+    void begin(int threads, SurfaceFrame& frame);
+    /// The tiles whose rows are all of a band, while it is still in the cache.
+    void bound_inside(const RowBand& band, SurfaceFrame& frame);
+    /// All tiles that are left.
+    void finish(RowBands& bands, SurfaceFrame& frame);
 
 private:
     /// Over the rows of one row of tiles, by column, a strip beyond the picture.
@@ -26,10 +31,13 @@ private:
 
         void resize(int strips);
     };
-    void bound_columns(const SurfaceFrame& frame, int first, int last, Columns& columns) const;
+    void bound_row(int ty, int thread, SurfaceFrame& frame);
+    void bound_columns_of(const SurfaceFrame& frame, int first, int last, Columns& columns) const;
 
     VectorUnit unit_;
     std::vector<Columns> columns_;  // of each thread
+    std::vector<std::uint8_t>
+        bounded_;  // of each row of tiles, whether it is done; not bits, for threads share it
 };
 
 }  // namespace touchable

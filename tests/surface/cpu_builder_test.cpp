@@ -15,8 +15,9 @@ StoredPlane plane_of(const Scene& scene, Fill fill, std::uint64_t seed, const La
 TEST(CpuBuilder, GivesTheSameBitsWithAnyVectorsAndThreads) {
     for (const FilterSettings filter : {FilterSettings{0, 0}, {0, 2}, {3, 0}, {3, 3}, {5, 0}, {5, 1}})
         for (const Fill fill : {Fill::random, Fill::few_holes, Fill::half_holes, Fill::single_invalid})
-            for (const int bits : {8, 16}) {
-                const Scene scene = depth_scene(203, 171, bits, Marking::zero, filter);
+            for (const Marking marking : {Marking::zero, Marking::largest}) {
+                const int bits = marking == Marking::zero ? 16 : 8;
+                const Scene scene = depth_scene(203, 171, bits, marking, filter);
                 const StoredPlane plane =
                     plane_of(scene, fill, 5, {.bytes_per_sample = bits / 8, .padding = 3});
                 SurfaceFrame reference, slot;
