@@ -17,7 +17,7 @@ TEST(CpuBuilder, GivesTheSameBitsWithAnyVectorsAndThreads) {
         for (const Fill fill : {Fill::random, Fill::few_holes, Fill::half_holes, Fill::single_invalid})
             for (const Marking marking : {Marking::zero, Marking::largest}) {
                 const int bits = marking == Marking::zero ? 16 : 8;
-                const Scene scene = depth_scene(203, 171, bits, marking, filter);
+                const Scene scene = depth_scene(139, 117, bits, marking, filter);
                 const StoredPlane plane =
                     plane_of(scene, fill, 5, {.bytes_per_sample = bits / 8, .padding = 3});
                 SurfaceFrame reference, slot;
