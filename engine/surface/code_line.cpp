@@ -33,8 +33,8 @@ template <class Lanes>
     return all;
 }
 
-/// `masks`: all ones where not DepthCoding::is_valid; codes become 0 there. Of whole strips, without
-/// comparing, for vectors of 64 bytes compare into masks of another kind.
+/// `masks`: all ones where not DepthCoding::is_valid; codes become 0 there. Of whole strips. Without
+/// comparing: vectors of 64 bytes compare into masks of another kind, which GCC makes of these lane by lane.
 template <class Lanes>
 [[gnu::always_inline]] inline void mask_invalid(const DepthCoding& coding, std::uint16_t* codes,
                                                 std::uint16_t* masks, int pixels) {

@@ -12,8 +12,8 @@
 namespace touchable {
 namespace {
 
-/// A thread more pays where it has this many pixels to do: they take about 50 us, waking it some 5 us of CPU time and a
-/// few tens of waiting.
+/// A thread more pays where it has this many pixels to do: they take about 50 us, waking it some 5 us of CPU
+/// time and a few tens of waiting.
 constexpr long pixels_per_thread = 150'000;
 /// More of them wait for memory, and the others of a program want cores too.
 constexpr int most_threads = 4;

@@ -35,9 +35,9 @@ template <class Lanes, int Side>
     }
 }
 
-/// Of a strip. Invalid pixels count as least and greatest in turn, least first: of n valid and m others, (m +
-/// 1)/2 stand below all codes, and the middle one of all is element (n - 1)/2 of the valid ones, the lower
-/// median.
+/// Of a strip. Invalid pixels count as least and greatest in turn, least first: of n valid and m others,
+/// (m + 1)/2 stand below all codes, and the middle one of all is element (n - 1)/2 of the valid ones, the
+/// lower median.
 template <class Lanes, int Side>
 [[gnu::always_inline]] inline void median_of_masked_strip(const std::uint16_t* const (&rows)[Side],
                                                           const std::uint16_t* const (&invalid)[Side],

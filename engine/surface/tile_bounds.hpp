@@ -36,8 +36,8 @@ private:
 
     VectorUnit unit_;
     std::vector<Columns> columns_;  // of each thread
-    std::vector<std::uint8_t>
-        bounded_;  // of each row of tiles, whether it is done; not bits, for threads share it
+    /// Of each row of tiles, whether it is done; no bits, because several threads write at once.
+    std::vector<std::uint8_t> bounded_;
 };
 
 }  // namespace touchable
