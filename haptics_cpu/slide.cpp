@@ -106,6 +106,11 @@ bool too_short_to_tell(const Motion& motion, const dvec3& pull) {
     return glm::dot(motion.way, motion.way) <= 0x1p-52 * glm::dot(pull, pull);
 }
 
+/// A way that is made of roundings. A proxy that may not leave would go to and fro on such.
+bool is_rounding(const Motion& motion, const dvec3& pull) {
+    return glm::dot(motion.way, motion.way) <= 0x1p-96 * glm::dot(pull, pull);
+}
+
 /// Along an edge. True if it went all the way that friction leaves it.
 bool move_along_edge(const Place& from, const Motion& motion, const ImageStep& step, const FrictionCone& cone,
                      Place& to) {
@@ -149,7 +154,7 @@ public:
                 next = *hit;
             } else {
                 const FrictionCone cone = friction_cone(space_, proxy_, slip_, motion.corners_valid);
-                if (rests(cone, motion)) {
+                if (rests(cone, motion) || (!may_leave && is_rounding(motion, pull))) {
                     if (settled(may_leave, stalls)) return rest();
                     continue;
                 }
