@@ -20,13 +20,14 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
       prev_codes_(prev_->vertices->read_from()),
       nearer_(prev_),
       moment_ns_(static_cast<double>(pair.prev.time_ns)) {
-    const bool between = scene.interpolation == FrameInterpolation::linear && pair.blend > 0;
-    if (between && pair.next.frame != prev_) {
-        next_ = pair.next.frame;
-        next_codes_ = next_->vertices->read_from();
+    if (scene.interpolation == FrameInterpolation::linear && pair.blend > 0) {
         blend_ = pair.blend;
         moment_ns_ += blend_ * static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
-        if (blend_ >= 0.5) nearer_ = next_;
+        if (pair.next.frame != prev_) {
+            next_ = pair.next.frame;
+            next_codes_ = next_->vertices->read_from();
+            if (blend_ >= 0.5) nearer_ = next_;
+        }
     }
     tiles_ = TileGrid::of(scene.width, scene.height);
     const bool has_heights = !prev_->heights.empty() || (next_ && !next_->heights.empty());

@@ -25,7 +25,7 @@ public:
     const Scene& scene() const { return scene_; }
     int width() const { return scene_.width; }
     int height() const { return scene_.height; }
-    /// Between the pair's frames as this field has it: 0 where it holds, or where both frames are one.
+    /// Between the pair's frames as this field has it: 0 where it holds.
     double blend() const { return blend_; }
     /// The moment this surface is of, ns on the clip's clock: the earlier frame's where it holds.
     double moment_ns() const { return moment_ns_; }
@@ -63,7 +63,7 @@ private:
     const Scene& scene_;
     const SurfaceFrame* prev_;
     const SurfaceFrame* prev_codes_;            // VertexSource::read_from
-    const SurfaceFrame* next_ = nullptr;        // nothing to interpolate
+    const SurfaceFrame* next_ = nullptr;        // nothing to interpolate, or both frames are one
     const SurfaceFrame* next_codes_ = nullptr;  // likewise
     const SurfaceFrame* nearer_;  // in time: gives haptic properties, and the state of half-valid pixels
     double blend_ = 0;

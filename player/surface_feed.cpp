@@ -25,15 +25,25 @@ Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
 }
 
 Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
-    SurfaceFrame* slot = timeline_.acquire();
-    if (!slot) return false;
     const auto start = std::chrono::steady_clock::now();
-    if (auto built = builder_->build(raw, *slot); !built.ok()) return built.error();
+    const bool unchanged = newest_ && same_touch_planes(*newest_, raw);
+    const auto published = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(raw);
+    if (!published.ok() || !*published) return published;
     build_ms_.push_back(milliseconds_since(start));
     hash_.add(raw);
+    ++frames_;
+    unchanged_frames_ += unchanged;
+    return true;
+}
+
+Result<bool> SurfaceFeed::build(const RawFrame& raw) {
+    SurfaceFrame* slot = timeline_.acquire();
+    if (!slot) return false;
+    if (auto built = builder_->build(raw, *slot); !built.ok()) return built.error();
     if (auto published = timeline_.publish(raw.number, raw.time_ns); !published.ok())
         return published.error();
-    ++frames_;
+    newest_ = raw;
+    newest_->colour = {};
     return true;
 }
 

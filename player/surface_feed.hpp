@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,19 +25,23 @@ public:
     /// pair around that time. Times must not go backward. An empty clip is an error.
     Result<FramePair> pair_at(std::int64_t time_ns);
 
-    /// The pair of these frames (the same, or neighbours) at a blend: what a live tick found, whatever its time.
+    /// The pair of these frames (the same, or neighbours) at a blend: what a live tick found, whatever its
+    /// time.
     Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend);
 
     // The parts, for a thread each (FeedThreads).
     /// Decodes a frame; nothing after the last.
     Result<std::optional<RawFrame>> read_next();
-    /// Builds and publishes it; false while the timeline has no room.
+    /// Builds and publishes it, or the frame before once more where nothing that can be touched has changed;
+    /// false while the timeline has no room.
     Result<bool> publish(const RawFrame& raw);
     SurfaceTimeline& timeline() { return timeline_; }
 
     const ClipReader& reader() const { return *reader_; }
     std::string_view builder_name() const { return builder_->name(); }
     std::int64_t frames() const { return frames_; }  ///< published so far
+    /// Of them, those that were the frame before once more.
+    std::int64_t unchanged_frames() const { return unchanged_frames_; }
     bool ended() const { return ended_; }
     /// End of the newest frame's time on screen.
     std::int64_t end_ns() const { return rate_.time_ns(frames_); }
@@ -48,13 +53,15 @@ public:
 
 private:
     Result<void> publish_next();
+    Result<bool> build(const RawFrame& raw);
 
     std::unique_ptr<ClipReader> reader_;
     std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;
     SurfaceTimeline timeline_{4};
     PlanesHash hash_;
-    std::int64_t frames_ = 0;
+    std::optional<RawFrame> newest_;  // of those that were built
+    std::int64_t frames_ = 0, unchanged_frames_ = 0;
     bool ended_ = false;
     std::vector<double> read_ms_, build_ms_;
 };

@@ -18,4 +18,8 @@ struct RawFrame {
     std::shared_ptr<const void> storage;  ///< keeps the planes alive
 };
 
+/// True where depth, haptic and height planes, all that a surface is made of, have the same form and samples.
+/// Stops at the first row that differs.
+bool same_touch_planes(const RawFrame& a, const RawFrame& b);
+
 }  // namespace touchable

@@ -1,0 +1,151 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "player/surface_feed.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+// A frame in which nothing that can be touched has changed is the one before once more.
+namespace touchable::test {
+namespace {
+
+constexpr int width = 20, height = 12;
+
+struct Planes {
+    std::vector<std::uint8_t> depth = std::vector<std::uint8_t>(width * height, 100);
+    std::vector<std::uint8_t> haptic = std::vector<std::uint8_t>(3 * width * height, 7);
+    std::vector<std::uint8_t> heights = std::vector<std::uint8_t>(width * height, 3);
+    std::vector<std::uint8_t> colour = std::vector<std::uint8_t>(3 * width * height, 50);
+};
+
+Scene small_scene() {
+    Scene scene;
+    scene.width = width;
+    scene.height = height;
+    scene.camera = {20, 20, 9.5, 5.5};
+    scene.depth.code_max = 255;
+    scene.depth.near = 100;
+    scene.depth.far = 200;
+    return scene;
+}
+
+class Planned final : public ClipReader {
+public:
+    explicit Planned(std::vector<Planes> frames) : scene_(small_scene()), frames_(std::move(frames)) {}
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    std::optional<std::int64_t> frame_count() const override {
+        return static_cast<std::int64_t>(frames_.size());
+    }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<void> rewind() override {
+        number_ = 0;
+        return {};
+    }
+    Result<std::optional<RawFrame>> next() override {
+        if (number_ == static_cast<std::int64_t>(frames_.size())) return std::optional<RawFrame>();
+        // Each frame in memory of its own, which is gone once nobody holds it.
+        auto planes = std::make_shared<Planes>(frames_[static_cast<std::size_t>(number_)]);
+        RawFrame raw;
+        raw.number = number_;
+        raw.time_ns = scene_.rate.time_ns(number_);
+        raw.depth = {planes->depth.data(), width, width, height, 1, 1};
+        raw.haptic = {planes->haptic.data(), 3 * width, width, height, 1, 3};
+        raw.height = {planes->heights.data(), width, width, height, 1, 1};
+        raw.colour = {planes->colour.data(), 3 * width, width, height, 1, 3};
+        raw.storage = std::move(planes);
+        ++number_;
+        return std::optional<RawFrame>(std::move(raw));
+    }
+
+private:
+    Scene scene_;
+    std::vector<Planes> frames_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    std::int64_t number_ = 0;
+};
+
+class Counting final : public SurfaceBuilder {
+public:
+    explicit Counting(int& built) : built_(built), builder_(make_reference_builder(small_scene())) {}
+    std::string_view name() const override { return "counting"; }
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        ++built_;
+        return builder_->build(raw, out);
+    }
+
+private:
+    int& built_;
+    std::unique_ptr<SurfaceBuilder> builder_;
+};
+
+TEST(UnchangedFrames, AreNotBuiltAgain) {
+    Planes still, new_colour, new_haptic, new_depth, new_height;
+    new_colour.colour[5] = 1;
+    new_haptic.haptic.back() = 8;
+    new_depth = new_haptic;
+    new_depth.depth.back() = 101;
+    new_height = new_depth;
+    new_height.heights.front() = 4;
+    int built = 0;
+    SurfaceFeed feed(std::make_unique<Planned>(std::vector{still, still, new_colour, new_haptic, new_depth,
+                                                           new_depth, new_height, still}),
+                     std::make_unique<Counting>(built), small_scene());
+    const Scene scene = small_scene();
+    const std::vector<int> built_by{1, 1, 1, 2, 3, 3, 4, 5};
+    const SurfaceFrame* before = nullptr;
+    for (std::int64_t n = 0; n < 8; ++n) {
+        const auto pair = feed.pair_at(scene.rate.time_ns(n));
+        ASSERT_TRUE(pair.ok());
+        EXPECT_EQ(pair->prev.number, n);
+        EXPECT_EQ(pair->prev.time_ns, scene.rate.time_ns(n));
+        const auto k = static_cast<std::size_t>(n);
+        EXPECT_EQ(pair->prev.frame == before, n > 0 && built_by[k] == built_by[k - 1]) << n;
+        EXPECT_EQ(pair->prev.frame->codes[width * height - 1], n >= 4 && n < 7 ? 101 : 100) << n;
+        EXPECT_EQ(built, built_by[std::min(k + 1, built_by.size() - 1)]) << "with the frame after";
+        before = pair->prev.frame;
+    }
+    EXPECT_EQ(feed.frames(), 8);
+    EXPECT_EQ(feed.unchanged_frames(), 3);
+    EXPECT_EQ(feed.end_ns(), scene.rate.time_ns(8));
+}
+
+// More of them than the timeline has entries, with a hand that does not move on.
+TEST(UnchangedFrames, WaitForTheHandLikeOthers) {
+    int built = 0;
+    SurfaceFeed feed(std::make_unique<Planned>(std::vector<Planes>(60)), std::make_unique<Counting>(built),
+                     small_scene());
+    int published = 0;
+    auto raw = feed.read_next();
+    while (raw.ok() && *raw) {
+        const auto done = feed.publish(**raw);
+        ASSERT_TRUE(done.ok());
+        if (!*done) break;
+        ++published;
+        raw = feed.read_next();
+    }
+    EXPECT_GT(published, 3);
+    EXPECT_LT(published, 60);
+    EXPECT_EQ(built, 1);
+    FramePair pair;
+    ASSERT_TRUE(feed.timeline().pair_at((*raw)->time_ns, pair));
+    const auto later = feed.publish(**raw);
+    EXPECT_TRUE(later.ok() && *later);
+}
+
+TEST(UnchangedFrames, AreToldInTheReport) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "still.mkv", {"--size", "72x48", "--frames", "5"});
+    make_clip("moving", folder / "moving.mkv", {"--size", "72x48", "--frames", "5"});
+    EXPECT_EQ(touch({folder / "still.mkv", "--hand", "wander"})["skipped_tiles_pct"], 80);
+    EXPECT_EQ(touch({folder / "moving.mkv", "--hand", "wander"})["skipped_tiles_pct"], 0);
+}
+
+}  // namespace
+}  // namespace touchable::test
