@@ -8,6 +8,7 @@
 #include "bench/suite.hpp"
 #include "bench/surface/codes_race.hpp"
 #include "bench/surface/race.hpp"
+#include "engine/scene/terraces.hpp"
 #include "engine/surface/vulkan_builder.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/gpu_painters.hpp"
@@ -124,6 +125,31 @@ Result<void> measure_filling(const SurfaceCase& c, const Picture& picture, int f
     return {};
 }
 
+/// Codes without terraces, where they have bits to spare for that.
+Result<void> measure_terraces(const SurfaceCase& c, const Picture& picture, int frames,
+                              const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
+    Scene scene = picture.scene;
+    scene.filter = {.terraces = TerraceRemoval::on};
+    const auto cpu = make_cpu_builder(scene);
+    auto vulkan = make_vulkan_builder(scene, kernels, plan_for(kernels->device()->facts()));
+    if (!vulkan.ok()) return vulkan.error();
+    SurfaceFrame expected, frame;
+    if (auto built = cpu->build(picture.raw, expected); !built.ok()) return built;
+    if (auto built = (*vulkan)->build(picture.raw, frame); !built.ok()) return built;
+    if (mismatches(expected, frame) > 0)
+        return wrong(c, "codes without terraces differ from the CPU builder's");
+    const auto times = time_frames(**vulkan, picture.raw, frame, frames);
+    if (!times.ok()) return times.error();
+    add_times(figures, "terraces", *times);
+    for (const GpuTime& stage : (*vulkan)->stages())
+        if (std::string_view(stage.label) == "terraces")
+            figures.push_back({"terraces_kernels_ms", stage.ms, "ms"});
+    const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));
+    if (!cpu_times.ok()) return cpu_times.error();
+    add_times(figures, "cpu_builder_terraces", *cpu_times);
+    return {};
+}
+
 /// The eye's way, from stored values to q of every vertex and lists of tiles to draw.
 Result<void> measure_mesh(const SurfaceCase& c, const Picture& picture, SurfaceBuilder& builder, int frames,
                           const std::shared_ptr<GpuDevice>& device, Figures& figures) {
@@ -223,6 +249,8 @@ Result<void> measure(const SurfaceCase& c, int frames, const std::shared_ptr<Sur
             !done.ok())
             return done;
     }
+    if (terrace_factor(picture.scene.depth) > 0)
+        if (auto done = measure_terraces(c, picture, frames, kernels, figures); !done.ok()) return done;
     if (c.holes_pct > 0)
         if (auto done = measure_filling(c, picture, frames, kernels, figures); !done.ok()) return done;
     figures.push_back({"mismatched_codes", static_cast<double>(mismatched), ""});

@@ -116,6 +116,7 @@ private:
             add_metrics(c);
             if (bits == 16) add_proof(c);
         }
+        add_without_terraces(c);
         for (const int median : {3, 5}) {
             c.median = median;
             add_metrics(c);
@@ -127,12 +128,29 @@ private:
         }
     }
 
+    void add_without_terraces(TouchCase c) {
+        c.terraces = true;
+        for (const int bits : {10, 8}) {
+            c.bits = bits;
+            add_metric(c);
+        }
+        c.lazy = true;
+        add_metric(c);
+    }
+
     void add_proof(TouchCase c) {
         c.run = "proven";
         add(ProvenRun{c}, measure_proof);
     }
 
     void add_metrics(TouchCase c) {
+        for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled}) {
+            c.metric = metric;
+            add_metric(c);
+        }
+    }
+
+    void add_metric(const TouchCase& c) {
         GlobeRun run{c};
         if (quick_) {
             run.repeats = 3;
@@ -140,10 +158,7 @@ private:
         }
         // The lazy builder gives the same bits as the other, so the same forces: only its time is news.
         run.flanks = c.lazy ? 0 : quick_ ? 4 : 8;
-        for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled}) {
-            run.setup.metric = metric;
-            add(run, measure_globe);
-        }
+        add(run, measure_globe);
     }
 
     static constexpr std::array speeds{std::pair{0.05, "0.05"}, std::pair{0.1, "0.1"},

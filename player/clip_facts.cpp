@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/scene/terraces.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {
@@ -15,11 +16,7 @@ double field_of_view_degrees(int pixels, double c, double f) {
 }
 
 Kappa kappa_at(const Scene& scene, double depth) {
-    const DepthCoding& coding = scene.depth;
-    if (coding.valid_min >= coding.valid_max) return {depth, 0};
-    const std::uint16_t code = std::min(coding.code(depth), static_cast<std::uint16_t>(coding.valid_max - 1));
-    const double step = std::fabs(coding.depth(static_cast<std::uint16_t>(code + 1)) - coding.depth(code));
-    return {depth, step / (depth / scene.camera.fx)};
+    return {depth, kappa_of_code(scene, depth)};
 }
 
 /// Share of invalid stored values and the range of the valid ones, in the first frame.

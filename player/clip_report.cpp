@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include "engine/scene/terraces.hpp"
+
 namespace touchable {
 
 using Json = nlohmann::ordered_json;
@@ -60,11 +62,29 @@ std::string range_words(const PropertyRange& range) {
     return words.str();
 }
 
+const char* removal_name(TerraceRemoval terraces) {
+    if (terraces == TerraceRemoval::automatic) return "auto";
+    return terraces == TerraceRemoval::on ? "on" : "off";
+}
+
 std::string filter_words(const FilterSettings& filter) {
     const std::string median =
         filter.median == 0 ? "off" : std::to_string(filter.median) + "x" + std::to_string(filter.median);
     return "median " + median + ", fill holes " +
-           (filter.fill_holes == 0 ? "off" : std::to_string(filter.fill_holes) + " passes");
+           (filter.fill_holes == 0 ? "off" : std::to_string(filter.fill_holes) + " passes") + ", terraces " +
+           removal_name(filter.terraces);
+}
+
+/// Whether terrace removal is worth while, and whether it is done.
+std::string terrace_words(const Scene& scene) {
+    std::ostringstream words;
+    if (terrace_factor(scene.depth) == 0)
+        words << "codes leave no room for finer ones";
+    else
+        words << "kappa " << kappa_of_scene(scene) << " half-way: removal is "
+              << (terraces_advised(scene) ? "advised" : "not worth while");
+    words << (terrace_filter(scene) ? "; removed" : "; left");
+    return words.str();
 }
 
 double mm_per_unit(const Scene& scene) {
@@ -190,6 +210,7 @@ void tell_depth(const ClipFacts& facts, Lines& lines) {
                         << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
                         << " units (depth step of one code / width of a pixel)\n";
     lines.line("filters") << filter_words(scene.filter) << '\n';
+    lines.line("terraces") << terrace_words(scene) << '\n';
     lines.line("in between") << (scene.interpolation == FrameInterpolation::hold
                                      ? "hold the earlier frame"
                                      : "linear between two frames")
@@ -229,7 +250,14 @@ Json to_json(const ClipFacts& facts) {
     out["first_frame"] = {
         {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
     out["kappa"] = kappa_json(facts);
-    out["filter"] = {{"median", scene.filter.median}, {"fill_holes", scene.filter.fill_holes}};
+    out["filter"] = {{"median", scene.filter.median},
+                     {"fill_holes", scene.filter.fill_holes},
+                     {"terraces", removal_name(scene.filter.terraces)},
+                     {"terrace_noise", scene.filter.terrace_noise}};
+    out["terraces"] = {{"kappa", kappa_of_scene(scene)},
+                       {"finer_codes", 2 * terrace_factor(scene.depth)},
+                       {"advised", terraces_advised(scene)},
+                       {"removed", terrace_filter(scene).has_value()}};
     out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
     add_touch(facts, out);
     out["notes"] = facts.notes;

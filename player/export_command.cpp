@@ -17,6 +17,7 @@
 #include "player/outputs.hpp"
 #include "player/progress.hpp"
 #include "player/staged_folder.hpp"
+#include "player/terrace_option.hpp"
 #include "player/typed_numbers.hpp"
 
 namespace touchable {
@@ -27,6 +28,7 @@ Result<Scene> effective_scene(const ClipReader& reader, const ExportOptions& opt
     Scene scene = reader.scene();
     if (options.median) scene.filter.median = *options.median;
     if (options.fill_holes) scene.filter.fill_holes = *options.fill_holes;
+    if (options.terraces) scene.filter.terraces = *options.terraces;
     if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
     return scene;
 }
@@ -191,6 +193,7 @@ void add_export_command(CLI::App& app, Command& command) {
     add_file_option(*sub, "--scene", options->scene, "scene file that describes the clip instead of its own");
     sub->add_option("--median", options->median, "window side instead of the scene's: 0 (off), 3 or 5");
     sub->add_option("--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
+    add_terrace_option(*sub, options->terraces);
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
     sub->callback([options, typed, mesh, &command] {
         command = [=]() -> Result<void> {

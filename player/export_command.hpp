@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
 #include "player/builder_choice.hpp"
 #include "player/command.hpp"
 #include "player/picture_options.hpp"
@@ -25,9 +26,10 @@ struct ExportOptions {
     std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/
     bool mesh = true;
-    std::optional<int> median, fill_holes;  ///< instead of the scene's own
+    std::optional<int> median, fill_holes;   ///< instead of the scene's own
+    std::optional<TerraceRemoval> terraces;  ///< likewise
     BuilderChoice builder;
-    PictureOptions picture;                 ///< of a single frame
+    PictureOptions picture;  ///< of a single frame
 };
 
 /// Writes frames as pictures, mesh and scene description: colour.png, depth.png (as stored), codes.png

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 #include "player/builder_choice.hpp"
@@ -23,6 +24,7 @@ struct TouchOptions {
     TouchMetric metric = TouchMetric::world;
     double stribeck_speed = 0;                        ///< m/s; 0: friction does not depend on speed
     std::optional<int> median, fill_holes;            ///< instead of the scene's own
+    std::optional<TerraceRemoval> terraces;           ///< likewise
     std::optional<FrameInterpolation> interpolation;  ///< likewise
     GuardSettings guard;
     bool live = false;                  ///< on the wall clock, in real time

@@ -56,6 +56,7 @@ Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, 
     if (!recorded) {
         if (options.median) setup.scene.filter.median = *options.median;
         if (options.fill_holes) setup.scene.filter.fill_holes = *options.fill_holes;
+        if (options.terraces) setup.scene.filter.terraces = *options.terraces;
         if (options.interpolation) setup.scene.interpolation = *options.interpolation;
         if (auto valid = validate(setup.scene); !valid.ok()) return usage_error(valid.error().message);
     }

@@ -10,11 +10,14 @@
 #ifndef TOUCHABLE_SHADERS_STRIP_H
 #define TOUCHABLE_SHADERS_STRIP_H
 
+#include "shaders/texels.h"
+
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint sample_bytes = 2u;
 layout(constant_id = 2) const uint may_be_invalid = 1u;
 layout(constant_id = 3) const uint may_be_excluded = 1u;
 layout(constant_id = 4) const uint ragged = 1u;
+layout(constant_id = 5) const uint before_terraces = 0u;
 
 layout(push_constant, scalar) uniform Push { StripPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer stored_texels;
@@ -38,30 +41,10 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]);
 /// Takes a finished texel. `next` starts strip_reach pixels before the texel after it.
 void emit(Task task, uint texel, Pixels pixels, Pixels next);
 
-/// Eight neighbours of a row.
-struct Eight {
-    uint v[8];
-};
-
-Eight unpacked_halves(uvec4 texel) {
-    Eight codes;
-    [[unroll]] for (int k = 0; k < 4; ++k) {
-        codes.v[2 * k] = texel[k] & 0xFFFFu;
-        codes.v[2 * k + 1] = texel[k] >> 16;
-    }
-    return codes;
-}
-
 Eight unpacked_bytes(uvec2 words) {
     Eight codes;
     [[unroll]] for (int k = 0; k < 8; ++k) codes.v[k] = bitfieldExtract(words[k / 4], 8 * (k % 4), 8);
     return codes;
-}
-
-/// A texel in the widest words there are, because stores are paid by the word.
-u64vec2 packed(uint v[8]) {
-    return u64vec2(packUint2x32(uvec2(v[0] | v[1] << 16, v[2] | v[3] << 16)),
-                   packUint2x32(uvec2(v[4] | v[5] << 16, v[6] | v[7] << 16)));
 }
 
 /// Stored values 8 `texel` to 8 `texel` + 7 of a row inside the picture; the last one stands for those beyond

@@ -21,6 +21,8 @@ struct ValidCodes {
 const uint no_such_code = 65536u;
 /// What a colour without a hue becomes.
 const uint no_hue_code = 65535u;
+/// What an invalid code is between the passes of terrace removal and after them; valid ones are less.
+const uint no_finer_code = 65535u;
 
 /// Below valid_min the difference wraps around to something beyond every span.
 SURFACE_CODES_FUNCTION bool code_is_in_range(uint code, ValidCodes codes) {
@@ -41,6 +43,7 @@ struct StripPush {
     uint validity_words;      // of a row
     uint tiles_x;
     uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
+    uint factor;              // before terraces: of codes
     ValidCodes valid;
 };
 
@@ -57,6 +60,14 @@ struct StripConstants {
     uint may_be_invalid;  // 0 where every stored value is a valid code
     uint may_be_excluded;  // 0 where ValidCodes excludes nothing
     uint ragged;          // 0 where the width is a multiple of 8
+    uint before_terraces;  // 1: codes are for terrace removal: multiplied, or no_finer_code
+};
+
+/// Of terraces; width to along_x as in StripPush, but that a lane has one row.
+struct TerracesPush {
+    uint width, height, pitch;
+    uint segments, segment_texels, along_x;
+    uint gate, most;
 };
 
 /// What a strip of two rows knows of a tile, whose columns include the first of the next one, takes 8 bytes: a

@@ -41,6 +41,9 @@ Finished finish(uint codes[8], bool valid[8], uint inside) {
         done.bounds.least = min(done.bounds.least, counts ? codes[k] : greatest_code);
         done.validity |= counts ? 1u << k : 0u;
     }
+    if (before_terraces != 0u) {  // for shaders/terraces.comp, which tells invalid codes by their own
+        [[unroll]] for (int k = 0; k < 8; ++k) masked[k] = (done.validity >> k & 1u) != 0u ? codes[k] * push.factor : no_finer_code;
+    }
     done.codes = packed(masked);
     done.bounds.any_invalid = done.validity ^ inside;
     return done;

@@ -14,6 +14,7 @@ std::string name_of(const TouchCase& c) {
     if (c.preset == CameraPreset::a) name += "-A";
     if (c.preset == CameraPreset::a_prime) name += "-Aprime";
     if (c.median > 0) name += "-m" + std::to_string(c.median);
+    if (c.terraces) name += "-t";
     if (c.lazy) name += "-lazy";
     if (c.hold) name += "-hold";
     if (!c.run.empty()) name += "-" + c.run;

@@ -19,6 +19,7 @@ struct TouchCase {
     TouchMetric metric = TouchMetric::world;
     CameraPreset preset = CameraPreset::b;
     int median = 0;
+    bool terraces = false;  ///< removed
     bool lazy = false;  ///< pixels are filtered when they are touched, not before
     bool hold = false;  ///< between frames the earlier one, not a blend
     std::string run;    ///< where a set-up is used for more than one run: which; may be empty
@@ -27,7 +28,7 @@ struct TouchCase {
 /// Of the height fields: "bumps", "rough", "moving".
 Relief relief_of(const std::string& scene);
 
-/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -lazy, -hold, -<run> where they
+/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -t, -lazy, -hold, -<run> where they
 /// apply.
 std::string name_of(const TouchCase& c);
 

@@ -20,7 +20,7 @@ SceneOptions options_of(const TouchCase& c) {
 
 bool same_surface(const TouchCase& a, const TouchCase& b) {
     return a.scene == b.scene && a.width == b.width && a.height == b.height && a.bits == b.bits &&
-           a.preset == b.preset && a.median == b.median && a.lazy == b.lazy;
+           a.preset == b.preset && a.median == b.median && a.terraces == b.terraces && a.lazy == b.lazy;
 }
 
 }  // namespace
@@ -30,6 +30,7 @@ TouchSurface::TouchSurface(std::unique_ptr<AnalyticScene> content, const TouchCa
       scene_(content_->scene()),
       frames_(c.scene == "moving" ? frames_of_moving : 1) {
     scene_.filter.median = c.median;
+    if (c.terraces) scene_.filter.terraces = TerraceRemoval::on;
 }
 
 Result<std::unique_ptr<const TouchSurface>> TouchSurface::make(const TouchCase& c) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/scene/terraces.hpp"
+
 namespace touchable {
 namespace {
 
@@ -149,10 +151,19 @@ Result<void> check_properties(const HapticProperties& properties) {
                   "at most static_friction, which is " + text(static_friction));
 }
 
-Result<void> check_filter(const FilterSettings& filter) {
+Result<void> check_filter(const Scene& scene) {
+    const FilterSettings& filter = scene.filter;
     if (filter.median != 0 && filter.median != 3 && filter.median != 5)
         return refuse("filter.median", filter.median, "0 (off), 3 or 5");
-    return check_within("filter.fill_holes", filter.fill_holes, 0, 16);
+    if (auto passes = check_within("filter.fill_holes", filter.fill_holes, 0, 16); !passes) return passes;
+    if (!(filter.terrace_noise >= 0 && filter.terrace_noise <= most_terrace_noise))
+        return refuse("filter.terrace_noise", filter.terrace_noise, "from 0 to 4 codes");
+    // Of metric codes without `far` the largest is not known yet.
+    if (filter.terraces == TerraceRemoval::on && !scene.far_from_frames && terrace_factor(scene.depth) == 0)
+        return input_error("filter.terraces is on: must be off or auto where depth codes go beyond " +
+                           std::to_string(largest_code_with_terraces) +
+                           ", because they leave no room for finer ones");
+    return {};
 }
 
 /// One field %d or %0Nd (N from 1 to 9), and no other percent sign: such a pattern is safe to fill in. Or
@@ -242,8 +253,7 @@ Result<void> validate(const Scene& scene) {
         [&] { return check_range("haptic.stiffness", scene.haptic.stiffness); },
         [&] { return check_range("haptic.static_friction", scene.haptic.static_friction); },
         [&] { return check_range("haptic.dynamic_friction", scene.haptic.dynamic_friction); },
-        [&] { return check_properties(scene.default_properties); },
-        [&] { return check_filter(scene.filter); },
+        [&] { return check_properties(scene.default_properties); }, [&] { return check_filter(scene); },
         [&] {
             return scene.device_metres_per_unit
                        ? check_length("device_metres_per_unit", *scene.device_metres_per_unit)

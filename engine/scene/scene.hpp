@@ -52,10 +52,15 @@ double largest_height(const HeightCoding& height, const DepthCoding& depth);
 /// How the surface is found between two frames.
 enum class FrameInterpolation { hold, linear };
 
+/// Automatic: where kappa says that it helps (terraces.hpp).
+enum class TerraceRemoval { off, on, automatic };
+
 /// Integer filters between stored values and codes; see engine/surface.
 struct FilterSettings {
     int median = 0;      ///< window side: 0 (off), 3 or 5
     int fill_holes = 0;  ///< passes, 0 to 16
+    TerraceRemoval terraces = TerraceRemoval::off;
+    double terrace_noise = 0;  ///< standard deviation of the stored depth, codes, 0 to 4
     bool operator==(const FilterSettings&) const = default;
 };
 

@@ -26,6 +26,9 @@ constexpr std::pair<const char*, HeightUnits> unit_names[] = {{"levels", HeightU
 constexpr std::pair<const char*, FrameInterpolation> interpolation_names[] = {
     {"hold", FrameInterpolation::hold}, {"linear", FrameInterpolation::linear}};
 
+constexpr std::pair<const char*, TerraceRemoval> terrace_names[] = {
+    {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
+
 // --- reading ---
 
 void check_version(const Node& version) {
@@ -117,9 +120,11 @@ void read_default_properties(const Node& node, HapticProperties& properties) {
 }
 
 void read_filter(const Node& node, FilterSettings& filter) {
-    node.allow_only({"median", "fill_holes"});
+    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise"});
     if (node.has("median")) filter.median = node["median"].whole();
     if (node.has("fill_holes")) filter.fill_holes = node["fill_holes"].whole();
+    if (node.has("terraces")) filter.terraces = node["terraces"].one_of(terrace_names);
+    if (node.has("terrace_noise")) filter.terrace_noise = node["terrace_noise"].number();
 }
 
 FolderSource read_folder(const Node& node) {
@@ -211,6 +216,14 @@ OrderedJson write_default_properties(const HapticProperties& properties) {
     return json;
 }
 
+/// Terrace removal only where it is asked for, so that scenes without it read as they always did.
+OrderedJson write_filter(const FilterSettings& filter) {
+    OrderedJson json = {{"median", filter.median}, {"fill_holes", filter.fill_holes}};
+    if (filter.terraces != TerraceRemoval::off) json["terraces"] = name_of(terrace_names, filter.terraces);
+    if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
+    return json;
+}
+
 OrderedJson write_folder(const FolderSource& folder) {
     OrderedJson json = {{"depth", folder.depth}};
     if (!folder.colour.empty()) json["colour"] = folder.colour;
@@ -253,27 +266,26 @@ Result<Scene> read_scene_file(const std::filesystem::path& file) {
 }
 
 std::string scene_to_json(const Scene& scene) {
-    OrderedJson json = {
-        {"touchable_scene", scene_format_version},
-        {"name", scene.name},
-        {"width", scene.width},
-        {"height", scene.height},
-        {"rate", {scene.rate.num, scene.rate.den}},
-        {"metres_per_unit", scene.metres_per_unit},
-        {"camera",
-         {{"fx", scene.camera.fx},
-          {"fy", scene.camera.fy},
-          {"cx", scene.camera.cx},
-          {"cy", scene.camera.cy}}},
-        {"depth", write_depth(scene)},
-        {"height_map", write_height_map(scene.height_coding)},
-        {"haptic",
-         {{"stiffness", write_range(scene.haptic.stiffness)},
-          {"static_friction", write_range(scene.haptic.static_friction)},
-          {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
-        {"default_properties", write_default_properties(scene.default_properties)},
-        {"filter", {{"median", scene.filter.median}, {"fill_holes", scene.filter.fill_holes}}},
-        {"interpolation", name_of(interpolation_names, scene.interpolation)}};
+    OrderedJson json = {{"touchable_scene", scene_format_version},
+                        {"name", scene.name},
+                        {"width", scene.width},
+                        {"height", scene.height},
+                        {"rate", {scene.rate.num, scene.rate.den}},
+                        {"metres_per_unit", scene.metres_per_unit},
+                        {"camera",
+                         {{"fx", scene.camera.fx},
+                          {"fy", scene.camera.fy},
+                          {"cx", scene.camera.cx},
+                          {"cy", scene.camera.cy}}},
+                        {"depth", write_depth(scene)},
+                        {"height_map", write_height_map(scene.height_coding)},
+                        {"haptic",
+                         {{"stiffness", write_range(scene.haptic.stiffness)},
+                          {"static_friction", write_range(scene.haptic.static_friction)},
+                          {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
+                        {"default_properties", write_default_properties(scene.default_properties)},
+                        {"filter", write_filter(scene.filter)},
+                        {"interpolation", name_of(interpolation_names, scene.interpolation)}};
     if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;
     if (scene.folder) json["folder"] = write_folder(*scene.folder);
     return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";

@@ -7,6 +7,7 @@
 #include "engine/surface/median.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "engine/surface/terrace_filter.hpp"
 #include "engine/surface/tile_bounds.hpp"
 
 namespace touchable {
@@ -37,8 +38,10 @@ public:
     CpuBuilder(const Scene& scene, const CpuPlan& plan)
         : scene_(scene),
           unit_(unit_for(plan.vectors)),
+          terraces_(terrace_filter(scene)),
           bands_(threads_for(scene, plan.threads)),
           median_(unit_),
+          remover_(unit_),
           tiles_(unit_) {
         assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
     }
@@ -51,12 +54,12 @@ public:
         const StoredLines stored(raw.depth, scene_.depth, unit_);
         tiles_.begin(bands_.threads(), out);
         if (scene_.filter.fill_holes == 0) {
-            filter_and_bound(stored, out);
+            finish_codes(stored, out);
         } else {
             take_size(filled_);
             decode(stored, filled_);
             holes_.fill(scene_.filter.fill_holes, bands_, filled_);
-            filter_and_bound(FrameLines(filled_), out);
+            finish_codes(FrameLines(filled_), out);
         }
         tiles_.finish(bands_, out);
         copy_touch_planes(raw, out);
@@ -80,22 +83,43 @@ private:
         bands_.for_each_band(out.height, TileGrid::cells,
                              [&](const RowBand& band) { median_.filter(band, stored, out); });
     }
-    /// Decoding too, where `source` does. The bounds are only those that need no other band: what changes
-    /// codes after the median has to come before all bounds.
-    void filter_and_bound(const LineSource& source, SurfaceFrame& out) {
+    /// Codes of the last filter, and those bounds that need no other band.
+    void finish_codes(const LineSource& source, SurfaceFrame& out) {
+        if (terraces_) {
+            take_size(with_terraces_);
+            filter(source, with_terraces_, [](const RowBand&) {});
+            remove_terraces(out);
+        } else {
+            filter(source, out, [&](const RowBand& band) { tiles_.bound_inside(band, out); });
+        }
+    }
+    /// Decoding too, where `source` does; `then` is what else to do with a band.
+    template <class Then>
+    void filter(const LineSource& source, SurfaceFrame& out, Then&& then) {
         median_.begin(std::max(scene_.filter.median, 1), out.width, bands_.threads());
         bands_.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
             median_.filter(band, source, out);
+            then(band);
+        });
+    }
+    void remove_terraces(SurfaceFrame& out) {
+        out.coding = terraces_->coding;
+        remover_.begin(out.width, bands_.threads());
+        bands_.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
+            remover_.remove(band, *terraces_, with_terraces_, out);
             tiles_.bound_inside(band, out);
         });
     }
 
     Scene scene_;
     const VectorUnit unit_;
+    std::optional<TerraceFilter> terraces_;
     RowBands bands_;
-    SurfaceFrame filled_;  // between hole filling and median; empty where no holes are filled
+    SurfaceFrame filled_;         // between hole filling and median; empty where no holes are filled
+    SurfaceFrame with_terraces_;  // between median and terrace removal, likewise
     HoleFiller holes_;
     MedianFilter median_;
+    TerraceRemover remover_;
     TileBounder tiles_;
 };
 

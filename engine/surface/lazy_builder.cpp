@@ -7,29 +7,30 @@ namespace {
 
 class LazyBuilder final : public SurfaceBuilder {
 public:
-    explicit LazyBuilder(const Scene& scene) : scene_(scene) {}
+    explicit LazyBuilder(const Scene& scene) : scene_(scene), terraces_(terrace_filter(scene)) {}
     std::string_view name() const override { return "lazy"; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
         out.width = scene_.width;
         out.height = scene_.height;
-        out.coding = scene_.depth;
+        out.coding = terraces_ ? terraces_->coding : scene_.depth;
         out.codes.clear();
         out.validity.clear();
         out.tiles.clear();
         copy_touch_planes(raw, out);
         out.raw = raw;
         auto* vertices = dynamic_cast<LazyVertices*>(out.vertices.get());
-        if (vertices != nullptr && vertices->filter() == scene_.filter)
+        if (vertices != nullptr && vertices->serves(scene_))
             vertices->restart();
         else
-            out.vertices = std::make_unique<LazyVertices>(out, scene_.filter);
+            out.vertices = std::make_unique<LazyVertices>(out, scene_);
         return {};
     }
 
 private:
     Scene scene_;
+    std::optional<TerraceFilter> terraces_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/surface/hole_filling.hpp"
 #include "engine/surface/lower_median.hpp"
+#include "engine/surface/terrace_patch.hpp"
 
 namespace touchable {
 namespace {
@@ -16,7 +17,8 @@ constexpr int largest_side = 2 * (largest_radius + most_passes) + 1;
 /// The pixels around one that its filtered value depends on, on the stack.
 class Neighbourhood {
 public:
-    Neighbourhood(const SurfaceFrame& frame, int x, int y) : frame_(frame), x_(x), y_(y) {}
+    Neighbourhood(const SurfaceFrame& frame, const DepthCoding& coding, int x, int y)
+        : frame_(frame), coding_(coding), x_(x), y_(y) {}
 
     /// Decodes the pixels at most `reach` away. False where one of them is invalid.
     bool load(int reach) {
@@ -24,8 +26,8 @@ public:
         bool all_valid = true;
         for (int y = top_; y <= bottom_; ++y)
             for (int x = left_; x <= right_; ++x) {
-                const std::uint16_t code = stored_code(frame_.raw.depth, frame_.coding, x, y);
-                const bool valid = frame_.coding.is_valid(code);
+                const std::uint16_t code = stored_code(frame_.raw.depth, coding_, x, y);
+                const bool valid = coding_.is_valid(code);
                 codes_[index(x, y)] = code;
                 valid_since_[index(x, y)] = valid ? 0 : never;
                 all_valid &= valid;
@@ -84,6 +86,7 @@ private:
     }
 
     const SurfaceFrame& frame_;
+    const DepthCoding& coding_;
     int x_, y_;
     int left_ = 0, top_ = 0, right_ = 0, bottom_ = 0;  // what is loaded
     std::uint16_t codes_[largest_side * largest_side];
@@ -96,6 +99,17 @@ std::uint64_t packed(const TileBounds& bounds) {
            std::uint64_t{bounds.greatest} << 32;
 }
 
+/// As many as there are to be, all zero.
+template <class T>
+void restart_all(std::vector<std::atomic<T>>& words, std::size_t count) {
+    if (words.size() != count) words = std::vector<std::atomic<T>>(count);
+    for (auto& word : words) word.store(T{}, std::memory_order_relaxed);
+}
+
+/// Beyond every finer code.
+constexpr std::uint16_t no_code = 0xFFFF;
+static_assert(no_code > 2 * terrace_range);
+
 TileBounds unpacked(std::uint64_t word) {
     return {static_cast<std::uint16_t>(word >> 16), static_cast<std::uint16_t>(word >> 32),
             ((word >> 1) & 1) != 0};
@@ -104,38 +118,78 @@ TileBounds unpacked(std::uint64_t word) {
 }  // namespace
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<std::uint16_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-LazyVertices::LazyVertices(const SurfaceFrame& frame, const FilterSettings& filter)
-    : frame_(frame), filter_(filter) {
-    assert(filter.median == 0 || filter.median == 3 || filter.median == 5);
-    assert(filter.fill_holes >= 0 && filter.fill_holes <= most_passes);
+LazyVertices::LazyVertices(const SurfaceFrame& frame, const Scene& scene)
+    : frame_(frame), filter_(scene.filter), stored_(scene.depth), terraces_(terrace_filter(scene)) {
+    assert(filter_.median == 0 || filter_.median == 3 || filter_.median == 5);
+    assert(filter_.fill_holes >= 0 && filter_.fill_holes <= most_passes);
     restart();
+}
+
+bool LazyVertices::serves(const Scene& scene) const {
+    return filter_ == scene.filter && stored_ == scene.depth && terraces_ == terrace_filter(scene);
 }
 
 void LazyVertices::restart() {
     const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
-    const auto count = static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y);
-    if (tiles_.size() != count) {
-        tiles_ = std::vector<std::atomic<std::uint64_t>>(count);
-        return;
-    }
-    for (auto& tile : tiles_) tile.store(0, std::memory_order_relaxed);
+    restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
+    if (!terraces_) return;
+    blocks_x_ = (frame_.width + TerracePatch::block - 1) / TerracePatch::block;
+    const int blocks_y = (frame_.height + TerracePatch::block - 1) / TerracePatch::block;
+    restart_all(blocks_, static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y));
+    const std::size_t pixels = frame_.index(0, frame_.height);
+    if (finer_.size() != pixels) finer_ = std::vector<std::atomic<std::uint16_t>>(pixels);
 }
 
 DepthSample LazyVertices::at(int x, int y) const {
-    const int radius = filter_.median / 2;
-    const std::uint16_t stored = stored_code(frame_.raw.depth, frame_.coding, x, y);
-    const bool stored_valid = frame_.coding.is_valid(stored);
-    if (!stored_valid && filter_.fill_holes == 0) return {};
-    if (stored_valid && radius == 0) return {frame_.coding.depth(stored), true};
+    const std::optional<std::uint16_t> code = terraces_ ? finer_code(x, y) : filtered_code(x, y);
+    if (!code) return {};
+    return {frame_.coding.depth(*code), true};
+}
 
-    Neighbourhood around(frame_, x, y);
+std::optional<std::uint16_t> LazyVertices::filtered_code(int x, int y) const {
+    const int radius = filter_.median / 2;
+    const std::uint16_t stored = stored_code(frame_.raw.depth, stored_, x, y);
+    const bool stored_valid = stored_.is_valid(stored);
+    if (!stored_valid && filter_.fill_holes == 0) return std::nullopt;
+    if (stored_valid && radius == 0) return stored;
+
+    Neighbourhood around(frame_, stored_, x, y);
     if (!around.load(radius) && filter_.fill_holes > 0) {
         around.load(radius + filter_.fill_holes);
         around.fill_holes(filter_.fill_holes, radius);
     }
-    if (!around.valid(x, y)) return {};
-    return {frame_.coding.depth(around.median(radius)), true};
+    if (!around.valid(x, y)) return std::nullopt;
+    return around.median(radius);
+}
+
+std::optional<std::uint16_t> LazyVertices::finer_code(int x, int y) const {
+    const int bx = x / TerracePatch::block, by = y / TerracePatch::block;
+    auto& levelled = blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(blocks_x_) +
+                             static_cast<std::size_t>(bx)];
+    // Two readers who level a block at once write the same.
+    if (!levelled.load(std::memory_order_acquire)) {
+        level_block(bx, by);
+        levelled.store(true, std::memory_order_release);
+    }
+    const std::uint16_t code = finer_[frame_.index(x, y)].load(std::memory_order_relaxed);
+    if (code == no_code) return std::nullopt;
+    return code;
+}
+
+void LazyVertices::level_block(int bx, int by) const {
+    TerracePatch patch(frame_.width, frame_.height, bx, by);
+    for (int y = patch.top(); y <= patch.bottom(); ++y)
+        for (int x = patch.left(); x <= patch.right(); ++x)
+            if (const auto code = filtered_code(x, y)) patch.set(x, y, *code, *terraces_);
+    patch.level(*terraces_);
+    const int right = std::min((bx + 1) * TerracePatch::block, frame_.width);
+    const int bottom = std::min((by + 1) * TerracePatch::block, frame_.height);
+    for (int y = by * TerracePatch::block; y < bottom; ++y)
+        for (int x = bx * TerracePatch::block; x < right; ++x)
+            finer_[frame_.index(x, y)].store(patch.is_set(x, y) ? patch.code(x, y, *terraces_) : no_code,
+                                             std::memory_order_relaxed);
 }
 
 TileDepths LazyVertices::tile(int tx, int ty) const {
@@ -145,7 +199,8 @@ TileDepths LazyVertices::tile(int tx, int ty) const {
     // Relaxed: the word is the whole answer, and two readers who compute it at once compute the same.
     std::uint64_t word = kept.load(std::memory_order_relaxed);
     if (word == 0) {
-        word = packed(raw_bounds(tx, ty));
+        const TileBounds bounds = raw_bounds(tx, ty);
+        word = packed(terraces_ ? finer_bounds(bounds) : bounds);
         kept.store(word, std::memory_order_relaxed);
     }
     return depths_of(unpacked(word), frame_.coding);
@@ -160,8 +215,8 @@ TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
     TileBounds bounds;
     for (int y = std::max(top - reach, 0); y <= std::min(bottom + reach, frame_.height - 1); ++y)
         for (int x = std::max(left - reach, 0); x <= std::min(right + reach, frame_.width - 1); ++x) {
-            const std::uint16_t code = stored_code(frame_.raw.depth, frame_.coding, x, y);
-            if (frame_.coding.is_valid(code)) {
+            const std::uint16_t code = stored_code(frame_.raw.depth, stored_, x, y);
+            if (stored_.is_valid(code)) {
                 bounds.least = std::min(bounds.least, code);
                 bounds.greatest = std::max(bounds.greatest, code);
             } else if (x >= left && x <= right && y >= top && y <= bottom) {
@@ -169,6 +224,16 @@ TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
             }
         }
     return bounds;
+}
+
+// No finer code is farther from its stored one, nor beyond the finer ones of valid codes.
+TileBounds LazyVertices::finer_bounds(const TileBounds& stored) const {
+    if (stored.least > stored.greatest) return stored;
+    const int least = 2 * (stored.least * terraces_->factor - terraces_->most);
+    const int greatest = 2 * (stored.greatest * terraces_->factor + terraces_->most);
+    return {static_cast<std::uint16_t>(std::max<int>(least, terraces_->coding.valid_min)),
+            static_cast<std::uint16_t>(std::min<int>(greatest, terraces_->coding.valid_max)),
+            stored.any_invalid};
 }
 
 }  // namespace touchable

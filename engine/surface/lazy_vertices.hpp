@@ -2,33 +2,48 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
+#include "engine/scene/terraces.hpp"
 
 namespace touchable {
 
-/// Filters a pixel of `frame.raw.depth` when it is asked for, by `frame.coding`: the same depth and validity
-/// as a filtered frame, at the cost of the pixels that are touched. Any number of readers.
+/// Filters a pixel of `frame.raw.depth` when it is asked for: the same depth and validity as a filtered
+/// frame, at the cost of the pixels that are touched. Terraces are removed from blocks of 16x16 pixels, each
+/// when one of it is asked for first. Any number of readers.
 class LazyVertices final : public VertexSource {
 public:
-    /// `frame` must outlive it; `filter` as in Scene.
-    LazyVertices(const SurfaceFrame& frame, const FilterSettings& filter);
+    /// `frame` must outlive it. Its codes would be of `frame.coding`, those stored are of the scene's.
+    LazyVertices(const SurfaceFrame& frame, const Scene& scene);
     /// To be called once the frame holds another raw plane, before anyone reads it.
     void restart();
-    const FilterSettings& filter() const { return filter_; }
+    /// Whether frames of this scene are filtered so.
+    bool serves(const Scene& scene) const;
 
     DepthSample at(int x, int y) const override;
     /// Over the raw codes of the tile and the filter's reach around it: wider than of the filtered codes.
     TileDepths tile(int tx, int ty) const override;
 
 private:
+    /// Before terrace removal, and after; nothing: invalid.
+    std::optional<std::uint16_t> filtered_code(int x, int y) const;
+    std::optional<std::uint16_t> finer_code(int x, int y) const;
+    void level_block(int bx, int by) const;
     TileBounds raw_bounds(int tx, int ty) const;
+    TileBounds finer_bounds(const TileBounds& stored) const;
 
     const SurfaceFrame& frame_;
     FilterSettings filter_;
+    DepthCoding stored_;
+    std::optional<TerraceFilter> terraces_;
     // Bounds of a tile, packed into one word so that readers never see half of them; 0: not yet computed.
     mutable std::vector<std::atomic<std::uint64_t>> tiles_;
+    // With terrace removal: which blocks are done, and the codes of those.
+    int blocks_x_ = 0;
+    mutable std::vector<std::atomic<bool>> blocks_;
+    mutable std::vector<std::atomic<std::uint16_t>> finer_;
 };
 
 }  // namespace touchable

@@ -2,6 +2,7 @@
 #include <cassert>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/scene/terraces.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
 
@@ -72,6 +73,46 @@ Picture median_filtered(const Picture& before, int side) {
     return after;
 }
 
+/// 0 where either tap is outside the picture or invalid.
+int second_difference(const Picture& picture, int x, int y, int dx, int dy) {
+    if (!picture.inside(x + dx, y + dy) || !picture.inside(x - dx, y - dy)) return 0;
+    const Pixel &a = picture.at(x + dx, y + dy), &b = picture.at(x - dx, y - dy);
+    return a.valid && b.valid ? a.code + b.code - 2 * picture.at(x, y).code : 0;
+}
+
+/// The second difference itself up to the gate, from there falling to 0 at twice the gate.
+int tent(int difference, int gate) {
+    return 2 * std::clamp(difference, -gate, gate) - std::clamp(difference, -2 * gate, 2 * gate);
+}
+
+/// 16 times what a pass adds to a code.
+int levelling_of(const Picture& picture, int x, int y, int step, int gate) {
+    const auto part = [&](int dx, int dy) {
+        return tent(second_difference(picture, x, y, dx * step, dy * step), gate);
+    };
+    return 2 * (part(1, 0) + part(0, 1)) + part(1, 1) + part(1, -1);
+}
+
+Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
+    for (Pixel& pixel : picture.pixels) pixel.code = static_cast<std::uint16_t>(pixel.code * filter.factor);
+    const Picture first = picture;
+    for (const int& step : terrace_steps) {
+        const bool is_last = &step == std::end(terrace_steps) - 1;
+        const Picture before = picture;
+        for (int y = 0; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x) {
+                if (!before.at(x, y).valid) continue;
+                const int code = before.at(x, y).code, sum = levelling_of(before, x, y, step, filter.gate);
+                // The last pass doubles codes, so that half of a step is not rounded away.
+                int after = is_last ? 2 * code + ((sum + 4) >> 3) : code + ((sum + 8) >> 4);
+                const int was = first.at(x, y).code;
+                if (is_last) after = std::clamp(after, 2 * (was - filter.most), 2 * (was + filter.most));
+                picture.at(x, y).code = static_cast<std::uint16_t>(after);
+            }
+    }
+    return picture;
+}
+
 TileBounds bounds_of_tile(const Picture& picture, int tx, int ty) {
     TileBounds bounds;
     for (int y = ty * TileGrid::cells; y <= ty * TileGrid::cells + TileGrid::cells; ++y)
@@ -90,7 +131,7 @@ TileBounds bounds_of_tile(const Picture& picture, int tx, int ty) {
 
 class ReferenceBuilder final : public SurfaceBuilder {
 public:
-    explicit ReferenceBuilder(const Scene& scene) : scene_(scene) {
+    explicit ReferenceBuilder(const Scene& scene) : scene_(scene), terraces_(terrace_filter(scene)) {
         assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
     }
     std::string_view name() const override { return "reference"; }
@@ -100,6 +141,7 @@ public:
         Picture picture = decoded(raw.depth, scene_.depth);
         for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) picture = holes_filled_once(picture);
         if (scene_.filter.median > 0) picture = median_filtered(picture, scene_.filter.median);
+        if (terraces_) picture = terraces_removed(std::move(picture), *terraces_);
         store(picture, out);
         copy_touch_planes(raw, out);
         return {};
@@ -109,7 +151,7 @@ private:
     void store(const Picture& picture, SurfaceFrame& out) const {
         out.width = picture.width;
         out.height = picture.height;
-        out.coding = scene_.depth;
+        out.coding = terraces_ ? terraces_->coding : scene_.depth;
         out.raw = {};
         out.codes.clear();
         out.validity.assign(static_cast<std::size_t>(out.validity_words_per_row() * out.height), 0);
@@ -128,6 +170,7 @@ private:
     }
 
     Scene scene_;
+    std::optional<TerraceFilter> terraces_;
 };
 
 }  // namespace

@@ -9,9 +9,9 @@
 
 namespace touchable {
 
-/// RawFrame -> SurfaceFrame: decode, fill holes, median, tile bounds, all in integers (docs/conventions.md):
-/// every builder gives the same bits. An invalid pixel's code is 0, and so are validity bits
-/// beyond the width. Haptic and height planes are copied, never filtered. One thread at a time.
+/// RawFrame -> SurfaceFrame: decode, fill holes, median, terrace removal, tile bounds, all in integers
+/// (docs/conventions.md): every builder gives the same bits. An invalid pixel's code is 0, and so are
+/// validity bits beyond the width. Haptic and height planes are copied, never filtered. One thread at a time.
 class SurfaceBuilder {
 public:
     virtual ~SurfaceBuilder() = default;

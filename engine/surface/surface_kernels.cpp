@@ -3,17 +3,20 @@
 #include <algorithm>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/scene/terraces.hpp"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
 #include "shaders/hue_codes.spv.h"
 #include "shaders/median3.spv.h"
 #include "shaders/median5.spv.h"
+#include "shaders/terraces.spv.h"
 #include "shaders/tile_bounds.spv.h"
 
 namespace touchable {
 namespace {
 
 static_assert(no_hue_code == no_hue);
+static_assert(no_finer_code > 2 * terrace_range);
 
 constexpr GpuBindingKind buffer = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
 
@@ -62,13 +65,26 @@ ValidCodes valid_codes_of(const DepthCoding& coding) {
 }
 
 Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstants& c) {
-    const Constants constants{c.group_size, c.sample_bytes, c.may_be_invalid, c.may_be_excluded, c.ragged};
+    const Constants constants{c.group_size,      c.sample_bytes, c.may_be_invalid,
+                              c.may_be_excluded, c.ragged,       c.before_terraces};
     GpuProgram& program = strips_[{kernel, constants}];
     if (program) return program;
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
     layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 3, buffer);
     const KernelSource source = source_of(kernel);
     auto made = GpuProgram::create(*device_, source.name, source.spirv, std::move(layout), constants);
+    if (made.ok()) program = *made;
+    return made;
+}
+
+Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last) {
+    const std::array<std::uint32_t, 3> constants{group_size, static_cast<std::uint32_t>(step),
+                                                 is_last ? 1U : 0U};
+    GpuProgram& program = terraces_[constants];
+    if (program) return program;
+    auto made =
+        GpuProgram::create(*device_, "terraces", terraces_spv,
+                           {sizeof(TerracesPush), {texels, texels, buffer}, {group_size, 1, 1}}, constants);
     if (made.ok()) program = *made;
     return made;
 }

@@ -35,14 +35,17 @@ public:
     const std::shared_ptr<GpuDevice>& device() const { return device_; }
 
     Result<GpuProgram> strip(StripKernel kernel, const StripConstants& constants);
+    /// One pass of terrace removal, its taps `step` pixels away.
+    Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last);
     Result<GpuProgram> tile_bounds();
     Result<GpuProgram> hue_codes();
 
 private:
-    using Constants = std::array<std::uint32_t, 5>;
+    using Constants = std::array<std::uint32_t, 6>;
 
     std::shared_ptr<GpuDevice> device_;
     std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
+    std::map<std::array<std::uint32_t, 3>, GpuProgram> terraces_;
     GpuProgram tile_bounds_, hue_codes_;
 };
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "engine/scene/terraces.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/vulkan_vertices.hpp"
 
@@ -22,7 +23,17 @@ std::uint32_t whole(std::uint32_t count, std::uint32_t size) {
 struct StoredRows {
     GpuBuffer buffer;
     std::uint32_t sample_bytes = 2, pitch = 0;  ///< pitch in texels
+    ValidCodes valid;
+
+    bool may_be_invalid() const {
+        return valid.valid_min > 0 || valid.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||
+               valid.excluded[0] != no_such_code;
+    }
 };
+
+/// All but no_finer_code.
+constexpr ValidCodes finer_codes{
+    0, no_finer_code - 1, {no_such_code, no_such_code, no_such_code, no_such_code}};
 
 class Builder final : public VulkanSurfaceBuilder {
 public:
@@ -30,6 +41,7 @@ public:
         : scene_(scene),
           kernels_(std::move(kernels)),
           plan_(plan),
+          terraces_(terrace_filter(scene)),
           valid_(valid_codes_of(scene.depth)),
           width_(static_cast<std::uint32_t>(scene.width)),
           height_(static_cast<std::uint32_t>(scene.height)),
@@ -48,16 +60,14 @@ private:
     const GpuDevice& device() const { return *kernels_->device(); }
     bool is_hue() const { return scene_.depth.kind == DepthCodingKind::hue; }
     std::size_t codes_bytes() const { return std::size_t{16} * pitch_ * height_; }
-    bool may_be_invalid(std::uint32_t sample_bytes) const {
-        return valid_.valid_min > 0 || valid_.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||
-               valid_.excluded[0] != no_such_code;
-    }
 
     Result<StoredRows> upload(const PlaneView& depth);
     Result<void> record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot);
     StripPush push_for(const StoredRows& rows) const;
-    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows);
-    Result<void> record_last(GpuCommands& commands, const StoredRows& rows, const VulkanVertices& slot);
+    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows, bool before_terraces = false);
+    Result<void> record_codes(GpuCommands& commands, int median, const StoredRows& rows, bool before_terraces,
+                              const GpuBuffer& to, const VulkanVertices& slot);
+    Result<StoredRows> record_terraces(GpuCommands& commands);
     Result<StoredRows> record_hue(GpuCommands& commands, const StoredRows& rows);
     Result<StoredRows> record_filling(GpuCommands& commands, StoredRows rows);
     Result<void> record_bounds(GpuCommands& commands, const VulkanVertices& slot);
@@ -67,11 +77,13 @@ private:
     Scene scene_;
     std::shared_ptr<SurfaceKernels> kernels_;
     SurfacePlan plan_;
+    std::optional<TerraceFilter> terraces_;
     ValidCodes valid_;
     std::uint32_t width_, height_, pitch_, strips_;  // pitch in texels, of codes
     TileGrid grid_;
     GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
     GpuBuffer between_[2];       // codes between stages
+    GpuBuffer finer_;            // codes before terraces are removed
     GpuBuffer fill_passes_;      // which passes of hole filling have something to do
     GpuBuffer parts_, tops_;     // of tile bounds
     std::vector<GpuTime> stages_;
@@ -85,12 +97,13 @@ Result<void> Builder::reserve() {
         return Error{ErrorKind::gpu, "frames of " + std::to_string(width_) + "x" + std::to_string(height_) +
                                          " are larger than a buffer may be on " + device().facts().name};
     const std::size_t tiles_x = static_cast<std::size_t>(grid_.tiles_x) * tile_part_bytes;
-    const bool fills = scene_.filter.fill_holes > 0;
+    const bool fills = scene_.filter.fill_holes > 0, levels = terraces_.has_value();
     const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
         {parts_, "parts of bounds", strips_ * tiles_x},
         {tops_, "tops of tiles", whole(strips_, strips_per_tile) * tiles_x},
-        {between_[0], "codes between stages", is_hue() || fills ? codes_bytes() : 0},
-        {between_[1], "codes between passes", fills ? codes_bytes() : 0},
+        {between_[0], "codes between stages", is_hue() || fills || levels ? codes_bytes() : 0},
+        {between_[1], "codes between passes", fills || levels ? codes_bytes() : 0},
+        {finer_, "codes with terraces", levels ? codes_bytes() : 0},
         {fill_passes_, "passes of hole filling",
          fills ? sizeof(FillPass) * static_cast<std::size_t>(scene_.filter.fill_holes + 1) : 0}};
     for (const auto& [buffer, name, bytes] : buffers) {
@@ -150,7 +163,7 @@ Result<StoredRows> Builder::upload(const PlaneView& depth) {
         for (int y = 0; y < depth.height; ++y, to += pitch) std::memcpy(to, depth.row(y), row_bytes);
     }
     return StoredRows{stored_, static_cast<std::uint32_t>(depth.bytes_per_sample),
-                      static_cast<std::uint32_t>(pitch / 16)};
+                      static_cast<std::uint32_t>(pitch / 16), valid_};
 }
 
 Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot) {
@@ -164,12 +177,22 @@ Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const Vulka
         if (!hues.ok()) return hues.error();
         rows = *hues;
     }
-    if (scene_.filter.fill_holes > 0 && may_be_invalid(rows.sample_bytes)) {
+    if (scene_.filter.fill_holes > 0 && rows.may_be_invalid()) {
         auto filled = record_filling(commands, rows);
         if (!filled.ok()) return filled.error();
         rows = *filled;
     }
-    if (auto ended = record_last(commands, rows, slot); !ended.ok()) return ended;
+    int median = scene_.filter.median;
+    if (terraces_) {
+        if (auto filtered = record_codes(commands, median, rows, true, finer_, slot); !filtered.ok())
+            return filtered;
+        auto levelled = record_terraces(commands);
+        if (!levelled.ok()) return levelled.error();
+        rows = *levelled;
+        median = 0;
+    }
+    if (auto ended = record_codes(commands, median, rows, false, slot.codes.gpu, slot); !ended.ok())
+        return ended;
     if (auto bounded = record_bounds(commands, slot); !bounded.ok()) return bounded;
     if (slot.codes.is_copied()) record_reading_back(commands, slot);
     return {};
@@ -187,30 +210,59 @@ StripPush Builder::push_for(const StoredRows& rows) const {
     push.validity_words = whole(width_, 32);
     push.tiles_x = static_cast<std::uint32_t>(grid_.tiles_x);
     push.groups = whole(strips_ * push.segments, plan_.group_size);
-    push.valid = valid_;
+    push.factor = terraces_ ? static_cast<std::uint32_t>(terraces_->factor) : 0;
+    push.valid = rows.valid;
     return push;
 }
 
-Result<GpuProgram> Builder::program_for(StripKernel kernel, const StoredRows& rows) {
-    return kernels_->strip(kernel,
-                           {plan_.group_size, rows.sample_bytes, may_be_invalid(rows.sample_bytes) ? 1U : 0U,
-                            valid_.excluded[0] != no_such_code ? 1U : 0U, width_ % 8 != 0 ? 1U : 0U});
+Result<GpuProgram> Builder::program_for(StripKernel kernel, const StoredRows& rows, bool before_terraces) {
+    return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
+                                    rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                                    width_ % 8 != 0 ? 1U : 0U, before_terraces ? 1U : 0U});
 }
 
-/// The kernel that ends in codes, validity and parts of bounds.
-Result<void> Builder::record_last(GpuCommands& commands, const StoredRows& rows, const VulkanVertices& slot) {
-    const int side = scene_.filter.median;
-    const auto program = program_for(side == 0   ? StripKernel::decode
-                                     : side == 3 ? StripKernel::median3
-                                                 : StripKernel::median5,
-                                     rows);
+/// The kernel that ends in codes, validity and parts of bounds. `before_terraces` codes are those that
+/// terraces are removed from, and only validity is final.
+Result<void> Builder::record_codes(GpuCommands& commands, int median, const StoredRows& rows,
+                                   bool before_terraces, const GpuBuffer& to, const VulkanVertices& slot) {
+    const StripKernel kernel = median == 0   ? StripKernel::decode
+                               : median == 3 ? StripKernel::median3
+                                             : StripKernel::median5;
+    const auto program = program_for(kernel, rows, before_terraces);
     if (!program.ok()) return program.error();
     const StripPush push = push_for(rows);
-    commands.dispatch(*program, push, {rows.buffer, slot.codes.gpu, slot.validity.gpu, parts_, tops_},
-                      {push.groups});
+    commands.dispatch(*program, push, {rows.buffer, to, slot.validity.gpu, parts_, tops_}, {push.groups});
     commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.mark(side == 0 ? "decode" : "median");
+    commands.mark(median == 0 ? "decode" : "median");
     return {};
+}
+
+Result<StoredRows> Builder::record_terraces(GpuCommands& commands) {
+    TerracesPush push{width_,
+                      height_,
+                      pitch_,
+                      1,
+                      pitch_,
+                      plan_.along_x ? 1U : 0U,
+                      static_cast<std::uint32_t>(terraces_->gate),
+                      static_cast<std::uint32_t>(terraces_->most)};
+    if (plan_.segment_texels > 0) {
+        push.segment_texels = plan_.segment_texels;
+        push.segments = whole(pitch_, push.segment_texels);
+    }
+    GpuBuffer from = finer_;
+    for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
+        const bool is_last = pass + 1 == std::size(terrace_steps);
+        const auto program = kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last);
+        if (!program.ok()) return program.error();
+        const GpuBuffer& to = between_[pass % 2];
+        commands.dispatch(*program, push, {from, finer_, to},
+                          {whole(push.height * push.segments, plan_.group_size)});
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        from = to;
+    }
+    commands.mark("terraces");
+    return StoredRows{from, 2, pitch_, finer_codes};
 }
 
 Result<StoredRows> Builder::record_hue(GpuCommands& commands, const StoredRows& rows) {
@@ -221,7 +273,7 @@ Result<StoredRows> Builder::record_hue(GpuCommands& commands, const StoredRows& 
     commands.dispatch(*program, push, {rows.buffer, between_[0]}, {whole(pitch_, hue_codes_group), height_});
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark("hue");
-    return StoredRows{between_[0], 2, pitch_};
+    return StoredRows{between_[0], 2, pitch_, valid_};
 }
 
 /// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
@@ -242,7 +294,7 @@ Result<StoredRows> Builder::record_filling(GpuCommands& commands, StoredRows row
                                        sizeof(FillPass) * push.pass);
         commands.barrier(GpuStage::compute, GpuStage::compute);
         commands.barrier(GpuStage::compute, GpuStage::indirect);
-        rows = {to, 2, pitch_};
+        rows = {to, 2, pitch_, valid_};
     }
     commands.mark("fill");
     return rows;
@@ -269,7 +321,7 @@ void Builder::record_reading_back(GpuCommands& commands, const VulkanVertices& s
 void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
     out.width = scene_.width;
     out.height = scene_.height;
-    out.coding = scene_.depth;
+    out.coding = terraces_ ? terraces_->coding : scene_.depth;
     out.raw = {};
     const auto codes = slot.codes.host.mapped<std::uint16_t>();
     if (width_ % 8 == 0) {

@@ -19,7 +19,8 @@ namespace touchable {
 class VulkanSurfaceBuilder : public SurfaceBuilder {
 public:
     /// Milliseconds of the last frame on the device, by stage: "read in" and "read back" where its memory is
-    /// its own, "hue", "fill" where there are such, "median" (or "decode") and "bounds".
+    /// its own, "hue", "fill" where there are such, "median" (or "decode") and "bounds"; with terrace removal "terraces" and
+    /// another "decode" before those.
     virtual const std::vector<GpuTime>& stages() const = 0;
 };
 

@@ -163,6 +163,29 @@ TEST_F(Export, EarlierFilesStayUnlessTheyMayBeReplaced) {
         << "another frame";
 }
 
+TEST_F(Export, CodesWithoutTerracesAreFiner) {
+    ASSERT_EQ(
+        run_touchable({"make", "globe", clip(), "--size", "96x64", "--frames", "1", "--bits", "8"}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--terraces", "auto"}).code,
+              0);
+    const auto scene = read_scene_file(out("scene.json"));
+    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    EXPECT_EQ(scene->filter.terraces, TerraceRemoval::automatic);
+    SurfaceFrame built;
+    ASSERT_TRUE(make_reference_builder(*scene)->build(frame(0), built).ok());
+    const Image codes = image_of(out("codes.png"));
+    int finer = 0;
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 96; ++x) {
+            ASSERT_EQ(codes.view().sample(x, y), built.codes[built.index(x, y)]) << x << ", " << y;
+            finer += built.codes[built.index(x, y)] % 252 != 0;
+        }
+    EXPECT_GT(finer, 1000);
+    const Words hand{"--hand", zigzag_hand(folder / "zigzag.csv")};
+    EXPECT_EQ(force_hash({out(), hand[0], hand[1]}),
+              force_hash({clip(), "--terraces", "on", hand[0], hand[1]}));
+}
+
 TEST_F(Export, FolderIsAClipOfThatFrameWhichFeelsTheSame) {
     make("globe", 1);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "3"}).code, 0);

@@ -55,6 +55,21 @@ TEST(Info, KappaIsTheStepOfOneCodeOverTheWidthOfAPixel) {
     }
 }
 
+TEST(Info, AdvisesTerraceRemovalWhereStepsAreSteep) {
+    const TemporaryFolder folder;
+    for (const auto& [bits, advised] : {std::pair{"8", true}, {"16", false}}) {
+        const std::string clip = folder / (std::string(bits) + ".mkv");
+        ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1", "--bits", bits, "--plain"}).code, 0);
+        const auto facts = facts_of({"info", clip, "--json"});
+        EXPECT_EQ(facts["terraces"]["advised"], advised) << bits;
+        EXPECT_EQ(facts["terraces"]["removed"], false) << bits;
+        EXPECT_EQ(facts["terraces"]["kappa"], facts["kappa"]["mid"]["kappa"]) << bits;
+        EXPECT_EQ(facts["filter"]["terraces"], "off") << bits;
+        const std::string said = advised ? "removal is advised; left" : "no room for finer ones; left";
+        EXPECT_NE(run_touchable({"info", clip}).out.find(said), std::string::npos) << bits;
+    }
+}
+
 TEST(Info, TellsAPersonTheSame) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";

@@ -75,6 +75,8 @@ TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
         {{"--interpolation", "cubic"}, "--interpolation"},
         {{"--median", "4"}, "median is 4"},
         {{"--fill-holes", "17"}, "fill_holes is 17"},
+        {{"--terraces", "yes"}, "off, on, auto"},
+        {{"--terraces", "on"}, "filter.terraces is on"},
         {{"--max-force", "0"}, "--max-force"},
         {{"--max-force", "inf"}, "--max-force"},
         {{"--max-force", "nan"}, "--max-force"},

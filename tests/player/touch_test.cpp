@@ -237,6 +237,24 @@ TEST_F(Touch, HolesAreFilledWhereTheSceneHasThem) {
               hash({"--fill-holes", "2", "--median", "5"}));
 }
 
+TEST_F(Touch, TerracesAreRemovedAlikeByEveryBuilder) {
+    make("globe", {"--size", "144x96", "--frames", "1", "--bits", "8"});
+    const Words base{"--hand", zigzag_hand(folder / "zigzag.csv")};
+    const auto hash = [&](const Words& more) {
+        Words words = with(base);
+        words.insert(words.end(), more.begin(), more.end());
+        return force_hash(words);
+    };
+    const std::string removed = hash({"--terraces", "on"});
+    EXPECT_NE(removed, hash({}));
+    EXPECT_EQ(removed, hash({"--terraces", "auto"})) << "steps of 8 bits are steep";
+    EXPECT_EQ(hash({"--terraces", "off"}), hash({}));
+    for (const char* builder : {"lazy", "reference", "vulkan"})
+        EXPECT_EQ(hash({"--terraces", "on", "--builder", builder}), removed) << builder;
+    make("globe", {"--size", "144x96", "--frames", "1"});
+    EXPECT_EQ(hash({"--terraces", "auto"}), hash({})) << "16 bits";
+}
+
 TEST_F(Touch, RunIsAsLongAsWasAskedFor) {
     make("plane", {"--size", "16x12", "--frames", "2"});
     for (const auto& [seconds, ticks] :

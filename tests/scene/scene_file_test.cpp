@@ -1,4 +1,5 @@
 #include "engine/scene/scene_file.hpp"
+#include "engine/scene/terraces.hpp"
 
 #include <gtest/gtest.h>
 
@@ -126,6 +127,10 @@ Scene random_scene(Random& random) {
     scene.default_properties = {random.between(1, 5000), static_friction,
                                 static_friction * random.between(0, 1)};
     scene.filter = {random.below(2) ? 3 : 5, static_cast<int>(random.below(17))};
+    scene.filter.terraces = static_cast<TerraceRemoval>(random.below(3));
+    if (!scene.far_from_frames && terrace_factor(scene.depth) == 0 && scene.filter.terraces == TerraceRemoval::on)
+        scene.filter.terraces = TerraceRemoval::off;
+    if (random.below(2)) scene.filter.terrace_noise = random.between(0, 4);
     scene.interpolation = static_cast<FrameInterpolation>(random.below(2));
     if (random.below(2)) scene.device_metres_per_unit = random.between(1e-6, 1);
     if (random.below(2))
@@ -227,7 +232,7 @@ TEST(SceneFile, EverythingThatMayBeLeftOutHasItsDefault) {
     EXPECT_EQ(scene.default_properties.stiffness, 600);
     EXPECT_EQ(scene.default_properties.static_friction, 0.4);
     EXPECT_EQ(scene.default_properties.dynamic_friction, 0.3);
-    EXPECT_EQ(scene.filter, (FilterSettings{0, 0}));
+    EXPECT_EQ(scene.filter, (FilterSettings{0, 0, TerraceRemoval::off, 0}));
     EXPECT_EQ(scene.interpolation, FrameInterpolation::linear);
 }
 

@@ -180,6 +180,17 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
          {"default_properties.dynamic_friction is 0.75", "static_friction, which is 0.4"}},
         {"median", [](Scene& s) { s.filter.median = 4; }, {"filter.median is 4", "3 or 5"}},
         {"fill", [](Scene& s) { s.filter.fill_holes = 17; }, {"filter.fill_holes is 17", "16"}},
+        {"noise -", [](Scene& s) { s.filter.terrace_noise = -1; }, {"filter.terrace_noise is -1", "4 codes"}},
+        {"noise", [](Scene& s) { s.filter.terrace_noise = 4.5; }, {"filter.terrace_noise is 4.5"}},
+        {"noise nan", [](Scene& s) { s.filter.terrace_noise = nan; }, {"filter.terrace_noise is nan"}},
+        {"terraces",
+         [](Scene& s) {
+             s.filter.terraces = TerraceRemoval::on;
+             s.depth_bits = 14;
+             s.depth.code_max = 16379;
+             derive_valid_range(s.depth);
+         },
+         {"filter.terraces is on", "16378"}},
         {"fill -", [](Scene& s) { s.filter.fill_holes = -1; }, {"filter.fill_holes is -1"}},
         {"device scale", [](Scene& s) { s.device_metres_per_unit = 0.0; }, {"device_metres_per_unit is 0"}},
         {"device nan", [](Scene& s) { s.device_metres_per_unit = nan; }, {"device_metres_per_unit is nan"}},

@@ -13,7 +13,8 @@ StoredPlane plane_of(const Scene& scene, Fill fill, std::uint64_t seed, const La
 }
 
 TEST(CpuBuilder, GivesTheSameBitsWithAnyVectorsAndThreads) {
-    for (const FilterSettings filter : {FilterSettings{0, 0}, {0, 2}, {3, 0}, {3, 3}, {5, 0}, {5, 1}})
+    for (const FilterSettings filter :
+         {FilterSettings{0, 0}, {0, 2}, {3, 0}, {3, 3}, {5, 0}, {5, 1}, {3, 1, TerraceRemoval::on}})
         for (const Fill fill : {Fill::random, Fill::few_holes, Fill::half_holes, Fill::single_invalid})
             for (const Marking marking : {Marking::zero, Marking::largest}) {
                 const int bits = marking == Marking::zero ? 16 : 8;
@@ -52,7 +53,7 @@ TEST(CpuBuilder, ForgetsTheHolesOfTheFrameBefore) {
 }
 
 TEST(CpuBuilder, AllocatesNothingForTheSecondFrame) {
-    for (const FilterSettings filter : {FilterSettings{5, 2}, {3, 0}, {0, 0}})
+    for (const FilterSettings filter : {FilterSettings{5, 2}, {3, 0}, {0, 0}, {0, 0, TerraceRemoval::on}})
         for (const int threads : {1, 3}) {
             const Scene scene = depth_scene(131, 167, 16, Marking::zero, filter);
             const StoredPlane first = plane_of(scene, Fill::few_holes, 1),

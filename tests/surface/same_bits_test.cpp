@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "engine/scene/terraces.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
@@ -16,6 +17,7 @@ constexpr int bit_depths[] = {8, 10, 12, 16};
 struct Coverage {
     long pictures = 0, valid = 0, invalid = 0, non_zero = 0, zero_but_valid = 0;
     long filled = 0, smoothed = 0, tiles_with_holes = 0, tiles_without = 0, narrow_tiles = 0;
+    long finer = 0;
 };
 
 struct Case {
@@ -32,7 +34,9 @@ std::string text(const Case& c) {
            " bits, marking " + std::to_string(static_cast<int>(c.marking)) + ", fill " +
            std::to_string(static_cast<int>(c.fill)) + ", padding " + std::to_string(c.layout.padding) +
            (c.layout.bottom_up ? " bottom up" : "") + ", median " + std::to_string(c.filter.median) +
-           ", fill_holes " + std::to_string(c.filter.fill_holes) + ", seed " + std::to_string(c.seed);
+           ", fill_holes " + std::to_string(c.filter.fill_holes) +
+           (c.filter.terraces == TerraceRemoval::on ? ", terraces removed" : "") + ", seed " +
+           std::to_string(c.seed);
 }
 
 class SameBits : public testing::Test {
@@ -69,6 +73,9 @@ protected:
 
     void count(const Scene& scene, const std::vector<std::uint16_t>& stored, const SurfaceFrame& frame) {
         ++seen_.pictures;
+        const auto terraces = terrace_filter(scene);
+        const int factor = terraces ? 2 * terraces->factor : 1;
+        seen_.finer += terraces.has_value();
         for (int y = 0; y < frame.height; ++y)
             for (int x = 0; x < frame.width; ++x) {
                 const std::uint16_t before = stored[frame.index(x, y)],
@@ -78,7 +85,7 @@ protected:
                 seen_.non_zero += after != 0;
                 seen_.zero_but_valid += is_valid && after == 0;
                 seen_.filled += is_valid && !was_valid;
-                seen_.smoothed += is_valid && was_valid && before != after;
+                seen_.smoothed += is_valid && was_valid && before * factor != after;
             }
         const TileGrid grid = TileGrid::of(frame.width, frame.height);
         for (std::size_t n = 0; n < frame.tiles.size(); ++n) {
@@ -86,8 +93,10 @@ protected:
             const int tx = static_cast<int>(n) % grid.tiles_x, ty = static_cast<int>(n) / grid.tiles_x;
             const TileDepths exact = depths_of(frame.tiles[n], frame.coding),
                              lazy = lazy_.vertices->tile(tx, ty);
-            seen_.narrow_tiles += exact.nearest == lazy.nearest && exact.farthest == lazy.farthest &&
-                                  exact.nearest < exact.farthest;
+            const bool same = exact.nearest == lazy.nearest && exact.farthest == lazy.farthest;
+            const double within = frame.coding.far - frame.coding.near;
+            seen_.narrow_tiles += exact.nearest < exact.farthest &&
+                                  (terraces ? lazy.farthest - lazy.nearest < 0.9 * within : same);
         }
     }
 
@@ -102,7 +111,8 @@ protected:
         EXPECT_GT(seen_.tiles_without, 0);
         EXPECT_GT(seen_.narrow_tiles, 0);  // a lazy tile that just answers "anything" would enclose too
         EXPECT_EQ(seen_.filled > 0, filter.fill_holes > 0);
-        EXPECT_EQ(seen_.smoothed > 0, filter.median > 0);
+        EXPECT_EQ(seen_.smoothed > 0, filter.median > 0 || filter.terraces == TerraceRemoval::on);
+        EXPECT_EQ(seen_.finer > 0, filter.terraces == TerraceRemoval::on);
     }
 
     Coverage seen_;
@@ -133,8 +143,9 @@ TEST_P(SameBitsWithFilter, AtEverySize) {
         for (const int width : {15, 16, 17, 18, 31, 32, 33, 34, 35, 40, 65})
             sizes.emplace_back(width, height), sizes.emplace_back(height, width);
     Random random(2024);
+    const int repeats = GetParam().terraces == TerraceRemoval::on ? 1 : 3;  // five kernels more
     for (const auto& [width, height] : sizes)
-        for (int repeat = 0; repeat < 3; ++repeat) {
+        for (int repeat = 0; repeat < repeats; ++repeat) {
             const int bits = bit_depths[random.below(4)];
             const Layout layout{.bytes_per_sample = bits > 8 ? 2 : 1,
                                 .padding = random.below(8),
@@ -164,11 +175,15 @@ std::vector<FilterSettings> all_filters() {
     std::vector<FilterSettings> filters;
     for (const int median : medians)
         for (const int passes : fill_passes) filters.push_back({median, passes});
+    filters.push_back({0, 0, TerraceRemoval::on});
+    filters.push_back({3, 1, TerraceRemoval::on, 0.5});
+    filters.push_back({0, 2, TerraceRemoval::on, 4});
     return filters;
 }
 
 INSTANTIATE_TEST_SUITE_P(Filters, SameBitsWithFilter, testing::ValuesIn(all_filters()), [](const auto& test) {
-    return "Median" + std::to_string(test.param.median) + "Fill" + std::to_string(test.param.fill_holes);
+    return "Median" + std::to_string(test.param.median) + "Fill" + std::to_string(test.param.fill_holes) +
+           (test.param.terraces == TerraceRemoval::on ? "Terraces" : "");
 });
 
 TEST_F(SameBits, WithTheMostPassesOfHoleFilling) {

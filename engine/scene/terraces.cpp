@@ -1,0 +1,71 @@
+#include "engine/scene/terraces.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace touchable {
+namespace {
+
+// The gate is at most 5/4 factors and 3/4 of the noise: fewer than five factors.
+static_assert(5 + 3 * most_terrace_noise < 4 * 5);
+static_assert(terrace_range / (largest_code_with_terraces + 5) == 2);
+static_assert(terrace_range / (largest_code_with_terraces + 1 + 5) == 1);
+
+/// The largest code that a depth is told by: of metric codes only those up to `far` are.
+int largest_code(const DepthCoding& coding) {
+    return coding.kind == DepthCodingKind::metric ? coding.valid_max : coding.code_max;
+}
+
+/// Numerator and denominator of a share of the way grow alike, so their quotient stays the same double; so
+/// does a metric code's depth, because there the factor is a power of two.
+DepthCoding finer(const DepthCoding& coding, int factor) {
+    const auto fine = [factor](int code) { return static_cast<std::uint16_t>(code * factor); };
+    DepthCoding result = coding;
+    result.code_max = fine(largest_code(coding));
+    result.scale = coding.scale / factor;
+    result.valid_min = fine(coding.valid_min);
+    result.valid_max = fine(coding.valid_max);
+    result.invalid_codes = {};  // between two valid codes there may be any
+    result.invalid_code_count = 0;
+    return result;
+}
+
+}  // namespace
+
+int terrace_factor(const DepthCoding& coding) {
+    int factor = terrace_range / (std::max(largest_code(coding), 255) + 5);
+    if (coding.kind == DepthCodingKind::metric)
+        factor = static_cast<int>(std::bit_floor(static_cast<unsigned>(factor)));
+    return factor < 2 ? 0 : factor;
+}
+
+double kappa_of_code(const Scene& scene, double depth) {
+    const DepthCoding& coding = scene.depth;
+    if (coding.valid_min >= coding.valid_max) return 0;
+    const std::uint16_t code = std::min(coding.code(depth), static_cast<std::uint16_t>(coding.valid_max - 1));
+    const double step = std::fabs(coding.depth(static_cast<std::uint16_t>(code + 1)) - coding.depth(code));
+    return step / (depth / scene.camera.fx);
+}
+
+double kappa_of_scene(const Scene& scene) {
+    const DepthCoding& coding = scene.depth;
+    return kappa_of_code(scene, 0.5 * (coding.depth(coding.valid_min) + coding.depth(coding.valid_max)));
+}
+
+bool terraces_advised(const Scene& scene) {
+    return terrace_factor(scene.depth) > 0 && kappa_of_scene(scene) >= kappa_of_terraces;
+}
+
+std::optional<TerraceFilter> terrace_filter(const Scene& scene) {
+    const FilterSettings& settings = scene.filter;
+    const bool wanted = settings.terraces == TerraceRemoval::on ||
+                        (settings.terraces == TerraceRemoval::automatic && terraces_advised(scene));
+    const int factor = terrace_factor(scene.depth);
+    if (!wanted || factor == 0) return std::nullopt;
+    const int noise = static_cast<int>(std::floor(settings.terrace_noise * factor + 0.5));
+    return TerraceFilter{factor, (5 * factor + 3 * noise) / 4, (4 * factor + 3 * noise) / 4,
+                         finer(scene.depth, 2 * factor)};
+}
+
+}  // namespace touchable

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// Terrace removal, as it works on one scene's codes; docs/conventions.md has the arithmetic.
+struct TerraceFilter {
+    int factor = 0;  ///< by which codes are multiplied before the passes; the last one doubles them
+    int gate = 0;  ///< second differences up to it are terraces, from twice it on they are the surface's own
+    int most = 0;  ///< by which a code may change, before it is doubled
+    DepthCoding coding;  ///< of the finer codes; where nothing changed the depth is the same double
+
+    bool operator==(const TerraceFilter&) const = default;
+};
+
+/// Pixels from one tap to the next, pass by pass. A code depends on those at most terrace_reach away.
+inline constexpr int terrace_steps[] = {8, 4, 2, 1, 1};
+inline constexpr int terrace_reach = 16;
+/// Codes in between and a gate are together at most this. So a second difference that leaves 16 bits and wraps
+/// around is beyond twice the gate all the same, and so is one with a code of 65535, which no finer one is.
+inline constexpr int terrace_range = 32767;
+/// Noise that there is room for, in stored codes.
+inline constexpr int most_terrace_noise = 4;
+
+/// The factor, at most 126; 0 where codes are too large for one of at least 2: terrace removal has no room.
+int terrace_factor(const DepthCoding& coding);
+/// Codes beyond it leave no room.
+inline constexpr int largest_code_with_terraces = 16378;
+
+/// How steep one step of the staircase feels: depth step of one code / width of one pixel, at that depth.
+double kappa_of_code(const Scene& scene, double depth);
+/// The same half-way between the depths of the nearest and the farthest valid code.
+double kappa_of_scene(const Scene& scene);
+
+/// From this kappa_of_scene on the filter makes both direction and length of the force more exact, below it
+/// only the direction (bench/README.md, terraces).
+inline constexpr double kappa_of_terraces = 0.25;
+/// Whether it is worth while: enough kappa, and room for it.
+bool terraces_advised(const Scene& scene);
+
+/// What the scene asks for; nothing: no filter. Needs a scene that `validate` accepts.
+std::optional<TerraceFilter> terrace_filter(const Scene& scene);
+
+}  // namespace touchable

@@ -1,0 +1,112 @@
+#include "engine/surface/terrace_filter.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/surface/validity_strip.hpp"
+
+namespace touchable {
+namespace {
+
+/// Rows of which it is kept who counts: the last pass is terrace_reach behind the first, and reads one more.
+constexpr int known_rows = 2 * terrace_reach;
+
+/// The finer codes of a strip, held near what they were before the passes, and 0 where they are not valid.
+/// All in 16 bits, as CPUs like it: five passes cannot move a code by more than fits them.
+void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const std::uint16_t* before,
+                 std::uint32_t validity, std::uint16_t* codes, int count) {
+    const auto factor = static_cast<std::uint16_t>(2 * filter.factor);
+    const auto most = static_cast<std::int16_t>(2 * filter.most);
+    const auto least = static_cast<std::int16_t>(-most);
+    for (int k = 0; k < count; ++k) {
+        const auto was = static_cast<std::uint16_t>(before[k] * factor);
+        const auto moved = static_cast<std::int16_t>(static_cast<std::uint16_t>(finer[k]) - was);
+        codes[k] = static_cast<std::uint16_t>(was + std::clamp(moved, least, most));
+    }
+    if (validity == ~std::uint32_t{0}) return;
+    std::uint16_t masks[strip_pixels];
+    masks_of_bits(validity, masks);
+    for (int k = 0; k < count; ++k) codes[k] = static_cast<std::uint16_t>(codes[k] & masks[k]);
+}
+
+}  // namespace
+
+void TerraceRemover::begin(int width, int threads) {
+    words_ = (width + strip_pixels - 1) / strip_pixels;
+    pitch_ = words_ * strip_pixels + 2 * terrace_margin;
+    work_.resize(static_cast<std::size_t>(threads));
+    for (Work& work : work_) {
+        for (int pass = 0; pass <= passes; ++pass) {
+            Ring& ring = work.rings[pass];
+            ring.count = pass < passes ? 2 * terrace_steps[pass] + 1 : 1;
+            ring.codes.resize(static_cast<std::size_t>(pitch_ * ring.count));
+        }
+        work.masks.assign(static_cast<std::size_t>(pitch_ * (known_rows + 1)), -1);
+        work.holes.assign(static_cast<std::size_t>((words_ + 2) * (known_rows + 1)), ~std::uint32_t{0});
+    }
+}
+
+void TerraceRemover::remove(const RowBand& band, const TerraceFilter& filter, const SurfaceFrame& from,
+                            SurfaceFrame& to) {
+    Work& work = work_[static_cast<std::size_t>(band.thread)];
+    const int height = from.height;
+    for (int loaded = std::max(band.first - terrace_reach, 0); loaded < band.last + terrace_reach; ++loaded) {
+        if (loaded < height) load(filter, from, loaded, work);
+        // A pass follows the rows before it by its step, and is needed as far beyond the band as those after
+        // it reach.
+        int y = loaded, reach = terrace_reach;
+        for (int pass = 0; pass < passes; ++pass) {
+            const int step = terrace_steps[pass];
+            y -= step;
+            reach -= step;
+            if (y < std::max(band.first - reach, 0) || y >= std::min(band.last + reach, height)) continue;
+            level_row(unit_, row(work, pass, y - step, height), row(work, pass, y, height),
+                      row(work, pass, y + step, height), words_, {step, filter.gate, pass + 1 == passes},
+                      codes(work, pass + 1, y));
+        }
+        if (y >= band.first && y < band.last) store(filter, from, y, work, to);
+    }
+}
+
+void TerraceRemover::load(const TerraceFilter& filter, const SurfaceFrame& from, int y, Work& work) const {
+    const std::uint16_t* stored = from.codes.data() + from.index(0, y);
+    std::int16_t* to = codes(work, 0, y);
+    for (int x = 0; x < from.width; ++x) to[x] = static_cast<std::int16_t>(stored[x] * filter.factor);
+    const std::uint32_t* validity = from.validity.data() + std::ptrdiff_t{words_} * y;
+    const int slot = y % known_rows;
+    std::int16_t* masks = work.masks.data() + pitch_ * slot + terrace_margin;
+    std::uint32_t* holes = work.holes.data() + std::ptrdiff_t{words_ + 2} * slot + 1;
+    for (int word = 0; word < words_; ++word) {
+        holes[word] = ~validity[word];
+        std::uint16_t bits[strip_pixels] = {};
+        if (holes[word] != 0) masks_of_bits(holes[word], bits);
+        std::memcpy(masks + word * strip_pixels, bits, sizeof(bits));
+    }
+}
+
+void TerraceRemover::store(const TerraceFilter& filter, const SurfaceFrame& from, int y, Work& work,
+                           SurfaceFrame& to) const {
+    const std::uint32_t* validity = from.validity.data() + std::ptrdiff_t{words_} * y;
+    std::copy(validity, validity + words_, to.validity.data() + std::ptrdiff_t{words_} * y);
+    for (int word = 0; word < words_; ++word) {
+        const int x = word * strip_pixels;
+        store_strip(filter, codes(work, passes, y) + x, from.codes.data() + from.index(x, y), validity[word],
+                    to.codes.data() + to.index(x, y), std::min(strip_pixels, from.width - x));
+    }
+}
+
+TerraceRow TerraceRemover::row(const Work& work, int pass, int y, int height) const {
+    const bool inside = y >= 0 && y < height;
+    const Ring& ring = work.rings[pass];
+    const int slot = inside ? y % ring.count : 0, known = inside ? y % known_rows : known_rows;
+    return {ring.codes.data() + pitch_ * slot + terrace_margin,
+            work.masks.data() + pitch_ * known + terrace_margin,
+            work.holes.data() + std::ptrdiff_t{words_ + 2} * known + 1};
+}
+
+std::int16_t* TerraceRemover::codes(Work& work, int pass, int y) const {
+    Ring& ring = work.rings[pass];
+    return ring.codes.data() + pitch_ * (y % ring.count) + terrace_margin;
+}
+
+}  // namespace touchable

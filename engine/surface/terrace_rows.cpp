@@ -1,0 +1,97 @@
+#include "engine/surface/terrace_rows.hpp"
+
+#include "engine/surface/terrace_lanes.hpp"
+#include "engine/surface/validity_strip.hpp"
+#include "engine/surface/vectors.hpp"
+
+namespace touchable {
+namespace {
+
+/// As many values with a sign.
+template <class Bits>
+struct WithSign;
+template <>
+struct WithSign<Lanes16> {
+    using Lanes = std::int16_t __attribute__((vector_size(16)));
+};
+template <>
+struct WithSign<Lanes32> {
+    using Lanes = std::int16_t __attribute__((vector_size(32)));
+};
+template <>
+struct WithSign<Lanes64> {
+    using Lanes = std::int16_t __attribute__((vector_size(64)));
+};
+
+/// The same place in three rows.
+struct Place {
+    const std::int16_t *up, *mid, *down;
+};
+
+/// Without a sign sums may wrap around.
+template <class Bits, class Lanes>
+[[gnu::always_inline]] inline Lanes pair_difference(const std::int16_t* a, const std::int16_t* b,
+                                                    const Bits& twice) {
+    return reinterpret_cast<Lanes>(lanes_at<Bits>(a) + lanes_at<Bits>(b) - twice);
+}
+
+template <class Bits, class Lanes>
+[[gnu::always_inline]] inline void find_differences(const Place& at, int step, SecondDifferences<Lanes>& d) {
+    const Bits centre = lanes_at<Bits>(at.mid), twice = centre + centre;
+    d.across = pair_difference<Bits, Lanes>(at.mid - step, at.mid + step, twice);
+    d.down = pair_difference<Bits, Lanes>(at.up, at.down, twice);
+    d.falling = pair_difference<Bits, Lanes>(at.up - step, at.down + step, twice);
+    d.rising = pair_difference<Bits, Lanes>(at.up + step, at.down - step, twice);
+}
+
+/// 0 where a tap does not count; `at`: masks.
+template <class Lanes>
+[[gnu::always_inline]] inline void leave_out_holes(const Place& at, int step, SecondDifferences<Lanes>& d) {
+    d.across &= ~(lanes_at<Lanes>(at.mid - step) | lanes_at<Lanes>(at.mid + step));
+    d.down &= ~(lanes_at<Lanes>(at.up) | lanes_at<Lanes>(at.down));
+    d.falling &= ~(lanes_at<Lanes>(at.up - step) | lanes_at<Lanes>(at.down + step));
+    d.rising &= ~(lanes_at<Lanes>(at.up + step) | lanes_at<Lanes>(at.down - step));
+}
+
+[[gnu::always_inline]] inline bool any_hole_near(const std::uint32_t* word) {
+    return (word[-1] | word[0] | word[1]) != 0;
+}
+
+struct RowLevelling {
+    const TerraceRow &above, &here, &below;
+    int words;
+    const TerracePass& pass;
+    std::int16_t* out;
+
+    template <class Kind>
+    [[gnu::always_inline]] void operator()(Kind) const {
+        using Bits = typename Kind::Lanes;
+        using Lanes = typename WithSign<Bits>::Lanes;
+        static_assert(strip_pixels % lane_count<Bits> == 0);
+        const Lanes gate = Lanes{} + static_cast<std::int16_t>(pass.gate);
+        for (int word = 0; word < words; ++word) {
+            const bool has_holes = any_hole_near(above.holes + word) || any_hole_near(here.holes + word) ||
+                                   any_hole_near(below.holes + word);
+            for (int x = word * strip_pixels; x < (word + 1) * strip_pixels; x += lane_count<Bits>) {
+                SecondDifferences<Lanes> d;
+                find_differences<Bits>({above.codes + x, here.codes + x, below.codes + x}, pass.step, d);
+                if (has_holes)
+                    leave_out_holes<Lanes>({above.masks + x, here.masks + x, below.masks + x}, pass.step, d);
+                const Lanes sum = levelling(d, gate);
+                const Bits centre = lanes_at<Bits>(here.codes + x);
+                const Bits after = pass.is_last ? centre + centre + reinterpret_cast<Bits>((sum + 4) >> 3)
+                                                : centre + reinterpret_cast<Bits>((sum + 8) >> 4);
+                std::memcpy(out + x, &after, sizeof(after));
+            }
+        }
+    }
+};
+
+}  // namespace
+
+void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,
+               int words, const TerracePass& pass, std::int16_t* out) {
+    run_vectors(unit, RowLevelling{above, here, below, words, pass, out});
+}
+
+}  // namespace touchable

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/surface/vector_unit.hpp"
+
+namespace touchable {
+
+/// A row of multiplied codes, for one pass of terrace removal. Which pixels do not count, because they are
+/// invalid or outside, is said twice: as a mask for each (-1: does not count), and as a bit for each in words
+/// of 32. Codes and masks may be read terrace_margin beyond both ends, which lie on whole words, where codes
+/// mean nothing and masks are -1; words -1 and `words` may be read too, and are not 0.
+struct TerraceRow {
+    const std::int16_t *codes, *masks;
+    const std::uint32_t* holes;
+};
+inline constexpr int terrace_margin = 8;
+
+/// One pass over a row of `words` times 32 pixels: `above` and `below` are `step` rows away. Fills all of
+/// `out`; codes that do not count mean nothing. The last pass doubles codes, to 16 bits without a sign.
+struct TerracePass {
+    int step, gate;
+    bool is_last;
+};
+void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,
+               int words, const TerracePass& pass, std::int16_t* out);
+
+}  // namespace touchable

@@ -1,0 +1,87 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+
+// One pass of terrace removal over multiplied codes (docs/conventions.md): a lane goes along a row, texel by texel, and
+// keeps three texels each of its own row and of those `tap` above and below.
+
+#include "shaders/surface_codes.h"
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 1) const int tap = 8;      // pixels from the centre to its taps, at most 8
+layout(constant_id = 2) const uint is_last = 0u;  // 1: codes are doubled, and held near what they were before all passes
+layout(push_constant, scalar) uniform Push { TerracesPush push; };
+layout(set = 0, binding = 0) uniform utextureBuffer finer_texels;
+layout(set = 0, binding = 1) uniform utextureBuffer first_texels;  // before all passes
+layout(set = 0, binding = 2, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
+
+#include "shaders/texels.h"
+
+/// Eight codes of a row. Outside the picture none is valid. An invalid code needs no care: it is so large that
+/// every second difference with it is beyond twice the gate, where the tent is 0 (terrace_range).
+Eight load(int row, int texel) {
+    const int last = int(push.width - 1u) >> 3;
+    const bool inside = row >= 0 && row < int(push.height) && texel >= 0 && texel <= last;
+    const int there = clamp(row, 0, int(push.height) - 1) * int(push.pitch) + clamp(texel, 0, last);
+    const uvec4 codes = texelFetch(finer_texels, there);
+    return unpacked_halves(inside ? codes : uvec4(no_finer_code | no_finer_code << 16));
+}
+
+/// Three texels of a row, the one in question in the middle.
+struct Span {
+    int v[24];
+};
+
+Span moved_on(Span span, int row, int texel) {
+    const Eight next = load(row, texel);
+    [[unroll]] for (int k = 0; k < 16; ++k) span.v[k] = span.v[k + 8];
+    [[unroll]] for (int k = 0; k < 8; ++k) span.v[16 + k] = int(next.v[k]);
+    return span;
+}
+
+/// Tents, which are 2 clamp(s, -gate, gate) - clamp(s, -2 gate, 2 gate), of two second differences.
+int tents(int a, int b) {
+    const int gate = int(push.gate), wide = 2 * gate;
+    return 2 * (clamp(a, -gate, gate) + clamp(b, -gate, gate)) - (clamp(a, -wide, wide) + clamp(b, -wide, wide));
+}
+
+void main() {
+    const uint lane = gl_GlobalInvocationID.x, texels = (push.width + 7u) >> 3;
+    const uint row = push.along_x != 0u ? lane / push.segments : lane % push.height;
+    const uint segment = push.along_x != 0u ? lane % push.segments : lane / push.height;
+    if (row >= push.height || segment >= push.segments) return;
+    const int y = int(row), first = int(segment * push.segment_texels);
+    const int end = min(first + int(push.segment_texels), int(texels));
+
+    Span above, here, below;
+    [[unroll]] for (int n = -1; n <= 0; ++n) {
+        above = moved_on(above, y - tap, first + n);
+        here = moved_on(here, y, first + n);
+        below = moved_on(below, y + tap, first + n);
+    }
+    for (int texel = first; texel < end; ++texel) {
+        above = moved_on(above, y - tap, texel + 1);
+        here = moved_on(here, y, texel + 1);
+        below = moved_on(below, y + tap, texel + 1);
+        const int at = y * int(push.pitch) + texel;
+        Eight was;
+        if (is_last != 0u) was = unpacked_halves(texelFetch(first_texels, at));
+        uint codes[8];
+        [[unroll]] for (int k = 0; k < 8; ++k) {
+            const int x = 8 + k, centre = here.v[x], twice = 2 * centre;
+            const int straight = tents(here.v[x - tap] + here.v[x + tap] - twice, above.v[x] + below.v[x] - twice);
+            const int diagonal = tents(above.v[x - tap] + below.v[x + tap] - twice,
+                                       above.v[x + tap] + below.v[x - tap] - twice);
+            const int sum = 2 * straight + diagonal;
+            int code = centre + ((sum + 8) >> 4);
+            if (is_last != 0u) {
+                const int least = 2 * (int(was.v[k]) - int(push.most)), range = 4 * int(push.most);
+                code = clamp(2 * centre + ((sum + 4) >> 3), least, least + range);
+            }
+            codes[k] = centre == int(no_finer_code) ? no_finer_code : uint(code);
+        }
+        out_codes[at] = packed(codes);
+    }
+}

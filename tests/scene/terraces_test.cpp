@@ -1,0 +1,124 @@
+#include "engine/scene/terraces.hpp"
+
+#include <gtest/gtest.h>
+
+namespace touchable {
+namespace {
+
+/// The camera of a globe, and `bits` of depth between its planes.
+Scene coded(DepthCodingKind kind, int bits, bool near_is_high = true) {
+    Scene scene;
+    scene.width = 720;
+    scene.height = 480;
+    scene.camera = {420, 420, 360, 239};
+    scene.depth_bits = bits;
+    scene.depth.kind = kind;
+    scene.depth.near_is_high = near_is_high;
+    scene.depth.near = 40;
+    scene.depth.far = 180;
+    scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+Scene millimetres(double near, double far) {
+    Scene scene = coded(DepthCodingKind::metric, 16);
+    scene.depth.scale = 1;
+    scene.depth.near = near;
+    scene.depth.far = far;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+Scene removed(Scene scene, double noise = 0) {
+    scene.filter.terraces = TerraceRemoval::on;
+    scene.filter.terrace_noise = noise;
+    return scene;
+}
+
+// 32767 over the largest code and room for the gate, five factors.
+TEST(Terraces, TheFactorIsWhatSixteenBitsHaveRoomFor) {
+    const std::pair<int, int> expected[] = {{8, 126}, {9, 63}, {10, 31}, {11, 15},
+                                            {12, 7},  {13, 3}, {14, 0},  {16, 0}};
+    for (const auto& [bits, factor] : expected)
+        EXPECT_EQ(terrace_factor(coded(DepthCodingKind::linear, bits).depth), factor) << bits;
+    Scene few = coded(DepthCodingKind::linear, 8);
+    few.depth.code_max = 15;
+    EXPECT_EQ(terrace_factor(few.depth), 126);
+    Scene hue = coded(DepthCodingKind::hue, 8, false);
+    hue.depth.code_max = 1536;
+    EXPECT_EQ(terrace_factor(hue.depth), 21);
+    EXPECT_EQ(terrace_factor(millimetres(300, 4000).depth), 8) << "codes beyond `far` need no room";
+    EXPECT_EQ(terrace_factor(millimetres(300, 5000).depth), 4) << "of metric codes a power of two";
+    EXPECT_EQ(terrace_factor(millimetres(300, 16378).depth), 2);
+    EXPECT_EQ(terrace_factor(millimetres(300, 16379).depth), 0);
+}
+
+TEST(Terraces, CodesAndGateFitTheRangeWithTheMostNoise) {
+    for (int code_max = 255; code_max < 65536; code_max = code_max * 9 / 8) {
+        Scene scene = coded(DepthCodingKind::linear, 16);
+        scene.depth.code_max = static_cast<std::uint16_t>(code_max);
+        derive_valid_range(scene.depth);
+        const auto filter = terrace_filter(removed(scene, most_terrace_noise));
+        ASSERT_EQ(filter.has_value(), code_max <= largest_code_with_terraces);
+        if (!filter) continue;
+        EXPECT_LE(code_max * filter->factor + filter->gate, terrace_range) << code_max;
+        EXPECT_EQ(filter->coding.code_max, 2 * code_max * filter->factor);
+    }
+}
+
+TEST(Terraces, AFinerCodeOfAnUnchangedPixelIsTheSameDepthToTheBit) {
+    std::vector<Scene> scenes;
+    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
+        for (const int bits : {8, 10, 13})
+            for (const bool near_is_high : {false, true}) scenes.push_back(coded(kind, bits, near_is_high));
+    scenes.push_back(millimetres(300, 4000));
+    scenes.back().depth.scale = 0.977;
+    for (Scene scene : scenes) {
+        scene.depth.invalid_codes = {100};
+        scene.depth.invalid_code_count = 1;
+        const auto filter = terrace_filter(removed(scene));
+        ASSERT_TRUE(filter);
+        const DepthCoding &stored = scene.depth, &finer = filter->coding;
+        for (int code = stored.valid_min; code <= stored.valid_max; ++code) {
+            const auto fine = static_cast<std::uint16_t>(code * 2 * filter->factor);
+            ASSERT_EQ(finer.depth(fine), stored.depth(static_cast<std::uint16_t>(code))) << code;
+            ASSERT_TRUE(finer.is_valid(fine)) << code;
+        }
+        EXPECT_EQ(finer.valid_min, stored.valid_min * 2 * filter->factor);
+        EXPECT_EQ(finer.valid_max, stored.valid_max * 2 * filter->factor);
+        EXPECT_EQ(finer.near, stored.near);
+        EXPECT_EQ(finer.far, stored.far);
+    }
+}
+
+TEST(Terraces, GateAndMostAreOfALevelAndOfNoise) {
+    const auto quiet = terrace_filter(removed(coded(DepthCodingKind::linear, 8)));
+    EXPECT_EQ(quiet->gate, 157);  // 5/4 of 126
+    EXPECT_EQ(quiet->most, 126);
+    const auto noisy = terrace_filter(removed(coded(DepthCodingKind::linear, 8), 1));
+    EXPECT_EQ(noisy->gate, 252);  // (5 x 126 + 3 x 126)/4
+    EXPECT_EQ(noisy->most, 220);
+    const auto ten = terrace_filter(removed(coded(DepthCodingKind::linear, 10), 0.3));
+    EXPECT_EQ(ten->gate, (5 * 31 + 3 * 9) / 4);  // 0.3 x 31 = 9.3
+    EXPECT_EQ(ten->most, (4 * 31 + 3 * 9) / 4);
+}
+
+// Half-way between the planes, at 110, a pixel is 110/420 wide and a step (180 - 40)/255 deep.
+TEST(Terraces, AreRemovedAutomaticallyWhereKappaSaysSo) {
+    Scene scene = coded(DepthCodingKind::linear, 8);
+    EXPECT_NEAR(kappa_of_scene(scene), 140.0 / 255 / (110.0 / 420), 1e-9);
+    for (const auto& [bits, advised] : {std::pair{8, true}, {11, true}, {12, false}, {16, false}}) {
+        scene = coded(DepthCodingKind::linear, bits);
+        EXPECT_EQ(terraces_advised(scene), advised) << bits;
+        EXPECT_FALSE(terrace_filter(scene)) << "off unless asked for";
+        scene.filter.terraces = TerraceRemoval::automatic;
+        EXPECT_EQ(terrace_filter(scene).has_value(), advised) << bits;
+        scene.filter.terraces = TerraceRemoval::on;
+        EXPECT_EQ(terrace_filter(scene).has_value(), bits < 14) << bits;
+    }
+    EXPECT_TRUE(terraces_advised(millimetres(300, 2000))) << "16 bits, but a step is a third of a pixel";
+}
+
+}  // namespace
+}  // namespace touchable
