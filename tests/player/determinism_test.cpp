@@ -33,7 +33,7 @@ const KnownRun known_runs[] = {
     {"7ff99516fcf65f59", "Noise", "noise --frames 2", ""},
     {"db8081d4c5db0983", "NoiseFiltered", "noise --frames 2 --bits 10", "--median 5 --fingers 2"},
     {"0e4d7cdc20880ccb", "HolesFilled", "cliffs --frames 2", "--fill-holes 2 --median 3", 0},
-    {"0000000000000000", "TerracesRemoved", "globe --frames 2 --bits 8", "--terraces on --fingers 3"},
+    {"a9c2e74f5953177e", "TerracesRemoved", "globe --frames 2 --bits 8", "--terraces on --fingers 3"},
     {"08efd1ba909ea1f2", "BumpsInPixels", "bumps --frames 2", "--metric pixel"},
     {"e2dc4ff35082850c", "Wander", "globe --frames 15", "--hand wander --fingers 5 --seconds 0.8"},
     {"fd43c3a4c4ca42d5", "Stroke", "bumps --frames 2", "--hand stroke:angle=30,speed=0.3 --seconds 1"},
