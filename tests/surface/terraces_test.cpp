@@ -60,7 +60,7 @@ Codes picture(int width, int height, Level&& level) {
 
 TEST(Terraces, APlaneIsNotTouchedNotEvenAtTheBorder) {
     for (const auto& [a, b] : {std::pair{1, 2}, std::pair{0, 0}, std::pair{3, 0}, std::pair{-2, 4}}) {
-        const Codes plane = picture(33, 29, [&](int x, int y) { return 100 + a * x + b * y; });
+        const Codes plane = picture(33, 29, [i = a, j = b](int x, int y) { return 100 + i * x + j * y; });
         expect_levelled(33, 29, plane, finer(plane));
     }
 }
@@ -144,7 +144,8 @@ double farthest_from_plane(const SurfaceFrame& frame, double level, double a, do
 TEST(Terraces, AQuantisedPlaneIsAPlaneAgain) {
     for (const auto& [a, b] : {std::pair{0.125, 0.0}, std::pair{0.0, 0.25}, std::pair{0.19, 0.11}}) {
         Scene scene = scene_of(96, 96);
-        const Codes stored = picture(96, 96, [&](int x, int y) { return std::lround(40 + a * x + b * y); });
+        const Codes stored =
+            picture(96, 96, [i = a, j = b](int x, int y) { return std::lround(40 + i * x + j * y); });
         const SurfaceFrame frame = levelled(scene, stored);
         EXPECT_LT(farthest_from_plane(frame, 252, a, b), 0.15);
         scene.filter = {};
