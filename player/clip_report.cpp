@@ -67,12 +67,22 @@ const char* removal_name(TerraceRemoval terraces) {
     return terraces == TerraceRemoval::on ? "on" : "off";
 }
 
+std::string temporal_words(const FilterSettings& filter) {
+    std::ostringstream words;
+    words << (filter.temporal ? "on" : "off");
+    const DepthNoise& noise = filter.temporal_noise;
+    if (filter.temporal) words << " (noise " << noise.constant;
+    if (filter.temporal && noise.quadratic > 0) words << " + " << noise.quadratic << " depth^2";
+    if (filter.temporal) words << " units)";
+    return words.str();
+}
+
 std::string filter_words(const FilterSettings& filter) {
     const std::string median =
         filter.median == 0 ? "off" : std::to_string(filter.median) + "x" + std::to_string(filter.median);
     return "median " + median + ", fill holes " +
            (filter.fill_holes == 0 ? "off" : std::to_string(filter.fill_holes) + " passes") + ", terraces " +
-           removal_name(filter.terraces);
+           removal_name(filter.terraces) + ", temporal " + temporal_words(filter);
 }
 
 /// Whether terrace removal is worth while, and whether it is done.
@@ -250,10 +260,13 @@ Json to_json(const ClipFacts& facts) {
     out["first_frame"] = {
         {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
     out["kappa"] = kappa_json(facts);
-    out["filter"] = {{"median", scene.filter.median},
-                     {"fill_holes", scene.filter.fill_holes},
-                     {"terraces", removal_name(scene.filter.terraces)},
-                     {"terrace_noise", scene.filter.terrace_noise}};
+    out["filter"] = {
+        {"median", scene.filter.median},
+        {"fill_holes", scene.filter.fill_holes},
+        {"terraces", removal_name(scene.filter.terraces)},
+        {"terrace_noise", scene.filter.terrace_noise},
+        {"temporal", scene.filter.temporal ? "on" : "off"},
+        {"temporal_noise", {scene.filter.temporal_noise.constant, scene.filter.temporal_noise.quadratic}}};
     out["terraces"] = {{"kappa", kappa_of_scene(scene)},
                        {"finer_codes", 2 * terrace_factor(scene.depth)},
                        {"advised", terraces_advised(scene)},

@@ -17,6 +17,7 @@
 #include "player/outputs.hpp"
 #include "player/progress.hpp"
 #include "player/staged_folder.hpp"
+#include "player/temporal_option.hpp"
 #include "player/terrace_option.hpp"
 #include "player/typed_numbers.hpp"
 
@@ -29,6 +30,7 @@ Result<Scene> effective_scene(const ClipReader& reader, const ExportOptions& opt
     if (options.median) scene.filter.median = *options.median;
     if (options.fill_holes) scene.filter.fill_holes = *options.fill_holes;
     if (options.terraces) scene.filter.terraces = *options.terraces;
+    if (auto applied = apply_temporal(options.temporal, scene.filter); !applied.ok()) return applied.error();
     if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
     return scene;
 }
@@ -133,8 +135,10 @@ Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const
         if (!raw.ok()) return raw.error();
         if (!*raw) break;
         progress.at(number);
-        if (number < options.first) continue;
+        // With the temporal filter a frame is made of all before it.
+        if (number < options.first && !scene.filter.temporal) continue;
         if (auto built = builder.build(**raw, surface); !built.ok()) return built.error();
+        if (number < options.first) continue;
         if (auto done = export_frame(**raw, scene, surface, options); !done.ok()) return done.error();
         if (picture)
             if (auto drawn = draw(*picture, **raw, scene, surface); !drawn.ok()) return drawn.error();
@@ -194,6 +198,7 @@ void add_export_command(CLI::App& app, Command& command) {
     sub->add_option("--median", options->median, "window side instead of the scene's: 0 (off), 3 or 5");
     sub->add_option("--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
     add_terrace_option(*sub, options->terraces);
+    add_temporal_option(*sub, options->temporal);
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
     sub->callback([options, typed, mesh, &command] {
         command = [=]() -> Result<void> {

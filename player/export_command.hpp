@@ -28,6 +28,7 @@ struct ExportOptions {
     bool mesh = true;
     std::optional<int> median, fill_holes;   ///< instead of the scene's own
     std::optional<TerraceRemoval> terraces;  ///< likewise
+    std::optional<std::string> temporal;     ///< likewise, as typed (apply_temporal)
     BuilderChoice builder;
     PictureOptions picture;  ///< of a single frame
 };

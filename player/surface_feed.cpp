@@ -15,7 +15,10 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                          const Scene& scene)
-    : reader_(std::move(reader)), builder_(std::move(builder)), rate_(scene.rate) {}
+    : reader_(std::move(reader)),
+      builder_(std::move(builder)),
+      rate_(scene.rate),
+      settles_(scene.filter.temporal) {}
 
 Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
@@ -26,7 +29,7 @@ Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
 
 Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
     const auto start = std::chrono::steady_clock::now();
-    const bool unchanged = newest_ && same_touch_planes(*newest_, raw);
+    const bool unchanged = !settles_ && newest_ && same_touch_planes(*newest_, raw);
     const auto published = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(raw);
     if (!published.ok() || !*published) return published;
     build_ms_.push_back(milliseconds_since(start));

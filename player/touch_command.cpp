@@ -7,6 +7,7 @@
 #include "haptics_cpu/tick_velocity.hpp"
 #include "player/file_option.hpp"
 #include "player/outputs.hpp"
+#include "player/temporal_option.hpp"
 #include "player/terrace_option.hpp"
 #include "player/touch_run.hpp"
 #include "player/word_option.hpp"
@@ -112,6 +113,7 @@ void add_touch_command(CLI::App& app, Command& command) {
         sub->add_option("--median", o.median, "window side instead of the scene's: 0 (off), 3 or 5"),
         sub->add_option("--fill-holes", o.fill_holes, "passes instead of the scene's: 0 to 16"),
         add_terrace_option(*sub, o.terraces),
+        add_temporal_option(*sub, o.temporal),
         add_word_option(*sub, "--interpolation", o.interpolation,
                         "between frames, instead of the scene's: hold or linear", interpolations),
         sub->add_option("--max-force", o.guard.max_force, "N: what the device can exert on a finger")

@@ -18,15 +18,17 @@ struct FrameAgain {
     SurfaceFrame surface;
 };
 
-/// Reads on until frame `number`, and builds it.
-Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number, FrameAgain& frame) {
+/// Reads on until frame `number`, and builds it; `all`: those before it too, which it is made of.
+Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number, bool all,
+                        FrameAgain& frame) {
     for (;;) {
         auto raw = reader.next();
         if (!raw.ok()) return raw.error();
         if (!*raw) return input_error("the clip ends before frame " + std::to_string(number) + " this time");
-        if ((*raw)->number != number) continue;
+        const bool wanted = (*raw)->number == number;
+        if (!wanted && !all) continue;
         frame.raw = **raw;
-        return builder.build(frame.raw, frame.surface);
+        if (auto built = builder.build(frame.raw, frame.surface); wanted || !built.ok()) return built;
     }
 }
 
@@ -85,10 +87,12 @@ Result<void> TouchPicture::finish(const TouchSetup& setup) {
     const auto builder = make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
     FrameAgain prev, next;
-    if (auto read = read_frame(**reader, **builder, moment_->frame_prev, prev); !read.ok()) return read;
+    const bool all = setup.scene.filter.temporal;
+    if (auto read = read_frame(**reader, **builder, moment_->frame_prev, all, prev); !read.ok()) return read;
     const bool between = moment_->frame_next != moment_->frame_prev;
     if (between)
-        if (auto read = read_frame(**reader, **builder, moment_->frame_next, next); !read.ok()) return read;
+        if (auto read = read_frame(**reader, **builder, moment_->frame_next, all, next); !read.ok())
+            return read;
 
     FramePair pair;
     pair.prev = {moment_->frame_prev, 0, &prev.surface};

@@ -25,6 +25,7 @@ struct TouchOptions {
     double stribeck_speed = 0;                        ///< m/s; 0: friction does not depend on speed
     std::optional<int> median, fill_holes;            ///< instead of the scene's own
     std::optional<TerraceRemoval> terraces;           ///< likewise
+    std::optional<std::string> temporal;              ///< likewise, as typed (apply_temporal)
     std::optional<FrameInterpolation> interpolation;  ///< likewise
     GuardSettings guard;
     bool live = false;                  ///< on the wall clock, in real time

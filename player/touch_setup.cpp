@@ -11,6 +11,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "player/field_probe.hpp"
 #include "player/replay.hpp"
+#include "player/temporal_option.hpp"
 
 namespace touchable {
 
@@ -57,6 +58,8 @@ Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, 
         if (options.median) setup.scene.filter.median = *options.median;
         if (options.fill_holes) setup.scene.filter.fill_holes = *options.fill_holes;
         if (options.terraces) setup.scene.filter.terraces = *options.terraces;
+        if (auto applied = apply_temporal(options.temporal, setup.scene.filter); !applied.ok())
+            return applied;
         if (options.interpolation) setup.scene.interpolation = *options.interpolation;
         if (auto valid = validate(setup.scene); !valid.ok()) return usage_error(valid.error().message);
     }

@@ -158,6 +158,15 @@ Result<void> check_filter(const Scene& scene) {
     if (auto passes = check_within("filter.fill_holes", filter.fill_holes, 0, 16); !passes) return passes;
     if (!(filter.terrace_noise >= 0 && filter.terrace_noise <= most_terrace_noise))
         return refuse("filter.terrace_noise", filter.terrace_noise, "from 0 to 4 codes");
+    const DepthNoise& noise = filter.temporal_noise;
+    if (auto part = check_not_negative("filter.temporal_noise's constant", noise.constant); !part)
+        return part;
+    if (auto part = check_not_negative("filter.temporal_noise's quadratic", noise.quadratic); !part)
+        return part;
+    if (filter.temporal && noise == DepthNoise{})
+        return input_error(
+            "filter.temporal_noise is [0, 0]: must be [constant, quadratic], how noisy depth is in scene "
+            "units, because filter.temporal is on");
     // Of metric codes without `far` the largest is not known yet.
     if (filter.terraces == TerraceRemoval::on && !scene.far_from_frames && terrace_factor(scene.depth) == 0)
         return input_error("filter.terraces is on: must be off or auto where depth codes go beyond " +

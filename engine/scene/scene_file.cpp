@@ -26,6 +26,7 @@ constexpr std::pair<const char*, HeightUnits> unit_names[] = {{"levels", HeightU
 constexpr std::pair<const char*, FrameInterpolation> interpolation_names[] = {
     {"hold", FrameInterpolation::hold}, {"linear", FrameInterpolation::linear}};
 
+constexpr std::pair<const char*, bool> temporal_names[] = {{"off", false}, {"on", true}};
 constexpr std::pair<const char*, TerraceRemoval> terrace_names[] = {
     {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
 
@@ -120,11 +121,17 @@ void read_default_properties(const Node& node, HapticProperties& properties) {
 }
 
 void read_filter(const Node& node, FilterSettings& filter) {
-    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise"});
+    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise", "temporal", "temporal_noise"});
     if (node.has("median")) filter.median = node["median"].whole();
     if (node.has("fill_holes")) filter.fill_holes = node["fill_holes"].whole();
     if (node.has("terraces")) filter.terraces = node["terraces"].one_of(terrace_names);
     if (node.has("terrace_noise")) filter.terrace_noise = node["terrace_noise"].number();
+    if (node.has("temporal")) filter.temporal = node["temporal"].one_of(temporal_names);
+    if (node.has("temporal_noise")) {
+        const std::vector<Node> terms =
+            node["temporal_noise"].elements(2, 2, "[constant, quadratic], two numbers such as [1.5, 0]");
+        filter.temporal_noise = {terms[0].number(), terms[1].number()};
+    }
 }
 
 FolderSource read_folder(const Node& node) {
@@ -216,11 +223,15 @@ OrderedJson write_default_properties(const HapticProperties& properties) {
     return json;
 }
 
-/// Terrace removal only where it is asked for, so that scenes without it read as they always did.
+/// Terrace removal and the temporal filter only where they are asked for, so that scenes without them read as
+/// they always did.
 OrderedJson write_filter(const FilterSettings& filter) {
     OrderedJson json = {{"median", filter.median}, {"fill_holes", filter.fill_holes}};
     if (filter.terraces != TerraceRemoval::off) json["terraces"] = name_of(terrace_names, filter.terraces);
     if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
+    if (filter.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
+    if (filter.temporal_noise != DepthNoise{})
+        json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
     return json;
 }
 

@@ -12,13 +12,14 @@ static_assert(5 + 3 * most_terrace_noise < 4 * 5);
 static_assert(terrace_range / (largest_code_with_terraces + 5) == 2);
 static_assert(terrace_range / (largest_code_with_terraces + 1 + 5) == 1);
 
-/// The largest code that a depth is told by: of metric codes only those up to `far` are.
+}  // namespace
+
 int largest_code(const DepthCoding& coding) {
     return coding.kind == DepthCodingKind::metric ? coding.valid_max : coding.code_max;
 }
 
-/// Numerator and denominator of a share of the way grow alike, so their quotient stays the same double; so
-/// does a metric code's depth, because there the factor is a power of two.
+// Numerator and denominator of a share of the way grow alike, so their quotient stays the same double; so
+// does a metric code's depth, because there the factor is a power of two.
 DepthCoding finer(const DepthCoding& coding, int factor) {
     const auto fine = [factor](int code) { return static_cast<std::uint16_t>(code * factor); };
     DepthCoding result = coding;
@@ -30,8 +31,6 @@ DepthCoding finer(const DepthCoding& coding, int factor) {
     result.invalid_code_count = 0;
     return result;
 }
-
-}  // namespace
 
 int terrace_factor(const DepthCoding& coding) {
     int factor = terrace_range / (std::max(largest_code(coding), 255) + 5);
@@ -64,8 +63,8 @@ std::optional<TerraceFilter> terrace_filter(const Scene& scene) {
     const int factor = terrace_factor(scene.depth);
     if (!wanted || factor == 0) return std::nullopt;
     const int noise = static_cast<int>(std::floor(settings.terrace_noise * factor + 0.5));
-    return TerraceFilter{factor, (5 * factor + 3 * noise) / 4, (4 * factor + 3 * noise) / 4,
-                         finer(scene.depth, 2 * factor)};
+    return TerraceFilter{settings.temporal ? 1 : factor, (5 * factor + 3 * noise) / 4,
+                         (4 * factor + 3 * noise) / 4, finer(scene.depth, 2 * factor)};
 }
 
 }  // namespace touchable

@@ -8,7 +8,9 @@ namespace touchable {
 
 /// Terrace removal, as it works on one scene's codes; docs/conventions.md has the arithmetic.
 struct TerraceFilter {
-    int factor = 0;  ///< by which codes are multiplied before the passes; the last one doubles them
+    /// By which codes are multiplied before the passes, 1 where the temporal filter did it; the last one
+    /// doubles them.
+    int factor = 0;
     int gate = 0;  ///< second differences up to it are terraces, from twice it on they are the surface's own
     int most = 0;  ///< by which a code may change, before it is doubled
     DepthCoding coding;  ///< of the finer codes; where nothing changed the depth is the same double
@@ -19,8 +21,9 @@ struct TerraceFilter {
 /// Pixels from one tap to the next, pass by pass. A code depends on those at most terrace_reach away.
 inline constexpr int terrace_steps[] = {8, 4, 2, 1, 1};
 inline constexpr int terrace_reach = 16;
-/// Codes in between and a gate are together at most this. So a second difference that leaves 16 bits and wraps
-/// around is beyond twice the gate all the same, and so is one with a code of 65535, which no finer one is.
+/// Codes in between and a gate are together at most this. So a second difference that leaves 16 bits and
+/// wraps around is beyond twice the gate all the same, and so is one with a code of 65535, which no finer one
+/// is.
 inline constexpr int terrace_range = 32767;
 /// Noise that there is room for, in stored codes.
 inline constexpr int most_terrace_noise = 4;
@@ -29,6 +32,12 @@ inline constexpr int most_terrace_noise = 4;
 int terrace_factor(const DepthCoding& coding);
 /// Codes beyond it leave no room.
 inline constexpr int largest_code_with_terraces = 16378;
+
+/// The largest code that a depth is told by: of metric codes only those up to `far` are.
+int largest_code(const DepthCoding& coding);
+/// The coding of codes `factor` times as many, of metric codes a power of two: a multiplied code is the same
+/// depth, to the bit. No code within the planes is invalid.
+DepthCoding finer(const DepthCoding& coding, int factor);
 
 /// How steep one step of the staircase feels: depth step of one code / width of one pixel, at that depth.
 double kappa_of_code(const Scene& scene, double depth);

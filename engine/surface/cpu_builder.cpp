@@ -7,6 +7,7 @@
 #include "engine/surface/median.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "engine/surface/temporal_filter.hpp"
 #include "engine/surface/terrace_filter.hpp"
 #include "engine/surface/tile_bounds.hpp"
 
@@ -38,9 +39,11 @@ public:
     CpuBuilder(const Scene& scene, const CpuPlan& plan)
         : scene_(scene),
           unit_(unit_for(plan.vectors)),
+          temporal_(temporal_filter(scene)),
           terraces_(terrace_filter(scene)),
           bands_(threads_for(scene, plan.threads)),
           median_(unit_),
+          smoother_(unit_),
           remover_(unit_),
           tiles_(unit_) {
         assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
@@ -53,6 +56,7 @@ public:
         take_size(out);
         const StoredLines stored(raw.depth, scene_.depth, unit_);
         tiles_.begin(bands_.threads(), out);
+        if (temporal_) smoother_.begin(out, raw.number);
         if (scene_.filter.fill_holes == 0) {
             finish_codes(stored, out);
         } else {
@@ -87,10 +91,14 @@ private:
     void finish_codes(const LineSource& source, SurfaceFrame& out) {
         if (terraces_) {
             take_size(with_terraces_);
-            filter(source, with_terraces_, [](const RowBand&) {});
+            filter(source, with_terraces_, [&](const RowBand& band) { smooth(band, with_terraces_); });
             remove_terraces(out);
         } else {
-            filter(source, out, [&](const RowBand& band) { tiles_.bound_inside(band, out); });
+            if (temporal_) out.coding = temporal_->coding;
+            filter(source, out, [&](const RowBand& band) {
+                smooth(band, out);
+                tiles_.bound_inside(band, out);
+            });
         }
     }
     /// Decoding too, where `source` does; `then` is what else to do with a band.
@@ -101,6 +109,9 @@ private:
             median_.filter(band, source, out);
             then(band);
         });
+    }
+    void smooth(const RowBand& band, SurfaceFrame& frame) {
+        if (temporal_) smoother_.smooth(band, *temporal_, frame);
     }
     void remove_terraces(SurfaceFrame& out) {
         out.coding = terraces_->coding;
@@ -113,12 +124,14 @@ private:
 
     Scene scene_;
     const VectorUnit unit_;
+    std::optional<TemporalFilter> temporal_;
     std::optional<TerraceFilter> terraces_;
     RowBands bands_;
     SurfaceFrame filled_;         // between hole filling and median; empty where no holes are filled
     SurfaceFrame with_terraces_;  // between median and terrace removal, likewise
     HoleFiller holes_;
     MedianFilter median_;
+    TemporalSmoother smoother_;
     TerraceRemover remover_;
     TileBounder tiles_;
 };

@@ -11,6 +11,11 @@ public:
     std::string_view name() const override { return "lazy"; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (scene_.filter.temporal)
+            return input_error(
+                "the lazy builder cannot filter in time (filter.temporal is on), because it has no history "
+                "of "
+                "pixels that nobody touched; must be another builder");
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
         out.width = scene_.width;
         out.height = scene_.height;

@@ -2,6 +2,7 @@
 #include <cassert>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/scene/temporal.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
@@ -113,6 +114,45 @@ Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
     return picture;
 }
 
+/// A picture, and of each pixel for how many frames it has only been held.
+struct Remembered {
+    std::int64_t number;
+    Picture picture;
+    std::vector<int> held;
+};
+
+/// The code of a frame, drawn towards the one before by what is likely to be noise.
+std::uint16_t smoothed(int code, int before, const TemporalGate& gate) {
+    const int noise = tent(code - before, gate.at(static_cast<std::uint16_t>(code)));
+    const int kept = std::abs(noise) * 3 / 4;
+    return static_cast<std::uint16_t>(noise > 0 ? code - kept : code + kept);
+}
+
+/// Changes what is remembered into that of this frame.
+void smooth(Picture picture, std::int64_t number, const TemporalFilter& filter,
+            std::optional<Remembered>& remembered) {
+    for (Pixel& pixel : picture.pixels) pixel.code = static_cast<std::uint16_t>(pixel.code * filter.factor);
+    if (!remembered || remembered->number + 1 != number) {
+        remembered = {number, picture, std::vector<int>(picture.pixels.size(), 0)};
+        return;
+    }
+    remembered->number = number;
+    for (std::size_t k = 0; k < picture.pixels.size(); ++k) {
+        const Pixel& now = picture.pixels[k];
+        Pixel& kept = remembered->picture.pixels[k];
+        int& held = remembered->held[k];
+        if (now.valid) {
+            kept = {kept.valid ? smoothed(now.code, kept.code, filter.gate) : now.code, true};
+            held = 0;
+        } else if (kept.valid && held < temporal_hold_frames) {
+            ++held;
+        } else {
+            kept = {};
+            held = 0;
+        }
+    }
+}
+
 TileBounds bounds_of_tile(const Picture& picture, int tx, int ty) {
     TileBounds bounds;
     for (int y = ty * TileGrid::cells; y <= ty * TileGrid::cells + TileGrid::cells; ++y)
@@ -131,7 +171,8 @@ TileBounds bounds_of_tile(const Picture& picture, int tx, int ty) {
 
 class ReferenceBuilder final : public SurfaceBuilder {
 public:
-    explicit ReferenceBuilder(const Scene& scene) : scene_(scene), terraces_(terrace_filter(scene)) {
+    explicit ReferenceBuilder(const Scene& scene)
+        : scene_(scene), temporal_(temporal_filter(scene)), terraces_(terrace_filter(scene)) {
         assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
     }
     std::string_view name() const override { return "reference"; }
@@ -141,6 +182,10 @@ public:
         Picture picture = decoded(raw.depth, scene_.depth);
         for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) picture = holes_filled_once(picture);
         if (scene_.filter.median > 0) picture = median_filtered(picture, scene_.filter.median);
+        if (temporal_) {
+            smooth(std::move(picture), raw.number, *temporal_, remembered_);
+            picture = remembered_->picture;
+        }
         if (terraces_) picture = terraces_removed(std::move(picture), *terraces_);
         store(picture, out);
         copy_touch_planes(raw, out);
@@ -151,7 +196,7 @@ private:
     void store(const Picture& picture, SurfaceFrame& out) const {
         out.width = picture.width;
         out.height = picture.height;
-        out.coding = terraces_ ? terraces_->coding : scene_.depth;
+        out.coding = terraces_ ? terraces_->coding : temporal_ ? temporal_->coding : scene_.depth;
         out.raw = {};
         out.codes.clear();
         out.validity.assign(static_cast<std::size_t>(out.validity_words_per_row() * out.height), 0);
@@ -170,6 +215,8 @@ private:
     }
 
     Scene scene_;
+    std::optional<TemporalFilter> temporal_;
+    std::optional<Remembered> remembered_;
     std::optional<TerraceFilter> terraces_;
 };
 

@@ -9,9 +9,11 @@
 
 namespace touchable {
 
-/// RawFrame -> SurfaceFrame: decode, fill holes, median, terrace removal, tile bounds, all in integers
-/// (docs/conventions.md): every builder gives the same bits. An invalid pixel's code is 0, and so are
+/// RawFrame -> SurfaceFrame: decode, fill holes, median, temporal filter, terrace removal, tile bounds, all in
+/// integers (docs/conventions.md): every builder gives the same bits. An invalid pixel's code is 0, and so are
 /// validity bits beyond the width. Haptic and height planes are copied, never filtered. One thread at a time.
+/// With a temporal filter a frame is made of all before it, which are to be built in order; one whose number is
+/// not the next begins anew.
 class SurfaceBuilder {
 public:
     virtual ~SurfaceBuilder() = default;
@@ -33,7 +35,8 @@ struct CpuPlan {
 std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene);
 std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPlan& plan);
 /// Keeps the raw frame (and its storage) and filters a pixel when it is asked for: the paper's way. The frame
-/// has no codes, validity or tiles of its own; its `vertices` answer instead.
+/// has no codes, validity or tiles of its own; its `vertices` answer instead. Refuses to build with a temporal
+/// filter (ErrorKind::input).
 std::unique_ptr<SurfaceBuilder> make_lazy_builder(const Scene& scene);
 
 }  // namespace touchable

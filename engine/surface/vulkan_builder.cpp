@@ -341,6 +341,9 @@ void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,
                                                                   const SurfacePlan& plan) {
+    if (scene.filter.temporal)
+        return input_error(
+            "the vulkan builder cannot filter in time (filter.temporal is on); must be the cpu builder");
     auto builder = std::make_unique<Builder>(scene, std::move(kernels), plan);
     if (auto reserved = builder->reserve(); !reserved.ok()) return reserved.error();
     return std::unique_ptr<VulkanSurfaceBuilder>(std::move(builder));

@@ -73,7 +73,8 @@ private:
 
 class Counting final : public SurfaceBuilder {
 public:
-    explicit Counting(int& built) : built_(built), builder_(make_reference_builder(small_scene())) {}
+    explicit Counting(int& built, const Scene& scene = small_scene())
+        : built_(built), builder_(make_reference_builder(scene)) {}
     std::string_view name() const override { return "counting"; }
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         ++built_;
@@ -114,6 +115,26 @@ TEST(UnchangedFrames, AreNotBuiltAgain) {
     EXPECT_EQ(feed.frames(), 8);
     EXPECT_EQ(feed.unchanged_frames(), 3);
     EXPECT_EQ(feed.end_ns(), scene.rate.time_ns(8));
+}
+
+// From 100 to 101 levels: what is shown nears the new one frame by frame, though nothing in the clip changes.
+TEST(UnchangedFrames, AreBuiltAgainByATemporalFilterBecauseItSettles) {
+    Scene scene = small_scene();
+    scene.filter.temporal = true;
+    scene.filter.temporal_noise = {1, 0};
+    Planes still, moved;
+    moved.depth.assign(moved.depth.size(), 101);
+    int built = 0;
+    SurfaceFeed feed(std::make_unique<Planned>(std::vector{still, still, moved, moved, moved, moved}),
+                     std::make_unique<Counting>(built, scene), scene);
+    const int expected[] = {0, 0, 32, 56, 74, 87};
+    for (std::int64_t n = 0; n < 6; ++n) {
+        const auto pair = feed.pair_at(scene.rate.time_ns(n));
+        ASSERT_TRUE(pair.ok());
+        EXPECT_EQ(pair->prev.frame->codes[0], 126 * 100 + expected[n]) << n;
+    }
+    EXPECT_EQ(built, 6);
+    EXPECT_EQ(feed.unchanged_frames(), 0);
 }
 
 // More of them than the timeline has entries, with a hand that does not move on.

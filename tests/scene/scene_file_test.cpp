@@ -128,9 +128,12 @@ Scene random_scene(Random& random) {
                                 static_friction * random.between(0, 1)};
     scene.filter = {random.below(2) ? 3 : 5, static_cast<int>(random.below(17))};
     scene.filter.terraces = static_cast<TerraceRemoval>(random.below(3));
-    if (!scene.far_from_frames && terrace_factor(scene.depth) == 0 && scene.filter.terraces == TerraceRemoval::on)
+    if (!scene.far_from_frames && terrace_factor(scene.depth) == 0 &&
+        scene.filter.terraces == TerraceRemoval::on)
         scene.filter.terraces = TerraceRemoval::off;
     if (random.below(2)) scene.filter.terrace_noise = random.between(0, 4);
+    if (random.below(2)) scene.filter.temporal_noise = {random.between(0.1, 9), random.between(0, 1e-3)};
+    scene.filter.temporal = scene.filter.temporal_noise.constant > 0 && random.below(2);
     scene.interpolation = static_cast<FrameInterpolation>(random.below(2));
     if (random.below(2)) scene.device_metres_per_unit = random.between(1e-6, 1);
     if (random.below(2))

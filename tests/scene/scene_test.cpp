@@ -191,6 +191,12 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
              derive_valid_range(s.depth);
          },
          {"filter.terraces is on", "16378"}},
+        {"temporal noise nan",
+         [](Scene& s) { s.filter.temporal_noise.constant = nan; },
+         {"filter.temporal_noise's constant is nan"}},
+        {"temporal",
+         [](Scene& s) { s.filter.temporal = true; },
+         {"filter.temporal is on", "filter.temporal_noise is [0, 0]"}},
         {"fill -", [](Scene& s) { s.filter.fill_holes = -1; }, {"filter.fill_holes is -1"}},
         {"device scale", [](Scene& s) { s.device_metres_per_unit = 0.0; }, {"device_metres_per_unit is 0"}},
         {"device nan", [](Scene& s) { s.device_metres_per_unit = nan; }, {"device_metres_per_unit is nan"}},

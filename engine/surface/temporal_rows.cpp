@@ -1,0 +1,159 @@
+#include "engine/surface/temporal_rows.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/surface/median_network.hpp"
+#include "engine/surface/validity_strip.hpp"
+#include "engine/surface/vectors.hpp"
+
+namespace touchable {
+namespace {
+
+/// As many values of 32 bits.
+template <class Lanes>
+struct Wide;
+template <>
+struct Wide<Lanes16> {
+    using Lanes = std::uint32_t __attribute__((vector_size(32)));
+};
+template <>
+struct Wide<Lanes32> {
+    using Lanes = std::uint32_t __attribute__((vector_size(64)));
+};
+template <>
+struct Wide<Lanes64> {
+    using Lanes = std::uint32_t __attribute__((vector_size(128)));
+};
+
+/// The upper half of a product.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes high_product(const Lanes& a, const Lanes& b) {
+    return __builtin_convertvector((__builtin_convertvector(a, typename Wide<Lanes>::Lanes) *
+                                    __builtin_convertvector(b, typename Wide<Lanes>::Lanes)) >>
+                                       16,
+                                   Lanes);
+}
+
+template <class Lanes>
+struct GateLanes {
+    const TemporalGate& gate;
+
+    [[gnu::always_inline]] Lanes at(const Lanes& codes) const {
+        const Lanes constant = Lanes{} + gate.constant;
+        if ((gate.linear | gate.quadratic) == 0) return constant;
+        const Lanes n = (gate.from_last ? gate.last - codes : codes) << gate.shift;
+        const Lanes sum = constant + high_product<Lanes>(n, Lanes{} + gate.linear) +
+                          high_product<Lanes>(high_product<Lanes>(n, n), Lanes{} + gate.quadratic);
+        return lesser<Lanes>(sum, Lanes{} + std::uint16_t{temporal_most_gate});
+    }
+};
+
+/// Without comparing, see code_line.cpp: of `above` and `below` one is 0, and so is what is kept of it.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes smoothed(const Lanes& code, const Lanes& before, const Lanes& gate) {
+    const Lanes least = lesser(code, before), above = code - least, below = before - least;
+    const Lanes distance = above | below, narrow = lesser(distance, gate);
+    const Lanes tent = narrow + narrow - lesser<Lanes>(distance, gate + gate);
+    const Lanes kept = tent - ((tent + 3) >> 2);
+    return code - lesser(kept, above) + lesser(kept, below);
+}
+
+/// Of the pixels of a word: which have a code in this frame, which had one in the frame before, which keep
+/// that.
+struct WordMasks {
+    std::uint16_t now[strip_pixels], both[strip_pixels], held[strip_pixels];
+};
+
+struct RowSmoothing {
+    const TemporalFilter& filter;
+    int width;
+    std::uint16_t* codes;
+    std::uint32_t* validity;
+    const TemporalRow& remembered;
+
+    template <class Kind>
+    [[gnu::always_inline]] void operator()(Kind) const {
+        using Lanes = typename Kind::Lanes;
+        const int whole = width / strip_pixels;
+        for (int word = 0; word < whole; ++word) smooth_word<Lanes>(word, codes + word * strip_pixels);
+        if (const int rest = width % strip_pixels; rest > 0) {
+            std::uint16_t strip[strip_pixels] = {};
+            std::uint16_t* last = codes + whole * strip_pixels;
+            std::copy_n(last, rest, strip);
+            smooth_word<Lanes>(whole, strip);
+            std::copy_n(strip, rest, last);
+        }
+    }
+
+    template <class Lanes>
+    [[gnu::always_inline]] void smooth_word(int word, std::uint16_t* at) const {
+        std::uint16_t* before = remembered.codes + word * strip_pixels;
+        const std::uint32_t now = validity[word], known = remembered.known[word];
+        if ((now & known) == ~std::uint32_t{0}) {
+            smooth_all<Lanes>(at, before);
+        } else {
+            const std::uint32_t held =
+                ~now & known & ~(remembered.held_low[word] & remembered.held_high[word]);
+            WordMasks masks;
+            masks_of_bits(now, masks.now);
+            masks_of_bits(now & known, masks.both);
+            masks_of_bits(held, masks.held);
+            smooth_some<Lanes>(at, before, masks);
+            validity[word] = remembered.known[word] = now | held;
+            count_held(word, held);
+            return;
+        }
+        remembered.held_low[word] = remembered.held_high[word] = 0;
+    }
+
+    [[gnu::always_inline]] void count_held(int word, std::uint32_t held) const {
+        std::uint32_t &low = remembered.held_low[word], &high = remembered.held_high[word];
+        high = held & (high ^ low);
+        low = held & ~low;
+    }
+
+    template <class Lanes>
+    [[gnu::always_inline]] void smooth_all(std::uint16_t* at, std::uint16_t* before) const {
+        for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
+            const Lanes code = finer_codes<Lanes>(at + k);
+            store<Lanes>(smoothed(code, load_lanes<Lanes>(before + k), gate<Lanes>().at(code)), at + k,
+                         before + k);
+        }
+    }
+    /// A pixel that is new, held or invalid is as far from itself as nothing.
+    template <class Lanes>
+    [[gnu::always_inline]] void smooth_some(std::uint16_t* at, std::uint16_t* before,
+                                            const WordMasks& masks) const {
+        for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
+            const Lanes old = load_lanes<Lanes>(before + k), both = load_lanes<Lanes>(masks.both + k);
+            const Lanes code = (finer_codes<Lanes>(at + k) & load_lanes<Lanes>(masks.now + k)) |
+                               (old & load_lanes<Lanes>(masks.held + k));
+            store<Lanes>(smoothed<Lanes>(code, (old & both) | (code & ~both), gate<Lanes>().at(code)), at + k,
+                         before + k);
+        }
+    }
+
+    template <class Lanes>
+    [[gnu::always_inline]] Lanes finer_codes(const std::uint16_t* at) const {
+        return load_lanes<Lanes>(at) * static_cast<std::uint16_t>(filter.factor);
+    }
+    template <class Lanes>
+    [[gnu::always_inline]] GateLanes<Lanes> gate() const {
+        return {filter.gate};
+    }
+    template <class Lanes>
+    [[gnu::always_inline]] void store(const Lanes& result, std::uint16_t* at, std::uint16_t* before) const {
+        store_lanes(result, at);
+        store_lanes(result, before);
+    }
+};
+
+}  // namespace
+
+void smooth_row(VectorUnit unit, const TemporalFilter& filter, int width, std::uint16_t* codes,
+                std::uint32_t* validity, const TemporalRow& remembered) {
+    run_vectors(unit, RowSmoothing{filter, width, codes, validity, remembered});
+}
+
+}  // namespace touchable
