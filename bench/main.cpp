@@ -18,10 +18,11 @@ namespace {
 
 constexpr std::array suites{
     BenchSuite{"touch", "the touch solver: time per tick, accuracy, following, energy", touch_cases},
-    BenchSuite{"surface", "frames by kernels and by the CPU builder: time per frame", surface_cases},
+    BenchSuite{"surface", "frames by kernels, by the CPU and by others: time per frame", surface_cases,
+               conclude_surface},
     BenchSuite{"loop", "hand, device and surface in a closed loop: up to which stiffness it is stable",
                loop_cases},
-    BenchSuite{"targets", "what the touch solver is to reach, and whether it does", target_cases,
+    BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };
 
@@ -84,8 +85,9 @@ Result<void> run(const Options& options) {
         done.push_back({c.name, {}});
         if (auto measured = c.measure(done.back().figures); !measured.ok()) return measured;
     }
-    done.insert(done.begin(), {"machine", machine_figures(load_at_start)});
-    std::cout << tables_of(done) << std::flush;
+    const CaseFigures machine{"machine", machine_figures(load_at_start)};
+    std::cout << tables_of({machine}) << '\n' << tables_of(done) << std::flush;
+    done.insert(done.begin(), machine);
     if (options.json)
         if (auto written = write_report(*options.json, options.suite, done); !written.ok()) return written;
     return (*suite)->conclude ? (*suite)->conclude(done) : Result<void>();

@@ -11,19 +11,22 @@
 namespace touchable {
 namespace {
 
+/// More cases than these do not fit beside each other.
+constexpr std::size_t most_columns = 10;
+
 bool same_metrics(const Figures& a, const Figures& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                       [](const Figure& x, const Figure& y) { return x.metric == y.metric; });
 }
 
-/// A metric's name over several lines, broken behind underscores.
-std::vector<std::string> broken(const std::string& metric) {
+/// A name over several lines, broken behind underscores and hyphens.
+std::vector<std::string> broken(const std::string& name) {
     constexpr std::size_t widest = 9;
     std::vector<std::string> lines{""};
-    for (std::size_t begin = 0; begin < metric.size();) {
-        const std::size_t end = std::min(metric.find('_', begin), metric.size() - 1) + 1;
+    for (std::size_t begin = 0; begin < name.size();) {
+        const std::size_t end = std::min(name.find_first_of("_-", begin), name.size() - 1) + 1;
         if (!lines.back().empty() && lines.back().size() + end - begin > widest) lines.emplace_back();
-        lines.back().append(metric, begin, end - begin);
+        lines.back().append(name, begin, end - begin);
         begin = end;
     }
     return lines;
@@ -40,7 +43,7 @@ std::string padded(const std::string& text, std::size_t width) {
     return std::string(width - std::min(width, text.size()), ' ') + text;
 }
 
-/// One column: heading lines, unit, and a value per case.
+/// One column: heading lines, unit, and a value per row.
 struct Column {
     std::vector<std::string> heading, values;
     std::size_t width() const {
@@ -51,20 +54,10 @@ struct Column {
     }
 };
 
-std::string table_of(const CaseFigures* first, const CaseFigures* last) {
-    std::vector<Column> columns;
+std::string table_of(const std::vector<std::string>& rows, const std::vector<Column>& columns) {
     std::size_t heading_lines = 0, name_width = 0;
-    for (std::size_t m = 0; m < first->figures.size(); ++m) {
-        Column column{broken(first->figures[m].metric), {}};
-        if (!first->figures[m].unit.empty())
-            column.heading.push_back(std::string("(").append(first->figures[m].unit).append(")"));
-        for (const CaseFigures* c = first; c != last; ++c)
-            column.values.push_back(text_of(c->figures[m].value));
-        heading_lines = std::max(heading_lines, column.heading.size());
-        columns.push_back(std::move(column));
-    }
-    for (const CaseFigures* c = first; c != last; ++c) name_width = std::max(name_width, c->name.size());
-
+    for (const Column& column : columns) heading_lines = std::max(heading_lines, column.heading.size());
+    for (const std::string& row : rows) name_width = std::max(name_width, row.size());
     std::string text;
     for (std::size_t line = 0; line < heading_lines; ++line) {
         text += std::string(name_width, ' ');
@@ -72,13 +65,62 @@ std::string table_of(const CaseFigures* first, const CaseFigures* last) {
             text += "  " + padded(line < column.heading.size() ? column.heading[line] : "", column.width());
         text += '\n';
     }
-    for (const CaseFigures* c = first; c != last; ++c) {
-        text += c->name + std::string(name_width - c->name.size(), ' ');
-        for (const Column& column : columns)
-            text += "  " + padded(column.values[static_cast<std::size_t>(c - first)], column.width());
+    for (std::size_t n = 0; n < rows.size(); ++n) {
+        text += rows[n] + std::string(name_width - rows[n].size(), ' ');
+        for (const Column& column : columns) text += "  " + padded(column.values[n], column.width());
         text += '\n';
     }
     return text;
+}
+
+std::string with_unit(const std::string& name, std::string_view unit, const char* before) {
+    return unit.empty() ? name : name + before + "(" + std::string(unit) + ")";
+}
+
+/// A row per case; all have the same metrics.
+std::string row_per_case(const CaseFigures* first, const CaseFigures* last) {
+    std::vector<std::string> rows;
+    for (const CaseFigures* c = first; c != last; ++c) rows.push_back(c->name);
+    std::vector<Column> columns;
+    for (std::size_t m = 0; m < first->figures.size(); ++m) {
+        const Figure& figure = first->figures[m];
+        Column column{broken(figure.metric), {}};
+        if (!figure.unit.empty()) column.heading.push_back(with_unit("", figure.unit, ""));
+        for (const CaseFigures* c = first; c != last; ++c)
+            column.values.push_back(text_of(c->figures[m].value));
+        columns.push_back(std::move(column));
+    }
+    return table_of(rows, columns);
+}
+
+/// A row per metric of any of the cases, in the order of the first that has it.
+std::string row_per_metric(const std::vector<CaseFigures>& cases) {
+    std::vector<std::string> metrics, rows;
+    for (const CaseFigures& c : cases) {
+        std::size_t at = 0;  // behind the metric before: what other cases have not stands where it belongs
+        for (const Figure& figure : c.figures) {
+            const auto known = std::find(metrics.begin(), metrics.end(), figure.metric);
+            if (known == metrics.end()) {
+                const auto place = static_cast<std::ptrdiff_t>(at);
+                metrics.insert(metrics.begin() + place, figure.metric);
+                rows.insert(rows.begin() + place, with_unit(figure.metric, figure.unit, " "));
+                ++at;
+            } else {
+                at = static_cast<std::size_t>(known - metrics.begin()) + 1;
+            }
+        }
+    }
+    std::vector<Column> columns;
+    for (const CaseFigures& c : cases) {
+        Column column{broken(c.name), {}};
+        for (const std::string& metric : metrics) {
+            const auto figure = std::find_if(c.figures.begin(), c.figures.end(),
+                                             [&](const Figure& f) { return f.metric == metric; });
+            column.values.push_back(figure == c.figures.end() ? "" : text_of(figure->value));
+        }
+        columns.push_back(std::move(column));
+    }
+    return table_of(rows, columns);
 }
 
 Error cannot_write(const std::filesystem::path& file) {
@@ -88,13 +130,14 @@ Error cannot_write(const std::filesystem::path& file) {
 }  // namespace
 
 std::string tables_of(const std::vector<CaseFigures>& cases) {
+    if (cases.size() <= most_columns) return row_per_metric(cases);
     std::string text;
     const CaseFigures* const end = cases.data() + cases.size();
     for (const CaseFigures* first = cases.data(); first != end;) {
         const CaseFigures* last = first + 1;
         while (last != end && same_metrics(first->figures, last->figures)) ++last;
         if (!text.empty()) text += '\n';
-        text += table_of(first, last);
+        text += row_per_case(first, last);
         first = last;
     }
     return text;

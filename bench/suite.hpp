@@ -44,7 +44,10 @@ struct BenchSuite {
 std::vector<BenchCase> touch_cases(bool quick);
 std::vector<BenchCase> surface_cases(bool quick);
 std::vector<BenchCase> loop_cases(bool quick);
-/// Those of the suite touch that its targets need, and the table of targets.
+/// Prints the table of the suite's targets; missing one is no error here.
+Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
+/// Those of the suites touch and surface that targets stand on; tables of both, and an error where one is
+/// missed.
 std::vector<BenchCase> target_cases(bool quick);
 Result<void> conclude_targets(const std::vector<CaseFigures>& measured);
 

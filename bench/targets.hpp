@@ -8,12 +8,14 @@
 namespace touchable {
 
 struct Limit {
+    enum class Sense { below, at_most, at_least, none };  ///< none: only shown, beside what has a limit
+
     double value = 0;
-    bool may_equal = false;
+    Sense sense = Sense::below;
     std::string unit;
 };
 
-/// A limit that a metric of the suite `touch` has to keep in every one of some cases.
+/// A limit that a metric has to keep in every one of some cases.
 struct Target {
     std::string what;       ///< for a person
     std::string elsewhere;  ///< what is known of others; may be empty
@@ -21,17 +23,21 @@ struct Target {
     std::string metric;
     Limit limit;
     /// Where given, what counts is the metric over that of this case.
-    std::string relative_to;
+    std::string relative_to = {};
+    /// Where given, cases in which this metric is not 1 are not asked.
+    std::string only_where = {};
 };
 
-/// What the touch solver is to reach (bench/README.md, "Targets").
+/// What the touch solver is to reach, and what the frame pipeline (bench/README.md, "Targets").
 const std::vector<Target>& touch_targets();
+const std::vector<Target>& surface_targets();
 
-/// How a target fared: its largest value over the cases that were measured.
+/// How a target fared: its worst value over the cases that were measured.
 struct Verdict {
     double value = 0;
     std::size_t cases = 0;  ///< of the target's, that have the metric; 0: not measured, so not met
     bool met = false;
+    bool asked = true;  ///< false: of the cases that were measured none is one to ask (Target::only_where)
 };
 Verdict judge(const Target& target, const std::vector<CaseFigures>& measured);
 

@@ -5,25 +5,50 @@
 #include "bench/targets.hpp"
 
 namespace touchable {
+namespace {
 
-std::vector<BenchCase> target_cases(bool quick) {
-    const auto is_needed = [](const BenchCase& c) {
-        return std::ranges::any_of(touch_targets(), [&](const Target& target) {
+/// The cases that these targets stand on.
+std::vector<BenchCase> needed(std::vector<BenchCase> cases, const std::vector<Target>& targets) {
+    std::erase_if(cases, [&](const BenchCase& c) {
+        return std::ranges::none_of(targets, [&](const Target& target) {
             return c.name == target.relative_to || std::ranges::count(target.cases, c.name) > 0;
         });
-    };
-    std::vector<BenchCase> cases = touch_cases(quick);
-    std::erase_if(cases, [&](const BenchCase& c) { return !is_needed(c); });
+    });
+    return cases;
+}
+
+}  // namespace
+
+std::vector<BenchCase> target_cases(bool quick) {
+    std::vector<BenchCase> cases = needed(touch_cases(quick), touch_targets());
+    std::ranges::move(needed(surface_cases(quick), surface_targets()), std::back_inserter(cases));
     return cases;
 }
 
 Result<void> conclude_targets(const std::vector<CaseFigures>& measured) {
-    std::cout << '\n' << table_of(touch_targets(), measured) << std::flush;
-    const auto missed = std::ranges::count_if(
-        touch_targets(), [&](const Target& target) { return !judge(target, measured).met; });
+    std::ptrdiff_t missed = 0, all = 0;
+    for (const auto& [of, targets] :
+         {std::pair{"the touch solver", &touch_targets()}, std::pair{"frames", &surface_targets()}}) {
+        std::cout << "\nTargets of " << of << "\n\n" << table_of(*targets, measured) << std::flush;
+        missed += std::ranges::count_if(*targets, [&](const Target& target) {
+            const Verdict verdict = judge(target, measured);
+            return verdict.asked && !verdict.met;
+        });
+        all += std::ssize(*targets);
+    }
     if (missed == 0) return {};
-    return Error{ErrorKind::check, std::to_string(missed) + " of " + std::to_string(touch_targets().size()) +
-                                       " targets missed"};
+    return Error{ErrorKind::check, std::to_string(missed) + " of " + std::to_string(all) + " targets missed"};
+}
+
+Result<void> conclude_surface(const std::vector<CaseFigures>& measured) {
+    std::vector<Target> targets = surface_targets();
+    // With --filter some have nothing to stand on.
+    std::erase_if(targets, [&](const Target& target) {
+        return std::ranges::none_of(
+            measured, [&](const CaseFigures& c) { return std::ranges::count(target.cases, c.name) > 0; });
+    });
+    std::cout << '\n' << table_of(targets, measured) << std::flush;
+    return {};
 }
 
 }  // namespace touchable

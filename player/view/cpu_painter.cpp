@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <thread>
 
+#include "player/view/cpu_lattice.hpp"
 #include "player/view/surface_painter.hpp"
 #include "player/view/triangle_fill.hpp"
 #include "player/view/view_rows.hpp"
@@ -9,9 +12,17 @@
 namespace touchable {
 namespace {
 
+/// More wait for memory.
+constexpr unsigned most_threads = 4;
+
 class CpuPainter final : public SurfacePainter {
 public:
     std::string_view name() const override { return "cpu"; }
+
+    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
+                                   const PlaneView& colour) override {
+        return lattices_.surface_of(field, pair, colour);
+    }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
         PicturePlanes planes{camera.width, camera.height, {}, {}};
@@ -61,6 +72,9 @@ private:
                 planes.colours[pixel] = packed;
             });
     }
+
+    CpuLattices lattices_{
+        static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, most_threads))};
 };
 
 }  // namespace

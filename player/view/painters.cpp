@@ -18,11 +18,6 @@ Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const
 
 }  // namespace
 
-Result<ViewSurface> SurfacePainter::surface_of(const HeightField& field, const FramePair&,
-                                               const PlaneView& colour) {
-    return make_view_surface(field, colour);
-}
-
 Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name, const OpenGpu& open_gpu) {
     if (name == "cpu") return make_cpu_painter();
     if (name != "auto" && name != "raster" && name != "mesh")

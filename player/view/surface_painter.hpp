@@ -24,7 +24,7 @@ public:
     /// `make_view_surface` of `field`, which `pair` is behind, made where this painter draws: q agree to
     /// 1e-6.
     virtual Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
-                                           const PlaneView& colour);
+                                           const PlaneView& colour) = 0;
     virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
 };
 

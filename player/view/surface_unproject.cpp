@@ -50,6 +50,33 @@ Result<GpuBuffer> uploaded_rows(const GpuDevice& device, const char* name, const
 
 }  // namespace
 
+UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair) {
+    const double blend = field.blend();
+    const Scene& scene = field.scene();
+    const SurfaceFrame& prev = *pair.prev.frame;
+    const SurfaceFrame& next = blend > 0 ? *pair.next.frame : prev;
+    UnprojectTerms terms{};
+    auto& [push, constants] = terms;
+    push.height = static_cast<std::uint32_t>(prev.height);
+    push.pitch = static_cast<std::uint32_t>(whole(prev.width, 8));
+    push.words = static_cast<std::uint32_t>(prev.validity_words_per_row());
+    set_coding(prev.coding, push, constants);
+    push.cx = static_cast<float>(scene.camera.cx);
+    push.cy = static_cast<float>(scene.camera.cy);
+    push.per_fx = static_cast<float>(1.0 / scene.camera.fx);
+    push.per_fy = static_cast<float>(1.0 / scene.camera.fy);
+    const auto per_code =
+        static_cast<float>(largest_height(scene.height_coding, scene.depth) / scene.height_coding.code_max);
+    push.height_per_code = prev.heights.empty() ? 0.0F : per_code;
+    push.next_height_per_code = next.heights.empty() ? 0.0F : per_code;
+    push.blend = static_cast<float>(blend);
+    push.rest = static_cast<float>(1.0 - blend);
+    constants.is_pair = blend > 0 ? 1 : 0;
+    constants.has_heights = prev.heights.empty() && next.heights.empty() ? 0 : 1;
+    constants.is_range = prev.coding.semantics == DepthSemantics::range ? 1 : 0;
+    return terms;
+}
+
 int SurfaceUnproject::pitch(int width) {
     return UNPROJECT_WORD * static_cast<int>(whole(width, UNPROJECT_WORD));
 }
@@ -103,39 +130,17 @@ Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame&
 
 Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                       const GpuBuffer& q) {
-    const double blend = field.blend();
-    const Scene& scene = field.scene();
-    const SurfaceFrame& prev = *pair.prev.frame;
-    const SurfaceFrame& next = blend > 0 ? *pair.next.frame : prev;
-    const auto prev_planes = planes_of(prev);
+    const auto prev_planes = planes_of(*pair.prev.frame);
     if (!prev_planes.ok()) return prev_planes.error();
-    const auto next_planes = blend > 0 ? planes_of(next) : prev_planes;
+    const auto next_planes = field.blend() > 0 ? planes_of(*pair.next.frame) : prev_planes;
     if (!next_planes.ok()) return next_planes.error();
 
-    UnprojectPush push{};
-    UnprojectConstants constants{};
+    auto [push, constants] = unproject_terms(field, pair);
     // Few lanes that march whole rows on a CPU, many with a word each elsewhere.
     const bool marches = device_->facts().kind == GpuKind::software;
     constants.group_size = marches ? 8 : 64;
-    push.height = static_cast<std::uint32_t>(prev.height);
-    push.pitch = static_cast<std::uint32_t>(whole(prev.width, 8));
-    push.words = static_cast<std::uint32_t>(prev.validity_words_per_row());
     push.segments = marches ? 1 : push.words;
     push.segment_words = marches ? push.words : 1;
-    set_coding(prev.coding, push, constants);
-    push.cx = static_cast<float>(scene.camera.cx);
-    push.cy = static_cast<float>(scene.camera.cy);
-    push.per_fx = static_cast<float>(1.0 / scene.camera.fx);
-    push.per_fy = static_cast<float>(1.0 / scene.camera.fy);
-    const auto per_code =
-        static_cast<float>(largest_height(scene.height_coding, scene.depth) / scene.height_coding.code_max);
-    push.height_per_code = prev.heights.empty() ? 0.0F : per_code;
-    push.next_height_per_code = next.heights.empty() ? 0.0F : per_code;
-    push.blend = static_cast<float>(blend);
-    push.rest = static_cast<float>(1.0 - blend);
-    constants.is_pair = blend > 0 ? 1 : 0;
-    constants.has_heights = prev.heights.empty() && next.heights.empty() ? 0 : 1;
-    constants.is_range = prev.coding.semantics == DepthSemantics::range ? 1 : 0;
 
     const auto program = program_for({constants.group_size, constants.is_pair, constants.has_heights,
                                       constants.is_range, constants.is_inverse, constants.is_from_top});

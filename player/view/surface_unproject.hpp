@@ -9,8 +9,17 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_program.hpp"
 #include "haptics_cpu/height_field.hpp"
+#include "shaders/unproject.h"
 
 namespace touchable {
+
+/// What the arithmetic of shaders/unproject.h needs of a pair of frames that have codes; how lanes share rows
+/// is left open. `pair` is what `field` was made of.
+struct UnprojectTerms {
+    UnprojectPush push;
+    UnprojectConstants constants;
+};
+UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair);
 
 /// The kernel unproject: codes of a pair of frames at a blend to q, for the eye. The twin of `q_of`: the same
 /// pixels are 0, the others agree to 8 units in the last place of a float (1e-6), of the depth before height

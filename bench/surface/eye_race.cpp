@@ -1,0 +1,192 @@
+#include "bench/surface/eye_race.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/surface/race.hpp"
+#include "player/view/cpu_lattice.hpp"
+#include "player/view/gpu_lattice.hpp"
+
+namespace touchable {
+namespace {
+
+bool nearly_equal(const std::vector<float>& twin, const std::vector<float>& q) {
+    if (q.size() != twin.size()) return false;
+    for (std::size_t k = 0; k < twin.size(); ++k)
+        if (!(std::fabs(q[k] - twin[k]) <= 1e-6F * twin[k])) return false;
+    return true;
+}
+
+/// By kernels: the builder's, then unproject, then (for tiles) those that list them.
+class ByKernels {
+public:
+    ByKernels(const Picture& picture, VulkanSurfaceBuilder& builder, std::shared_ptr<GpuDevice> device)
+        : picture_(picture), builder_(builder), device_(device), unproject_(device), lattices_(device) {}
+
+    Result<void> make_q() {
+        if (!q_) {
+            auto made = GpuBuffer::create(
+                *device_, "q", SurfaceUnproject::q_bytes(picture_.scene.width, picture_.scene.height),
+                device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device);
+            if (!made.ok()) return made.error();
+            q_ = *made;
+        }
+        return frame([&](GpuCommands& commands, const HeightField& field) {
+            return unproject_.record(commands, field, still(frame_), q_);
+        });
+    }
+    Result<void> make_tiles() {
+        return frame([&](GpuCommands& commands, const HeightField& field) {
+            return lattices_.record(commands, field, still(frame_), lattice_);
+        });
+    }
+    /// q and tiles once more, where the CPU reads them.
+    Result<ViewSurface> seen() {
+        return lattices_.surface_of(HeightField(picture_.scene, still(frame_)), still(frame_), {});
+    }
+    const std::vector<GpuTime>& stages() const { return stages_; }
+    const SurfaceFrame& codes() const { return frame_; }
+
+private:
+    template <class Record>
+    Result<void> frame(Record&& record) {
+        if (auto built = builder_.build(picture_.raw, frame_); !built.ok()) return built;
+        auto commands = GpuCommands::begin(device_, "eye");
+        if (!commands.ok()) return commands.error();
+        const HeightField field(picture_.scene, still(frame_));
+        if (auto recorded = record(*commands, field); !recorded.ok()) return recorded;
+        const auto submission = std::move(*commands).submit();
+        if (!submission.ok()) return submission.error();
+        if (auto done = submission->wait(); !done.ok()) return done;
+        stages_ = submission->times();
+        return {};
+    }
+
+    const Picture& picture_;
+    VulkanSurfaceBuilder& builder_;
+    std::shared_ptr<GpuDevice> device_;
+    SurfaceUnproject unproject_;
+    GpuLattices lattices_;
+    GpuLattice lattice_;
+    GpuBuffer q_;
+    SurfaceFrame frame_;
+    std::vector<GpuTime> stages_;
+};
+
+/// By the CPU builder and the lattices of the cpu painter.
+class ByCpu {
+public:
+    ByCpu(const Picture& picture, int threads)
+        : picture_(picture), builder_(make_cpu_builder(picture.scene, {threads})), lattices_(threads) {}
+
+    Result<void> make_q() {
+        if (auto built = builder_->build(picture_.raw, frame_); !built.ok()) return built;
+        lattices_.q_of(HeightField(picture_.scene, still(frame_)), still(frame_), q_);
+        return {};
+    }
+    Result<void> make_tiles() {
+        if (auto made = make_q(); !made.ok()) return made;
+        tiles_ = lattices_.tiles_of(picture_.scene.width, picture_.scene.height, q_);
+        return {};
+    }
+    const std::vector<float>& q() const { return q_; }
+    const ViewTiles& tiles() const { return tiles_; }
+
+private:
+    const Picture& picture_;
+    std::unique_ptr<SurfaceBuilder> builder_;
+    CpuLattices lattices_;
+    SurfaceFrame frame_;
+    std::vector<float> q_;
+    ViewTiles tiles_;
+};
+
+ViewTiles tiles_of_marks(const std::vector<std::uint8_t>& marks) {
+    ViewTiles tiles;
+    for (std::size_t n = 0; n < marks.size(); ++n)
+        if ((marks[n] & 2U) != 0)
+            (marks[n] == 3 ? tiles.mixed : tiles.whole).push_back(static_cast<std::uint32_t>(n));
+    return tiles;
+}
+
+/// All of them once, and what they made.
+Result<void> verify(const SurfaceCase& c, const Picture& picture, ByKernels& kernels, ByCpu& one, ByCpu& two,
+                    OpenCvPipeline* opencv) {
+    for (const auto& made : {kernels.make_q(), kernels.make_tiles(), one.make_tiles(), two.make_tiles()})
+        if (!made.ok()) return made;
+    const std::vector<float> twin = q_of(HeightField(picture.scene, still(kernels.codes())));
+    const auto seen = kernels.seen();
+    if (!seen.ok()) return seen.error();
+    if (!seen->on_gpu || !nearly_equal(twin, seen->q)) return wrong(c, "the kernel's q are not the field's");
+    if (seen->tiles != classify_tiles(c.width, c.height, seen->q))
+        return wrong(c, "the kernel's tiles differ");
+    if (!nearly_equal(twin, one.q()) || one.q() != two.q())
+        return wrong(c, "the CPU's q are not the field's");
+    const ViewTiles tiles = classify_tiles(c.width, c.height, one.q());
+    if (one.tiles() != tiles || two.tiles() != tiles) return wrong(c, "the CPU's tiles differ");
+    if (opencv == nullptr) return {};
+    opencv->median();
+    opencv->q();
+    opencv->mark_cuts();
+    if (!nearly_equal(twin, opencv->q_plane())) return wrong(c, "OpenCV's q are not the field's");
+    if (tiles_of_marks(opencv->cut_marks()) != classify_tiles(c.width, c.height, opencv->q_plane()))
+        return wrong(c, "the cut marks beside OpenCV differ");
+    return {};
+}
+
+}  // namespace
+
+Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, VulkanSurfaceBuilder& vulkan,
+                              const std::shared_ptr<GpuDevice>& device, OpenCvPipeline& opencv, int rounds,
+                              Figures& figures) {
+    const bool with_opencv = has_opencv() && c.holes_pct == 0;
+    ByKernels kernels(picture, vulkan, device);
+    ByCpu one(picture, 1), two(picture, 2);
+    if (auto right = verify(c, picture, kernels, one, two, with_opencv ? &opencv : nullptr); !right.ok())
+        return right;
+
+    const std::string side = std::to_string(picture.scene.filter.median);
+    std::vector<GpuTime> stages;
+    std::vector<Racer> racers{{"positions" + side, [&] { return kernels.make_q(); }},
+                              {"cpu_positions" + side + "_1t", [&] { return one.make_q(); }},
+                              {"cpu_positions" + side + "_2t", [&] { return two.make_q(); }},
+                              {"mesh" + side,
+                               [&]() -> Result<void> {
+                                   auto made = kernels.make_tiles();
+                                   stages = kernels.stages();
+                                   return made;
+                               }},
+                              {"cpu_mesh" + side + "_1t", [&] { return one.make_tiles(); }},
+                              {"cpu_mesh" + side + "_2t", [&] { return two.make_tiles(); }}};
+    const auto add_opencv = [&](const std::string& name, auto&& then) {
+        racers.push_back({name + side, [&opencv, then]() -> Result<void> {
+                              opencv.median();
+                              then(opencv);
+                              return {};
+                          }});
+    };
+    if (with_opencv) {
+        add_opencv("opencv_positions", [](OpenCvPipeline& o) { o.q(); });
+        add_opencv("opencv_points", [](OpenCvPipeline& o) { o.points(); });
+        add_opencv("opencv_mask", [](OpenCvPipeline& o) {
+            o.q();
+            o.mark_cuts();
+        });
+    }
+    if (auto raced = race(racers, rounds); !raced.ok()) return raced;
+    for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
+    for (const GpuTime& stage : stages)
+        figures.push_back({"mesh" + side + "_" + stage.label + "_ms", stage.ms, "ms"});
+    if (!with_opencv) return {};
+    const FrameTimes &positions = racers[6].times, &mask = racers[8].times;
+    const auto add_ratio = [&](const std::string& name, const FrameTimes& ours, const FrameTimes& theirs) {
+        figures.push_back({name, ours.wall_ms / theirs.wall_ms, ""});
+    };
+    add_ratio("positions" + side + "_vs_opencv", racers[0].times, positions);
+    add_ratio("cpu_positions" + side + "_2t_vs_opencv", racers[2].times, positions);
+    add_ratio("mask" + side + "_vs_opencv_mask", racers[3].times, mask);
+    add_ratio("cpu_mask" + side + "_vs_opencv_mask", racers[5].times, mask);
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// Whether this program was built with OpenCV.
+bool has_opencv();
+
+/// What a person would write with OpenCV for a frame of linear depth without invalid pixels: its median, then
+/// its matrix operations for the depth, then what lines of C++ are needed. Each step is to be called after
+/// the one before. Does nothing without OpenCV.
+class OpenCvPipeline {
+public:
+    /// The median's side is the scene's: 3 or 5. `raw` outlives it.
+    OpenCvPipeline(const Scene& scene, const RawFrame& raw);
+
+    void median();     ///< stored values, filtered; on one thread: OpenCV's has no more
+    void q();          ///< 1 / planar depth, with a plane of ray lengths made beforehand
+    void mark_cuts();  ///< of each tile whether a triangle of it is cut, and whether one is not
+    void points();     ///< instead of q: positions in the camera's frame, with a plane of rays likewise
+
+    PlaneView codes() const;
+    const std::vector<float>& q_plane() const { return q_; }
+    /// 1: some triangle is cut, 2: some is not; by tile of TileGrid, row by row.
+    const std::vector<std::uint8_t>& cut_marks() const { return marks_; }
+    const std::vector<float>& point_planes() const { return points_; }  ///< X, Y, Z of a pixel side by side
+
+private:
+    void make_rays(const Camera& camera);
+    void take_depth();
+
+    const int width_, height_, side_;
+    const RawFrame& raw_;
+    std::vector<std::uint8_t> filtered_;
+    std::vector<float> depth_, q_, ray_lengths_, rays_, points_;
+    std::vector<std::uint8_t> marks_;
+    double per_code_, of_code_0_;  // depth, linear in the code
+};
+
+}  // namespace touchable

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/frame/surface_frame.hpp"
+#include "engine/frame/surface_timeline.hpp"
+
+namespace touchable {
+
+/// A case of the suite `surface`: what its name tells.
+struct SurfaceCase {
+    int width, height, bits;
+    int holes_pct = 0;  ///< pixels without depth
+};
+/// <W>x<H>-<bits>, then -holes<percent> where there are any.
+std::string name_of(const SurfaceCase& c);
+/// Of kind check: what came out in this case is not right.
+Error wrong(const SurfaceCase& c, const std::string& what);
+
+/// Depth as cameras give it: a slope with noise, and code 0 where there is none.
+struct Picture {
+    explicit Picture(const SurfaceCase& c);
+
+    Scene scene;
+    std::vector<std::uint8_t> memory;
+    RawFrame raw;
+};
+
+/// A surface that stands still in this frame.
+inline FramePair still(const SurfaceFrame& frame) {
+    return {{0, 0, &frame}, {0, 0, &frame}, 0};
+}
+
+}  // namespace touchable

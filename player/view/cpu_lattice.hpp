@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/surface/row_bands.hpp"
+#include "engine/surface/vector_unit.hpp"
+#include "player/view/view_surface.hpp"
+
+namespace touchable {
+
+/// Makes q and tiles of lattices on the CPU, by its vectors and on threads: what GpuLattices does on a GPU,
+/// with the arithmetic of shaders/unproject.h. The same bits with any number of threads and any vectors.
+class CpuLattices {
+public:
+    /// `threads` with the one that calls; the others start when first needed and sleep in between.
+    explicit CpuLattices(int threads, VectorUnit vectors = usable_vector_units().front());
+
+    /// The twin of `q_of`: the same pixels are 0, the others agree as SurfaceUnproject's. `pair`, whose
+    /// frames have codes (SurfaceUnproject::has_codes), is what `field` was made of.
+    void q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q);
+    /// The twin of `classify_tiles`: the same lists.
+    ViewTiles tiles_of(int width, int height, const std::vector<float>& q);
+
+    /// `make_view_surface`, with q and tiles as above where the frames have codes.
+    ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);
+
+private:
+    const VectorUnit unit_;
+    RowBands bands_;
+    std::vector<std::vector<float>> scratch_;  // by thread
+    std::vector<float> u2_;                    // of the columns' rays, squared
+    std::vector<std::uint8_t> classes_;        // of each tile
+};
+
+}  // namespace touchable

@@ -1,0 +1,84 @@
+#include "player/view/cpu_lattice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/surface/surface_builder.hpp"
+#include "shaders/cut_rule.h"
+#include "tests/view/coded_frames.hpp"
+#include "tests/view/shown.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Against the twins, and the same bits with any vectors and threads.
+void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
+    FramePair pair;
+    pair.prev = {0, 0, &prev};
+    pair.next = {1, 1'000'000, &next};
+    pair.blend = blend;
+    const HeightField field(scene, pair);
+    std::vector<float> first;
+    for (const VectorUnit unit : usable_vector_units())
+        for (const int threads : {1, 3}) {
+            CpuLattices lattices(threads, unit);
+            std::vector<float> q;
+            lattices.q_of(field, pair, q);
+            if (first.empty()) first = q;
+            ASSERT_EQ(q, first) << threads << " threads";
+            EXPECT_EQ(lattices.tiles_of(scene.width, scene.height, q),
+                      classify_tiles(scene.width, scene.height, q));
+        }
+    expect_close(scene, prev, q_of(field), first);
+}
+
+TEST(CpuLattices, AgreeWithTheirTwinForEveryCoding) {
+    for (const DepthCodingKind kind :
+         {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::metric, DepthCodingKind::hue})
+        for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
+            for (const bool near_is_high : {true, false})
+                for (const bool heights : {false, true}) {
+                    const Codes codes(coding_of(kind, semantics, near_is_high), 171, 53, heights);
+                    for (const double blend : {0.0, 0.25, 0.5, 0.9})
+                        compare(codes.scene, codes.prev, codes.next, blend);
+                }
+}
+
+TEST(CpuLattices, AgreeForPicturesOfAnySize) {
+    const DepthCoding coding = coding_of(DepthCodingKind::linear, DepthSemantics::range, true);
+    for (const int width : {1, 2, 7, 17, 31, 32, 33, 260})
+        for (const int height : {1, 2, 5, 17, 33}) {
+            const Codes codes(coding, width, height, false);
+            compare(codes.scene, codes.prev, codes.next, 0.6);
+        }
+}
+
+TEST(CpuLattices, ListTheTilesOfTheirTwinAtTheEdgeOfTheRule) {
+    const float edge = 0.01F * CUT_RULE_RATIO;
+    const std::vector<float> about_the_edge{0.01F, edge, std::nextafter(edge, 0.0F),
+                                            std::nextafter(edge, 1.0F), 0.0F};
+    SplitMix64 random(5);
+    for (const double holes : {0.0, 0.01, 0.9}) {
+        std::vector<float> q(static_cast<std::size_t>(100 * 70));
+        for (float& value : q)
+            value =
+                random.unit() < holes ? 0.0F : about_the_edge[static_cast<std::size_t>(random.within(0, 4))];
+        for (const VectorUnit unit : usable_vector_units())
+            EXPECT_EQ(CpuLattices(2, unit).tiles_of(100, 70, q), classify_tiles(100, 70, q)) << holes;
+    }
+}
+
+TEST(CpuLattices, AskTheVerticesWhereThereAreNoCodes) {
+    const auto globe = shown_scene("globe", 96, 64);
+    SurfaceFrame lazy;
+    ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy).ok());
+    FramePair pair;
+    pair.prev = pair.next = {0, 0, &lazy};
+    const ViewSurface surface = CpuLattices(1).surface_of(HeightField(globe->scene, pair), pair, {});
+    EXPECT_EQ(surface.q, q_of(HeightField(globe->scene, pair)));
+    EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
+}
+
+}  // namespace
+}  // namespace touchable::test
