@@ -6,6 +6,7 @@
 #include "bench/suite.hpp"
 #include "bench/surface/codes_race.hpp"
 #include "bench/surface/eye_race.hpp"
+#include "bench/surface/lazy_run.hpp"
 #include "bench/surface/stages.hpp"
 #include "bench/surface/surface_case.hpp"
 #include "engine/scene/terraces.hpp"
@@ -40,7 +41,14 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
     return measure_drawing(c, picture, **vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 
-Result<void> measure(const SurfaceCase& c, int frames, const Kernels& kernels, Figures& figures) {
+/// Of the largest, which take longest, fewer.
+int frames_of(const SurfaceCase& c, bool quick) {
+    const bool large = c.width > 1920;
+    return quick ? (large ? 6 : 40) : (large ? 100 : 300);
+}
+
+Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, Figures& figures) {
+    const int frames = frames_of(c, quick);
     Picture picture(c);
     for (const int side : {3, 5, 0}) {
         picture.scene.filter.median = side;
@@ -51,6 +59,9 @@ Result<void> measure(const SurfaceCase& c, int frames, const Kernels& kernels, F
         if (auto done = measure_terraces(c, picture, frames, kernels, figures); !done.ok()) return done;
     if (c.holes_pct > 0)
         if (auto done = measure_filling(c, picture, frames, kernels, figures); !done.ok()) return done;
+    if (c.bits == 16 && c.holes_pct == 0)
+        if (auto done = measure_lazy(c.width, c.height, quick, figures); !done.ok())
+            return wrong(c, done.error().message);
     const bool on_gpu = kernels->device()->facts().kind != GpuKind::software;
     figures.push_back({"on_gpu", on_gpu ? 1.0 : 0.0, ""});
     figures.push_back({"mismatched_codes", 0, ""});  // a difference would have been an error
@@ -73,12 +84,6 @@ private:
     Kernels kernels_;
 };
 
-/// Of the largest, which take longest, fewer.
-int frames_of(const SurfaceCase& c, bool quick) {
-    const bool large = c.width > 1920;
-    return quick ? (large ? 6 : 40) : (large ? 100 : 300);
-}
-
 }  // namespace
 
 std::vector<BenchCase> surface_cases(bool quick) {
@@ -96,7 +101,7 @@ std::vector<BenchCase> surface_cases(bool quick) {
         cases.push_back({name_of(c), [c, quick, shelf](Figures& figures) -> Result<void> {
                              auto kernels = shelf->take();
                              if (!kernels.ok()) return kernels.error();
-                             return measure(c, frames_of(c, quick), *kernels, figures);
+                             return measure(c, quick, *kernels, figures);
                          }});
     return cases;
 }

@@ -5,7 +5,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-std::vector<Target> make_targets() {
+std::vector<Target> make_surface_targets() {
     using Sense = Limit::Sense;
     const Names full_hd{"1920x1080-16"}, ultra_hd{"3840x2160-16"}, full_hd_8{"1920x1080-8"};
     std::vector<Target> targets;
@@ -48,7 +48,7 @@ std::vector<Target> make_targets() {
 }  // namespace
 
 const std::vector<Target>& surface_targets() {
-    static const std::vector<Target> targets = make_targets();
+    static const std::vector<Target> targets = make_surface_targets();
     return targets;
 }
 

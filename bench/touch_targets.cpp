@@ -20,7 +20,7 @@ Names both(Names a, const Names& b) {
     return a;
 }
 
-std::vector<Target> make_targets() {
+std::vector<Target> make_touch_targets() {
     std::vector<Target> targets;
     const auto add = [&](const char* what, const char* elsewhere, Names cases, const char* metric,
                          Limit limit, std::string relative_to = "") {
@@ -77,7 +77,7 @@ std::vector<Target> make_targets() {
 }  // namespace
 
 const std::vector<Target>& touch_targets() {
-    static const std::vector<Target> targets = make_targets();
+    static const std::vector<Target> targets = make_touch_targets();
     return targets;
 }
 

@@ -6,6 +6,7 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/surface/hole_filling.hpp"
 #include "engine/surface/lower_median.hpp"
+#include "engine/surface/median_network.hpp"
 #include "engine/surface/terrace_patch.hpp"
 
 namespace touchable {
@@ -93,6 +94,32 @@ private:
     std::uint8_t valid_since_[largest_side * largest_side];  // the pass that made it valid; 0: as stored
 };
 
+/// The median of a window inside the picture whose pixels are all valid, and nothing elsewhere: no window is
+/// met as often. Of stored values that are codes.
+template <int Side>
+std::optional<std::uint16_t> median_of_clean_window(const PlaneView& depth, const DepthCoding& coding, int x,
+                                                    int y) {
+    const int left = x - Side / 2, top = y - Side / 2;
+    if (left < 0 || top < 0 || left + Side > depth.width || top + Side > depth.height) return std::nullopt;
+    std::uint16_t ranks[Side][Side];
+    std::uint16_t least = 65535, greatest = 0;
+    bool excluded = false;
+    for (int column = 0; column < Side; ++column) {
+        std::uint16_t codes[Side];
+        for (int row = 0; row < Side; ++row) {
+            codes[row] = depth.sample(left + column, top + row);
+            for (int n = 0; n < coding.invalid_code_count; ++n)
+                excluded |= codes[row] == coding.invalid_codes[static_cast<std::size_t>(n)];
+        }
+        sort_column(codes);
+        least = lesser(least, codes[0]);
+        greatest = greater(greatest, codes[Side - 1]);
+        for (int k = 0; k < Side; ++k) ranks[k][column] = codes[k];
+    }
+    if (excluded || least < coding.valid_min || greatest > coding.valid_max) return std::nullopt;
+    return median_of_sorted_columns(ranks);
+}
+
 std::uint64_t packed(const TileBounds& bounds) {
     constexpr std::uint64_t computed = 1;
     return computed | std::uint64_t{bounds.any_invalid} << 1 | std::uint64_t{bounds.least} << 16 |
@@ -154,7 +181,11 @@ std::optional<std::uint16_t> LazyVertices::filtered_code(int x, int y) const {
     const bool stored_valid = stored_.is_valid(stored);
     if (!stored_valid && filter_.fill_holes == 0) return std::nullopt;
     if (stored_valid && radius == 0) return stored;
-
+    if (stored_valid && stored_.kind != DepthCodingKind::hue) {
+        const auto median = radius == 1 ? median_of_clean_window<3>(frame_.raw.depth, stored_, x, y)
+                                        : median_of_clean_window<5>(frame_.raw.depth, stored_, x, y);
+        if (median) return median;
+    }
     Neighbourhood around(frame_, stored_, x, y);
     if (!around.load(radius) && filter_.fill_holes > 0) {
         around.load(radius + filter_.fill_holes);
