@@ -16,7 +16,6 @@ const bool outside_repeats = false;
 #include "shaders/columns3.h"
 #include "shaders/strip.h"
 
-layout(set = 0, binding = 1, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
 layout(set = 0, binding = 2, scalar) buffer Passes { FillPass passes[]; };
 
 const uint most_invalid = 9u - 3u;
@@ -40,16 +39,18 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]) {
     return pixels;
 }
 
-void emit(Task task, uint texel, Pixels pixels, Pixels next) {
-    const uint row = 2u * task.strip, inside = inside_bits(texel);
-    const bool two_rows = row + 1u < push.height;
-    out_codes[row * push.out_pitch + texel] = packed(pixels.upper);
-    if (two_rows) out_codes[(row + 1u) * push.out_pitch + texel] = packed(pixels.lower);
+Written take(Task task, uint texel, Pixels pixels) {
+    const uint inside = inside_bits(texel);
+    const bool two_rows = 2u * task.strip + 1u < push.height;
     [[unroll]] for (int k = 0; k < 8; ++k) {
         const bool filled = pixels.upper_valid[k] || (two_rows && pixels.lower_valid[k]);
-        any_filled = any_filled || (filled && (inside >> k & 1u) != 0u);
+        // Those beyond the task are another lane's too, and before the picture there are none.
+        any_filled = any_filled || (filled && (inside >> k & 1u) != 0u && (texel > 0u || k >= strip_reach));
     }
+    return Written(Eight(pixels.upper), Eight(pixels.lower));
 }
+void finish_word(Task task, uint word) {}
+void start_word() {}
 
 void main() {
     const Task task = task_of(gl_GlobalInvocationID.x);

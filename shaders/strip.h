@@ -6,7 +6,8 @@
 // The includer defines before: strip_rows, how many rows the window of the two has; strip_centre, which of them
 // is the upper of the two; strip_reach, how many columns the window has to each side, at least 1;
 // outside_repeats, whether the border repeats beyond the picture, or nothing there is valid; `Column`, what is
-// kept of a column of the window, and rank_column. And after: filtered, emit, and main, which calls `march`.
+// kept of a column of the window, and rank_column. And after: filtered, take, finish_word, and main, which calls
+// `march`.
 #ifndef TOUCHABLE_SHADERS_STRIP_H
 #define TOUCHABLE_SHADERS_STRIP_H
 
@@ -21,6 +22,7 @@ layout(constant_id = 5) const uint before_terraces = 0u;
 
 layout(push_constant, scalar) uniform Push { StripPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer stored_texels;
+layout(set = 0, binding = 1, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
 
 const uint greatest_code = 65535u;
 
@@ -35,11 +37,20 @@ struct Pixels {
     uint upper[8], lower[8];
     bool upper_valid[8], lower_valid[8];
 };
+/// The codes that are written of them.
+struct Written {
+    Eight upper, lower;
+};
 
-/// Pixel 8 t - strip_reach + k for k = 0 to 7, from the columns 8 t - 2 strip_reach and on.
+/// Pixels 8 t - strip_reach + k for k = 0 to 7, from the columns 8 t - 2 strip_reach and on.
 Pixels filtered(Column columns[8 + 2 * strip_reach]);
-/// Takes a finished texel. `next` starts strip_reach pixels before the texel after it.
-void emit(Task task, uint texel, Pixels pixels, Pixels next);
+/// Takes the pixels that start strip_reach before a texel. One after the last of a task, the first strip_reach
+/// of them are still the task's, and one before it those after; what lies outside the picture may be anything.
+Written take(Task task, uint texel, Pixels pixels);
+/// All pixels of a word of validity, 32 or what is left of a row, have been taken, and the first one after them.
+void finish_word(Task task, uint word);
+/// From here on pixels belong to another word, but for strip_reach of those taken last, which did already.
+void start_word();
 
 Eight unpacked_bytes(uvec2 words) {
     Eight codes;
@@ -47,17 +58,17 @@ Eight unpacked_bytes(uvec2 words) {
     return codes;
 }
 
-/// Stored values 8 `texel` to 8 `texel` + 7 of a row inside the picture; the last one stands for those beyond
-/// the width. The texel at the width is asked for too: its first values are the last one.
-Eight load(uint row, uint texel) {
+/// Stored values 8 `texel` to 8 `texel` + 7 of the row that starts at texel `start`; the last one stands for
+/// those beyond the width. The texel at the width is asked for too: its first values are the last one.
+Eight load(uint start, uint texel) {
     const uint last = (push.width - 1u) >> 3;
     const uint there = min(texel, last);
     Eight codes;
     if (sample_bytes == 1u) {
-        const uvec4 bytes = texelFetch(stored_texels, int(row * push.in_pitch + (there >> 1)));
+        const uvec4 bytes = texelFetch(stored_texels, int(start + (there >> 1)));
         codes = unpacked_bytes((there & 1u) == 0u ? bytes.xy : bytes.zw);
     } else {
-        codes = unpacked_halves(texelFetch(stored_texels, int(row * push.in_pitch + there)));
+        codes = unpacked_halves(texelFetch(stored_texels, int(start + there)));
     }
     if (ragged != 0u) {
         [[unroll]] for (int k = 1; k < 8; ++k)
@@ -82,13 +93,22 @@ Task task_of(uint lane) {
 struct Window {
     Eight rows[strip_rows];
 };
+/// Where they start.
+struct Starts {
+    uint rows[strip_rows];
+};
 
-Window load_window(uint strip, uint texel) {
+Starts starts_of(uint strip) {
+    Starts starts;
+    [[unroll]] for (int k = 0; k < strip_rows; ++k)
+        starts.rows[k] =
+            push.in_start + push.in_pitch * uint(clamp(2 * int(strip) + k - strip_centre, 0, int(push.height) - 1));
+    return starts;
+}
+
+Window load_window(Starts starts, uint texel) {
     Window window;
-    [[unroll]] for (int k = 0; k < strip_rows; ++k) {
-        const int row = 2 * int(strip) + k - strip_centre;
-        window.rows[k] = load(uint(clamp(row, 0, int(push.height) - 1)), texel);
-    }
+    [[unroll]] for (int k = 0; k < strip_rows; ++k) window.rows[k] = load(starts.rows[k], texel);
     return window;
 }
 
@@ -111,9 +131,9 @@ Column column_of(Window window, uint strip, int k, int x) {
 }
 
 /// The columns before the first of a task.
-void start_columns(Task task, inout Column columns[8 + 2 * strip_reach]) {
+void start_columns(Task task, Starts starts, inout Column columns[8 + 2 * strip_reach]) {
     const bool border = task.first == 0u;
-    Window window = load_window(task.strip, border ? 0u : task.first - 1u);
+    Window window = load_window(starts, border ? 0u : task.first - 1u);
     [[unroll]] for (int k = 0; k < 2 * strip_reach; ++k) {
         const int from = 8 - 2 * strip_reach + k;
         [[unroll]] for (int n = 0; n < strip_rows; ++n)
@@ -122,35 +142,47 @@ void start_columns(Task task, inout Column columns[8 + 2 * strip_reach]) {
     }
 }
 
+/// Words of a row: those of a texel but for its last pixels, which the next one brings.
+uvec4 begun(Eight row) {
+    uint v[8];
+    [[unroll]] for (int k = 0; k < 8; ++k) v[k] = k + strip_reach < 8 ? row.v[k + strip_reach] : 0u;
+    return packed_halves(v);
+}
+u64vec2 completed(uvec4 words, Eight next) {
+    words.w |= strip_reach == 1 ? next.v[0] << 16 : next.v[0] | next.v[1] << 16;
+    return u64vec2(packUint2x32(words.xy), packUint2x32(words.zw));
+}
+
 void march(Task task) {
+    const Starts starts = starts_of(task.strip);
     Column columns[8 + 2 * strip_reach];
-    start_columns(task, columns);
-    Pixels before;
-    for (uint texel = task.first; texel <= task.end; ++texel) {
-        const Window window = load_window(task.strip, texel);
+    start_columns(task, starts, columns);
+    const uint row = 2u * task.strip;
+    const bool two_rows = row + 1u < push.height;
+    uint out_texel = row * push.out_pitch + task.first - 1u;
+    uvec4 upper, lower;
+    for (uint texel = task.first; texel <= task.end; ++texel, ++out_texel) {
+        const Window window = load_window(starts, texel);
         [[unroll]] for (int k = 0; k < 8; ++k)
             columns[2 * strip_reach + k] = column_of(window, task.strip, k, int(8u * texel) + k);
-        const Pixels now = filtered(columns);
+        const Written written = take(task, texel, filtered(columns));
         if (texel > task.first) {
-            Pixels done;
-            [[unroll]] for (int k = 0; k < 8; ++k) {
-                const bool is_new = k >= 8 - strip_reach;
-                const int from = is_new ? k - (8 - strip_reach) : k + strip_reach;
-                done.upper[k] = is_new ? now.upper[from] : before.upper[from];
-                done.lower[k] = is_new ? now.lower[from] : before.lower[from];
-                done.upper_valid[k] = is_new ? now.upper_valid[from] : before.upper_valid[from];
-                done.lower_valid[k] = is_new ? now.lower_valid[from] : before.lower_valid[from];
-            }
-            emit(task, texel - 1u, done, now);
+            out_codes[out_texel] = completed(upper, written.upper);
+            if (two_rows) out_codes[out_texel + push.out_pitch] = completed(lower, written.lower);
         }
-        before = now;
+        upper = begun(written.upper);
+        lower = begun(written.lower);
         [[unroll]] for (int k = 0; k < 2 * strip_reach; ++k) columns[k] = columns[8 + k];
+        if ((texel & 3u) == 0u || texel == task.end) {
+            if (texel > task.first) finish_word(task, (texel - 1u) >> 2);
+            start_word();
+        }
     }
 }
 
-/// Bits 0 to 7: which of a texel's codes lie inside the picture.
+/// Bits 0 to 7: which of the pixels from strip_reach before a texel lie to the left of the width.
 uint inside_bits(uint texel) {
-    const int inside = clamp(int(push.width) - 8 * int(texel), 0, 8);
+    const int inside = clamp(int(push.width) - 8 * int(texel) + strip_reach, 0, 8);
     return (1u << inside) - 1u;
 }
 

@@ -36,12 +36,12 @@ SURFACE_CODES_FUNCTION bool code_is_excluded(uint code, ValidCodes codes) {
 /// Of the kernels that march along strips (strip.h).
 struct StripPush {
     uint width, height;       // pixels
+    uint in_start;             // texels before the first row
     uint in_pitch, out_pitch;  // texels from one row to the next
     uint segments;            // parts of a row that are marched side by side
     uint segment_texels;      // codes of a segment / 8; a multiple of 4
     uint along_x;             // 1: neighbouring lanes are neighbours along x, as GPUs like it
     uint validity_words;      // of a row
-    uint tiles_x;
     uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
     uint factor;              // before terraces: of codes
     ValidCodes valid;
@@ -59,7 +59,7 @@ struct StripConstants {
     uint sample_bytes;    // of a stored value: 1 or 2
     uint may_be_invalid;  // 0 where every stored value is a valid code
     uint may_be_excluded;  // 0 where ValidCodes excludes nothing
-    uint ragged;          // 0 where the width is a multiple of 8
+    uint ragged;          // 0 where the width is a multiple of 8 and the height of 2
     uint before_terraces;  // 1: codes are for terrace removal: multiplied, or no_finer_code
 };
 
@@ -71,12 +71,18 @@ struct TerracesPush {
 };
 
 /// What a strip of two rows knows of a tile, whose columns include the first of the next one, takes 8 bytes: a
-/// word least | greatest << 16 over valid codes, and one that is not 0 where a code is invalid.
-const uint tile_part_bytes = 8u;
+/// word least | greatest << 16 over valid codes, and one that is not 0 where a code is invalid. Those of two
+/// tiles, as wide as a word of validity, are a texel.
+const uint tile_pair_bytes = 16u;
+/// Of a tile without a valid code.
+const uint no_part = 65535u;
 
 /// Of tile_bounds.
 struct TileBoundsPush {
-    uint tiles_x, tiles_y, strips;  // strips: pairs of rows
+    uint width, height;
+    uint pitch;             // texels of codes from one row to the next
+    uint words, strips;     // pairs of tiles in a row, and pairs of rows
+    uint tiles_x, tiles_y;
 };
 
 /// Of hue_codes.

@@ -1,14 +1,12 @@
-// What the last stage of every frame writes, for GLSL: codes, validity, and parts of tile bounds.
+// What the last stage of every frame writes beside codes, for GLSL: validity, and parts of tile bounds.
 #ifndef TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 #define TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 
-layout(set = 0, binding = 1, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
 layout(set = 0, binding = 2, scalar) writeonly buffer Validity { uint out_validity[]; };
-/// Of each strip and tile; and of the first row alone of each strip that starts a tile, for the tile above.
-layout(set = 0, binding = 3, scalar) writeonly buffer Parts { uint64_t out_parts[]; };
-layout(set = 0, binding = 4, scalar) writeonly buffer Tops { uint64_t out_tops[]; };
+/// Of each strip and pair of tiles.
+layout(set = 0, binding = 3, scalar) writeonly buffer Parts { u64vec2 out_parts[]; };
 
-/// Least and greatest valid code of a stretch of a row, and whether one is invalid.
+/// Least and greatest valid code of a stretch of both rows, and whether one is invalid.
 struct Bounds {
     uint least, greatest, any_invalid;
 };
@@ -21,78 +19,77 @@ uint64_t part_of(Bounds bounds) {
     return packUint2x32(uvec2(bounds.least | bounds.greatest << 16, bounds.any_invalid));
 }
 
-/// A texel of a row as it is written, with its bounds.
-struct Finished {
-    u64vec2 codes;
-    uint validity;
-    Bounds bounds;
-};
-
-Finished finish(uint codes[8], bool valid[8], uint inside) {
-    Finished done;
-    uint masked[8];
-    done.bounds = no_bounds;
-    done.validity = 0u;
-    [[unroll]] for (int k = 0; k < 8; ++k) {
-        bool counts = valid[k];
-        if (ragged != 0u) counts = counts && (inside >> k & 1u) != 0u;
-        masked[k] = counts ? codes[k] : 0u;
-        done.bounds.greatest = max(done.bounds.greatest, masked[k]);
-        done.bounds.least = min(done.bounds.least, counts ? codes[k] : greatest_code);
-        done.validity |= counts ? 1u << k : 0u;
-    }
-    if (before_terraces != 0u) {  // for shaders/terraces.comp, which tells invalid codes by their own
-        [[unroll]] for (int k = 0; k < 8; ++k) masked[k] = (done.validity >> k & 1u) != 0u ? codes[k] * push.factor : no_finer_code;
-    }
-    done.codes = packed(masked);
-    done.bounds.any_invalid = done.validity ^ inside;
-    return done;
-}
-
-/// Of the first pixel of the next texel: the last column of the tile before it.
-Bounds bounds_of(uint code, bool valid) {
-    return Bounds(valid ? code : greatest_code, valid ? code : 0u, valid ? 0u : 1u);
-}
-
-// What a lane gathers until a tile or a word of validity is full.
-Bounds upper_bounds = no_bounds, lower_bounds = no_bounds;
+// What a lane gathers until a word of validity, which is two tiles, is full.
 uint upper_word = 0u, lower_word = 0u;
+uint upper_later = 0u, lower_later = 0u;  // the next word's first bits
+Bounds tile = no_bounds, finished[2];
 
-void emit_tile(Task task, uint tile, bool two_rows) {
-    const Bounds both = two_rows ? joined(upper_bounds, lower_bounds) : upper_bounds;
-    out_parts[task.strip * push.tiles_x + tile] = part_of(both);
-    if (task.strip % strips_per_tile == 0u)
-        out_tops[task.strip / strips_per_tile * push.tiles_x + tile] = part_of(upper_bounds);
-    upper_bounds = lower_bounds = no_bounds;
+/// Of pixels k = 0 to 7, which of those in `inside` are valid.
+uint bits_of(bool valid[8], uint inside) {
+    if (may_be_invalid == 0u) return inside;
+    uint bits = 0u;
+    [[unroll]] for (int k = 0; k < 8; ++k) bits |= valid[k] ? 1u << k : 0u;
+    return bits & inside;
 }
 
-void emit(Task task, uint texel, Pixels pixels, Pixels next) {
-    const uint row = 2u * task.strip, texels = (push.width + 7u) >> 3, inside = inside_bits(texel);
-    const bool two_rows = row + 1u < push.height, last = texel + 1u == texels;
-    const Finished upper = finish(pixels.upper, pixels.upper_valid, inside);
-    const Finished lower = finish(pixels.lower, pixels.lower_valid, inside);
-    out_codes[row * push.out_pitch + texel] = upper.codes;
-    if (two_rows) out_codes[(row + 1u) * push.out_pitch + texel] = lower.codes;
+/// Both rows of a pixel: `upper` and `lower` say in bit k where they count, `either` where there are any.
+Bounds bounds_of(uint upper_code, uint lower_code, bool upper, bool lower, bool any_invalid) {
+    return Bounds(min(upper ? upper_code : greatest_code, lower ? lower_code : greatest_code),
+                  max(upper ? upper_code : 0u, lower ? lower_code : 0u), any_invalid ? 1u : 0u);
+}
 
-    upper_word |= upper.validity << 8u * (texel & 3u);
-    lower_word |= lower.validity << 8u * (texel & 3u);
-    if ((texel & 3u) == 3u || last) {
-        const uint word = texel >> 2;
-        out_validity[row * push.validity_words + word] = upper_word;
-        if (two_rows) out_validity[(row + 1u) * push.validity_words + word] = lower_word;
-        upper_word = lower_word = 0u;
+Written take(Task task, uint texel, Pixels pixels) {
+    const uint inside = inside_bits(texel);
+    const uint inside_lower = ragged == 0u || 2u * task.strip + 1u < push.height ? inside : 0u;
+    const uint upper = bits_of(pixels.upper_valid, inside), lower = bits_of(pixels.lower_valid, inside_lower);
+    const uint invalid = (upper ^ inside) | (lower ^ inside_lower);
+    const bool may_not_count = may_be_invalid != 0u || ragged != 0u;
+
+    Written written;
+    Bounds before = no_bounds, after = no_bounds, border;  // of pixels before the texel, after, and its first one
+    [[unroll]] for (int k = 0; k < 8; ++k) {
+        const bool upper_counts = !may_not_count || (upper >> k & 1u) != 0u;
+        const bool lower_counts = !may_not_count || (lower >> k & 1u) != 0u;
+        const Bounds both = bounds_of(pixels.upper[k], pixels.lower[k], upper_counts, lower_counts,
+                                      may_be_invalid != 0u && (invalid >> k & 1u) != 0u);
+        if (k < strip_reach) before = joined(before, both);
+        else after = joined(after, both);
+        if (k == strip_reach) border = both;
+        // shaders/terraces.comp tells invalid codes by their own.
+        const uint factor = before_terraces != 0u ? push.factor : 1u;
+        const uint none = before_terraces != 0u ? no_finer_code : 0u;
+        written.upper.v[k] = upper_counts ? pixels.upper[k] * factor : none;
+        written.lower.v[k] = lower_counts ? pixels.lower[k] * factor : none;
     }
 
-    upper_bounds = joined(upper_bounds, upper.bounds);
-    lower_bounds = joined(lower_bounds, lower.bounds);
-    if ((texel & 1u) == 1u || last) {
-        if (!last) {
-            const int first = strip_reach;
-            upper_bounds = joined(upper_bounds, bounds_of(next.upper[first], next.upper_valid[first]));
-            lower_bounds = joined(lower_bounds, bounds_of(next.lower[first], next.lower_valid[first]));
-        }
-        if (texel >> 1 < push.tiles_x) emit_tile(task, texel >> 1, two_rows);
-    }
+    const uint shift = 8u * ((texel + 3u) & 3u) + 8u - uint(strip_reach);
+    upper_word |= upper << shift;
+    lower_word |= lower << shift;
+    upper_later = upper >> strip_reach;
+    lower_later = lower >> strip_reach;
+
+    const bool at_end = 8u * texel >= push.width;
+    if (at_end) border = after = no_bounds;
+    const Bounds so_far = joined(tile, before);
+    // Of a tile's two texels the second comes later, and says all.
+    const Bounds ended = joined(so_far, border);
+    if (((texel - 1u) & 2u) == 0u) finished[0] = ended;
+    else finished[1] = ended;
+    tile = joined((texel & 1u) == 0u ? no_bounds : so_far, after);
+    return written;
+}
+
+void finish_word(Task task, uint word) {
+    const uint row = 2u * task.strip, at = row * push.validity_words + word;
+    out_validity[at] = upper_word;
+    if (row + 1u < push.height) out_validity[at + push.validity_words] = lower_word;
+    if (before_terraces == 0u)
+        out_parts[task.strip * push.validity_words + word] = u64vec2(part_of(finished[0]), part_of(finished[1]));
+}
+
+void start_word() {
+    upper_word = upper_later;
+    lower_word = lower_later;
 }
 
 #endif

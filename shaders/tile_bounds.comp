@@ -1,32 +1,63 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 
-// Parts of bounds -> bounds, a lane per tile: its own strips, and the first row of the strip below them.
+// Parts of bounds -> bounds, a lane per pair of tiles: their own strips, and the row below them.
 
 #include "shaders/surface_codes.h"
 
 layout(local_size_x = tile_bounds_group) in;
 layout(push_constant, scalar) uniform Push { TileBoundsPush push; };
-layout(set = 0, binding = 0, scalar) readonly buffer Parts { uvec2 parts[]; };
-layout(set = 0, binding = 1, scalar) readonly buffer Tops { uvec2 tops[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Tiles { uvec2 tiles[]; };
+layout(set = 0, binding = 0) uniform utextureBuffer parts;
+layout(set = 0, binding = 1) uniform utextureBuffer codes;
+layout(set = 0, binding = 2, scalar) readonly buffer Validity { uint validity[]; };
+layout(set = 0, binding = 3, scalar) writeonly buffer Tiles { uvec2 tiles[]; };
+
+/// Of a tile, as parts have it.
+uvec2 joined(uvec2 a, uvec2 b) {
+    return uvec2(min(a.x & 0xFFFFu, b.x & 0xFFFFu) | max(a.x & ~0xFFFFu, b.x & ~0xFFFFu), a.y | b.y);
+}
+
+/// A pixel, which is the `bit`th of a word of validity.
+uvec2 part_of(uint code, uint valid_bits, uint inside_bits, uint bit) {
+    if ((inside_bits >> bit & 1u) == 0u) return uvec2(no_part, 0u);
+    return (valid_bits >> bit & 1u) != 0u ? uvec2(code | code << 16, 0u) : uvec2(no_part, 1u);
+}
 
 void main() {
-    const uint tile = gl_GlobalInvocationID.x;
-    if (tile >= push.tiles_x * push.tiles_y) return;
-    const uint tx = tile % push.tiles_x, ty = tile / push.tiles_x;
-    uint least = 65535u, greatest = 0u, any_invalid = 0u;
-    for (uint k = 0u; k <= strips_per_tile; ++k) {
+    const uint lane = gl_GlobalInvocationID.x;
+    if (lane >= push.words * push.tiles_y) return;
+    const uint word = lane % push.words, ty = lane / push.words;
+    uvec2 left = uvec2(no_part, 0u), right = left;
+    for (uint k = 0u; k < strips_per_tile; ++k) {
         const uint strip = strips_per_tile * ty + k;
         if (strip >= push.strips) break;
-        uvec2 part;
-        if (k < strips_per_tile) part = parts[strip * push.tiles_x + tx];
-        else part = tops[(ty + 1u) * push.tiles_x + tx];
-        least = min(least, part.x & 0xFFFFu);
-        greatest = max(greatest, part.x >> 16);
-        any_invalid |= part.y;
+        const uvec4 part = texelFetch(parts, int(strip * push.words + word));
+        left = joined(left, part.xy);
+        right = joined(right, part.zw);
+    }
+    const uint row = tile_cells * (ty + 1u);
+    if (row < push.height) {
+        const uint at = row * push.words + word, columns = push.width - 32u * word;
+        const uint valid = validity[at], inside = columns >= 32u ? ~0u : (1u << columns) - 1u;
+        [[unroll]] for (uint k = 0u; k < 16u; k += 2u) {
+            const uint texel = row * push.pitch + 4u * word + k / 8u, last = push.pitch * push.height - 1u;
+            const uint left_codes = texelFetch(codes, int(min(texel, last)))[k / 2u % 4u];
+            const uint right_codes = texelFetch(codes, int(min(texel + 2u, last)))[k / 2u % 4u];
+            left = joined(left, part_of(left_codes & 0xFFFFu, valid, inside, k));
+            left = joined(left, part_of(left_codes >> 16, valid, inside, k + 1u));
+            if (k == 0u) left = joined(left, part_of(right_codes & 0xFFFFu, valid, inside, 16u));
+            right = joined(right, part_of(right_codes & 0xFFFFu, valid, inside, k + 16u));
+            right = joined(right, part_of(right_codes >> 16, valid, inside, k + 17u));
+        }
+        if (columns > 32u) {
+            const uint code = texelFetch(codes, int(row * push.pitch + 4u * word + 4u)).x & 0xFFFFu;
+            right = joined(right, part_of(code, validity[at + 1u], 1u, 0u));
+        }
     }
     // As TileBounds lies in memory.
-    tiles[tile] = uvec2(least | greatest << 16, any_invalid != 0u ? 1u : 0u);
+    const uint tile = ty * push.tiles_x + 2u * word;
+    if (2u * word < push.tiles_x) tiles[tile] = uvec2(left.x, min(left.y, 1u));
+    if (2u * word + 1u < push.tiles_x) tiles[tile + 1u] = uvec2(right.x, min(right.y, 1u));
 }

@@ -22,7 +22,7 @@ std::uint32_t whole(std::uint32_t count, std::uint32_t size) {
 /// Where a strip kernel reads from: stored values or codes, in rows of whole texels.
 struct StoredRows {
     GpuBuffer buffer;
-    std::uint32_t sample_bytes = 2, pitch = 0;  ///< pitch in texels
+    std::uint32_t sample_bytes = 2, pitch = 0, start = 0;  ///< texels from row to row, and before the first
     ValidCodes valid;
 
     bool may_be_invalid() const {
@@ -61,6 +61,8 @@ private:
     bool is_hue() const { return scene_.depth.kind == DepthCodingKind::hue; }
     std::size_t codes_bytes() const { return std::size_t{16} * pitch_ * height_; }
 
+    Result<StoredRows> import(const RawFrame& raw) const;
+    bool is_importable(const PlaneView& depth) const;
     Result<StoredRows> upload(const PlaneView& depth);
     Result<void> record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot);
     StripPush push_for(const StoredRows& rows) const;
@@ -85,7 +87,7 @@ private:
     GpuBuffer between_[2];       // codes between stages
     GpuBuffer finer_;            // codes before terraces are removed
     GpuBuffer fill_passes_;      // which passes of hole filling have something to do
-    GpuBuffer parts_, tops_;     // of tile bounds
+    GpuBuffer parts_;            // of tile bounds
     std::vector<GpuTime> stages_;
 };
 
@@ -96,11 +98,9 @@ Result<void> Builder::reserve() {
     if (most / 16 > limits.max_texel_buffer_elements || most > limits.max_storage_buffer_range)
         return Error{ErrorKind::gpu, "frames of " + std::to_string(width_) + "x" + std::to_string(height_) +
                                          " are larger than a buffer may be on " + device().facts().name};
-    const std::size_t tiles_x = static_cast<std::size_t>(grid_.tiles_x) * tile_part_bytes;
     const bool fills = scene_.filter.fill_holes > 0, levels = terraces_.has_value();
     const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
-        {parts_, "parts of bounds", strips_ * tiles_x},
-        {tops_, "tops of tiles", whole(strips_, strips_per_tile) * tiles_x},
+        {parts_, "parts of bounds", std::size_t{strips_} * whole(width_, 32) * tile_pair_bytes},
         {between_[0], "codes between stages", is_hue() || fills || levels ? codes_bytes() : 0},
         {between_[1], "codes between passes", fills || levels ? codes_bytes() : 0},
         {finer_, "codes with terraces", levels ? codes_bytes() : 0},
@@ -124,7 +124,7 @@ Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
         slot = created->get();
         out.vertices = std::move(*created);
     }
-    auto rows = upload(raw.depth);
+    auto rows = is_importable(raw.depth) ? import(raw) : upload(raw.depth);
     if (!rows.ok()) return rows.error();
     auto commands = GpuCommands::begin(kernels_->device(), "surface");
     if (!commands.ok()) return commands.error();
@@ -136,6 +136,30 @@ Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
     show(*slot, out);
     copy_touch_planes(raw, out);
     return {};
+}
+
+/// A software Vulkan reads where the planes lie, in whole pages, if rows are whole texels.
+bool Builder::is_importable(const PlaneView& depth) const {
+    const auto address = reinterpret_cast<std::uintptr_t>(depth.data);
+    return device().facts().kind == GpuKind::software && device().facts().import_alignment > 0 &&
+           !plan_.copies && !is_hue() && address % 16 == 0 && depth.stride > 0 && depth.stride % 16 == 0;
+}
+
+Result<StoredRows> Builder::import(const RawFrame& raw) const {
+    const PlaneView& depth = raw.depth;
+    const std::uintptr_t page = device().facts().import_alignment;
+    const auto address = reinterpret_cast<std::uintptr_t>(depth.data);
+    const std::uintptr_t first = address / page * page;
+    const std::size_t row_bytes = std::size_t{width_} * static_cast<std::size_t>(depth.bytes_per_sample),
+                      end = address + (height_ - 1) * static_cast<std::size_t>(depth.stride) + row_bytes;
+    std::byte* const memory = const_cast<std::byte*>(reinterpret_cast<const std::byte*>(depth.data)) -
+                              static_cast<std::ptrdiff_t>(address - first);
+    auto buffer = GpuBuffer::import(device(), "stored values", {memory, (end - first + page - 1) / page * page},
+                                    raw.storage);
+    if (!buffer.ok()) return buffer.error();
+    return StoredRows{*buffer, static_cast<std::uint32_t>(depth.bytes_per_sample),
+                      static_cast<std::uint32_t>(depth.stride / 16),
+                      static_cast<std::uint32_t>((address - first) / 16), valid_};
 }
 
 /// The rows of a plane, one after the other from texel to texel.
@@ -163,11 +187,11 @@ Result<StoredRows> Builder::upload(const PlaneView& depth) {
         for (int y = 0; y < depth.height; ++y, to += pitch) std::memcpy(to, depth.row(y), row_bytes);
     }
     return StoredRows{stored_, static_cast<std::uint32_t>(depth.bytes_per_sample),
-                      static_cast<std::uint32_t>(pitch / 16), valid_};
+                      static_cast<std::uint32_t>(pitch / 16), 0, valid_};
 }
 
 Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot) {
-    if (upload_.handle() != stored_.handle()) {
+    if (plan_.copies) {
         commands.copy(upload_, 0, stored_, 0, upload_.bytes());
         commands.barrier(GpuStage::transfer, GpuStage::compute);
         commands.mark("read in");
@@ -202,13 +226,13 @@ StripPush Builder::push_for(const StoredRows& rows) const {
     StripPush push{};
     push.width = width_;
     push.height = height_;
+    push.in_start = rows.start;
     push.in_pitch = rows.pitch;
     push.out_pitch = pitch_;
     push.segment_texels = plan_.segment_texels > 0 ? plan_.segment_texels : pitch_;
     push.segments = whole(pitch_, push.segment_texels);
     push.along_x = plan_.along_x ? 1 : 0;
     push.validity_words = whole(width_, 32);
-    push.tiles_x = static_cast<std::uint32_t>(grid_.tiles_x);
     push.groups = whole(strips_ * push.segments, plan_.group_size);
     push.factor = terraces_ ? static_cast<std::uint32_t>(terraces_->factor) : 0;
     push.valid = rows.valid;
@@ -218,7 +242,7 @@ StripPush Builder::push_for(const StoredRows& rows) const {
 Result<GpuProgram> Builder::program_for(StripKernel kernel, const StoredRows& rows, bool before_terraces) {
     return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
                                     rows.valid.excluded[0] != no_such_code ? 1U : 0U,
-                                    width_ % 8 != 0 ? 1U : 0U, before_terraces ? 1U : 0U});
+                                    width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, before_terraces ? 1U : 0U});
 }
 
 /// The kernel that ends in codes, validity and parts of bounds. `before_terraces` codes are those that
@@ -231,7 +255,7 @@ Result<void> Builder::record_codes(GpuCommands& commands, int median, const Stor
     const auto program = program_for(kernel, rows, before_terraces);
     if (!program.ok()) return program.error();
     const StripPush push = push_for(rows);
-    commands.dispatch(*program, push, {rows.buffer, to, slot.validity.gpu, parts_, tops_}, {push.groups});
+    commands.dispatch(*program, push, {rows.buffer, to, slot.validity.gpu, parts_}, {push.groups});
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark(median == 0 ? "decode" : "median");
     return {};
@@ -262,7 +286,7 @@ Result<StoredRows> Builder::record_terraces(GpuCommands& commands) {
         from = to;
     }
     commands.mark("terraces");
-    return StoredRows{from, 2, pitch_, finer_codes};
+    return StoredRows{from, 2, pitch_, 0, finer_codes};
 }
 
 Result<StoredRows> Builder::record_hue(GpuCommands& commands, const StoredRows& rows) {
@@ -273,7 +297,7 @@ Result<StoredRows> Builder::record_hue(GpuCommands& commands, const StoredRows& 
     commands.dispatch(*program, push, {rows.buffer, between_[0]}, {whole(pitch_, hue_codes_group), height_});
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark("hue");
-    return StoredRows{between_[0], 2, pitch_, valid_};
+    return StoredRows{between_[0], 2, pitch_, 0, valid_};
 }
 
 /// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
@@ -294,7 +318,7 @@ Result<StoredRows> Builder::record_filling(GpuCommands& commands, StoredRows row
                                        sizeof(FillPass) * push.pass);
         commands.barrier(GpuStage::compute, GpuStage::compute);
         commands.barrier(GpuStage::compute, GpuStage::indirect);
-        rows = {to, 2, pitch_, valid_};
+        rows = {to, 2, pitch_, 0, valid_};
     }
     commands.mark("fill");
     return rows;
@@ -303,10 +327,15 @@ Result<StoredRows> Builder::record_filling(GpuCommands& commands, StoredRows row
 Result<void> Builder::record_bounds(GpuCommands& commands, const VulkanVertices& slot) {
     auto program = kernels_->tile_bounds();
     if (!program.ok()) return program.error();
-    const TileBoundsPush push{static_cast<std::uint32_t>(grid_.tiles_x),
-                              static_cast<std::uint32_t>(grid_.tiles_y), strips_};
-    commands.dispatch(*program, push, {parts_, tops_, slot.tiles.gpu},
-                      {whole(push.tiles_x * push.tiles_y, tile_bounds_group)});
+    const TileBoundsPush push{width_,
+                              height_,
+                              pitch_,
+                              whole(width_, 32),
+                              strips_,
+                              static_cast<std::uint32_t>(grid_.tiles_x),
+                              static_cast<std::uint32_t>(grid_.tiles_y)};
+    commands.dispatch(*program, push, {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu},
+                      {whole(push.words * push.tiles_y, tile_bounds_group)});
     commands.mark("bounds");
     return {};
 }
