@@ -16,12 +16,16 @@ Column rank_column(uint codes[4], bool valid[4]) {
         v[k] = valid[k] ? codes[k] : 65535u;
         invalid[k] = valid[k] ? 0u : 1u;
     }
-    const uint low = min(v[1], v[2]), high = max(v[1], v[2]), shared_invalid = invalid[1] + invalid[2];
+    order(v[1], v[2]);
+    uint upper[3] = uint[3](v[0], v[1], v[2]), lower[3] = uint[3](v[3], v[1], v[2]);
+    insert3(upper);
+    insert3(lower);
+    const uint shared_invalid = invalid[1] + invalid[2];
     Column column;
     column.upper_invalid = shared_invalid + invalid[0];
     column.lower_invalid = shared_invalid + invalid[3];
-    column.upper = balanced3(inserted3(uvec3(v[0], low, high)), column.upper_invalid);
-    column.lower = balanced3(inserted3(uvec3(v[3], low, high)), column.lower_invalid);
+    column.upper = balanced3(upper, column.upper_invalid);
+    column.lower = balanced3(lower, column.lower_invalid);
     column.upper_code = codes[1];
     column.lower_code = codes[2];
     column.upper_valid = valid[1];

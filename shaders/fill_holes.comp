@@ -27,8 +27,8 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]) {
         const Column left = columns[k], centre = columns[k + 1], right = columns[k + 2];
         const uint upper_invalid = left.upper_invalid + centre.upper_invalid + right.upper_invalid;
         const uint lower_invalid = left.lower_invalid + centre.lower_invalid + right.lower_invalid;
-        const uint upper = median9(paired3(left.upper, centre.upper), right.upper);
-        const uint lower = median9(paired3(left.lower, centre.lower), right.lower);
+        const uint upper = median_of(paired3(left.upper, centre.upper), right.upper);
+        const uint lower = median_of(paired3(left.lower, centre.lower), right.lower);
         const bool keeps_upper = centre.upper_valid || upper_invalid > most_invalid;
         const bool keeps_lower = centre.lower_valid || lower_invalid > most_invalid;
         pixels.upper[k] = keeps_upper ? centre.upper_code : upper;

@@ -21,10 +21,10 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]) {
     [[unroll]] for (int k = 0; k < 8; k += 2) {
         const Pair3 upper = paired3(columns[k + 1].upper, columns[k + 2].upper);
         const Pair3 lower = paired3(columns[k + 1].lower, columns[k + 2].lower);
-        pixels.upper[k] = median9(upper, columns[k].upper);
-        pixels.upper[k + 1] = median9(upper, columns[k + 3].upper);
-        pixels.lower[k] = median9(lower, columns[k].lower);
-        pixels.lower[k + 1] = median9(lower, columns[k + 3].lower);
+        pixels.upper[k] = median_of(upper, columns[k].upper);
+        pixels.upper[k + 1] = median_of(upper, columns[k + 3].upper);
+        pixels.lower[k] = median_of(lower, columns[k].lower);
+        pixels.lower[k + 1] = median_of(lower, columns[k + 3].lower);
     }
     [[unroll]] for (int k = 0; k < 8; ++k) {
         pixels.upper_valid[k] = columns[k + 1].upper_valid;

@@ -1,51 +1,51 @@
-// The lower median of 9 codes, some of them invalid, from minima and maxima alone, without a branch; for GLSL.
+// The lower median of 9 codes, some of them invalid, without a branch; for GLSL.
 //
 // Invalid codes count as least and greatest in turn, so that the middle of all is the lower median of the valid
-// ones (engine/surface/median.cpp). A column is sorted once, with its invalid codes above all others; both ways
+// ones (engine/surface/median_row.cpp). A column is sorted once, with its invalid codes above all others; both ways
 // it can take part, with the first of them as the least or as the greatest, follow by shifting. A window starts
 // with the least and goes on, column by column, with whatever is next in turn.
 #ifndef TOUCHABLE_SHADERS_MEDIAN3_H
 #define TOUCHABLE_SHADERS_MEDIAN3_H
 
+#include "shaders/median_network.h"
+
 /// A column of three, ascending. `odd`: of its invalid codes, whose turn changes after it.
 struct Ranked3 {
-    uvec3 least_first, greatest_first;
+    uint least_first[3], greatest_first[3];
     bool odd;
 };
-
-/// What two neighbouring columns, the first in turn with the least, say of a window that has both.
+/// Two neighbouring columns, the first in turn with the least.
 struct Pair3 {
-    uint low, middle_low, middle_high, high;
+    uint v[4];
     bool odd;
 };
 
-/// v.y <= v.z; sorts the new v.x in.
-uvec3 inserted3(uvec3 v) {
-    const uint rest = max(v.x, v.y);
-    return uvec3(min(v.x, v.y), min(rest, v.z), max(rest, v.z));
+uint[3] chosen(bool which, uint yes[3], uint no[3]) {
+    return uint[3](which ? yes[0] : no[0], which ? yes[1] : no[1], which ? yes[2] : no[2]);
 }
 
-Ranked3 balanced3(uvec3 sorted, uint invalid) {
+/// One more least, and the greatest left out.
+uint[3] shifted(uint v[3]) {
+    return uint[3](0u, v[0], v[1]);
+}
+
+Ranked3 balanced3(uint sorted[3], uint invalid) {
     Ranked3 ranked;
     ranked.odd = (invalid & 1u) != 0u;
-    ranked.greatest_first = invalid >= 2u ? uvec3(0u, sorted.xy) : sorted;
-    ranked.least_first = ranked.odd ? uvec3(0u, ranked.greatest_first.xy) : ranked.greatest_first;
+    ranked.greatest_first = chosen(invalid >= 2u, shifted(sorted), sorted);
+    ranked.least_first = chosen(ranked.odd, shifted(ranked.greatest_first), ranked.greatest_first);
     return ranked;
 }
 
 Pair3 paired3(Ranked3 first, Ranked3 second) {
-    const uvec3 a = first.least_first, b = first.odd ? second.greatest_first : second.least_first;
-    return Pair3(max(a.x, b.x), min(a.y, b.y), max(a.y, b.y), min(a.z, b.z), first.odd != second.odd);
+    Pair3 pair;
+    pair3(first.least_first, chosen(first.odd, second.greatest_first, second.least_first), pair.v);
+    pair.odd = first.odd != second.odd;
+    return pair;
 }
 
-uint middle_of(uint a, uint b, uint c) {
-    return max(min(a, b), min(max(a, b), c));
-}
-
-uint median9(Pair3 pair, Ranked3 third) {
-    const uvec3 c = pair.odd ? third.greatest_first : third.least_first;
-    const uint middle = max(pair.middle_low, min(pair.middle_high, c.y));
-    return middle_of(max(pair.low, c.x), middle, min(pair.high, c.z));
+uint median_of(Pair3 pair, Ranked3 third) {
+    return median9(pair.v, chosen(pair.odd, third.greatest_first, third.least_first));
 }
 
 #endif

@@ -25,10 +25,13 @@ Column rank_column(uint codes[6], bool valid[6]) {
         invalid[k] = valid[k] ? 0u : 1u;
     }
     sort4(v[1], v[2], v[3], v[4]);
+    uint upper[5] = uint[5](v[0], v[1], v[2], v[3], v[4]), lower[5] = uint[5](v[5], v[1], v[2], v[3], v[4]);
+    insert5(upper);
+    insert5(lower);
     const uint shared_invalid = invalid[1] + invalid[2] + invalid[3] + invalid[4];
     Column column;
-    column.upper = balanced5(inserted5(v[1], v[2], v[3], v[4], v[0]), shared_invalid + invalid[0]);
-    column.lower = balanced5(inserted5(v[1], v[2], v[3], v[4], v[5]), shared_invalid + invalid[5]);
+    column.upper = balanced5(upper, shared_invalid + invalid[0]);
+    column.lower = balanced5(lower, shared_invalid + invalid[5]);
     column.upper_valid = valid[2];
     column.lower_valid = valid[3];
     return column;
@@ -45,10 +48,10 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]) {
         const Pair5 upper_next = paired5(columns[k + 3].upper, columns[k + 4].upper);
         const Pair5 lower_next = paired5(columns[k + 3].lower, columns[k + 4].lower);
         const Quad5 upper_quad = joined5(upper, upper_next), lower_quad = joined5(lower, lower_next);
-        pixels.upper[k] = median25(upper_quad, columns[k].upper);
-        pixels.upper[k + 1] = median25(upper_quad, columns[k + 5].upper);
-        pixels.lower[k] = median25(lower_quad, columns[k].lower);
-        pixels.lower[k + 1] = median25(lower_quad, columns[k + 5].lower);
+        pixels.upper[k] = median_of(upper_quad, columns[k].upper);
+        pixels.upper[k + 1] = median_of(upper_quad, columns[k + 5].upper);
+        pixels.lower[k] = median_of(lower_quad, columns[k].lower);
+        pixels.lower[k + 1] = median_of(lower_quad, columns[k + 5].lower);
         upper = upper_next;
         lower = lower_next;
     }

@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "engine/frame/stored_code.hpp"
-#include "engine/surface/median_network.hpp"
 #include "engine/surface/vectors.hpp"
 
 namespace touchable {

@@ -3,35 +3,105 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/surface/median_network.hpp"
 #include "engine/surface/vectors.hpp"
+#include "shaders/median_network.h"
 
 namespace touchable {
 namespace {
 
 /// Pixels whose columns are sorted at once: few enough that they are still in the fastest cache when windows
-/// are made of them.
-constexpr int block_pixels = 8 * strip_pixels;
+/// are made of them, and enough that the CPU has written them there: a load across two stores waits for that.
+constexpr int block_pixels = 32 * strip_pixels;
+
+template <class Lanes>
+[[gnu::always_inline]] inline void sort_column(Lanes (&column)[3]) {
+    sort3(column);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void sort_column(Lanes (&column)[5]) {
+    sort5(column);
+}
+
+/// Of windows whose columns are all sorted.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes median_of_columns(const Lanes (&columns)[3][3]) {
+    Lanes pair[4];
+    pair3(columns[0], columns[1], pair);
+    return median9(pair, columns[2]);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes median_of_columns(const Lanes (&columns)[5][5]) {
+    Lanes first[10], second[10], quad[6];
+    pair5(columns[0], columns[1], first);
+    pair5(columns[2], columns[3], second);
+    quad5(first, second, quad);
+    return median25(quad, columns[4]);
+}
+
+/// A vector of each row, from this place on.
+template <class Lanes, std::size_t Rows, std::size_t Length>
+[[gnu::always_inline]] inline void load_each(const std::uint16_t (&rows)[Rows][Length], int at,
+                                             Lanes (&to)[Rows]) {
+    for (std::size_t k = 0; k < Rows; ++k) to[k] = load_lanes<Lanes>(rows[k] + at);
+}
 
 /// Every pixel of every window is valid. `pixels`: whole strips, at most a block; `rows` start at the first
 /// window's left column and are read a strip beyond.
-template <class Lanes, int Side>
-[[gnu::always_inline]] inline void median_of_clean_pixels(const std::uint16_t* const (&rows)[Side],
-                                                          int pixels, std::uint16_t* out) {
+template <class Lanes>
+[[gnu::always_inline]] inline void median_of_clean_pixels(const std::uint16_t* const (&rows)[3], int pixels,
+                                                          std::uint16_t* out) {
     constexpr int lanes = lane_count<Lanes>;
-    static_assert(Side - 1 <= lanes && lanes <= strip_pixels);
-    alignas(64) std::uint16_t ranked[Side][block_pixels + lanes];
+    alignas(64) std::uint16_t ranked[3][block_pixels + lanes];
     for (int x = 0; x < pixels + lanes; x += lanes) {
-        Lanes column[Side];
-        for (int k = 0; k < Side; ++k) column[k] = load_lanes<Lanes>(rows[k] + x);
-        sort_column(column);
-        for (int k = 0; k < Side; ++k) store_lanes(column[k], ranked[k] + x);
+        Lanes column[3];
+        for (int k = 0; k < 3; ++k) column[k] = load_lanes<Lanes>(rows[k] + x);
+        sort3(column);
+        for (int k = 0; k < 3; ++k) store_lanes(column[k], ranked[k] + x);
     }
     for (int x = 0; x < pixels; x += lanes) {
-        Lanes ranks[Side][Side];
-        for (int k = 0; k < Side; ++k)
-            for (int dx = 0; dx < Side; ++dx) ranks[k][dx] = load_lanes<Lanes>(ranked[k] + x + dx);
-        store_lanes(median_of_sorted_columns(ranks), out + x);
+        Lanes columns[3][3];
+        for (int dx = 0; dx < 3; ++dx) load_each(ranked, x + dx, columns[dx]);
+        store_lanes(median_of_columns(columns), out + x);
+    }
+}
+
+/// A vector holds every second column, so that both windows of a pair of pixels can share what four columns
+/// are merged to: 2 m + 1 to 2 m + 4.
+template <class Lanes>
+[[gnu::always_inline]] inline void median_of_clean_pixels(const std::uint16_t* const (&rows)[5], int pixels,
+                                                          std::uint16_t* out) {
+    constexpr int lanes = lane_count<Lanes>, most = block_pixels / 2 + 2 * lanes;
+    static_assert(lanes <= strip_pixels && lanes >= 3);
+    alignas(64) std::uint16_t even[5][most], odd[5][most], merged[10][most];
+    for (int m = 0; 2 * m < pixels + lanes; m += lanes) {
+        const int x = 2 * m, next = std::min(x + lanes, pixels);  // what is beyond is not needed
+        Lanes left[5], right[5];
+        for (int k = 0; k < 5; ++k)
+            split_lanes(load_lanes<Lanes>(rows[k] + x), load_lanes<Lanes>(rows[k] + next), left[k], right[k]);
+        sort5(left);
+        sort5(right);
+        for (int k = 0; k < 5; ++k) {
+            store_lanes(left[k], even[k] + m);
+            store_lanes(right[k], odd[k] + m);
+        }
+    }
+    for (int m = 0; 2 * m <= pixels; m += lanes) {
+        Lanes first[5], second[5], pair[10];
+        load_each(odd, m, first);
+        load_each(even, m + 1, second);
+        pair5(first, second, pair);
+        for (int k = 0; k < 10; ++k) store_lanes(pair[k], merged[k] + m);
+    }
+    for (int m = 0; 2 * m < pixels; m += lanes) {
+        Lanes first[10], second[10], quad[6], before[5], after[5], left, right;
+        load_each(merged, m, first);
+        load_each(merged, m + 1, second);
+        quad5(first, second, quad);
+        load_each(even, m, before);
+        load_each(odd, m + 2, after);
+        join_lanes(median25(quad, before), median25(quad, after), left, right);
+        store_lanes(left, out + 2 * m);
+        if (2 * m + lanes < pixels) store_lanes(right, out + 2 * m + lanes);
     }
 }
 
@@ -44,20 +114,19 @@ template <class Lanes, int Side>
                                                           std::uint16_t* out) {
     constexpr int lanes = lane_count<Lanes>, radius = Side / 2;
     for (int x = 0; x < strip_pixels; x += lanes) {
-        Lanes ranks[Side][Side];
+        Lanes columns[Side][Side];
         Lanes below{};  // all ones after an odd number of invalid pixels
         for (int dx = 0; dx < Side; ++dx) {
-            Lanes column[Side];
+            Lanes(&column)[Side] = columns[dx];
             for (int k = 0; k < Side; ++k) {
                 const Lanes mask = load_lanes<Lanes>(invalid[k] + x + dx);
                 below ^= mask;
                 column[k] = load_lanes<Lanes>(rows[k] + x + dx) | (mask & ~below);
             }
             sort_column(column);
-            for (int k = 0; k < Side; ++k) ranks[k][dx] = column[k];
         }
         const Lanes centre_invalid = load_lanes<Lanes>(invalid[radius] + radius + x);
-        store_lanes<Lanes>(median_of_sorted_columns(ranks) & ~centre_invalid, out + x);
+        store_lanes<Lanes>(median_of_columns(columns) & ~centre_invalid, out + x);
     }
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "engine/surface/vector_unit.hpp"
 
@@ -28,6 +30,41 @@ template <class Lanes>
 template <class Lanes>
 [[gnu::always_inline]] inline void store_lanes(const Lanes& values, std::uint16_t* to) {
     std::memcpy(to, &values, sizeof(values));
+}
+
+/// Of each pair of values side by side.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes lesser(const Lanes& a, const Lanes& b) {
+    return a < b ? a : b;
+}
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes greater(const Lanes& a, const Lanes& b) {
+    return a < b ? b : a;
+}
+
+/// Every second of the values of two vectors that follow each other: from the first one on, and from the
+/// second.
+template <class Lanes, std::size_t... N>
+[[gnu::always_inline]] inline void split_lanes(const Lanes& a, const Lanes& b, Lanes& even, Lanes& odd,
+                                               std::index_sequence<N...>) {
+    even = __builtin_shufflevector(a, b, (2 * N)...);
+    odd = __builtin_shufflevector(a, b, (2 * N + 1)...);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void split_lanes(const Lanes& a, const Lanes& b, Lanes& even, Lanes& odd) {
+    split_lanes(a, b, even, odd, std::make_index_sequence<lane_count<Lanes>>());
+}
+/// The other way.
+template <class Lanes, std::size_t... N>
+[[gnu::always_inline]] inline void join_lanes(const Lanes& even, const Lanes& odd, Lanes& a, Lanes& b,
+                                              std::index_sequence<N...>) {
+    constexpr std::size_t lanes = sizeof...(N);
+    a = __builtin_shufflevector(even, odd, (N / 2 + N % 2 * lanes)...);
+    b = __builtin_shufflevector(even, odd, ((lanes + N) / 2 + N % 2 * lanes)...);
+}
+template <class Lanes>
+[[gnu::always_inline]] inline void join_lanes(const Lanes& even, const Lanes& odd, Lanes& a, Lanes& b) {
+    join_lanes(even, odd, a, b, std::make_index_sequence<lane_count<Lanes>>());
 }
 
 /// What a kernel gets to know its vectors by.

@@ -154,8 +154,8 @@ Result<StoredRows> Builder::import(const RawFrame& raw) const {
                       end = address + (height_ - 1) * static_cast<std::size_t>(depth.stride) + row_bytes;
     std::byte* const memory = const_cast<std::byte*>(reinterpret_cast<const std::byte*>(depth.data)) -
                               static_cast<std::ptrdiff_t>(address - first);
-    auto buffer = GpuBuffer::import(device(), "stored values", {memory, (end - first + page - 1) / page * page},
-                                    raw.storage);
+    auto buffer = GpuBuffer::import(device(), "stored values",
+                                    {memory, (end - first + page - 1) / page * page}, raw.storage);
     if (!buffer.ok()) return buffer.error();
     return StoredRows{*buffer, static_cast<std::uint32_t>(depth.bytes_per_sample),
                       static_cast<std::uint32_t>(depth.stride / 16),
@@ -240,9 +240,10 @@ StripPush Builder::push_for(const StoredRows& rows) const {
 }
 
 Result<GpuProgram> Builder::program_for(StripKernel kernel, const StoredRows& rows, bool before_terraces) {
-    return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
-                                    rows.valid.excluded[0] != no_such_code ? 1U : 0U,
-                                    width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, before_terraces ? 1U : 0U});
+    return kernels_->strip(kernel,
+                           {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
+                            rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                            width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, before_terraces ? 1U : 0U});
 }
 
 /// The kernel that ends in codes, validity and parts of bounds. `before_terraces` codes are those that

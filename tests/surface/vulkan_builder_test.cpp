@@ -1,4 +1,8 @@
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstring>
 
 #include "engine/surface/vulkan_builder.hpp"
 #include "tests/surface/pictures.hpp"
@@ -51,6 +55,55 @@ TEST(VulkanBuilder, FramesOutliveTheirBuilder) {
     ASSERT_TRUE(test_vulkan_builder(scene)->build(plane.frame(), frame));
     ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
     EXPECT_EQ(first_difference(reference, frame), "");
+}
+
+/// Memory between two pages that nobody may read.
+class GuardedMemory {
+public:
+    explicit GuardedMemory(std::size_t pages)
+        : page_(static_cast<std::size_t>(sysconf(_SC_PAGESIZE))),
+          whole_((pages + 2) * page_),
+          start_(static_cast<std::uint8_t*>(
+              mmap(nullptr, whole_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))) {
+        mprotect(start_ + page_, pages * page_, PROT_READ | PROT_WRITE);
+    }
+    ~GuardedMemory() { munmap(start_, whole_); }
+    GuardedMemory(const GuardedMemory&) = delete;
+    GuardedMemory& operator=(const GuardedMemory&) = delete;
+    std::uint8_t* begin() const { return start_ + page_; }
+    std::uint8_t* end() const { return start_ + whole_ - page_; }
+
+private:
+    const std::size_t page_, whole_;
+    std::uint8_t* const start_;
+};
+
+TEST(VulkanBuilder, ReadsAPlaneWhereverItLiesAndNothingBesideIt) {
+    const GuardedMemory memory(4);
+    for (const int bits : {8, 16})
+        for (const int width : {96, 83}) {
+            const Scene scene = depth_scene(width, 31, bits, Marking::zero, {3, 0});
+            const StoredPlane plane = noisy_plane(scene, Fill::few_holes, 3);
+            const auto builder = test_vulkan_builder(scene);
+            SurfaceFrame reference, frame;
+            ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
+            const std::ptrdiff_t row = std::ptrdiff_t{width} * plane.view.bytes_per_sample;
+            for (const std::ptrdiff_t stride : {row, (row + 15) / 16 * 16, -(row + 32) / 16 * 16}) {
+                const std::ptrdiff_t bytes = 30 * std::abs(stride) + row;
+                for (std::uint8_t* at : {memory.begin(), memory.begin() + 16, memory.begin() + 2,
+                                         memory.end() - bytes, memory.end() - bytes / 16 * 16 - 16}) {
+                    RawFrame raw = plane.frame();
+                    raw.depth.data = stride > 0 ? at : at - 30 * stride;
+                    raw.depth.stride = stride;
+                    for (int y = 0; y < 31; ++y)
+                        std::memcpy(at + (stride > 0 ? y * stride : (y - 30) * stride), plane.view.row(y),
+                                    static_cast<std::size_t>(row));
+                    ASSERT_TRUE(builder->build(raw, frame));
+                    EXPECT_EQ(first_difference(reference, frame), "")
+                        << bits << " bits, " << width << " wide, stride " << stride;
+                }
+            }
+        }
 }
 
 TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
