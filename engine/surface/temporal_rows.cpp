@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/surface/median_network.hpp"
 #include "engine/surface/validity_strip.hpp"
 #include "engine/surface/vectors.hpp"
 
