@@ -6,7 +6,7 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/surface/hole_filling.hpp"
 #include "engine/surface/lower_median.hpp"
-#include "engine/surface/median_network.hpp"
+#include "engine/surface/median_columns.hpp"
 #include "engine/surface/terrace_patch.hpp"
 
 namespace touchable {
@@ -101,11 +101,11 @@ std::optional<std::uint16_t> median_of_clean_window(const PlaneView& depth, cons
                                                     int y) {
     const int left = x - Side / 2, top = y - Side / 2;
     if (left < 0 || top < 0 || left + Side > depth.width || top + Side > depth.height) return std::nullopt;
-    std::uint16_t ranks[Side][Side];
+    std::uint16_t columns[Side][Side];
     std::uint16_t least = 65535, greatest = 0;
     bool excluded = false;
     for (int column = 0; column < Side; ++column) {
-        std::uint16_t codes[Side];
+        std::uint16_t(&codes)[Side] = columns[column];
         for (int row = 0; row < Side; ++row) {
             codes[row] = depth.sample(left + column, top + row);
             for (int n = 0; n < coding.invalid_code_count; ++n)
@@ -114,10 +114,9 @@ std::optional<std::uint16_t> median_of_clean_window(const PlaneView& depth, cons
         sort_column(codes);
         least = lesser(least, codes[0]);
         greatest = greater(greatest, codes[Side - 1]);
-        for (int k = 0; k < Side; ++k) ranks[k][column] = codes[k];
     }
     if (excluded || least < coding.valid_min || greatest > coding.valid_max) return std::nullopt;
-    return median_of_sorted_columns(ranks);
+    return median_of_columns(columns);
 }
 
 std::uint64_t packed(const TileBounds& bounds) {

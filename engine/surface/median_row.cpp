@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/surface/median_columns.hpp"
 #include "engine/surface/vectors.hpp"
-#include "shaders/median_network.h"
 
 namespace touchable {
 namespace {
@@ -12,31 +12,6 @@ namespace {
 /// Pixels whose columns are sorted at once: few enough that they are still in the fastest cache when windows
 /// are made of them, and enough that the CPU has written them there: a load across two stores waits for that.
 constexpr int block_pixels = 32 * strip_pixels;
-
-template <class Lanes>
-[[gnu::always_inline]] inline void sort_column(Lanes (&column)[3]) {
-    sort3(column);
-}
-template <class Lanes>
-[[gnu::always_inline]] inline void sort_column(Lanes (&column)[5]) {
-    sort5(column);
-}
-
-/// Of windows whose columns are all sorted.
-template <class Lanes>
-[[gnu::always_inline]] inline Lanes median_of_columns(const Lanes (&columns)[3][3]) {
-    Lanes pair[4];
-    pair3(columns[0], columns[1], pair);
-    return median9(pair, columns[2]);
-}
-template <class Lanes>
-[[gnu::always_inline]] inline Lanes median_of_columns(const Lanes (&columns)[5][5]) {
-    Lanes first[10], second[10], quad[6];
-    pair5(columns[0], columns[1], first);
-    pair5(columns[2], columns[3], second);
-    quad5(first, second, quad);
-    return median25(quad, columns[4]);
-}
 
 /// A vector of each row, from this place on.
 template <class Lanes, std::size_t Rows, std::size_t Length>
