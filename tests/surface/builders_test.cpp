@@ -149,8 +149,8 @@ TEST(LazyBuilder, KeepsTheRawFrameAliveUntilTheSlotIsReused) {
     EXPECT_TRUE(watched.expired());
 }
 
-TEST(LazyVertices, AnswerSeveralReadersAtOnce) {
-    const Scene scene = depth_scene(150, 70, 16, Marking::zero, {3, 1});
+void expect_right_answers_to_several_readers(const FilterSettings& filter) {
+    const Scene scene = depth_scene(150, 70, 8, Marking::zero, filter);
     const StoredPlane plane = noisy_plane(scene, Fill::blob, 4);
     SurfaceFrame reference, lazy;
     ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
@@ -167,6 +167,13 @@ TEST(LazyVertices, AnswerSeveralReadersAtOnce) {
         for (auto& reader : readers) reader.join();
         for (const auto& difference : differences) ASSERT_EQ(difference, "");
     }
+}
+
+TEST(LazyVertices, AnswerSeveralReadersAtOnce) {
+    expect_right_answers_to_several_readers({3, 1});
+}
+TEST(LazyVertices, AnswerSeveralReadersOfBlocksWithoutTerracesAtOnce) {
+    expect_right_answers_to_several_readers({3, 1, TerraceRemoval::on});
 }
 
 }  // namespace
