@@ -30,6 +30,7 @@ void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector
         if (name == "lazy") what += " (only where touched)";
         if (name == "reference") what += " (slow)";
         if (name == "vulkan") what += " (on a GPU)";
+        if (name == "auto") what += " (what costs least here)";
     }
     auto* builder =
         sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();

@@ -68,7 +68,7 @@ void add_touch_command(CLI::App& app, Command& command) {
 
     words->clip = add_file_option(*sub, "CLIP", o.clip, "a clip, a folder of images, or a scene file");
     add_file_option(*sub, "--scene", o.scene, "scene file that describes the clip instead of its own");
-    add_builder_options(*sub, o.builder, {"cpu", "vulkan", "lazy", "reference"});
+    add_builder_options(*sub, o.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
     add_file_option(*sub, "--json", o.json, "write the figures as JSON");
     add_file_option(*sub, "--forces", o.forces,
                     "write goal, proxy and force of every tick and finger as CSV");

@@ -135,7 +135,9 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     };
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
-    line("surface", r["builder"].get<std::string>() + " builder on " + r["device_name"].get<std::string>());
+    const auto why = r["builder_why"].get<std::string>();
+    line("surface", r["builder"].get<std::string>() + " builder on " + r["device_name"].get<std::string>() +
+                        (why.empty() ? "" : ": " + why));
     line("fingers", count("fingers") + ", " + r["hand"].get<std::string>() +
                         (r.contains("device") ? " with " + r["device"].get<std::string>() : ""));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +

@@ -20,7 +20,7 @@ struct TouchOptions {
     std::string hand = "wander";
     int fingers = 1;
     std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
-    BuilderChoice builder;
+    BuilderChoice builder{.name = "auto"};
     TouchMetric metric = TouchMetric::world;
     double stribeck_speed = 0;                        ///< m/s; 0: friction does not depend on speed
     std::optional<int> median, fill_holes;            ///< instead of the scene's own

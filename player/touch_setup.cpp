@@ -9,6 +9,8 @@
 #include "device/workspace.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/builder_pick.hpp"
 #include "player/field_probe.hpp"
 #include "player/replay.hpp"
 #include "player/temporal_option.hpp"
@@ -20,7 +22,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Lower median of frame 0's valid depths; the far plane where none is valid.
-double median_depth(const Scene& scene, const SurfaceFrame& frame) {
+double median_depth(const Scene& scene, const SurfaceFrame& first) {
+    // Every pixel is asked for: one by one, a lazy frame would take longer than all frames whole.
+    SurfaceFrame whole;
+    const bool is_lazy = first.codes.empty() && make_cpu_builder(scene)->build(first.raw, whole).ok();
+    const SurfaceFrame& frame = is_lazy ? whole : first;
     std::vector<double> depths;
     for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x)
@@ -49,8 +55,24 @@ Result<void> check_guard(const GuardSettings& guard) {
     return {};
 }
 
-/// Opens the clip and makes its feed; `scene` is what the run applies.
-Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, const TouchOptions& options) {
+/// The builder that was asked for, or what auto is in this run.
+void choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames, int fingers,
+                    const TouchOptions& options) {
+    setup.builder = options.builder;
+    if (options.builder.name != "auto") return;
+    const TouchLoad load{setup.scene, frames != 1, fingers, options.live};
+    const auto pick = pick_builder(load, [&] {
+        const auto device = setup.gpu->open();
+        return device.ok() && (*device)->facts().kind != GpuKind::software;
+    });
+    setup.builder.name = pick.name;
+    setup.builder.gpu_fallback = pick.name == "vulkan";  // nobody asked for it
+    setup.builder_why = pick.why;
+}
+
+/// Opens the clip and makes its feed; `recorded` is what the run applies where it is done again.
+Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, int fingers,
+                       const TouchOptions& options) {
     auto reader = open_clip(setup.clip, setup.scene_file);
     if (!reader.ok()) return reader.error();
     setup.scene = recorded ? *recorded : (*reader)->scene();
@@ -68,9 +90,9 @@ Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, 
         return input_error(setup.clip.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(setup.scene.width) + "x" + std::to_string(setup.scene.height));
-    setup.builder = options.builder;
     setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
-    auto builder = make_builder(options.builder, setup.scene, *setup.gpu);
+    choose_builder(setup, (*reader)->frame_count(), fingers, options);
+    auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
     setup.feed = std::make_unique<SurfaceFeed>(std::move(*reader), std::move(*builder), setup.scene);
     return {};
@@ -104,7 +126,8 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     setup->clip = options.clip;
     setup->scene_file = options.scene;
     setup->hand_words = options.hand;
-    if (auto opened = open_feed(*setup, std::nullopt, options); !opened.ok()) return opened.error();
+    if (auto opened = open_feed(*setup, std::nullopt, options.fingers, options); !opened.ok())
+        return opened.error();
 
     const auto first = setup->feed->pair_at(0);
     if (!first.ok()) return first.error();
@@ -260,7 +283,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     if (!scene.ok()) return scene.error();
     if (!options.clip.empty()) setup->clip = options.clip;
     if (options.scene) setup->scene_file = options.scene;
-    if (auto opened = open_feed(*setup, *scene, options); !opened.ok())
+    if (auto opened = open_feed(*setup, *scene, recording.fingers, options); !opened.ok())
         return gone(opened.error(), *setup, options);
     setup->hand = std::make_unique<ReplayHand>(recording);
     setup->settings.fingers = recording.fingers;

@@ -14,9 +14,10 @@ namespace touchable {
 struct TouchSetup {
     std::filesystem::path clip;
     std::optional<std::filesystem::path> scene_file;
-    std::string hand_words;  ///< as on the command line
-    Scene scene;             ///< as this run applies it
-    BuilderChoice builder;
+    std::string hand_words;       ///< as on the command line
+    Scene scene;                  ///< as this run applies it
+    BuilderChoice builder;        ///< not auto any more
+    std::string builder_why;      ///< of what auto picked; empty: it was asked for by name
     std::unique_ptr<RunGpu> gpu;  ///< of builder and picture
     std::unique_ptr<SurfaceFeed> feed;
     std::unique_ptr<Hand> hand;
