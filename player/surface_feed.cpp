@@ -36,6 +36,7 @@ Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
     hash_.add(raw);
     ++frames_;
     unchanged_frames_ += unchanged;
+    skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();
     return true;
 }
 

@@ -19,12 +19,6 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     report["late_frames_pct"] = frames > 0 ? 100.0 * static_cast<double>(live.late_frames) / frames : 0.0;
 }
 
-/// The lazy builder computes no tile as a whole, the others all of a frame that has changed.
-double skipped_tiles_pct(const SurfaceFeed& feed) {
-    if (feed.builder_name() == "lazy" || feed.frames() == 0) return 100.0;
-    return 100.0 * static_cast<double>(feed.unchanged_frames()) / static_cast<double>(feed.frames());
-}
-
 }  // namespace
 
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LiveFacts* live,
@@ -45,7 +39,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
     if (live) add_live_figures(report, figures, *live);
-    report["skipped_tiles_pct"] = skipped_tiles_pct(*setup.feed);
+    report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
     report["stages_ms"] = {{"read", spread_of(setup.feed->read_ms()).p50},
                            {"build", spread_of(setup.feed->build_ms()).p50}};

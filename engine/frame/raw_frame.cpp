@@ -4,8 +4,6 @@
 
 namespace touchable {
 
-namespace {
-
 bool same_samples(const PlaneView& a, const PlaneView& b) {
     if (a.empty() || b.empty()) return a.empty() && b.empty();
     if (a.width != b.width || a.height != b.height || a.bytes_per_sample != b.bytes_per_sample ||
@@ -17,8 +15,6 @@ bool same_samples(const PlaneView& a, const PlaneView& b) {
         if (std::memcmp(a.row(y), b.row(y), row_bytes) != 0) return false;
     return true;
 }
-
-}  // namespace
 
 bool same_touch_planes(const RawFrame& a, const RawFrame& b) {
     return same_samples(a.depth, b.depth) && same_samples(a.haptic, b.haptic) &&

@@ -15,8 +15,13 @@ struct RawFrame {
     PlaneView colour;          ///< 3 channels, 8 bits
     PlaneView haptic;          ///< 3 channels, 8 bits: stiffness, static friction, dynamic friction
     PlaneView height;          ///< 1 channel
-    std::shared_ptr<const void> storage;  ///< keeps the planes alive
+    /// Keeps the planes alive, and as they are; nothing: they last only as long as a call that is given them.
+    std::shared_ptr<const void> storage;
 };
+
+/// True where both planes have the same form and samples, or neither is there. Stops at the first row that
+/// differs.
+bool same_samples(const PlaneView& a, const PlaneView& b);
 
 /// True where depth, haptic and height planes, all that a surface is made of, have the same form and samples.
 /// Stops at the first row that differs.

@@ -26,10 +26,13 @@ template <class Lanes>
         for (int n = 0; n < coding.invalid_code_count; ++n)
             nearest_to_invalid = lesser<Lanes>(nearest_to_invalid, values ^ invalid[n]);
     }
-    bool all = true;
-    for (int k = 0; k < lane_count<Lanes>; ++k)
-        all &= least[k] >= coding.valid_min && greatest[k] <= coding.valid_max && nearest_to_invalid[k] != 0;
-    return all;
+    const Lanes lowest = Lanes{} + coding.valid_min, highest = Lanes{} + coding.valid_max, one = Lanes{} + 1;
+    const Lanes wrong = (lesser(least, lowest) ^ lowest) | (greater(greatest, highest) ^ highest) |
+                        (lesser(nearest_to_invalid, one) ^ one);
+    std::uint64_t words[sizeof(Lanes) / sizeof(std::uint64_t)], any = 0;
+    std::memcpy(words, &wrong, sizeof(words));
+    for (const std::uint64_t word : words) any |= word;
+    return any == 0;
 }
 
 /// `masks`: all ones where not DepthCoding::is_valid; codes become 0 there. Of whole strips. Without

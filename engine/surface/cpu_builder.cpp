@@ -1,15 +1,16 @@
 #include <algorithm>
-#include <cassert>
+#include <deque>
+#include <optional>
 #include <thread>
+#include <utility>
 
-#include "engine/surface/hole_filling.hpp"
-#include "engine/surface/line_source.hpp"
-#include "engine/surface/median.hpp"
+#include "engine/surface/code_filters.hpp"
+#include "engine/surface/frame_changes.hpp"
+#include "engine/surface/patch_filter.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "engine/surface/temporal_filter.hpp"
-#include "engine/surface/terrace_filter.hpp"
 #include "engine/surface/tile_bounds.hpp"
+#include "engine/surface/tracked_vertices.hpp"
 
 namespace touchable {
 namespace {
@@ -38,102 +39,72 @@ class CpuBuilder final : public SurfaceBuilder {
 public:
     CpuBuilder(const Scene& scene, const CpuPlan& plan)
         : scene_(scene),
-          unit_(unit_for(plan.vectors)),
-          temporal_(temporal_filter(scene)),
-          terraces_(terrace_filter(scene)),
+          break_even_(plan.break_even),
           bands_(threads_for(scene, plan.threads)),
-          median_(unit_),
-          smoother_(unit_),
-          remover_(unit_),
-          tiles_(unit_) {
-        assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
+          filters_(scene, unit_for(plan.vectors)),
+          tiles_(unit_for(plan.vectors)) {
+        const auto reach = filters_.reach();
+        if (!reach) return;
+        changes_.emplace(scene.width, scene.height, *reach, unit_for(plan.vectors));
+        while (static_cast<int>(patch_filters_.size()) < bands_.threads())
+            patch_filters_.emplace_back(scene, unit_for(plan.vectors));
     }
     std::string_view name() const override { return "cpu"; }
+    double built_share() const override { return built_share_; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+        const BuildNumber number = changes_ ? changes_->advance(raw, bands_) : 0;
+        TrackedVertices& vertices = tracked_vertices(out);
+        const BuildNumber held = std::exchange(vertices.build, 0);
         out.raw = {};
-        take_size(out);
-        const StoredLines stored(raw.depth, scene_.depth, unit_);
-        tiles_.begin(bands_.threads(), out);
-        if (temporal_) smoother_.begin(out, raw.number);
-        if (scene_.filter.fill_holes == 0) {
-            finish_codes(stored, out);
-        } else {
-            take_size(filled_);
-            decode(stored, filled_);
-            holes_.fill(scene_.filter.fill_holes, bands_, filled_);
-            finish_codes(FrameLines(filled_), out);
-        }
-        tiles_.finish(bands_, out);
-        copy_touch_planes(raw, out);
-        if (dynamic_cast<FilteredVertices*>(out.vertices.get()) == nullptr)
-            out.vertices = std::make_unique<FilteredVertices>(out);
+        if (const BlockMap* stale = changes_ ? changes_->stale_blocks(held) : nullptr; stale && pays(*stale))
+            build_patches(raw, out);
+        else
+            build_all(raw, out);
+        if (!changes_ || !changes_->same_touch_planes(held)) copy_touch_planes(raw, out);
+        vertices.build = number;
         return {};
     }
 
 private:
-    void take_size(SurfaceFrame& frame) const {
-        frame.coding = scene_.depth;
-        frame.width = scene_.width;
-        frame.height = scene_.height;
-        frame.codes.resize(frame.index(0, frame.height));
-        frame.validity.resize(static_cast<std::size_t>(frame.validity_words_per_row()) *
-                              static_cast<std::size_t>(frame.height));
+    bool pays(const BlockMap& stale) {
+        patches_.cover(stale, scene_.width, scene_.height, *filters_.reach());
+        const bool cheaper = static_cast<double>(patches_.cost) < break_even_ * scene_.width * scene_.height;
+        if (!cheaper) changes_->comparing_was_in_vain();
+        return cheaper;
+    }
+    void build_all(const RawFrame& raw, SurfaceFrame& out) {
+        tiles_.begin(bands_.threads(), scene_.width, scene_.height, out);
+        filters_.filter(raw, bands_, out, [&](const RowBand& band) { tiles_.bound_inside(band, out); });
+        tiles_.finish(bands_, out);
+        built_share_ = 1;
+    }
+    /// In a slot that holds all else.
+    void build_patches(const RawFrame& raw, SurfaceFrame& out) {
+        const auto& patches = patches_.patches;
+        bands_.for_each_band(static_cast<int>(patches.size()), 1, [&](const RowBand& some) {
+            for (int n = some.first; n < some.last; ++n)
+                patch_filters_[static_cast<std::size_t>(some.thread)].filter(
+                    raw, patches[static_cast<std::size_t>(n)], out);
+        });
+        const auto& runs = patches_.tile_runs;
+        bands_.for_each_band(static_cast<int>(runs.size()), 1, [&](const RowBand& some) {
+            for (int n = some.first; n < some.last; ++n)
+                tiles_.bound(runs[static_cast<std::size_t>(n)], some.thread, out);
+        });
+        built_share_ = static_cast<double>(patches_.tiles) / static_cast<double>(out.tiles.size());
     }
 
-    void decode(const LineSource& stored, SurfaceFrame& out) {
-        median_.begin(1, out.width, bands_.threads());
-        bands_.for_each_band(out.height, TileGrid::cells,
-                             [&](const RowBand& band) { median_.filter(band, stored, out); });
-    }
-    /// Codes of the last filter, and those bounds that need no other band.
-    void finish_codes(const LineSource& source, SurfaceFrame& out) {
-        if (terraces_) {
-            take_size(with_terraces_);
-            filter(source, with_terraces_, [&](const RowBand& band) { smooth(band, with_terraces_); });
-            remove_terraces(out);
-        } else {
-            if (temporal_) out.coding = temporal_->coding;
-            filter(source, out, [&](const RowBand& band) {
-                smooth(band, out);
-                tiles_.bound_inside(band, out);
-            });
-        }
-    }
-    /// Decoding too, where `source` does; `then` is what else to do with a band.
-    template <class Then>
-    void filter(const LineSource& source, SurfaceFrame& out, Then&& then) {
-        median_.begin(std::max(scene_.filter.median, 1), out.width, bands_.threads());
-        bands_.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
-            median_.filter(band, source, out);
-            then(band);
-        });
-    }
-    void smooth(const RowBand& band, SurfaceFrame& frame) {
-        if (temporal_) smoother_.smooth(band, *temporal_, frame);
-    }
-    void remove_terraces(SurfaceFrame& out) {
-        out.coding = terraces_->coding;
-        remover_.begin(out.width, bands_.threads());
-        bands_.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
-            remover_.remove(band, *terraces_, with_terraces_, out);
-            tiles_.bound_inside(band, out);
-        });
-    }
-
-    Scene scene_;
-    const VectorUnit unit_;
-    std::optional<TemporalFilter> temporal_;
-    std::optional<TerraceFilter> terraces_;
+    const Scene scene_;
+    const double break_even_;
     RowBands bands_;
-    SurfaceFrame filled_;         // between hole filling and median; empty where no holes are filled
-    SurfaceFrame with_terraces_;  // between median and terrace removal, likewise
-    HoleFiller holes_;
-    MedianFilter median_;
-    TemporalSmoother smoother_;
-    TerraceRemover remover_;
+    CodeFilters filters_;
     TileBounder tiles_;
+    std::optional<FrameChanges> changes_;  // nothing where filters remember frames before
+    Patches patches_;
+    std::deque<PatchFilter> patch_filters_;  // of each thread
+    double built_share_ = 0;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@ public:
         : first_(std::move(first)), second_(std::move(second)), told_(std::move(told)) {}
 
     std::string_view name() const override { return (first_ ? *first_ : *second_).name(); }
+    double built_share() const override { return (first_ ? *first_ : *second_).built_share(); }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (!first_) return second_->build(raw, out);

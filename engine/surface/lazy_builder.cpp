@@ -9,6 +9,7 @@ class LazyBuilder final : public SurfaceBuilder {
 public:
     explicit LazyBuilder(const Scene& scene) : scene_(scene), terraces_(terrace_filter(scene)) {}
     std::string_view name() const override { return "lazy"; }
+    double built_share() const override { return 0; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (scene_.filter.temporal)

@@ -21,6 +21,9 @@ public:
     /// `out` may be a recycled slot of any earlier size; its memory is reused. Refused, and `out` left as it
     /// was, where the raw planes do not have the scene's size and form.
     virtual Result<void> build(const RawFrame& raw, SurfaceFrame& out) = 0;
+    /// Of the last frame's tiles the share that was built, 0 to 1: the others were in the slot already, or
+    /// are built when they are asked for.
+    virtual double built_share() const { return 1; }
 };
 
 /// The obvious code: the definition that the others are tested against.
@@ -29,9 +32,13 @@ std::unique_ptr<SurfaceBuilder> make_reference_builder(const Scene& scene);
 struct CpuPlan {
     int threads = 0;  ///< with the one that builds; 0: as many as pay for the scene's size, at most 4
     VectorUnit vectors = VectorUnit::avx512;  ///< at most; what the CPU lacks is not used
+    /// Of a frame that has changed in part, as much is built as has changed where that costs less than this
+    /// share of what the whole does; all of it elsewhere. 0: always all.
+    double break_even = 0.9;
 };
-/// The whole frame, fast, on some threads of its own: they start with the first frame, sleep between frames,
-/// and are scheduled as the thread that builds.
+/// Fast, on some threads of its own: they start with the first frame, sleep between frames, and are scheduled
+/// as the thread that builds. Of a raw frame that keeps its planes alive (`storage`), and so until the next
+/// one, only what has changed since the frame that the slot holds.
 std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene);
 std::unique_ptr<SurfaceBuilder> make_cpu_builder(const Scene& scene, const CpuPlan& plan);
 /// Keeps the raw frame (and its storage) and filters a pixel when it is asked for: the paper's way. The frame

@@ -53,26 +53,26 @@ template <bool Masked, class Lanes, int Vectors>
     }
 }
 
-/// A few vectors at a time, for the sake of the loop over the rows; by strips where there are masks, and at
-/// the end.
+/// From column `x` to `end`, which is the last strip's. A few vectors at a time, for the sake of the loop
+/// over the rows; by strips where there are masks, and at the end.
 template <class Lanes>
-[[gnu::always_inline]] inline void bound_columns(const Rows& rows, std::uint16_t* least,
+[[gnu::always_inline]] inline void bound_columns(const Rows& rows, int x, int end, std::uint16_t* least,
                                                  std::uint16_t* greatest) {
     constexpr int lanes = lane_count<Lanes>, vectors = 4;
     constexpr int of_strip = strip_pixels / lanes;
-    const int width = rows.frame.width;
-    int x = 0;
     if (rows.masked)
-        for (; x < width; x += strip_pixels) bound_vectors<true, Lanes, of_strip>(rows, x, least, greatest);
-    for (; x + vectors * lanes <= width; x += vectors * lanes)
+        for (; x < end; x += strip_pixels) bound_vectors<true, Lanes, of_strip>(rows, x, least, greatest);
+    for (; x + vectors * lanes <= std::min(end, rows.frame.width); x += vectors * lanes)
         bound_vectors<false, Lanes, vectors>(rows, x, least, greatest);
-    for (; x < width; x += strip_pixels) bound_vectors<false, Lanes, of_strip>(rows, x, least, greatest);
+    for (; x < end; x += strip_pixels) bound_vectors<false, Lanes, of_strip>(rows, x, least, greatest);
 }
 
-/// Each value becomes the lesser (or greater) of itself and the one `step` further on.
+/// Each value from column `x` to `end` becomes the lesser (or greater) of itself and the one `step` further
+/// on.
 template <class Lanes>
-[[gnu::always_inline]] inline void fold(int step, int strips, std::uint16_t* least, std::uint16_t* greatest) {
-    for (int x = 0; x < strips * strip_pixels; x += lane_count<Lanes>) {
+[[gnu::always_inline]] inline void fold(int step, int x, int end, std::uint16_t* least,
+                                        std::uint16_t* greatest) {
+    for (; x < end; x += lane_count<Lanes>) {
         store_lanes(lesser(load_lanes<Lanes>(least + x), load_lanes<Lanes>(least + x + step)), least + x);
         store_lanes(greater(load_lanes<Lanes>(greatest + x), load_lanes<Lanes>(greatest + x + step)),
                     greatest + x);
@@ -98,51 +98,62 @@ void TileBounder::Columns::resize(int strips) {
     holes.resize(static_cast<std::size_t>(strips));
 }
 
-// Afterwards `least` and `greatest` of a column are those of a tile that begins there.
-void TileBounder::bound_columns_of(const SurfaceFrame& frame, int first, int last, Columns& columns) const {
-    const int strips = frame.validity_words_per_row();
-    std::fill(columns.holes.begin(), columns.holes.end(), 0U);
-    for (int y = first; y <= last; ++y) {
-        const std::uint32_t* validity = frame.validity.data() + std::ptrdiff_t{y} * strips;
-        for (int w = 0; w < strips; ++w)
+// Afterwards `least` and `greatest` of a column are those of a tile that begins there, if the box holds it.
+void TileBounder::bound_columns_of(const SurfaceFrame& frame, const PixelBox& box, Columns& columns) const {
+    const int first = box.left / strip_pixels, last = (box.right - 1) / strip_pixels + 1;
+    std::fill(columns.holes.begin() + first, columns.holes.begin() + last, 0U);
+    for (int y = box.top; y < box.bottom; ++y) {
+        const std::uint32_t* validity =
+            frame.validity.data() + std::ptrdiff_t{y} * frame.validity_words_per_row();
+        for (int w = first; w < last; ++w)
             columns.holes[static_cast<std::size_t>(w)] |= ~validity[w] & inside_bits(frame.width, w);
     }
-    const bool holes =
-        std::any_of(columns.holes.begin(), columns.holes.end(), [](auto bits) { return bits != 0; });
+    const bool holes = std::any_of(columns.holes.begin() + first, columns.holes.begin() + last,
+                                   [](auto bits) { return bits != 0; });
     const bool masked = holes && frame.coding.is_valid(0);
-    const Rows rows{frame, first, last, static_cast<std::uint16_t>(holes && !masked ? 1 : 0), masked};
+    const Rows rows{frame, box.top, box.bottom - 1, static_cast<std::uint16_t>(holes && !masked ? 1 : 0),
+                    masked};
+    const int left = first * strip_pixels, right = last * strip_pixels;
     std::uint16_t *least = columns.least.data(), *greatest = columns.greatest.data();
     run_vectors(
         unit_, [&](auto kind) __attribute__((always_inline)) {
             using Lanes = typename decltype(kind)::Lanes;
-            bound_columns<Lanes>(rows, least, greatest);
+            bound_columns<Lanes>(rows, left, right, least, greatest);
             std::fill(least + frame.width, least + columns.least.size(), std::uint16_t{65535});
             std::fill(greatest + frame.width, greatest + columns.greatest.size(), std::uint16_t{0});
-            for (int step = 1; step < TileGrid::cells; step *= 2) fold<Lanes>(step, strips, least, greatest);
-            fold<Lanes>(1, strips, least, greatest);
+            for (int step = 1; step < TileGrid::cells; step *= 2)
+                fold<Lanes>(step, left, right, least, greatest);
+            fold<Lanes>(1, left, right, least, greatest);
         });
 }
 
-void TileBounder::bound_row(int ty, int thread, SurfaceFrame& frame) {
+void TileBounder::bound(const TileRun& run, int thread, SurfaceFrame& frame) {
     Columns& columns = columns_[static_cast<std::size_t>(thread)];
     const TileGrid grid = TileGrid::of(frame.width, frame.height);
-    const int top = ty * TileGrid::cells;
-    bound_columns_of(frame, top, std::min(top + TileGrid::cells, frame.height - 1), columns);
-    TileBounds* tile = frame.tiles.data() + std::ptrdiff_t{ty} * grid.tiles_x;
-    for (int tx = 0; tx < grid.tiles_x; ++tx, ++tile) {
+    const int top = run.row * TileGrid::cells;
+    bound_columns_of(
+        frame,
+        {run.tiles.first * TileGrid::cells, top, std::min(run.tiles.last * TileGrid::cells + 1, frame.width),
+         std::min(top + TileGrid::cells + 1, frame.height)},
+        columns);
+    TileBounds* tiles = frame.tiles.data() + std::ptrdiff_t{run.row} * grid.tiles_x;
+    for (int tx = run.tiles.first; tx < run.tiles.last; ++tx) {
         const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame.width - 1);
-        tile->least = columns.least[static_cast<std::size_t>(left)];
-        tile->greatest = columns.greatest[static_cast<std::size_t>(left)];
-        tile->any_invalid = any_bit(columns.holes, left, right);
+        tiles[tx] = {columns.least[static_cast<std::size_t>(left)],
+                     columns.greatest[static_cast<std::size_t>(left)], any_bit(columns.holes, left, right)};
     }
+}
+
+void TileBounder::bound_row(int ty, int thread, SurfaceFrame& frame) {
+    bound({ty, {0, TileGrid::of(frame.width, frame.height).tiles_x}}, thread, frame);
     bounded_[static_cast<std::size_t>(ty)] = 1;
 }
 
-void TileBounder::begin(int threads, SurfaceFrame& frame) {
-    const TileGrid grid = TileGrid::of(frame.width, frame.height);
+void TileBounder::begin(int threads, int width, int height, SurfaceFrame& frame) {
+    const TileGrid grid = TileGrid::of(width, height);
     frame.tiles.resize(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
     columns_.resize(static_cast<std::size_t>(threads));
-    for (Columns& columns : columns_) columns.resize(frame.validity_words_per_row());
+    for (Columns& columns : columns_) columns.resize(BlockGrid::of(width, height).columns);
     bounded_.assign(static_cast<std::size_t>(grid.tiles_y), 0);
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
+#include "engine/surface/patches.hpp"
 #include "engine/surface/row_bands.hpp"
 #include "engine/surface/vector_unit.hpp"
 
@@ -15,13 +16,16 @@ class TileBounder {
 public:
     explicit TileBounder(VectorUnit unit) : unit_(unit) {}
 
-    /// To be called before the others, of each frame. `threads`: those that will call. No allocation once it
-    /// has seen the size.
-    void begin(int threads, SurfaceFrame& frame);
+    /// To be called before the others, of each frame that is built as a whole. `threads`: those that will
+    /// call. No allocation once it has seen the size.
+    void begin(int threads, int width, int height, SurfaceFrame& frame);
     /// The tiles whose rows are all of a band, while it is still in the cache.
     void bound_inside(const RowBand& band, SurfaceFrame& frame);
     /// All tiles that are left.
     void finish(RowBands& bands, SurfaceFrame& frame);
+
+    /// Some tiles of a frame that has all others, of the size begun with.
+    void bound(const TileRun& run, int thread, SurfaceFrame& frame);
 
 private:
     /// Over the rows of one row of tiles, by column, a strip beyond the picture.
@@ -32,7 +36,7 @@ private:
         void resize(int strips);
     };
     void bound_row(int ty, int thread, SurfaceFrame& frame);
-    void bound_columns_of(const SurfaceFrame& frame, int first, int last, Columns& columns) const;
+    void bound_columns_of(const SurfaceFrame& frame, const PixelBox& box, Columns& columns) const;
 
     VectorUnit unit_;
     std::vector<Columns> columns_;  // of each thread

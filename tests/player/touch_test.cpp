@@ -71,7 +71,8 @@ TEST_F(Touch, ReportHasEveryFigureThatPeopleRelyOn) {
     EXPECT_EQ(report["fingers"], 3);
     EXPECT_EQ(report["ticks"], 500);
     EXPECT_EQ(report["late_ticks"], 0);
-    EXPECT_EQ(report["skipped_tiles_pct"], 0);
+    EXPECT_GT(report["skipped_tiles_pct"], 0);  // the globe turns, what is around it does not
+    EXPECT_LT(report["skipped_tiles_pct"], 100);
     EXPECT_EQ(report["force_hash"].get<std::string>().find_first_not_of("0123456789abcdef"),
               std::string::npos);
     EXPECT_EQ(report["force_hash"].get<std::string>().size(), 16U);

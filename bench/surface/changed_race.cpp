@@ -1,0 +1,133 @@
+#include "bench/surface/changed_race.hpp"
+
+#include <cstring>
+
+#include "bench/surface/race.hpp"
+
+namespace touchable {
+namespace {
+
+enum class Where { disc, tiles, pixels };
+
+/// A depth plane in memory of its own.
+RawFrame copy_of(const RawFrame& raw) {
+    const PlaneView& from = raw.depth;
+    const std::ptrdiff_t row_bytes = std::ptrdiff_t{from.width} * from.bytes_per_sample;
+    const auto memory =
+        std::make_shared<std::vector<std::uint8_t>>(static_cast<std::size_t>(row_bytes * from.height));
+    for (int y = 0; y < from.height; ++y)
+        std::memcpy(memory->data() + row_bytes * y, from.row(y), static_cast<std::size_t>(row_bytes));
+    RawFrame copy;
+    copy.depth = {memory->data(), row_bytes, from.width, from.height, from.bytes_per_sample, 1};
+    copy.storage = memory;
+    return copy;
+}
+
+/// Another low bit, so that a valid code stays one.
+void change_pixel(const RawFrame& copy, int x, int y) {
+    const PlaneView& plane = copy.depth;
+    // The memory is of `copy_of`.
+    std::uint8_t* sample =
+        const_cast<std::uint8_t*>(plane.row(y)) + std::ptrdiff_t{x} * plane.bytes_per_sample;
+    std::uint16_t code = plane.sample(x, y);
+    code = static_cast<std::uint16_t>(code > 2 ? code ^ 1 : code);
+    std::memcpy(sample, &code, static_cast<std::size_t>(plane.bytes_per_sample));
+}
+
+/// Another picture in `pct` of 100 tiles.
+RawFrame changed(const RawFrame& raw, int pct, Where where) {
+    RawFrame copy = copy_of(raw);
+    const int width = raw.depth.width, height = raw.depth.height;
+    const TileGrid grid = TileGrid::of(width, height);
+    // A disc of that share of the picture, where it does not reach beyond it.
+    const double square = static_cast<double>(pct) * width * height / 314;
+    std::uint64_t state = 5;
+    for (int ty = 0; ty < grid.tiles_y; ++ty)
+        for (int tx = 0; tx < grid.tiles_x; ++tx) {
+            const int left = tx * TileGrid::cells, top = ty * TileGrid::cells;
+            const double dx = left + 8 - 0.5 * width, dy = top + 8 - 0.5 * height;
+            state = state * 6364136223846793005U + 1442695040888963407U;
+            const bool chosen =
+                pct == 100 || (where == Where::disc ? dx * dx + dy * dy < square
+                                                    : static_cast<int>((state >> 33) % 100) < pct);
+            if (!chosen) continue;
+            if (where == Where::pixels) {
+                change_pixel(copy, std::min(left + static_cast<int>(state >> 40) % 16, width - 1),
+                             std::min(top + static_cast<int>(state >> 50) % 16, height - 1));
+                continue;
+            }
+            for (int y = top; y < std::min(top + TileGrid::cells, height); ++y)
+                for (int x = left; x < std::min(left + TileGrid::cells, width); ++x) change_pixel(copy, x, y);
+        }
+    return copy;
+}
+
+/// Two frames in turn, by a builder into a slot of their own.
+struct Turns {
+    std::unique_ptr<SurfaceBuilder> builder;
+    RawFrame frames[2];
+    int next = 0;
+    SurfaceFrame slot = {};
+
+    Result<void> build() {
+        next = 1 - next;
+        return builder->build(frames[1 - next], slot);
+    }
+};
+
+Result<void> check(const std::string& name, const Turns& turns, const MakeBuilder& make_builder) {
+    auto builder = make_builder();
+    if (!builder.ok()) return builder.error();
+    SurfaceFrame whole;
+    if (auto built = (*builder)->build(turns.frames[1 - turns.next], whole); !built.ok()) return built;
+    const SurfaceFrame& slot = turns.slot;
+    if (whole.codes == slot.codes && whole.validity == slot.validity && whole.tiles == slot.tiles) return {};
+    return Error{ErrorKind::check, name + " differs from the whole frame"};
+}
+
+/// Against whole frames alone, so that what both read and write is in the caches as far as it is with a clip.
+Result<void> race_with_whole(const std::string& name, const RawFrame& before, const RawFrame& after,
+                             const MakeBuilder& make_builder, int rounds, Figures& figures) {
+    auto in_part = make_builder(), as_whole = make_builder();
+    if (!in_part.ok() || !as_whole.ok()) return in_part.ok() ? as_whole.error() : in_part.error();
+    Turns turns[] = {{std::move(*in_part), {before, after}}, {std::move(*as_whole), {before, after}}};
+    for (RawFrame& frame : turns[1].frames) frame.storage = nullptr;  // nothing is known of the frame before
+    std::vector<Racer> racers{{name, [&] { return turns[0].build(); }},
+                              {"full", [&] { return turns[1].build(); }}};
+    for (const int count : {3, rounds}) {
+        for (Racer& racer : racers) racer.times = {};
+        if (auto raced = race(racers, count); !raced.ok()) return raced;
+        for (const Turns& some : turns)
+            if (auto checked = check(name, some, make_builder); !checked.ok()) return checked;
+    }
+    add_times(figures, name, racers[0].times);
+    figures.push_back({name + "_vs_full", racers[0].times.wall_ms / racers[1].times.wall_ms, ""});
+    figures.push_back({name + "_tiles_pct", 100 * turns[0].builder->built_share(), "%"});
+    return {};
+}
+
+}  // namespace
+
+Result<void> race_changed(const RawFrame& raw, const std::string& prefix, const MakeBuilder& make_builder,
+                          int rounds, Figures& figures) {
+    struct Kind {
+        std::string name;
+        int pct;
+        Where where;
+    };
+    std::vector<Kind> kinds{{"unchanged", 0, Where::tiles}, {"dirty100", 100, Where::tiles}};
+    for (const int pct : {1, 10, 30}) {
+        const std::string name = "dirty" + std::to_string(pct);
+        kinds.push_back({name, pct, Where::disc});
+        kinds.push_back({name + "_scattered", pct, Where::tiles});
+        kinds.push_back({name + "_speckled", pct, Where::pixels});
+    }
+    for (const Kind& kind : kinds)
+        if (auto raced = race_with_whole(prefix + kind.name, copy_of(raw), changed(raw, kind.pct, kind.where),
+                                         make_builder, rounds, figures);
+            !raced.ok())
+            return raced;
+    return {};
+}
+
+}  // namespace touchable

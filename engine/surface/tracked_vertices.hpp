@@ -1,0 +1,33 @@
+#pragma once
+
+#include "engine/frame/surface_frame.hpp"
+#include "engine/surface/frame_changes.hpp"
+
+namespace touchable {
+
+/// Filtered vertices that know which build their frame holds. No other builder keeps them in a slot of its
+/// own.
+class TrackedVertices final : public VertexSource {
+public:
+    explicit TrackedVertices(const SurfaceFrame& frame) : filtered_(frame) {}
+    DepthSample at(int x, int y) const override { return filtered_.at(x, y); }
+    TileDepths tile(int tx, int ty) const override { return filtered_.tile(tx, ty); }
+    const SurfaceFrame* read_from() const override { return filtered_.read_from(); }
+
+    BuildNumber build = 0;
+
+private:
+    FilteredVertices filtered_;
+};
+
+/// Those of a slot, new ones where it has none that read it.
+inline TrackedVertices& tracked_vertices(SurfaceFrame& slot) {
+    auto* vertices = dynamic_cast<TrackedVertices*>(slot.vertices.get());
+    if (vertices != nullptr && vertices->read_from() == &slot) return *vertices;
+    auto made = std::make_unique<TrackedVertices>(slot);
+    vertices = made.get();
+    slot.vertices = std::move(made);
+    return *vertices;
+}
+
+}  // namespace touchable

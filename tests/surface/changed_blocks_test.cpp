@@ -1,0 +1,312 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/surface/changed_pixels.hpp"
+#include "engine/surface/frame_changes.hpp"
+#include "engine/surface/patches.hpp"
+#include "tests/surface/pictures.hpp"
+
+// What has changed, and what has to be built again because of it.
+namespace touchable::test {
+namespace {
+
+constexpr std::pair<int, int> sizes[] = {{1, 1},   {31, 15}, {32, 16},  {33, 17}, {34, 33},
+                                         {97, 48}, {7, 130}, {203, 81}, {64, 64}};
+
+/// Blocks with a pixel of `pixels`, one by one.
+template <class Contains>
+std::vector<std::uint8_t> blocks_with(int width, int height, Contains&& contains) {
+    const BlockGrid grid = BlockGrid::of(width, height);
+    std::vector<std::uint8_t> blocks(static_cast<std::size_t>(grid.columns * grid.rows));
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            if (contains(x, y)) blocks[static_cast<std::size_t>(y / 16 * grid.columns + x / 32)] = 1;
+    return blocks;
+}
+
+std::vector<std::uint8_t> blocks_of(const BlockMap& map) {
+    std::vector<std::uint8_t> blocks;
+    for (int y = 0; y < map.grid().rows; ++y)
+        for (int x = 0; x < map.grid().columns; ++x) blocks.push_back(map.contains(x, y) ? 1 : 0);
+    return blocks;
+}
+
+BlockMap random_map(int width, int height, Random& random) {
+    BlockMap map(width, height);
+    for (int n = random.below(1 + map.grid().columns * map.grid().rows / 2); n >= 0; --n) {
+        const int x = random.below(width), y = random.below(height);
+        map.add(PixelBox{x, y, x + 1, y + 1});
+    }
+    return map;
+}
+
+TEST(BlockMap, HasEveryBlockThatABoxTouches) {
+    Random random(1);
+    for (const auto& [width, height] : sizes)
+        for (int n = 0; n < 100; ++n) {
+            const PixelBox box{random.below(2 * width) - width, random.below(2 * height) - height,
+                               random.below(2 * width), random.below(2 * height)};
+            BlockMap map(width, height);
+            map.add(box);
+            const auto expected = blocks_with(width, height, [&](int x, int y) {
+                return x >= box.left && x < box.right && y >= box.top && y < box.bottom;
+            });
+            ASSERT_EQ(blocks_of(map), expected) << width << "x" << height;
+            ASSERT_EQ(map.count(), std::count(expected.begin(), expected.end(), 1));
+        }
+}
+
+TEST(BlockMap, IsTheUnionOfWhatWasAdded) {
+    Random random(2);
+    for (const auto& [width, height] : sizes) {
+        const BlockMap a = random_map(width, height, random), b = random_map(width, height, random);
+        BlockMap both = a;
+        both.add(b);
+        auto expected = blocks_of(a);
+        const auto other = blocks_of(b);
+        for (std::size_t n = 0; n < expected.size(); ++n) expected[n] |= other[n];
+        EXPECT_EQ(blocks_of(both), expected);
+        both.clear();
+        EXPECT_EQ(both.count(), 0);
+    }
+}
+
+/// Around the samples of a block that differ, by looking at each.
+PixelBox obvious_box(const PlaneView& a, const PlaneView& b, int column, int row) {
+    PixelBox box{a.width, a.height, 0, 0};
+    for (int y = row * 16; y < std::min(row * 16 + 16, a.height); ++y)
+        for (int x = column * 32; x < std::min(column * 32 + 32, a.width); ++x)
+            for (int c = 0; c < a.channels; ++c)
+                if (a.sample(x, y, c) != b.sample(x, y, c))
+                    box = {std::min(box.left, x), std::min(box.top, y), std::max(box.right, x + 1),
+                           std::max(box.bottom, y + 1)};
+    return box.empty() ? PixelBox{} : box;
+}
+
+void expect_found(const PlaneView& a, const PlaneView& b, VectorUnit unit) {
+    const PlaneComparison planes(a, b, unit);
+    const BlockGrid grid = BlockGrid::of(a.width, a.height);
+    std::vector<PixelBox> boxes(static_cast<std::size_t>(grid.columns));
+    std::vector<std::uint8_t> columns;
+    for (int row = 0; row < grid.rows; ++row) {
+        planes.find(row, boxes, columns);
+        int at_top = 0;
+        for (int column = 0; column < grid.columns; ++column) {
+            PixelBox& found = boxes[static_cast<std::size_t>(column)];
+            const PixelBox expected = obvious_box(a, b, column, row);
+            ASSERT_EQ(found.left, expected.left);
+            ASSERT_EQ(found.right, expected.right);
+            if (!found.empty()) planes.narrow(found);
+            ASSERT_EQ(found, expected) << a.width << "x" << a.height << ", " << a.channels << " of "
+                                       << a.bytes_per_sample << " bytes, block " << column << ", " << row;
+            at_top += !expected.empty() && expected.top == row * 16;
+        }
+        ASSERT_EQ(planes.changed_at_top(row), at_top);
+    }
+}
+
+TEST(ChangedPixels, AreFoundInEverySampleForm) {
+    Random random(3);
+    for (const auto& [width, height] : sizes)
+        for (const auto& [channels, bytes] : {std::pair{1, 1}, {1, 2}, {3, 1}})
+            for (int n = 0; n < 8; ++n) {
+                const int samples = width * channels;
+                std::vector<std::uint16_t> before(static_cast<std::size_t>(samples * height), 7);
+                std::vector<std::uint16_t> after = before;
+                const int changes = n == 0 ? 0 : n == 1 ? samples * height * 4 : random.below(6) + 1;
+                for (int k = 0; k < changes; ++k)
+                    after[static_cast<std::size_t>(random.below(samples * height))] = 8;
+                StoredPlane a = store_plane(samples, height, before, {bytes, random.below(4), n % 2 == 0});
+                StoredPlane b = store_plane(samples, height, after, {bytes, random.below(4), n % 3 == 0});
+                for (StoredPlane* plane : {&a, &b}) {
+                    plane->view.width = width;
+                    plane->view.channels = channels;
+                }
+                for (const VectorUnit unit : usable_vector_units()) expect_found(a.view, b.view, unit);
+            }
+}
+
+/// Every stale block is in one patch, no pixel in two; what a patch has around it is all that its pixels
+/// depend on; and every tile with a vertex in a stale block is there, once.
+TEST(Patches, CoverEveryStaleBlockOnce) {
+    Random random(4);
+    Patches patches;
+    for (const auto& [width, height] : sizes)
+        for (const int reach : {0, 1, 2, 5, 17, 34})
+            for (int n = 0; n < 6; ++n) {
+                const BlockMap map = random_map(width, height, random);
+                patches.cover(map, width, height, reach);
+                std::vector<int> covered(static_cast<std::size_t>(width * height));
+                for (const auto& [inner, outer] : patches.patches) {
+                    for (int y = inner.top; y < inner.bottom; ++y)
+                        for (int x = inner.left; x < inner.right; ++x)
+                            ++covered[static_cast<std::size_t>(y * width + x)];
+                    EXPECT_EQ(outer.left, std::max(inner.left - reach, 0));
+                    EXPECT_EQ(outer.top, std::max(inner.top - reach, 0));
+                    EXPECT_EQ(outer.right, std::min(inner.right + reach, width));
+                    EXPECT_EQ(outer.bottom, std::min(inner.bottom + reach, height));
+                    EXPECT_EQ(inner.left % 32, 0);
+                    EXPECT_TRUE(inner.right % 32 == 0 || inner.right == width);
+                }
+                EXPECT_EQ(patches.cost > 0, !patches.patches.empty());
+                for (int y = 0; y < height; ++y)
+                    for (int x = 0; x < width; ++x) {
+                        const int times = covered[static_cast<std::size_t>(y * width + x)];
+                        ASSERT_LE(times, 1);
+                        ASSERT_TRUE(times == 1 || !map.contains(x / 32, y / 16));
+                    }
+                const TileGrid grid = TileGrid::of(width, height);
+                std::vector<int> tiles(static_cast<std::size_t>(grid.tiles_x * grid.tiles_y));
+                for (const auto& [row, run] : patches.tile_runs)
+                    for (int tx = run.first; tx < run.last; ++tx)
+                        ++tiles[static_cast<std::size_t>(row * grid.tiles_x + tx)];
+                EXPECT_EQ(patches.tiles, std::count(tiles.begin(), tiles.end(), 1));
+                for (int ty = 0; ty < grid.tiles_y; ++ty)
+                    for (int tx = 0; tx < grid.tiles_x; ++tx) {
+                        bool stale = false;
+                        for (int y = ty * 16; y <= std::min(ty * 16 + 16, height - 1); ++y)
+                            for (int x = tx * 16; x <= std::min(tx * 16 + 16, width - 1); ++x)
+                                stale = stale || map.contains(x / 32, y / 16);
+                        const int times = tiles[static_cast<std::size_t>(ty * grid.tiles_x + tx)];
+                        ASSERT_LE(times, 1);
+                        ASSERT_TRUE(times == 1 || !stale) << tx << ", " << ty;
+                    }
+            }
+}
+
+/// Frames of 128x64 codes that keep their planes.
+RawFrame kept_frame(const std::vector<std::uint16_t>& codes) {
+    auto memory = std::make_shared<const StoredPlane>(store_plane(128, 64, codes, {}));
+    RawFrame raw = memory->frame();
+    raw.storage = memory;
+    return raw;
+}
+
+class Changes : public testing::Test {
+protected:
+    /// The next frame, with another code at (x, y).
+    BuildNumber change(int x, int y) {
+        ++codes_[static_cast<std::size_t>(y * 128 + x)];
+        return changes_.advance(kept_frame(codes_), bands_);
+    }
+    BuildNumber repeat() { return changes_.advance(kept_frame(codes_), bands_); }
+    std::string stale(BuildNumber held) {
+        const BlockMap* map = changes_.stale_blocks(held);
+        if (map == nullptr) return "all";
+        std::string text;
+        for (int y = 0; y < 4; ++y)
+            for (int x = 0; x < 4; ++x)
+                if (map->contains(x, y)) text += std::to_string(x) + std::to_string(y) + " ";
+        return text;
+    }
+
+    std::vector<std::uint16_t> codes_ = std::vector<std::uint16_t>(128 * 64, 100);
+    RowBands bands_{2};
+    FrameChanges changes_{128, 64, 1, usable_vector_units().front()};
+};
+
+TEST_F(Changes, GoAsFarAsFiltersReach) {
+    repeat();
+    EXPECT_EQ(stale(change(40, 20)), "");  // of the build itself
+    for (const auto& [x, y, expected] : {std::tuple{40, 20, "11 "},
+                                         {32, 20, "01 11 "},
+                                         {63, 20, "11 21 "},
+                                         {40, 16, "10 11 "},
+                                         {40, 31, "11 12 "},
+                                         {32, 16, "00 10 01 11 "},
+                                         {0, 0, "00 "},
+                                         {127, 63, "33 "}}) {
+        const BuildNumber before = repeat();
+        change(x, y);
+        EXPECT_EQ(stale(before), expected) << x << ", " << y;
+    }
+}
+
+TEST_F(Changes, AddUpSinceTheBuildThatASlotHolds) {
+    const BuildNumber first = repeat(), second = change(8, 8), third = change(40, 8), fourth = change(8, 8);
+    EXPECT_EQ(stale(first), "00 10 ");  // changed back or not
+    EXPECT_EQ(stale(second), "00 10 ");
+    EXPECT_EQ(stale(third), "00 ");
+    EXPECT_EQ(stale(fourth), "");
+}
+
+TEST_F(Changes, AreUnknownOfOtherBuildsAndOldOnes) {
+    FrameChanges others(128, 64, 1, VectorUnit::baseline);
+    const BuildNumber other = others.advance(kept_frame(codes_), bands_), first = repeat();
+    EXPECT_NE(other, first);
+    EXPECT_EQ(stale(0), "all");
+    EXPECT_EQ(stale(other), "all");
+    for (int n = 0; n < 7; ++n) {
+        EXPECT_EQ(stale(first), n == 0 ? "" : "00 ") << n;
+        change(8, 8);
+    }
+    EXPECT_EQ(stale(first), "00 ");
+    change(8, 8);
+    EXPECT_EQ(stale(first), "all");
+}
+
+TEST_F(Changes, AreUnknownWherePlanesAreNotKeptOrHaveAnotherForm) {
+    const BuildNumber first = repeat();
+    RawFrame brief = kept_frame(codes_);
+    brief.storage = nullptr;  // though it lives until the end of this test
+    const auto owner = kept_frame(codes_);
+    brief.depth = owner.depth;
+    const BuildNumber second = changes_.advance(brief, bands_);
+    EXPECT_EQ(stale(first), "");  // it can be compared with the one before
+    const BuildNumber third = repeat();
+    EXPECT_EQ(stale(second), "all");
+    EXPECT_EQ(stale(third), "");
+    auto memory = std::make_shared<const StoredPlane>(store_plane(128, 64, codes_, {1, 0, false}));
+    RawFrame narrow = memory->frame();
+    narrow.storage = memory;
+    changes_.advance(narrow, bands_);
+    EXPECT_EQ(stale(third), "all");
+}
+
+/// For a while, after which they are.
+TEST_F(Changes, AreNotLookedForWhereAllIsMoving) {
+    repeat();
+    for (std::uint16_t& code : codes_) ++code;
+    for (int n = 0; n < 9; ++n) {
+        const BuildNumber before = repeat();
+        change(8, 8);
+        EXPECT_EQ(stale(before), n < 4 ? "all" : "00 ") << n;
+    }
+    changes_.comparing_was_in_vain();
+    const BuildNumber before = repeat();
+    EXPECT_EQ(stale(before), "");
+    change(8, 8);
+    EXPECT_EQ(stale(before), "all");
+}
+
+TEST_F(Changes, TellHapticAndHeightPlanesApart) {
+    const auto planes = std::make_shared<const std::vector<std::uint8_t>>(128 * 64 * 3, std::uint8_t{5});
+    auto other = std::make_shared<std::vector<std::uint8_t>>(*planes);
+    other->back() = 6;
+    const auto advance = [&](const std::uint8_t* haptic, const std::uint8_t* height) {
+        RawFrame raw = kept_frame(codes_);
+        raw.storage =
+            std::make_shared<std::tuple<std::shared_ptr<const void>, decltype(planes), decltype(other)>>(
+                raw.storage, planes, other);
+        if (haptic) raw.haptic = {haptic, 128 * 3, 128, 64, 1, 3};
+        if (height) raw.height = {height, 128, 128, 64, 1, 1};
+        return changes_.advance(raw, bands_);
+    };
+    const BuildNumber none = advance(nullptr, nullptr);
+    const BuildNumber both = advance(planes->data(), planes->data());
+    EXPECT_FALSE(changes_.same_touch_planes(none));
+    const BuildNumber again = advance(planes->data(), planes->data());
+    EXPECT_TRUE(changes_.same_touch_planes(both));
+    const BuildNumber rougher = advance(other->data(), planes->data());
+    EXPECT_FALSE(changes_.same_touch_planes(both));
+    EXPECT_FALSE(changes_.same_touch_planes(again));
+    EXPECT_TRUE(changes_.same_touch_planes(rougher));
+    advance(other->data(), nullptr);
+    EXPECT_FALSE(changes_.same_touch_planes(rougher));
+    EXPECT_FALSE(changes_.same_touch_planes(0));
+    EXPECT_EQ(stale(none), "");
+}
+
+}  // namespace
+}  // namespace touchable::test
