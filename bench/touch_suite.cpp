@@ -8,6 +8,7 @@
 #include "bench/touch/frame_change_run.hpp"
 #include "bench/touch/globe_run.hpp"
 #include "bench/touch/proven_run.hpp"
+#include "bench/touch/steadiness_run.hpp"
 #include "bench/touch/timing_run.hpp"
 
 namespace touchable {
@@ -36,6 +37,7 @@ public:
                 c.preset = preset;
                 add_globe(c);
             }
+        add_steadiness();
         return std::move(cases_);
     }
 
@@ -59,6 +61,18 @@ private:
                  if (measured.ok()) return measured;
                  return Error{measured.error().kind, name_of(run.setup) + ": " + measured.error().message};
              }});
+    }
+
+    void add_steadiness() {
+        const auto hold = FrameInterpolation::hold;
+        for (const SteadinessRun& run : {SteadinessRun{"off"},
+                                         {"temporal", true},
+                                         {"temporal-wide", true, 1.5},
+                                         {"temporal-ungated", true, 1e9},
+                                         {"off-hold", false, 1, hold},
+                                         {"temporal-hold", true, 1, hold}})
+            cases_.push_back({"noisy-320x240-16-48f-world-" + run.name,
+                              [run](Figures& figures) { return measure_steadiness(run, figures); }});
     }
 
     void add_bumps(Size size) {

@@ -16,7 +16,7 @@ struct FieldVertex {
 
 /// The surface under the hand at one moment: a pair of frames and a blend, seen as a lattice of vertices with
 /// one per pixel, a ring at the far plane around the picture, and flat strips beyond it, so that every
-/// integer (i, j) is a vertex (docs/conventions.md, From stored value to surface 5 to 8, and Time). Nothing
+/// integer (i, j) is a vertex (docs/conventions.md, From stored value to surface 6 to 9, and Time). Nothing
 /// is computed but what is asked for. Cheap to make; refers to the scene and the frames.
 class HeightField {
 public:

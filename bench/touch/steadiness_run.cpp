@@ -1,0 +1,203 @@
+#include "bench/touch/steadiness_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <memory>
+#include <vector>
+
+#include "bench/touch/noisy_scene.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "engine/trigonometry.hpp"
+#include "haptics_cpu/touch_solver.hpp"
+
+namespace touchable {
+namespace {
+
+using Forces = std::vector<glm::dvec3>;  // of one finger, tick by tick
+
+constexpr double depth_under = 3;                // mm
+constexpr int first_tick = 400, ticks = 2048;    // once the filter has settled
+constexpr double least_hz = 20, tick_hz = 1000;  // the band ends at half of it
+constexpr double ghost_mm = 15, moving_mm = 1;
+// Where the ball never is, away from the border; in every row a finger each 24 pixels.
+constexpr int rows[] = {16, 36, 204, 224}, first_column = 28, column_step = 24, columns = 12;
+
+Scene scene_of(const SteadinessRun& run) {
+    Scene scene = noisy_scene();
+    scene.interpolation = run.interpolation;
+    scene.filter.temporal = run.temporal;
+    scene.filter.temporal_noise.constant *= run.noise_factor;
+    scene.filter.temporal_noise.quadratic *= run.noise_factor;
+    return scene;
+}
+
+Result<std::vector<SurfaceFrame>> frames_of(const Scene& scene, const TrueDepth& truth, int count) {
+    std::vector<SurfaceFrame> frames(static_cast<std::size_t>(count));
+    const auto builder = make_cpu_builder(scene);
+    for (int n = 0; n < count; ++n)
+        if (auto built = builder->build(noisy_frame(scene, truth, n), frames[static_cast<std::size_t>(n)]);
+            !built.ok())
+            return built.error();
+    return frames;
+}
+
+FramePair pair_at(const Scene& scene, const std::vector<SurfaceFrame>& frames, std::int64_t time_ns) {
+    std::int64_t n = 0;
+    while (scene.rate.time_ns(n + 1) <= time_ns) ++n;
+    const auto timed = [&](std::int64_t number) {
+        return TimedFrame{number, scene.rate.time_ns(number), &frames[static_cast<std::size_t>(number)]};
+    };
+    FramePair pair{timed(n), timed(n + 1), 0};
+    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+    return pair;
+}
+
+glm::dvec3 goal_under(const Scene& scene, const glm::dvec2& pixel) {
+    const double depth = ball_and_wall(pixel.x, pixel.y, 0) + depth_under;
+    return {depth * (pixel.x - scene.camera.cx) / scene.camera.fx,
+            -depth * (pixel.y - scene.camera.cy) / scene.camera.fy, -depth};
+}
+
+Result<std::vector<Forces>> forces_at_rest(const Scene& scene, const std::vector<SurfaceFrame>& frames) {
+    const auto solver = TouchSolver::create(scene, {});
+    if (!solver.ok()) return solver.error();
+    std::vector<glm::dvec3> goals;
+    for (const int row : rows)
+        for (int column = 0; column < columns; ++column)
+            goals.push_back(goal_under(scene, {first_column + column_step * column, row}));
+    std::vector<FingerState> fingers(goals.size());
+    std::vector<Contact> contacts(goals.size());
+    std::vector<Forces> forces(goals.size());
+    for (int tick = 0; tick < first_tick + ticks; ++tick) {
+        const FramePair pair = pair_at(scene, frames, std::int64_t{tick} * 1'000'000);
+        solver->tick(HeightField(scene, pair), goals, fingers, contacts);
+        for (std::size_t k = 0; tick >= first_tick && k < forces.size(); ++k)
+            forces[k].push_back(contacts[k].force);
+    }
+    return forces;
+}
+
+/// Mean square of a series from least_hz on: all of it, less that of the slower waves (Parseval), under a
+/// window of Hann's that hides where it begins and ends.
+double band_power(const std::vector<double>& series) {
+    const auto count = static_cast<double>(series.size());
+    double mean = 0;
+    for (const double value : series) mean += value / count;
+    std::vector<double> windowed;
+    double window_power = 0, power = 0;
+    for (std::size_t n = 0; n < series.size(); ++n) {
+        const double window = 0.5 - 0.5 * cosine(2 * pi * static_cast<double>(n) / count);
+        window_power += window * window;
+        windowed.push_back(window * (series[n] - mean));
+        power += windowed[n] * windowed[n];
+    }
+    for (int wave = 0; wave * tick_hz / count < least_hz; ++wave) {
+        double in = 0, out = 0;
+        for (std::size_t n = 0; n < series.size(); ++n) {
+            // The angle within one turn, whatever n.
+            const auto turns =
+                static_cast<double>(static_cast<std::size_t>(wave) * n % series.size()) / count;
+            in += windowed[n] * cosine(2 * pi * turns);
+            out += windowed[n] * sine(2 * pi * turns);
+        }
+        power -= (wave == 0 ? 1.0 : 2.0) * (in * in + out * out) / count;
+    }
+    return std::max(power, 0.0) / window_power;
+}
+
+double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
+    return arctangent2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / pi;
+}
+
+void add_rest(const std::vector<Forces>& fingers, Figures& figures) {
+    double power = 0, greatest_step = 0, angles = 0;
+    for (const Forces& forces : fingers) {
+        glm::dvec3 sum(0.0);
+        std::vector<double> parts[3];
+        for (std::size_t n = 0; n < forces.size(); ++n) {
+            sum += forces[n];
+            for (int axis = 0; axis < 3; ++axis) parts[axis].push_back(forces[n][axis]);
+            if (n > 0) greatest_step = std::max(greatest_step, glm::distance(forces[n], forces[n - 1]));
+        }
+        for (const auto& part : parts) power += band_power(part);
+        double squares = 0;
+        for (const glm::dvec3& force : forces) squares += angle_deg(force, sum) * angle_deg(force, sum);
+        angles += squares / static_cast<double>(forces.size());
+    }
+    const auto count = static_cast<double>(fingers.size());
+    figures.push_back({"force_band_mn", 1000 * std::sqrt(power / count), "mN"});
+    figures.push_back({"force_step_n_max", greatest_step, "N"});
+    figures.push_back({"force_jitter_deg", std::sqrt(angles / count), "deg"});
+}
+
+/// Of the pixels whose true depth changes from frame to frame: how far on the mean what is shown lies towards
+/// where the surface was, and how many are nowhere near the truth.
+struct Movers {
+    double lag = 0, ghosts = 0, count = 0;
+
+    void look_at(const Scene& scene, const std::vector<SurfaceFrame>& frames, const TrueDepth& truth) {
+        for (std::size_t n = 10; n < frames.size(); ++n) {
+            const auto time = [&](std::size_t frame) {
+                return static_cast<double>(scene.rate.time_ns(static_cast<std::int64_t>(frame))) * 1e-9;
+            };
+            for (int y = 0; y < scene.height; ++y)
+                for (int x = 0; x < scene.width; ++x) {
+                    const double now = truth(x, y, time(n)), moved = now - truth(x, y, time(n - 1));
+                    const DepthSample shown = sample_of(frames[n], x, y);
+                    if (!shown.valid || !(std::fabs(moved) > moving_mm)) continue;
+                    const double off = shown.depth - now;
+                    lag += moved > 0 ? -off : off;
+                    ghosts += std::fabs(off) > ghost_mm;
+                    ++count;
+                }
+        }
+    }
+};
+
+/// How far a wall 1 m away that comes nearer is seen behind itself.
+Result<double> approach_lag(Scene scene, double speed) {
+    scene.width = 96;
+    scene.height = 64;
+    const auto truth = [speed](double, double, double t) { return 1000 - speed * (t - 0.5); };
+    const auto frames = frames_of(scene, truth, 30);
+    if (!frames.ok()) return frames.error();
+    double sum = 0, count = 0;
+    for (std::size_t n = 10; n < frames->size(); ++n)
+        for (int y = 0; y < scene.height; ++y)
+            for (int x = 0; x < scene.width; ++x) {
+                const DepthSample shown = sample_of((*frames)[n], x, y);
+                if (!shown.valid) continue;
+                sum +=
+                    shown.depth -
+                    truth(0, 0, static_cast<double>(scene.rate.time_ns(static_cast<std::int64_t>(n))) * 1e-9);
+                ++count;
+            }
+    return sum / count;
+}
+
+}  // namespace
+
+Result<void> measure_steadiness(const SteadinessRun& run, Figures& figures) {
+    const Scene scene = scene_of(run);
+    const auto frames = frames_of(scene, ball_and_wall, run.frames);
+    if (!frames.ok()) return frames.error();
+    const auto forces = forces_at_rest(scene, *frames);
+    if (!forces.ok()) return forces.error();
+    add_rest(*forces, figures);
+    Movers movers;
+    movers.look_at(scene, *frames, ball_and_wall);
+    if (!(movers.count > 0)) return Error{ErrorKind::check, run.name + ": nothing moves"};
+    figures.push_back({"lag_mm", movers.lag / movers.count, "mm"});
+    figures.push_back({"ghost_pct", 100 * movers.ghosts / movers.count, "%"});
+    for (const int speed : {5, 10, 20, 40, 80, 160}) {
+        const auto lag = approach_lag(scene, speed);
+        if (!lag.ok()) return lag.error();
+        figures.push_back({"lag_mm_" + std::to_string(speed), *lag, "mm"});
+    }
+    return {};
+}
+
+}  // namespace touchable
