@@ -9,6 +9,7 @@
 #include "bench/surface/lazy_run.hpp"
 #include "bench/surface/stages.hpp"
 #include "bench/surface/surface_case.hpp"
+#include "bench/surface/temporal_race.hpp"
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -59,6 +60,8 @@ Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, F
         if (auto done = measure_terraces(c, picture, frames, kernels, figures); !done.ok()) return done;
     if (c.holes_pct > 0)
         if (auto done = measure_filling(c, picture, frames, kernels, figures); !done.ok()) return done;
+    if (auto raced = race_with_temporal(c, picture, std::max(frames / 5, 3), kernels, figures); !raced.ok())
+        return raced;
     if (c.bits == 16 && c.holes_pct == 0)
         if (auto done = measure_lazy(c.width, c.height, quick, figures); !done.ok())
             return wrong(c, done.error().message);

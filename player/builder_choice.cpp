@@ -62,10 +62,6 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     if (choice.name == "lazy") return make_lazy_builder(scene);
     if (choice.name == "reference") return make_reference_builder(scene);
     if (choice.name != "vulkan") return usage_error("--builder " + choice.name + " is not known");
-    if (scene.filter.temporal) {
-        warn("the vulkan builder cannot filter in time; the cpu builder does its work");
-        return make_cpu_builder(scene);
-    }
     auto vulkan = make_vulkan(scene, gpu);
     if (vulkan.ok() || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
     warn(vulkan.error().message + "; the cpu builder does its work");

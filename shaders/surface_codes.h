@@ -60,7 +60,7 @@ struct StripConstants {
     uint may_be_invalid;  // 0 where every stored value is a valid code
     uint may_be_excluded;  // 0 where ValidCodes excludes nothing
     uint ragged;          // 0 where the width is a multiple of 8 and the height of 2
-    uint before_terraces;  // 1: codes are for terrace removal: multiplied, or no_finer_code
+    uint before_terraces;  // 1: codes are for terrace removal or the temporal filter: multiplied, or no_finer_code
 };
 
 /// Of terraces; width to along_x as in StripPush, but that a lane has one row.
@@ -68,6 +68,15 @@ struct TerracesPush {
     uint width, height, pitch;
     uint segments, segment_texels, along_x;
     uint gate, most;
+};
+
+/// Of temporal.
+struct TemporalPush {
+    uint height, pitch;  // pixels; texels from one row to the next
+    uint begins;         // 1: nothing is known of the frame before
+    uint constant, linear, quadratic, last, shift, from_last;  // TemporalGate
+    uint none;           // what an invalid code becomes; beyond `valid`
+    ValidCodes valid;    // which exclude nothing
 };
 
 /// What a strip of two rows knows of a tile, whose columns include the first of the next one, takes 8 bytes: a
@@ -95,6 +104,7 @@ struct HueCodesPush {
 
 const uint tile_bounds_group = 32u;
 const uint hue_codes_group = 32u;
+const uint temporal_group = 32u;
 const uint tile_cells = 16u;
 const uint strips_per_tile = 8u;
 

@@ -9,6 +9,7 @@
 #include "shaders/hue_codes.spv.h"
 #include "shaders/median3.spv.h"
 #include "shaders/median5.spv.h"
+#include "shaders/temporal.spv.h"
 #include "shaders/terraces.spv.h"
 #include "shaders/tile_bounds.spv.h"
 
@@ -89,11 +90,20 @@ Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, 
     return made;
 }
 
+Result<GpuProgram> SurfaceKernels::temporal() {
+    if (temporal_) return temporal_;
+    auto made =
+        GpuProgram::create(*device_, "temporal", temporal_spv,
+                           {sizeof(TemporalPush), {texels, texels, buffer, buffer}, {temporal_group, 1, 1}});
+    if (made.ok()) temporal_ = *made;
+    return made;
+}
+
 Result<GpuProgram> SurfaceKernels::tile_bounds() {
     if (tile_bounds_) return tile_bounds_;
-    auto made =
-        GpuProgram::create(*device_, "tile_bounds", tile_bounds_spv,
-                           {sizeof(TileBoundsPush), {texels, texels, buffer, buffer}, {tile_bounds_group, 1, 1}});
+    auto made = GpuProgram::create(
+        *device_, "tile_bounds", tile_bounds_spv,
+        {sizeof(TileBoundsPush), {texels, texels, buffer, buffer}, {tile_bounds_group, 1, 1}});
     if (made.ok()) tile_bounds_ = *made;
     return made;
 }

@@ -37,6 +37,7 @@ public:
     Result<GpuProgram> strip(StripKernel kernel, const StripConstants& constants);
     /// One pass of terrace removal, its taps `step` pixels away.
     Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last);
+    Result<GpuProgram> temporal();
     Result<GpuProgram> tile_bounds();
     Result<GpuProgram> hue_codes();
 
@@ -46,7 +47,7 @@ private:
     std::shared_ptr<GpuDevice> device_;
     std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
     std::map<std::array<std::uint32_t, 3>, GpuProgram> terraces_;
-    GpuProgram tile_bounds_, hue_codes_;
+    GpuProgram temporal_, tile_bounds_, hue_codes_;
 };
 
 }  // namespace touchable

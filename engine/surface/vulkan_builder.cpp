@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "engine/scene/temporal.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/vulkan_vertices.hpp"
@@ -35,12 +36,18 @@ struct StoredRows {
 constexpr ValidCodes finer_codes{
     0, no_finer_code - 1, {no_such_code, no_such_code, no_such_code, no_such_code}};
 
+/// Whether no_finer_code is beyond all codes, so that it can stand for what is invalid.
+bool leaves_room_above(const ValidCodes& valid) {
+    return valid.valid_min + valid.valid_span < no_finer_code;
+}
+
 class Builder final : public VulkanSurfaceBuilder {
 public:
     Builder(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels, const SurfacePlan& plan)
         : scene_(scene),
           kernels_(std::move(kernels)),
           plan_(plan),
+          temporal_(temporal_filter(scene)),
           terraces_(terrace_filter(scene)),
           valid_(valid_codes_of(scene.depth)),
           width_(static_cast<std::uint32_t>(scene.width)),
@@ -64,12 +71,16 @@ private:
     Result<StoredRows> import(const RawFrame& raw) const;
     bool is_importable(const PlaneView& depth) const;
     Result<StoredRows> upload(const PlaneView& depth);
-    Result<void> record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot);
+    Result<void> record(GpuCommands& commands, StoredRows rows, bool begins, const VulkanVertices& slot);
+    /// Otherwise 0 stands for what is invalid, as in the end: that is free then, and codes are not
+    /// multiplied.
+    bool has_room_above() const { return terraces_ || leaves_room_above(valid_); }
     StripPush push_for(const StoredRows& rows) const;
     Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows, bool before_terraces = false);
     Result<void> record_codes(GpuCommands& commands, int median, const StoredRows& rows, bool before_terraces,
                               const GpuBuffer& to, const VulkanVertices& slot);
-    Result<StoredRows> record_terraces(GpuCommands& commands);
+    Result<StoredRows> record_temporal(GpuCommands& commands, bool begins);
+    Result<StoredRows> record_terraces(GpuCommands& commands, const GpuBuffer& finer);
     Result<StoredRows> record_hue(GpuCommands& commands, const StoredRows& rows);
     Result<StoredRows> record_filling(GpuCommands& commands, StoredRows rows);
     Result<void> record_bounds(GpuCommands& commands, const VulkanVertices& slot);
@@ -79,15 +90,19 @@ private:
     Scene scene_;
     std::shared_ptr<SurfaceKernels> kernels_;
     SurfacePlan plan_;
+    std::optional<TemporalFilter> temporal_;
     std::optional<TerraceFilter> terraces_;
     ValidCodes valid_;
     std::uint32_t width_, height_, pitch_, strips_;  // pitch in texels, of codes
     TileGrid grid_;
     GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
     GpuBuffer between_[2];       // codes between stages
-    GpuBuffer finer_;            // codes before terraces are removed
+    GpuBuffer finer_;            // codes before they are filtered in time, or terraces are removed
+    GpuBuffer remembered_[2];    // codes filtered in time, of the last frame and of the one before
+    GpuBuffer held_;             // for how many frames codes have only been held
     GpuBuffer fill_passes_;      // which passes of hole filling have something to do
     GpuBuffer parts_;            // of tile bounds
+    std::optional<std::int64_t> last_;  // number of the frame that is remembered
     std::vector<GpuTime> stages_;
 };
 
@@ -103,7 +118,10 @@ Result<void> Builder::reserve() {
         {parts_, "parts of bounds", std::size_t{strips_} * whole(width_, 32) * tile_pair_bytes},
         {between_[0], "codes between stages", is_hue() || fills || levels ? codes_bytes() : 0},
         {between_[1], "codes between passes", fills || levels ? codes_bytes() : 0},
-        {finer_, "codes with terraces", levels ? codes_bytes() : 0},
+        {finer_, "finer codes", levels || temporal_ ? codes_bytes() : 0},
+        {remembered_[0], "codes remembered", temporal_ ? codes_bytes() : 0},
+        {remembered_[1], "codes remembered before", temporal_ ? codes_bytes() : 0},
+        {held_, "frames held", temporal_ ? codes_bytes() / 4 : 0},
         {fill_passes_, "passes of hole filling",
          fills ? sizeof(FillPass) * static_cast<std::size_t>(scene_.filter.fill_holes + 1) : 0}};
     for (const auto& [buffer, name, bytes] : buffers) {
@@ -128,10 +146,13 @@ Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
     if (!rows.ok()) return rows.error();
     auto commands = GpuCommands::begin(kernels_->device(), "surface");
     if (!commands.ok()) return commands.error();
-    if (auto recorded = record(*commands, *rows, *slot); !recorded.ok()) return recorded;
+    const bool begins = !last_ || *last_ + 1 != raw.number;
+    last_.reset();  // until all of it is done
+    if (auto recorded = record(*commands, *rows, begins, *slot); !recorded.ok()) return recorded;
     const auto submission = std::move(*commands).submit();
     if (!submission.ok()) return submission.error();
     if (auto done = submission->wait(); !done.ok()) return done;
+    last_ = raw.number;
     stages_ = submission->times();
     show(*slot, out);
     copy_touch_planes(raw, out);
@@ -190,7 +211,9 @@ Result<StoredRows> Builder::upload(const PlaneView& depth) {
                       static_cast<std::uint32_t>(pitch / 16), 0, valid_};
 }
 
-Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const VulkanVertices& slot) {
+/// `begins`: nothing is remembered of the frame before.
+Result<void> Builder::record(GpuCommands& commands, StoredRows rows, bool begins,
+                             const VulkanVertices& slot) {
     if (plan_.copies) {
         commands.copy(upload_, 0, stored_, 0, upload_.bytes());
         commands.barrier(GpuStage::transfer, GpuStage::compute);
@@ -207,13 +230,22 @@ Result<void> Builder::record(GpuCommands& commands, StoredRows rows, const Vulka
         rows = *filled;
     }
     int median = scene_.filter.median;
-    if (terraces_) {
-        if (auto filtered = record_codes(commands, median, rows, true, finer_, slot); !filtered.ok())
+    if (temporal_ || terraces_) {
+        if (auto filtered = record_codes(commands, median, rows, has_room_above(), finer_, slot);
+            !filtered.ok())
             return filtered;
-        auto levelled = record_terraces(commands);
+        rows = {finer_, 2, pitch_, 0, finer_codes};
+        median = 0;
+    }
+    if (temporal_) {
+        auto smoothed = record_temporal(commands, begins);
+        if (!smoothed.ok()) return smoothed.error();
+        rows = *smoothed;
+    }
+    if (terraces_) {
+        auto levelled = record_terraces(commands, rows.buffer);
         if (!levelled.ok()) return levelled.error();
         rows = *levelled;
-        median = 0;
     }
     if (auto ended = record_codes(commands, median, rows, false, slot.codes.gpu, slot); !ended.ok())
         return ended;
@@ -234,7 +266,9 @@ StripPush Builder::push_for(const StoredRows& rows) const {
     push.along_x = plan_.along_x ? 1 : 0;
     push.validity_words = whole(width_, 32);
     push.groups = whole(strips_ * push.segments, plan_.group_size);
-    push.factor = terraces_ ? static_cast<std::uint32_t>(terraces_->factor) : 0;
+    push.factor = static_cast<std::uint32_t>(temporal_   ? temporal_->factor
+                                             : terraces_ ? terraces_->factor
+                                                         : 0);
     push.valid = rows.valid;
     return push;
 }
@@ -262,7 +296,36 @@ Result<void> Builder::record_codes(GpuCommands& commands, int median, const Stor
     return {};
 }
 
-Result<StoredRows> Builder::record_terraces(GpuCommands& commands) {
+/// What the filter reads and writes changes places from frame to frame.
+Result<StoredRows> Builder::record_temporal(GpuCommands& commands, bool begins) {
+    const auto program = kernels_->temporal();
+    if (!program.ok()) return program.error();
+    const TemporalGate& gate = temporal_->gate;
+    ValidCodes valid = finer_codes;
+    if (!has_room_above()) {
+        valid.valid_min = valid_.valid_min;
+        valid.valid_span = valid_.valid_span;
+    }
+    const TemporalPush push{height_,
+                            pitch_,
+                            begins ? 1U : 0U,
+                            gate.constant,
+                            gate.linear,
+                            gate.quadratic,
+                            gate.last,
+                            static_cast<std::uint32_t>(gate.shift),
+                            gate.from_last ? 1U : 0U,
+                            has_room_above() ? no_finer_code : 0,
+                            valid};
+    std::swap(remembered_[0], remembered_[1]);
+    commands.dispatch(*program, push, {finer_, remembered_[1], remembered_[0], held_},
+                      {whole(pitch_, temporal_group), height_});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.mark("temporal");
+    return StoredRows{remembered_[0], 2, pitch_, 0, valid};
+}
+
+Result<StoredRows> Builder::record_terraces(GpuCommands& commands, const GpuBuffer& finer) {
     TerracesPush push{width_,
                       height_,
                       pitch_,
@@ -275,13 +338,13 @@ Result<StoredRows> Builder::record_terraces(GpuCommands& commands) {
         push.segment_texels = plan_.segment_texels;
         push.segments = whole(pitch_, push.segment_texels);
     }
-    GpuBuffer from = finer_;
+    GpuBuffer from = finer;
     for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
         const bool is_last = pass + 1 == std::size(terrace_steps);
         const auto program = kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last);
         if (!program.ok()) return program.error();
         const GpuBuffer& to = between_[pass % 2];
-        commands.dispatch(*program, push, {from, finer_, to},
+        commands.dispatch(*program, push, {from, finer, to},
                           {whole(push.height * push.segments, plan_.group_size)});
         commands.barrier(GpuStage::compute, GpuStage::compute);
         from = to;
@@ -351,7 +414,7 @@ void Builder::record_reading_back(GpuCommands& commands, const VulkanVertices& s
 void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
     out.width = scene_.width;
     out.height = scene_.height;
-    out.coding = terraces_ ? terraces_->coding : scene_.depth;
+    out.coding = terraces_ ? terraces_->coding : temporal_ ? temporal_->coding : scene_.depth;
     out.raw = {};
     const auto codes = slot.codes.host.mapped<std::uint16_t>();
     if (width_ % 8 == 0) {
@@ -371,9 +434,13 @@ void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,
                                                                   const SurfacePlan& plan) {
-    if (scene.filter.temporal)
+    const ValidCodes valid = valid_codes_of(scene.depth);
+    if (scene.filter.temporal && !leaves_room_above(valid) && valid.valid_min == 0 &&
+        valid.excluded[0] != no_such_code)
         return input_error(
-            "the vulkan builder cannot filter in time (filter.temporal is on); must be the cpu builder");
+            "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
+            "of "
+            "65536 codes but neither 0 nor 65535; must be the cpu builder");
     auto builder = std::make_unique<Builder>(scene, std::move(kernels), plan);
     if (auto reserved = builder->reserve(); !reserved.ok()) return reserved.error();
     return std::unique_ptr<VulkanSurfaceBuilder>(std::move(builder));

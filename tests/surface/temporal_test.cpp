@@ -7,6 +7,7 @@
 #include "engine/surface/fallback_builder.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
 
 // The temporal filter, frame after frame. In what is worked out by hand codes have 16 bits, so that they stay
 // as coarse as they are, and 0 is an invalid pixel.
@@ -35,6 +36,11 @@ public:
         others_.push_back(make_cpu_builder(scene));
         for (const VectorUnit unit : usable_vector_units())
             for (const int threads : {1, 3}) others_.push_back(make_cpu_builder(scene, {threads, unit}));
+        for (const SurfacePlan& plan : all_plans) {
+            auto vulkan = make_vulkan_builder(scene, test_kernels(), plan);
+            EXPECT_TRUE(vulkan.ok());
+            if (vulkan.ok()) others_.push_back(std::move(*vulkan));
+        }
         frames_.resize(others_.size());
     }
     /// The frame after the last one, or of another number.
@@ -187,20 +193,22 @@ TEST(TemporalFilter, NeverLeavesTheCodesItComesFrom) {
 class TemporalSameBits : public testing::TestWithParam<FilterSettings> {};
 
 TEST_P(TemporalSameBits, OverFramesOfEveryKind) {
-    for (const int bits : {8, 12, 16})
-        for (const Marking marking : {Marking::zero, Marking::range_and_few, Marking::none}) {
-            FilterSettings filter = GetParam();
-            if (bits == 16) filter.terraces = TerraceRemoval::off;
-            Scene scene = depth_scene(77, 37, bits, marking, filter);
-            Sequence sequence(scene);
-            Random random(static_cast<std::uint64_t>(bits));
-            for (int n = 0; n < 14; ++n) {
-                const Fill fill = n % 2 == 0 ? Fill::blob : static_cast<Fill>(random.below(fill_count));
-                sequence.show(fill_picture(scene, fill, random), n == 9 ? 30 : n + (n > 9 ? 21 : 0));
-                if (HasFailure())
-                    FAIL() << bits << " bits, marking " << static_cast<int>(marking) << ", " << n;
-            }
+    for (const auto& [bits, marking] : {std::pair{8, Marking::none},
+                                        {12, Marking::zero},
+                                        {16, Marking::zero},
+                                        {16, Marking::largest},
+                                        {16, Marking::none}}) {
+        FilterSettings filter = GetParam();
+        if (bits == 16) filter.terraces = TerraceRemoval::off;
+        const Scene scene = depth_scene(77, 37, bits, marking, filter);
+        Sequence sequence(scene);
+        Random random(static_cast<std::uint64_t>(bits));
+        for (int n = 0; n < 11; ++n) {
+            const Fill fill = n % 2 == 0 ? Fill::blob : static_cast<Fill>(random.below(fill_count));
+            sequence.show(fill_picture(scene, fill, random), n + (n > 7 ? 21 : 0));
+            if (HasFailure()) FAIL() << bits << " bits, marking " << static_cast<int>(marking) << ", " << n;
         }
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -243,6 +251,19 @@ TEST(TemporalFilter, OfTheFallbackBuilderBeginsAnew) {
         shown.push_back(frame.codes[0]);
     }
     EXPECT_EQ(shown, (Codes{1000, 1010, 1080, 1090}));
+}
+
+// Codes in between mark what is invalid by a code that no pixel has.
+TEST(TemporalFilter, TheVulkanBuilderNeedsACodeToSpare) {
+    Scene scene = depth_scene(4, 4, 16, Marking::none, {.temporal = true, .temporal_noise = {1, 0}});
+    EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0]).ok()) << "all pixels are valid";
+    scene.depth.invalid_codes[0] = 700;
+    scene.depth.invalid_code_count = 1;
+    const auto refused = make_vulkan_builder(scene, test_kernels(), all_plans[0]);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("cpu builder"), std::string::npos);
+    scene.filter.temporal = false;
+    EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0]).ok());
 }
 
 TEST(TemporalFilter, TheLazyBuilderHasNoHistory) {

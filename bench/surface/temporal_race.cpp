@@ -1,0 +1,86 @@
+#include "bench/surface/temporal_race.hpp"
+
+#include <deque>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "bench/surface/race.hpp"
+#include "bench/surface/stages.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+
+namespace touchable {
+namespace {
+
+/// A builder and the frame that it made last. Frames are numbered one after the other, as in a clip.
+struct Contender {
+    std::string name;
+    std::unique_ptr<SurfaceBuilder> builder;
+    RawFrame raw;
+    SurfaceFrame frame = {};
+
+    Result<void> next() {
+        auto built = builder->build(raw, frame);
+        ++raw.number;
+        return built;
+    }
+};
+
+/// Two frames of each, of which those with the filter are to be the reference builder's.
+Result<void> check_against_reference(const SurfaceCase& c, const Scene& scene, const RawFrame& raw,
+                                     std::deque<Contender>& all) {
+    Contender reference{"reference", make_reference_builder(scene), raw};
+    for (int n = 0; n < 2; ++n) {
+        if (auto built = reference.next(); !built.ok()) return built;
+        for (Contender& contender : all)
+            if (auto built = contender.next(); !built.ok()) return built;
+        for (std::size_t k = 0; k < all.size(); k += 2)
+            if (mismatches(reference.frame, all[k].frame) > 0)
+                return wrong(c, all[k].name + ": codes differ from the reference builder's");
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<void> race_with_temporal(const SurfaceCase& c, const Picture& picture, int frames,
+                                const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
+    for (const int side : {0, 3, 5}) {
+        Scene off = picture.scene;
+        off.filter = {.median = side};
+        Scene on = off;
+        on.filter.temporal = true;
+        on.filter.temporal_noise = {1, 2e-6};
+        const SurfacePlan plan = plan_for(kernels->device()->facts());
+        auto vulkan_on = make_vulkan_builder(on, kernels, plan),
+             vulkan_off = make_vulkan_builder(off, kernels, plan);
+        if (!vulkan_on.ok()) return vulkan_on.error();
+        if (!vulkan_off.ok()) return vulkan_off.error();
+        const VulkanSurfaceBuilder& vulkan = **vulkan_on;
+        const std::string what = "temporal" + std::to_string(side);
+        std::deque<Contender> all;  // each with the filter, and after it the same without
+        for (const int threads : {1, 2}) {
+            const std::string name = what + "_cpu_builder_" + std::to_string(threads) + "t";
+            all.push_back({name, make_cpu_builder(on, {threads}), picture.raw});
+            all.push_back({name + "_off", make_cpu_builder(off, {threads}), picture.raw});
+        }
+        all.push_back({what, std::move(*vulkan_on), picture.raw});
+        all.push_back({what + "_off", std::move(*vulkan_off), picture.raw});
+        if (auto same = check_against_reference(c, on, picture.raw, all); !same.ok()) return same;
+        std::vector<Racer> racers;
+        for (Contender& contender : all)
+            racers.push_back({contender.name, [&contender] { return contender.next(); }});
+        if (auto raced = race(racers, frames); !raced.ok()) return raced;
+        for (std::size_t k = 0; k < racers.size(); k += 2) {
+            add_times(figures, racers[k].name, racers[k].times);
+            figures.push_back({racers[k].name + "_added_cpu_ms",
+                               racers[k].times.cpu_ms - racers[k + 1].times.cpu_ms, "ms"});
+        }
+        for (const GpuTime& stage : vulkan.stages())
+            if (std::string_view(stage.label) == "temporal")
+                figures.push_back({what + "_kernel_ms", stage.ms, "ms"});
+    }
+    return {};
+}
+
+}  // namespace touchable
