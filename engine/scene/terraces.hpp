@@ -36,7 +36,8 @@ inline constexpr int largest_code_with_terraces = 16378;
 /// The largest code that a depth is told by: of metric codes only those up to `far` are.
 int largest_code(const DepthCoding& coding);
 /// The coding of codes `factor` times as many, of metric codes a power of two: a multiplied code is the same
-/// depth, to the bit. No code within the planes is invalid.
+/// depth, to the bit. From the least valid code to the
+/// largest all are valid.
 DepthCoding finer(const DepthCoding& coding, int factor);
 
 /// How steep one step of the staircase feels: depth step of one code / width of one pixel, at that depth.

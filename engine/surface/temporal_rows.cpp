@@ -58,11 +58,26 @@ template <class Lanes>
     return code - lesser(kept, above) + lesser(kept, below);
 }
 
-/// Of the pixels of a word: which have a code in this frame, which had one in the frame before, which keep
-/// that.
-struct WordMasks {
-    std::uint16_t now[strip_pixels], both[strip_pixels], held[strip_pixels];
+/// Of the pixels of a word, as bits: which have a code in this frame, which had one in the frame before,
+/// which keep that.
+struct WordBits {
+    std::uint32_t now, known, held;
 };
+
+/// All ones in lanes whose bit is set, from the lowest bit on. Vectors of their own, because masks that are
+/// written narrow and read wide wait for memory.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes lanes_of_bits(std::uint32_t bits) {
+    static constexpr std::uint16_t low[strip_pixels] = {
+        1, 2, 4, 8, 0x10, 0x20, 0x40, 0x80, 0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
+    static constexpr std::uint16_t high[strip_pixels] = {
+        0, 0, 0, 0, 0,    0,    0,    0,    0,      0,      0,      0,      0,      0,      0,      0,
+        1, 2, 4, 8, 0x10, 0x20, 0x40, 0x80, 0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
+    Lanes set = load_lanes<Lanes>(low) & (Lanes{} + static_cast<std::uint16_t>(bits));
+    if constexpr (lane_count < Lanes >> 16)
+        set |= load_lanes<Lanes>(high) & (Lanes{} + static_cast<std::uint16_t>(bits >> 16));
+    return Lanes{} - lesser<Lanes>(set, Lanes{} + std::uint16_t{1});
+}
 
 struct RowSmoothing {
     const TemporalFilter& filter;
@@ -91,19 +106,13 @@ struct RowSmoothing {
         const std::uint32_t now = validity[word], known = remembered.known[word];
         if ((now & known) == ~std::uint32_t{0}) {
             smooth_all<Lanes>(at, before);
-        } else {
-            const std::uint32_t held =
-                ~now & known & ~(remembered.held_low[word] & remembered.held_high[word]);
-            WordMasks masks;
-            masks_of_bits(now, masks.now);
-            masks_of_bits(now & known, masks.both);
-            masks_of_bits(held, masks.held);
-            smooth_some<Lanes>(at, before, masks);
-            validity[word] = remembered.known[word] = now | held;
-            count_held(word, held);
+            remembered.held_low[word] = remembered.held_high[word] = 0;
             return;
         }
-        remembered.held_low[word] = remembered.held_high[word] = 0;
+        const std::uint32_t held = ~now & known & ~(remembered.held_low[word] & remembered.held_high[word]);
+        smooth_some<Lanes>(at, before, {now, known, held});
+        validity[word] = remembered.known[word] = now | held;
+        count_held(word, held);
     }
 
     [[gnu::always_inline]] void count_held(int word, std::uint32_t held) const {
@@ -123,11 +132,13 @@ struct RowSmoothing {
     /// A pixel that is new, held or invalid is as far from itself as nothing.
     template <class Lanes>
     [[gnu::always_inline]] void smooth_some(std::uint16_t* at, std::uint16_t* before,
-                                            const WordMasks& masks) const {
+                                            const WordBits& bits) const {
         for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
-            const Lanes old = load_lanes<Lanes>(before + k), both = load_lanes<Lanes>(masks.both + k);
-            const Lanes code = (finer_codes<Lanes>(at + k) & load_lanes<Lanes>(masks.now + k)) |
-                               (old & load_lanes<Lanes>(masks.held + k));
+            const Lanes now = lanes_of_bits<Lanes>(bits.now >> k),
+                        held = lanes_of_bits<Lanes>(bits.held >> k);
+            const Lanes both = now & lanes_of_bits<Lanes>(bits.known >> k);
+            const Lanes old = load_lanes<Lanes>(before + k);
+            const Lanes code = (finer_codes<Lanes>(at + k) & now) | (old & held);
             store<Lanes>(smoothed<Lanes>(code, (old & both) | (code & ~both), gate<Lanes>().at(code)), at + k,
                          before + k);
         }

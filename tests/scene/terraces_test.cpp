@@ -54,6 +54,17 @@ TEST(Terraces, TheFactorIsWhatSixteenBitsHaveRoomFor) {
     EXPECT_EQ(terrace_factor(millimetres(300, 16379).depth), 0);
 }
 
+TEST(Terraces, FinerCodesAreValidFromTheLeastToTheLargestValidOne) {
+    Scene scene = coded(DepthCodingKind::linear, 8);
+    scene.depth.invalid_codes = {0, 255, 1, 90};
+    scene.depth.invalid_code_count = 4;
+    const DepthCoding fine = finer(scene.depth, 10);
+    EXPECT_FALSE(fine.is_valid(19));
+    for (int code = 20; code <= 2540; ++code) EXPECT_TRUE(fine.is_valid(static_cast<std::uint16_t>(code)));
+    EXPECT_FALSE(fine.is_valid(2541));
+    EXPECT_EQ(fine.depth(770), scene.depth.depth(77));
+}
+
 TEST(Terraces, CodesAndGateFitTheRangeWithTheMostNoise) {
     for (int code_max = 255; code_max < 65536; code_max = code_max * 9 / 8) {
         Scene scene = coded(DepthCodingKind::linear, 16);
