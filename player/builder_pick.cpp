@@ -11,7 +11,8 @@ namespace {
 // alike.
 
 /// CPU time of a whole frame: ns for each pixel, and a rest that does not depend on them.
-constexpr double decode_ns = 0.28, median3_ns = 0.40, median5_ns = 0.60, terraces_ns = 1.35, frame_us = 10;
+constexpr double decode_ns = 0.28, median3_ns = 0.40, median5_ns = 0.60, terraces_ns = 1.35,
+                 temporal_ns = 0.15, frame_us = 10;
 
 /// CPU time that the lazy builder adds to a tick for each finger, us: a part that depends on how many pixels
 /// a finger passes, by thousands of the picture's width. Of a finger at 0.3 m/s between two frames; a slower
@@ -37,12 +38,13 @@ std::string in_words(const char* format, double first, double second = 0) {
 
 /// Filters whose answer at a pixel takes many others: too long for a tick.
 bool reaches_far(const Scene& scene) {
-    return scene.filter.fill_holes > 0 || scene.filter.temporal || terrace_filter(scene).has_value();
+    return scene.filter.fill_holes > 0 || terrace_filter(scene).has_value();
 }
 
 BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
     if (!load.moves) return {"cpu", "there is one frame"};
     if (load.live) return {"cpu", "a live tick does not wait for filters"};
+    if (load.scene.filter.temporal) return {"cpu", "a filter that remembers needs whole frames"};
     if (reaches_far(load.scene)) return {"cpu", "its filters look far around a pixel"};
     const double lazy_ms = lazy_ms_per_second(load);
     if (whole_ms - lazy_ms < least_gain_ms)
@@ -60,7 +62,7 @@ double whole_frames_ms_per_second(const TouchLoad& load) {
     const double ns = (median == 5   ? median5_ns
                        : median == 3 ? median3_ns
                                      : decode_ns) +
-                      (terrace_filter(scene) ? terraces_ns : 0);
+                      (terrace_filter(scene) ? terraces_ns : 0) + (scene.filter.temporal ? temporal_ns : 0);
     const double pixels = static_cast<double>(scene.width) * scene.height;
     const double rate = static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den);
     return rate * (pixels * ns * 1e-6 + frame_us * 1e-3);
@@ -76,8 +78,7 @@ double lazy_ms_per_second(const TouchLoad& load) {
 BuilderPick pick_builder(const TouchLoad& load, const std::function<bool()>& has_gpu) {
     const double whole_ms = whole_frames_ms_per_second(load);
     BuilderPick pick = pick_on_cpu(load, whole_ms);
-    const bool worth_a_gpu =
-        pick.name == "cpu" && load.moves && !load.scene.filter.temporal && whole_ms >= gpu_from_ms;
+    const bool worth_a_gpu = pick.name == "cpu" && load.moves && whole_ms >= gpu_from_ms;
     if (worth_a_gpu && has_gpu())
         return {"vulkan", in_words("whole frames would cost %.0f ms of CPU time a second", whole_ms)};
     return pick;

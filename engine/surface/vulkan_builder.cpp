@@ -437,11 +437,12 @@ Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& s
     const ValidCodes valid = valid_codes_of(scene.depth);
     if (scene.filter.temporal && !leaves_room_above(valid) && valid.valid_min == 0 &&
         valid.excluded[0] != no_such_code)
-        return input_error(
+        return Error{
+            ErrorKind::gpu,
             "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
-            "of "
-            "65536 codes but neither 0 nor 65535; must be the cpu builder");
-    auto builder = std::make_unique<Builder>(scene, std::move(kernels), plan);
+            "of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
+    must be the cpu builder ");
+        auto builder = std::make_unique<Builder>(scene, std::move(kernels), plan);
     if (auto reserved = builder->reserve(); !reserved.ok()) return reserved.error();
     return std::unique_ptr<VulkanSurfaceBuilder>(std::move(builder));
 }

@@ -25,8 +25,8 @@ public:
 };
 
 /// `kernels` may serve many builders, one thread at a time. Refused (ErrorKind::gpu) where the scene's frames
-/// are larger than the device's buffers may be; with a temporal filter (ErrorKind::input) where depth.invalid names
-/// some of 65536 codes, but neither 0 nor 65535.
+/// are larger than the device's buffers may be, or with a temporal filter where depth.invalid names some of 65536 codes,
+/// but neither 0 nor 65535.
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,
                                                                   const SurfacePlan& plan);
