@@ -4,6 +4,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/suite.hpp"
+#include "bench/surface/changed_race.hpp"
 #include "bench/surface/codes_race.hpp"
 #include "bench/surface/eye_race.hpp"
 #include "bench/surface/lazy_run.hpp"
@@ -39,6 +40,11 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
         !raced.ok())
         return raced;
     if (side == 5) return {};
+    if (auto raced = race_changed(
+            picture.raw, "", [&] { return Result(make_cpu_builder(picture.scene)); }, std::max(frames / 6, 1),
+            figures);
+        !raced.ok())
+        return wrong(c, raced.error().message);
     return measure_drawing(c, picture, **vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 
