@@ -441,8 +441,7 @@ Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& s
             ErrorKind::gpu,
             "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
             "of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
-    must be the cpu builder ");
-        auto builder = std::make_unique<Builder>(scene, std::move(kernels), plan);
+    auto builder = std::make_unique<Builder>(scene, std::move(kernels), plan);
     if (auto reserved = builder->reserve(); !reserved.ok()) return reserved.error();
     return std::unique_ptr<VulkanSurfaceBuilder>(std::move(builder));
 }
