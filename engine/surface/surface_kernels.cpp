@@ -1,6 +1,7 @@
 #include "engine/surface/surface_kernels.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/scene/terraces.hpp"
@@ -66,8 +67,7 @@ ValidCodes valid_codes_of(const DepthCoding& coding) {
 }
 
 Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstants& c) {
-    const Constants constants{c.group_size,      c.sample_bytes, c.may_be_invalid,
-                              c.may_be_excluded, c.ragged,       c.before_terraces};
+    const auto constants = std::bit_cast<Constants>(c);
     GpuProgram& program = strips_[{kernel, constants}];
     if (program) return program;
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};

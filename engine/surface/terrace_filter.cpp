@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "engine/surface/validity_strip.hpp"
 
 namespace touchable {
 namespace {
 
-/// Rows of which it is kept who counts: the last pass is terrace_reach behind the first, and reads one more.
-constexpr int known_rows = 2 * terrace_reach;
+static_assert(std::accumulate(std::begin(terrace_steps), std::end(terrace_steps), 0) == terrace_reach);
+
+/// Rows of which it is kept who counts: the last pass is terrace_reach behind the row that is loaded, and
+/// reads the one before its own too.
+constexpr int known_rows = terrace_reach + 2;
 
 /// The finer codes of a strip, held near what they were before the passes, and 0 where they are not valid.
 /// All in 16 bits, as CPUs like it: five passes cannot move a code by more than fits them.
@@ -32,7 +36,9 @@ void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const s
 }  // namespace
 
 void TerraceRemover::begin(int width, int threads) {
-    words_ = (width + strip_pixels - 1) / strip_pixels;
+    const int words = (width + strip_pixels - 1) / strip_pixels;
+    if (words == words_ && work_.size() == static_cast<std::size_t>(threads)) return;
+    words_ = words;
     pitch_ = words_ * strip_pixels + 2 * terrace_margin;
     work_.resize(static_cast<std::size_t>(threads));
     for (Work& work : work_) {

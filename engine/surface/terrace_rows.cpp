@@ -1,11 +1,17 @@
 #include "engine/surface/terrace_rows.hpp"
 
-#include "engine/surface/terrace_lanes.hpp"
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+
+#include "engine/scene/terraces.hpp"
 #include "engine/surface/validity_strip.hpp"
 #include "engine/surface/vectors.hpp"
 
 namespace touchable {
 namespace {
+
+static_assert(*std::max_element(std::begin(terrace_steps), std::end(terrace_steps)) <= terrace_margin);
 
 /// As many values with a sign.
 template <class Bits>
@@ -23,6 +29,32 @@ struct WithSign<Lanes64> {
     using Lanes = std::int16_t __attribute__((vector_size(64)));
 };
 
+// 16 bits are enough, though second differences may leave them (terrace_range).
+
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes clamped(const Lanes& value, const Lanes& most) {
+    const Lanes below = value < most ? value : most;
+    return below > -most ? below : -most;
+}
+
+template <class Lanes>
+struct SecondDifferences {
+    Lanes across, down, falling, rising;
+};
+
+/// 16 times what a pass adds to a code. Tents are 2 clamped(d, gate) - clamped(d, 2 gate), summed before they
+/// are multiplied.
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes levelling(const SecondDifferences<Lanes>& d, const Lanes& gate) {
+    const Lanes wide = gate + gate;
+    const Lanes straight = clamped(d.across, gate) + clamped(d.down, gate);
+    const Lanes straight_wide = clamped(d.across, wide) + clamped(d.down, wide);
+    const Lanes diagonal = clamped(d.falling, gate) + clamped(d.rising, gate);
+    const Lanes diagonal_wide = clamped(d.falling, wide) + clamped(d.rising, wide);
+    const Lanes half = straight + straight + diagonal - straight_wide;
+    return half + half - diagonal_wide;
+}
+
 /// The same place in three rows.
 struct Place {
     const std::int16_t *up, *mid, *down;
@@ -32,12 +64,12 @@ struct Place {
 template <class Bits, class Lanes>
 [[gnu::always_inline]] inline Lanes pair_difference(const std::int16_t* a, const std::int16_t* b,
                                                     const Bits& twice) {
-    return reinterpret_cast<Lanes>(lanes_at<Bits>(a) + lanes_at<Bits>(b) - twice);
+    return reinterpret_cast<Lanes>(load_lanes<Bits>(a) + load_lanes<Bits>(b) - twice);
 }
 
 template <class Bits, class Lanes>
 [[gnu::always_inline]] inline void find_differences(const Place& at, int step, SecondDifferences<Lanes>& d) {
-    const Bits centre = lanes_at<Bits>(at.mid), twice = centre + centre;
+    const Bits centre = load_lanes<Bits>(at.mid), twice = centre + centre;
     d.across = pair_difference<Bits, Lanes>(at.mid - step, at.mid + step, twice);
     d.down = pair_difference<Bits, Lanes>(at.up, at.down, twice);
     d.falling = pair_difference<Bits, Lanes>(at.up - step, at.down + step, twice);
@@ -47,10 +79,10 @@ template <class Bits, class Lanes>
 /// 0 where a tap does not count; `at`: masks.
 template <class Lanes>
 [[gnu::always_inline]] inline void leave_out_holes(const Place& at, int step, SecondDifferences<Lanes>& d) {
-    d.across &= ~(lanes_at<Lanes>(at.mid - step) | lanes_at<Lanes>(at.mid + step));
-    d.down &= ~(lanes_at<Lanes>(at.up) | lanes_at<Lanes>(at.down));
-    d.falling &= ~(lanes_at<Lanes>(at.up - step) | lanes_at<Lanes>(at.down + step));
-    d.rising &= ~(lanes_at<Lanes>(at.up + step) | lanes_at<Lanes>(at.down - step));
+    d.across &= ~(load_lanes<Lanes>(at.mid - step) | load_lanes<Lanes>(at.mid + step));
+    d.down &= ~(load_lanes<Lanes>(at.up) | load_lanes<Lanes>(at.down));
+    d.falling &= ~(load_lanes<Lanes>(at.up - step) | load_lanes<Lanes>(at.down + step));
+    d.rising &= ~(load_lanes<Lanes>(at.up + step) | load_lanes<Lanes>(at.down - step));
 }
 
 [[gnu::always_inline]] inline bool any_hole_near(const std::uint32_t* word) {
@@ -78,7 +110,7 @@ struct RowLevelling {
                 if (has_holes)
                     leave_out_holes<Lanes>({above.masks + x, here.masks + x, below.masks + x}, pass.step, d);
                 const Lanes sum = levelling(d, gate);
-                const Bits centre = lanes_at<Bits>(here.codes + x);
+                const Bits centre = load_lanes<Bits>(here.codes + x);
                 const Bits after = pass.is_last ? centre + centre + reinterpret_cast<Bits>((sum + 4) >> 3)
                                                 : centre + reinterpret_cast<Bits>((sum + 8) >> 4);
                 std::memcpy(out + x, &after, sizeof(after));

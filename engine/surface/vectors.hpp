@@ -21,8 +21,9 @@ using Lanes64 = std::uint16_t __attribute__((vector_size(64)));
 template <class Lanes>
 inline constexpr int lane_count = sizeof(Lanes) / sizeof(std::uint16_t);
 
-template <class Lanes>
-[[gnu::always_inline]] inline Lanes load_lanes(const std::uint16_t* from) {
+template <class Lanes, class Value>
+[[gnu::always_inline]] inline Lanes load_lanes(const Value* from) {
+    static_assert(sizeof(Value) == sizeof(std::uint16_t));
     Lanes values;
     std::memcpy(&values, from, sizeof(values));
     return values;
