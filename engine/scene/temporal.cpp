@@ -10,8 +10,9 @@ namespace {
 /// Thus three of them have 16 bits.
 constexpr double most_coefficient = 65535 / 3;
 
+/// Of planes so close that doubles do not tell their inverses apart, which give no number, the largest.
 std::uint16_t coefficient(double value) {
-    return static_cast<std::uint16_t>(std::floor(std::min(value, most_coefficient) + 0.5));
+    return static_cast<std::uint16_t>(std::floor(std::min(most_coefficient, value) + 0.5));
 }
 
 /// Of what codes are even steps of: depth, or 1/depth.

@@ -115,7 +115,9 @@ struct RowSmoothing {
         count_held(word, held);
     }
 
+    /// In two bits.
     [[gnu::always_inline]] void count_held(int word, std::uint32_t held) const {
+        static_assert(temporal_hold_frames == 3);
         std::uint32_t &low = remembered.held_low[word], &high = remembered.held_high[word];
         high = held & (high ^ low);
         low = held & ~low;

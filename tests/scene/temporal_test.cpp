@@ -90,6 +90,15 @@ TEST(Temporal, ATwentiethOfAMillimetreOrAKilometreOfNoiseOverflowsNothing) {
                 }
 }
 
+TEST(Temporal, PlanesThatDoublesHardlyTellApartHaveTheLargestCoefficients) {
+    Scene scene = coded(DepthCodingKind::inverse, 255, true, {6, 1e-6});
+    scene.depth.near = 1.5000000000000002;
+    scene.depth.far = std::nextafter(scene.depth.near, 2);
+    ASSERT_EQ(1 / scene.depth.near, 1 / scene.depth.far);
+    const TemporalGate gate = temporal_filter(scene)->gate;
+    for (const int coefficient : {gate.constant, gate.linear, gate.quadratic}) EXPECT_EQ(coefficient, 21845);
+}
+
 TEST(Temporal, AMedianLeavesLessNoiseAndSoASmallerGate) {
     Scene scene = coded(DepthCodingKind::linear, 65535, true, {6, 0});
     const int after5 = temporal_filter(scene)->gate.at(0);

@@ -53,7 +53,10 @@ TEST(CpuBuilder, ForgetsTheHolesOfTheFrameBefore) {
 }
 
 TEST(CpuBuilder, AllocatesNothingForTheSecondFrame) {
-    for (const FilterSettings filter : {FilterSettings{5, 2}, {3, 0}, {0, 0}, {0, 0, TerraceRemoval::on}})
+    FilterSettings temporal{3, 0};
+    temporal.temporal = true;
+    for (const FilterSettings& filter :
+         {FilterSettings{5, 2}, {3, 0}, {0, 0}, {0, 0, TerraceRemoval::on}, temporal})
         for (const int threads : {1, 3}) {
             const Scene scene = depth_scene(131, 167, 16, Marking::zero, filter);
             const StoredPlane first = plane_of(scene, Fill::few_holes, 1),

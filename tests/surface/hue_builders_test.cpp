@@ -65,15 +65,20 @@ void expect_the_same_bits(const Scene& scene, const PlaneView& depth) {
         for (int x = 0; x < depth.width; ++x) codes.push_back(stored_code(depth, scene.depth, x, y));
     const StoredPlane grey = store_plane(depth.width, depth.height, codes, {});
 
-    SurfaceFrame from_grey, reference, cpu, lazy, vulkan;
+    SurfaceFrame from_grey, reference, cpu, lazy;
     ASSERT_TRUE(make_reference_builder(grey_scene(scene))->build(grey.frame(), from_grey));
     ASSERT_TRUE(make_reference_builder(scene)->build(hue, reference));
     ASSERT_TRUE(make_cpu_builder(scene)->build(hue, cpu));
     ASSERT_TRUE(make_lazy_builder(scene)->build(hue, lazy));
     EXPECT_TRUE(reference.codes == from_grey.codes && reference.validity == from_grey.validity);
-    ASSERT_TRUE(test_vulkan_builder(scene)->build(hue, vulkan));
     EXPECT_EQ(first_difference(reference, cpu), "");
-    EXPECT_EQ(first_difference(reference, vulkan), "");
+    for (const SurfacePlan& plan : all_plans) {
+        SurfaceFrame vulkan;
+        auto builder = make_vulkan_builder(scene, test_kernels(), plan);
+        ASSERT_TRUE(builder.ok()) << builder.error().message;
+        ASSERT_TRUE((*builder)->build(hue, vulkan));
+        EXPECT_EQ(first_difference(reference, vulkan), "") << plan_text(plan);
+    }
     EXPECT_EQ(first_vertex_difference(reference, *cpu.vertices), "") << "cpu";
     EXPECT_EQ(first_vertex_difference(reference, *lazy.vertices), "") << "lazy";
     EXPECT_EQ(first_tile_not_enclosed(reference, *lazy.vertices), "") << "lazy";
@@ -86,7 +91,7 @@ void expect_the_same_bits(const Scene& scene, const PlaneView& depth) {
 TEST(HueBuilders, GiveTheSameBits) {
     Random random(31);
     for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {32, 8}, {33, 17}, {97, 50}})
-        for (const FilterSettings filter : {FilterSettings{0, 0}, {3, 0}, {5, 2}})
+        for (const FilterSettings filter : {FilterSettings{0, 0}, {3, 0}, {5, 2}, {0, 1, TerraceRemoval::on}})
             for (const bool bottom_up : {false, true}) {
                 SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
                 const std::ptrdiff_t stride = 3 * width + 5;
