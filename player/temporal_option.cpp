@@ -27,6 +27,10 @@ CLI::Option* add_temporal_option(CLI::App& sub, std::optional<std::string>& type
 Result<void> apply_temporal(const std::optional<std::string>& typed, FilterSettings& filter) {
     if (!typed) return {};
     filter.temporal = *typed != "off";
+    if (*typed == "on" && filter.temporal_noise == DepthNoise{})
+        return usage_error(
+            "--temporal on: the scene does not say how noisy its depth is; right would be that noise in scene "
+            "units instead of on, such as 1.5");
     if (*typed == "off" || *typed == "on") return {};
     const std::string_view text = *typed;
     const std::size_t comma = text.find(',');

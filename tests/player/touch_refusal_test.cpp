@@ -77,7 +77,7 @@ TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
         {{"--fill-holes", "17"}, "fill_holes is 17"},
         {{"--terraces", "yes"}, "off, on, auto"},
         {{"--terraces", "on"}, "filter.terraces is on"},
-        {{"--temporal", "on"}, "filter.temporal_noise"},
+        {{"--temporal", "on"}, "does not say how noisy"},
         {{"--temporal", "much"}, "off, on"},
         {{"--temporal", "1,"}, "off, on"},
         {{"--temporal", "1,2,3"}, "off, on"},
