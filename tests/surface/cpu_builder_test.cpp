@@ -52,6 +52,31 @@ TEST(CpuBuilder, ForgetsTheHolesOfTheFrameBefore) {
     }
 }
 
+/// What it remembers of a row another thread may have written.
+TEST(CpuBuilder, RemembersTheFramesBeforeWithAnyVectorsAndThreads) {
+    for (const TerraceRemoval terraces : {TerraceRemoval::off, TerraceRemoval::on}) {
+        const Scene scene =
+            depth_scene(139, 117, 8, Marking::zero,
+                        {.median = 3, .terraces = terraces, .temporal = true, .temporal_noise = {1, 1e-5}});
+        const auto reference = make_reference_builder(scene);
+        std::vector<std::unique_ptr<SurfaceBuilder>> builders;
+        for (const VectorUnit unit : usable_vector_units())
+            for (const int threads : {1, 2, 5}) builders.push_back(make_cpu_builder(scene, {threads, unit}));
+        SurfaceFrame expected, slot;
+        for (int n = 0; n < 6; ++n) {
+            const StoredPlane plane = plane_of(scene, n % 3 == 2 ? Fill::half_holes : Fill::few_values,
+                                               static_cast<std::uint64_t>(n), {.bytes_per_sample = 1});
+            RawFrame raw = plane.frame();
+            raw.number = n;
+            ASSERT_TRUE(reference->build(raw, expected));
+            for (const auto& builder : builders) {
+                ASSERT_TRUE(builder->build(raw, slot));
+                ASSERT_EQ(first_difference(expected, slot), "") << n;
+            }
+        }
+    }
+}
+
 TEST(CpuBuilder, AllocatesNothingForTheSecondFrame) {
     FilterSettings temporal{3, 0};
     temporal.temporal = true;
