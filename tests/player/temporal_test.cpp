@@ -91,26 +91,34 @@ TEST_F(TemporalFilter, OfAFrameThatIsExportedAloneSawTheFramesBeforeIt) {
     EXPECT_NE(file_contents(folder / "off/codes.png"), all);
 }
 
-// Two clips that end alike: without the filter pictures after their end are the same.
+/// A motion that dips into the first frame's surface early on and is above it for the rest.
+std::string lifted_hand(const std::string& file) {
+    std::ofstream rows(file);  // tenths of a millimetre
+    for (int k = 0; k < 100; ++k) rows << k % 2 << ",0," << (k == 10 ? 0 : 400) << '\n';
+    return "csv:" + file + ":columns=1+2+3,rate=50,scale=0.0001,contact=0.01";
+}
+
+// Two clips that end alike. The finger is in the air by then, so that pictures show the surface alone.
 TEST_F(TemporalFilter, OfAPictureSawTheFramesBeforeIt) {
     make_clip("moving", clip(), {"--size", "64x48", "--frames", "8"});
     ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "all"}).code, 0);
     auto scene = scene_of(clip());
     scene["folder"] = {{"depth", "d_%d.png"}};
+    const std::vector<std::string> moves{"6", "0", "0", "6"};
     for (const char* name : {"moves", "stands"}) {
         const fs::path to = folder.path() / name;
         fs::create_directory(to);
-        for (const int n : {0, 1, 2}) {
-            const std::string from = n == 0 && to.filename() == "moves" ? "0" : "6";
+        for (std::size_t n = 0; n < moves.size(); ++n) {
+            const std::string from = to.filename() == "moves" ? moves[n] : "6";
             fs::copy_file(folder / ("all/" + from + "/depth.png"), to / ("d_" + std::to_string(n) + ".png"));
         }
         std::ofstream(to / "scene.json") << scene;
     }
+    const std::string hand = lifted_hand(folder / "hand.csv");
     const auto picture = [&](const std::string& name, const char* temporal) {
-        const Outcome drawn =
-            run_touchable({"touch", folder / name, "--hand", "press:lift=40,depth=0,period=9", "--temporal",
-                           temporal, "--seconds", "2", "--picture", folder / "p.png", "--picture-size",
-                           "96x64", "--picture-at", "1.9", "--overwrite"});
+        const Outcome drawn = run_touchable({"touch", folder / name, "--hand", hand, "--temporal", temporal,
+                                             "--picture", folder / "p.png", "--picture-size", "96x64",
+                                             "--picture-at", "1.9", "--overwrite"});
         EXPECT_EQ(drawn.code, 0) << drawn.err;
         return file_contents(folder / "p.png");
     };
