@@ -9,6 +9,7 @@
 #include "bench/surface/eye_race.hpp"
 #include "bench/surface/lazy_run.hpp"
 #include "bench/surface/stages.hpp"
+#include "bench/surface/start_up.hpp"
 #include "bench/surface/surface_case.hpp"
 #include "bench/surface/temporal_race.hpp"
 #include "engine/scene/terraces.hpp"
@@ -97,7 +98,7 @@ private:
 
 std::vector<BenchCase> surface_cases(bool quick) {
     const auto shelf = std::make_shared<Shelf>();
-    std::vector<BenchCase> cases;
+    std::vector<BenchCase> cases{{"1920x1080-16-start", measure_start_up}};
     for (const SurfaceCase& c : {SurfaceCase{320, 240, 8},
                                  {320, 240, 16},
                                  {720, 480, 8},
