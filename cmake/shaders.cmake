@@ -3,11 +3,14 @@
 # name.vert gives touchable::name_vert_spv.
 
 find_program(TOUCHABLE_GLSLANG glslangValidator REQUIRED DOC "GLSL to SPIR-V (Debian: glslang-tools)")
+find_program(TOUCHABLE_SPIRV_OPT spirv-opt REQUIRED DOC "SPIR-V, unrolled (Debian: spirv-tools)")
 
-# touchable_shaders(target [FROM folder] name...): `target` may include the words of these kernels. `folder`, from the
-# root of the sources, is where they stand (shaders); every header there is taken for an input of every kernel.
+# touchable_shaders(target [FROM folder] [OPTIMISED] name...): `target` may include the words of these kernels. `folder`,
+# from the root of the sources, is where they stand (shaders); every header there is taken for an input of every kernel.
+# OPTIMISED: of a large network Mesa takes half a second to unroll the loops, whenever a program starts and whatever it has
+# cached; done here, once, it is ready in a tenth of that. Other kernels gain little, and some become slower.
 function(touchable_shaders target)
-  cmake_parse_arguments(SHADERS "" "FROM" "" ${ARGN})
+  cmake_parse_arguments(SHADERS "OPTIMISED" "FROM" "" ${ARGN})
   if(NOT SHADERS_FROM)
     set(SHADERS_FROM shaders)
   endif()
@@ -19,7 +22,7 @@ function(touchable_shaders target)
       if(NOT name MATCHES "[.]")
         string(APPEND source ".comp")
       endif()
-      touchable_kernel(${name} "${source}" "${shared_headers}")
+      touchable_kernel(${name} "${source}" "${shared_headers}" "${SHADERS_OPTIMISED}")
     endif()
     add_dependencies(${target} shader_${name})
   endforeach()
@@ -27,7 +30,7 @@ function(touchable_shaders target)
 endfunction()
 
 # The header is written while configuring and includes the words, which are made while building.
-function(touchable_kernel name source shared_headers)
+function(touchable_kernel name source shared_headers optimised)
   set(words "${PROJECT_BINARY_DIR}/shaders/${name}.spv.inc")
   string(REPLACE "." "_" identifier "${name}")
   file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/shaders/${name}.spv.h" @ONLY CONTENT [[
@@ -41,10 +44,18 @@ inline constexpr std::uint32_t @identifier@_spv[] = {
 };
 }  // namespace touchable
 ]])
+  set(binary "${PROJECT_BINARY_DIR}/shaders/${name}.spv")
+  set(optimise "")
+  if(optimised)
+    set(optimise COMMAND "${TOUCHABLE_SPIRV_OPT}" --target-env=vulkan1.3 -O --preserve-spec-constants --preserve-bindings
+        -o "${binary}" "${binary}")
+  endif()
+  set(to_words "${PROJECT_SOURCE_DIR}/cmake/words_of.cmake")
   add_custom_command(OUTPUT "${words}"
-      COMMAND "${TOUCHABLE_GLSLANG}" --quiet --target-env vulkan1.3 "-I${PROJECT_SOURCE_DIR}" -V -x
-              -o "${words}" "${source}"
-      DEPENDS "${source}" ${shared_headers}
+      COMMAND "${TOUCHABLE_GLSLANG}" --quiet --target-env vulkan1.3 "-I${PROJECT_SOURCE_DIR}" -V -o "${binary}" "${source}"
+      ${optimise}
+      COMMAND "${CMAKE_COMMAND}" "-DBINARY=${binary}" "-DWORDS=${words}" -P "${to_words}"
+      DEPENDS "${source}" ${shared_headers} "${to_words}"
       COMMENT "Compiling the kernel ${name}"
       VERBATIM)
   add_custom_target(shader_${name} DEPENDS "${words}")
