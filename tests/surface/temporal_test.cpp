@@ -152,22 +152,27 @@ TEST(TemporalFilter, BeginsAnewWithAFrameThatIsNotTheNext) {
     }
 }
 
-// Near is high here: noise grows towards code 0.
 TEST(TemporalFilter, TheGateIsThatOfTheDepthSeen) {
-    Scene scene = scene_of(2, 1, 0);
-    scene.depth.near = 500;
-    scene.depth.far = 4500;
-    scene.filter.temporal_noise = {0, 1e-6};
-    derive_valid_range(scene.depth);
-    const TemporalGate gate = temporal_filter(scene)->gate;
-    const int near_gate = gate.at(60000), far_gate = gate.at(600);
-    EXPECT_LT(10 * near_gate, far_gate);
-    Sequence sequence(scene);
-    sequence.show({60000, 600});
-    const SurfaceFrame& after = sequence.show(
-        {static_cast<std::uint16_t>(60000 + 2 * near_gate + 9), static_cast<std::uint16_t>(600 + 200)});
-    EXPECT_EQ(after.codes[0], 60000 + 2 * near_gate + 9);
-    EXPECT_EQ(after.codes[1], 600 + 50);
+    for (const bool near_is_high : {true, false}) {
+        Scene scene = scene_of(2, 1, 0);
+        scene.depth.near = 500;
+        scene.depth.far = 4500;
+        scene.depth.near_is_high = near_is_high;
+        scene.filter.temporal_noise = {0, 1e-6};
+        derive_valid_range(scene.depth);
+        const TemporalGate gate = temporal_filter(scene)->gate;
+        const int near = near_is_high ? 60000 : 5535, far = near_is_high ? 600 : 64935;
+        const int near_gate = gate.at(static_cast<std::uint16_t>(near)),
+                  far_gate = gate.at(static_cast<std::uint16_t>(far));
+        EXPECT_LT(10 * near_gate, far_gate);
+        const auto codes = [](int a, int b) {
+            return Codes{static_cast<std::uint16_t>(a), static_cast<std::uint16_t>(b)};
+        };
+        Sequence sequence(scene);
+        sequence.show(codes(near, far));
+        const int moved = near + 2 * near_gate + 9;
+        EXPECT_EQ(sequence.show(codes(moved, far + 200)).codes, codes(moved, far + 50));
+    }
 }
 
 TEST(TemporalFilter, NeverLeavesTheCodesItComesFrom) {
