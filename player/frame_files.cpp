@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "engine/media/image_file.hpp"
@@ -46,6 +47,15 @@ Scene as_still(Scene scene, const RawFrame& raw) {
     return scene;
 }
 
+/// What codes mean, as a scene file says it of its own depth: filters may have made them finer.
+std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
+    scene.depth = surface.coding;
+    scene.depth_bits = 16;
+    scene.folder.reset();
+    const auto whole = nlohmann::ordered_json::parse(scene_to_json(scene));
+    return nlohmann::ordered_json{{"depth", whole.at("depth")}}.dump(2);
+}
+
 Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
     std::ofstream out(file, std::ios::binary);
     out << text;
@@ -74,6 +84,8 @@ Result<void> write_frame_files(const std::filesystem::path& folder, const RawFra
             !written.ok())
             return written;
     }
+    if (auto written = write_text(folder / "codes.json", codes_to_json(surface, scene) + "\n"); !written.ok())
+        return written;
     return write_text(folder / "scene.json", scene_to_json(as_still(scene, raw)) + "\n");
 }
 

@@ -11,9 +11,9 @@
 namespace touchable {
 
 /// Every file `write_frame_files` may write.
-inline constexpr std::array<const char*, 8> frame_file_names{"colour.png", "depth.png",  "codes.png",
-                                                             "valid.png",  "haptic.png", "height.png",
-                                                             "mesh.ply",   "scene.json"};
+inline constexpr std::array<const char*, 9> frame_file_names{"colour.png", "depth.png", "codes.png",
+                                                             "codes.json", "valid.png", "haptic.png",
+                                                             "height.png", "mesh.ply",  "scene.json"};
 
 /// Writes one frame, raw and built, into an existing folder. `surface` holds codes (not lazy) of `raw`.
 Result<void> write_frame_files(const std::filesystem::path& folder, const RawFrame& raw,

@@ -53,8 +53,8 @@ TEST_F(Export, WritesEveryPlaneExactly) {
     make("globe", 3);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "2", "--out", out()}).code, 0);
     EXPECT_EQ(names_in(out()),
-              (std::vector<std::string>{"codes.png", "colour.png", "depth.png", "haptic.png", "height.png",
-                                        "mesh.ply", "scene.json", "valid.png"}));
+              (std::vector<std::string>{"codes.json", "codes.png", "colour.png", "depth.png", "haptic.png",
+                                        "height.png", "mesh.ply", "scene.json", "valid.png"}));
     const RawFrame raw = frame(2);
     EXPECT_EQ(differing(image_of(out("depth.png")).view(), raw.depth), 0);
     EXPECT_EQ(differing(image_of(out("colour.png")).view(), raw.colour), 0);
@@ -70,8 +70,8 @@ TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
     EXPECT_EQ(image_of(out("depth.png")).bytes_per_sample, 1);
     const Image valid = image_of(out("valid.png"));
     for (const std::uint8_t sample : valid.samples) ASSERT_EQ(sample, 255);
-    EXPECT_EQ(names_in(out()),
-              (std::vector<std::string>{"codes.png", "depth.png", "mesh.ply", "scene.json", "valid.png"}));
+    EXPECT_EQ(names_in(out()), (std::vector<std::string>{"codes.json", "codes.png", "depth.png", "mesh.ply",
+                                                         "scene.json", "valid.png"}));
 }
 
 TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {

@@ -86,5 +86,20 @@ INSTANTIATE_TEST_SUITE_P(
         RealHand{"Wiped3", "epfl_wiping/circular_wiping_dataset_3.csv", "columns=x_m+y_m+z_m,extent=0.048"}),
     [](const auto& run) { return std::string(run.param.name); });
 
+/// Generated, and verified by what the exported codes say that they mean.
+TEST(TouchFinerCodes, EveryForceIsVerified) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv";
+    make_clip("globe", clip, {"--size", "180x120", "--frames", "8", "--bits", "8"});
+    for (const Words& filter : {Words{"--terraces", "on"}, Words{"--temporal", "2"}}) {
+        const std::string exported = folder / filter[0];
+        Words words{"export", clip, "--frames", "all", "--out", exported}, touched{clip, "--fingers", "3"};
+        words.insert(words.end(), filter.begin(), filter.end());
+        touched.insert(touched.end(), filter.begin(), filter.end());
+        ASSERT_EQ(run_touchable(words).code, 0);
+        expect_verified(touched, exported);
+    }
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -66,7 +66,8 @@ void read_depth(const Json& depth, Meaning& m) {
         m.near_is_high = either(depth, "near_is", "high", "low");
 }
 
-Meaning meaning_of(const Json& scene) {
+/// `codes`: what their file says of them.
+Meaning meaning_of(const Json& scene, const Json& codes) {
     Meaning m;
     m.width = static_cast<int>(number(scene, "width"));
     m.height = static_cast<int>(number(scene, "height"));
@@ -77,7 +78,7 @@ Meaning meaning_of(const Json& scene) {
     m.fy = number(camera, "fy");
     m.cx = number(camera, "cx");
     m.cy = number(camera, "cy");
-    read_depth(object(scene, "depth"), m);
+    read_depth(object(codes, "depth"), m);
     const Json& height = object(scene, "height_map");
     const real level = (m.far - m.near) / 255;
     m.largest_height = number(height, "max") * (either(height, "units", "levels", "world") ? level : 1);
@@ -93,6 +94,16 @@ Meaning meaning_of(const Json& scene) {
     if (!(m.fx > 0 && m.fy > 0 && m.far > 0 && m.code_max > 0))
         throw Refusal{"fx, fy, far and code_max must be greater than 0"};
     return m;
+}
+
+Result<Json> read_json(const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    if (!stream) return input_error(file.string() + ": cannot be read: must be as it was exported");
+    try {
+        return Json::parse(stream);
+    } catch (const Json::exception& fault) {
+        return input_error(file.string() + ": " + fault.what());
+    }
 }
 
 /// A plane of the scene's size with these channels and any of these sample widths, as 16-bit numbers.
@@ -132,20 +143,22 @@ real Meaning::depth(std::uint16_t code) const {
     return 1 / (1 / far + (1 / near - 1 / far) * towards_near);
 }
 
-Result<Meaning> read_meaning(const std::filesystem::path& scene_json) {
-    std::ifstream stream(scene_json);
-    if (!stream) return input_error(scene_json.string() + ": cannot be read: must be an exported scene.json");
+Result<Meaning> read_meaning(const std::filesystem::path& folder) {
+    auto scene = read_json(folder / "scene.json");
+    if (!scene) return scene.error();
+    auto codes = read_json(folder / "codes.json");
+    if (!codes) return codes.error();
     try {
-        return meaning_of(Json::parse(stream));
+        return meaning_of(*scene, *codes);
     } catch (const Refusal& reason) {
-        return input_error(scene_json.string() + ": " + reason.message);
+        return input_error(folder.string() + ", scene.json and codes.json: " + reason.message);
     } catch (const Json::exception& fault) {
-        return input_error(scene_json.string() + ": " + fault.what());
+        return input_error(folder.string() + ", scene.json and codes.json: " + fault.what());
     }
 }
 
 Result<ExportedFrame> read_frame(const std::filesystem::path& folder) {
-    auto meaning = read_meaning(folder / "scene.json");
+    auto meaning = read_meaning(folder);
     if (!meaning) return meaning.error();
     ExportedFrame frame;
     frame.meaning = *meaning;

@@ -45,7 +45,7 @@ struct ExportedFrame {
     std::vector<std::uint8_t> haptic;           ///< RGB; empty: the defaults everywhere
 };
 
-Result<Meaning> read_meaning(const std::filesystem::path& scene_json);
+Result<Meaning> read_meaning(const std::filesystem::path& folder);
 Result<ExportedFrame> read_frame(const std::filesystem::path& folder);
 
 /// Frames by number, read when first asked for; only a few are kept.

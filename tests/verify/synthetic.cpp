@@ -33,7 +33,7 @@ nlohmann::json range(real low, real high) {
     return {narrow(low), narrow(high)};
 }
 
-std::string scene_json(const Meaning& m) {
+nlohmann::json depth_json(const Meaning& m) {
     static constexpr std::array<const char*, 3> kinds = {"linear", "inverse", "metric"};
     nlohmann::json depth = {{"coding", kinds[static_cast<std::size_t>(m.kind)]},
                             {"semantics", m.range ? "range" : "planar"},
@@ -45,12 +45,16 @@ std::string scene_json(const Meaning& m) {
         depth["scale"] = narrow(m.scale);
     else
         depth["near_is"] = m.near_is_high ? "high" : "low";
+    return depth;
+}
+
+std::string scene_json(const Meaning& m) {
     const nlohmann::json scene = {
         {"touchable_scene", 1},
         {"width", m.width},
         {"height", m.height},
         {"camera", {{"fx", narrow(m.fx)}, {"fy", narrow(m.fy)}, {"cx", narrow(m.cx)}, {"cy", narrow(m.cy)}}},
-        {"depth", depth},
+        {"depth", depth_json(m)},
         {"height_map", {{"max", narrow(m.largest_height)}, {"units", "world"}, {"bits", 8}}},
         {"haptic",
          {{"stiffness", range(m.low.stiffness / 1000, m.high.stiffness / 1000)},
@@ -130,6 +134,7 @@ void make_flat(ExportedFrame& frame, int code, int code_per_column, int code_per
 void write_frame(const std::filesystem::path& folder, const ExportedFrame& frame) {
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "scene.json") << scene_json(frame.meaning);
+    std::ofstream(folder / "codes.json") << nlohmann::json{{"depth", depth_json(frame.meaning)}}.dump(1);
     write_plane(folder / "codes.png", frame.codes, frame.meaning, 1);
     write_plane(folder / "valid.png", frame.valid, frame.meaning, 1);
     if (!frame.haptic.empty()) write_plane(folder / "haptic.png", frame.haptic, frame.meaning, 3);
