@@ -1,6 +1,7 @@
 #pragma once
 
-#include "engine/surface/vectors.hpp"  // `lesser` and `greater`, before the networks that use them
+// `lesser` and `greater`, before the networks that use them.
+#include "engine/surface/vectors.hpp"
 #include "shaders/median_network.h"
 
 namespace touchable {
