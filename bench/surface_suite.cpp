@@ -19,6 +19,24 @@ namespace {
 
 using Kernels = std::shared_ptr<SurfaceKernels>;
 
+/// Frames that change in part, by either builder.
+Result<void> measure_changes(const SurfaceCase& c, const Picture& picture, int rounds, const Kernels& kernels,
+                             Figures& figures) {
+    const auto cpu = [&]() -> Result<std::unique_ptr<SurfaceBuilder>> {
+        return make_cpu_builder(picture.scene);
+    };
+    const auto vulkan = [&]() -> Result<std::unique_ptr<SurfaceBuilder>> {
+        auto made = make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts()));
+        if (!made.ok()) return made.error();
+        return std::unique_ptr<SurfaceBuilder>(std::move(*made));
+    };
+    if (auto raced = race_changed(picture.raw, "", cpu, rounds, figures); !raced.ok())
+        return wrong(c, raced.error().message);
+    if (auto raced = race_changed(picture.raw, "vulkan_", vulkan, rounds, figures); !raced.ok())
+        return wrong(c, raced.error().message);
+    return {};
+}
+
 /// Codes, by median, and what the eye needs beside them.
 Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int frames, const Kernels& kernels,
                             Figures& figures) {
@@ -41,11 +59,8 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
         !raced.ok())
         return raced;
     if (side == 5) return {};
-    if (auto raced = race_changed(
-            picture.raw, "", [&] { return Result(make_cpu_builder(picture.scene)); }, std::max(frames / 6, 1),
-            figures);
-        !raced.ok())
-        return wrong(c, raced.error().message);
+    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 1), kernels, figures); !raced.ok())
+        return raced;
     return measure_drawing(c, picture, **vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 

@@ -33,6 +33,12 @@ SURFACE_CODES_FUNCTION bool code_is_excluded(uint code, ValidCodes codes) {
            code == codes.excluded[3];
 }
 
+/// Neighbours of a row of blocks, of which each is a word of validity wide and a tile high, so two tiles. Numbered
+/// row by row.
+struct ListedBlocks {
+    uint first, count;
+};
+
 /// Of the kernels that march along strips (strip.h).
 struct StripPush {
     uint width, height;       // pixels
@@ -44,6 +50,7 @@ struct StripPush {
     uint validity_words;      // of a row
     uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
     uint factor;              // before terraces: of codes
+    uint listed;              // runs of blocks that are built, of the last stage; 0: all of the frame
     ValidCodes valid;
 };
 
@@ -92,6 +99,7 @@ struct TileBoundsPush {
     uint pitch;             // texels of codes from one row to the next
     uint words, strips;     // pairs of tiles in a row, and pairs of rows
     uint tiles_x, tiles_y;
+    uint listed;  // as in StripPush
 };
 
 /// Of hue_codes.

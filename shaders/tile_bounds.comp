@@ -13,6 +13,8 @@ layout(set = 0, binding = 0) uniform utextureBuffer parts;
 layout(set = 0, binding = 1) uniform utextureBuffer codes;
 layout(set = 0, binding = 2, scalar) readonly buffer Validity { uint validity[]; };
 layout(set = 0, binding = 3, scalar) writeonly buffer Tiles { uvec2 tiles[]; };
+/// Of the pairs that are bounded, where not all are.
+layout(set = 0, binding = 4, scalar) readonly buffer Listed { ListedBlocks listed[]; };
 
 /// Of a tile, as parts have it.
 uvec2 joined(uvec2 a, uvec2 b) {
@@ -25,10 +27,8 @@ uvec2 part_of(uint code, uint valid_bits, uint inside_bits, uint bit) {
     return (valid_bits >> bit & 1u) != 0u ? uvec2(code | code << 16, 0u) : uvec2(no_part, 1u);
 }
 
-void main() {
-    const uint lane = gl_GlobalInvocationID.x;
-    if (lane >= push.words * push.tiles_y) return;
-    const uint word = lane % push.words, ty = lane / push.words;
+void bound(uint pair) {
+    const uint word = pair % push.words, ty = pair / push.words;
     uvec2 left = uvec2(no_part, 0u), right = left;
     for (uint k = 0u; k < strips_per_tile; ++k) {
         const uint strip = strips_per_tile * ty + k;
@@ -60,4 +60,16 @@ void main() {
     const uint tile = ty * push.tiles_x + 2u * word;
     if (2u * word < push.tiles_x) tiles[tile] = uvec2(left.x, min(left.y, 1u));
     if (2u * word + 1u < push.tiles_x) tiles[tile + 1u] = uvec2(right.x, min(right.y, 1u));
+}
+
+void main() {
+    const uint lane = gl_GlobalInvocationID.x, pairs = push.words * push.tiles_y;
+    if (push.listed == 0u) {
+        if (lane < pairs) bound(lane);
+        return;
+    }
+    if (lane >= push.listed) return;
+    const ListedBlocks blocks = listed[lane];
+    for (uint n = 0u; n < blocks.count; ++n)
+        if (blocks.first + n < pairs) bound(blocks.first + n);
 }

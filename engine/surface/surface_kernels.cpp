@@ -71,7 +71,7 @@ Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstant
     GpuProgram& program = strips_[{kernel, constants}];
     if (program) return program;
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
-    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 2, buffer);
+    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 3, buffer);
     const KernelSource source = source_of(kernel);
     auto made = GpuProgram::create(*device_, source.name, source.spirv, std::move(layout), constants);
     if (made.ok()) program = *made;
@@ -103,7 +103,7 @@ Result<GpuProgram> SurfaceKernels::tile_bounds() {
     if (tile_bounds_) return tile_bounds_;
     auto made = GpuProgram::create(
         *device_, "tile_bounds", tile_bounds_spv,
-        {sizeof(TileBoundsPush), {texels, texels, buffer, buffer}, {tile_bounds_group, 1, 1}});
+        {sizeof(TileBoundsPush), {texels, texels, buffer, buffer, buffer}, {tile_bounds_group, 1, 1}});
     if (made.ok()) tile_bounds_ = *made;
     return made;
 }

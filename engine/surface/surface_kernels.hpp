@@ -21,6 +21,8 @@ struct SurfacePlan {
     std::uint32_t segment_texels = 0;  ///< of a row for one lane, a multiple of 4; 0: the whole row
     bool along_x = false;              ///< neighbouring lanes take neighbouring segments, not rows
     bool copies = false;  ///< to and from memory of the GPU's own, instead of working on the CPU's
+    /// Of a frame that has changed in part only that is built, up to this share of its blocks. 0: always all.
+    double break_even = 0.6;
 };
 /// What a device likes: few long marches on a CPU, many short ones with coalesced loads elsewhere.
 SurfacePlan plan_for(const GpuFacts& facts);

@@ -4,9 +4,11 @@
 #include <cassert>
 #include <cstddef>
 #include <cstring>
+#include <utility>
 
 #include "engine/scene/temporal.hpp"
 #include "engine/scene/terraces.hpp"
+#include "engine/surface/block_list.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/vulkan_vertices.hpp"
 
@@ -36,6 +38,10 @@ struct StoredRows {
 constexpr ValidCodes finer_codes{
     0, no_finer_code - 1, {no_such_code, no_such_code, no_such_code, no_such_code}};
 
+/// Blocks that a lane marches along at most, where it marches along whole rows of whole frames: not so many
+/// that one core waits for another.
+constexpr int longest_run = 8;
+
 /// Whether no_finer_code is beyond all codes, so that it can stand for what is invalid.
 bool leaves_room_above(const ValidCodes& valid) {
     return valid.valid_min + valid.valid_span < no_finer_code;
@@ -60,6 +66,7 @@ public:
 
     std::string_view name() const override { return "vulkan"; }
     const std::vector<GpuTime>& stages() const override { return stages_; }
+    double built_share() const override { return list_ ? list_->share() : 0; }
     Result<void> reserve();
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override;
 
@@ -68,9 +75,12 @@ private:
     bool is_hue() const { return scene_.depth.kind == DepthCodingKind::hue; }
     std::size_t codes_bytes() const { return std::size_t{16} * pitch_ * height_; }
 
+    Result<VulkanVertices*> slot_of(SurfaceFrame& out) const;
+    std::optional<int> reach() const;
+    Result<void> build_listed(const RawFrame& raw, BuildNumber held, const VulkanVertices& slot);
     Result<StoredRows> import(const RawFrame& raw) const;
     bool is_importable(const PlaneView& depth) const;
-    Result<StoredRows> upload(const PlaneView& depth);
+    Result<StoredRows> upload(const PlaneView& depth, BuildNumber held);
     Result<void> record(GpuCommands& commands, StoredRows rows, bool begins, const VulkanVertices& slot);
     /// Otherwise 0 stands for what is invalid, as in the end: that is free then, and codes are not
     /// multiplied.
@@ -95,7 +105,10 @@ private:
     ValidCodes valid_;
     std::uint32_t width_, height_, pitch_, strips_;  // pitch in texels, of codes
     TileGrid grid_;
+    std::optional<BlockList> list_;  // once there are buffers
     GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
+    BuildNumber uploaded_ = 0;   // which frame they hold
+    RowRange upload_rows_;       // of it, that were written last
     GpuBuffer between_[2];       // codes between stages
     GpuBuffer finer_;            // codes before they are filtered in time, or terraces are removed
     GpuBuffer remembered_[2];    // codes filtered in time, of the last frame and of the one before
@@ -130,32 +143,65 @@ Result<void> Builder::reserve() {
         if (!created.ok()) return created.error();
         buffer = *created;
     }
+    const int run = plan_.segment_texels > 0 ? static_cast<int>(whole(plan_.segment_texels, 4)) : longest_run;
+    auto list = BlockList::create(device(), scene_.width, scene_.height, reach(), plan_.break_even, run);
+    if (!list.ok()) return list.error();
+    list_.emplace(std::move(*list));
     return {};
+}
+
+/// Of the filters that one kernel does; what others leave between stages is only of the frame they were at
+/// last.
+std::optional<int> Builder::reach() const {
+    if (is_hue() || scene_.filter.fill_holes > 0 || temporal_ || terraces_) return std::nullopt;
+    return scene_.filter.median / 2;
 }
 
 Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
     if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+    const auto slot = slot_of(out);
+    if (!slot.ok()) return slot.error();
+    const BuildNumber held = std::exchange((*slot)->build, 0);
+    list_->advance(raw, held);
+    if (auto built = build_listed(raw, held, **slot); !built.ok()) return built;
+    list_->done();
+    show(**slot, out);
+    if (!list_->same_touch_planes(held)) copy_touch_planes(raw, out);
+    (*slot)->build = list_->newest();
+    return {};
+}
+
+/// The slot's memory, new where it has none that serves.
+Result<VulkanVertices*> Builder::slot_of(SurfaceFrame& out) const {
     auto* slot = dynamic_cast<VulkanVertices*>(out.vertices.get());
-    if (slot == nullptr || !slot->serves(device(), scene_.width, scene_.height, plan_.copies)) {
-        auto created = VulkanVertices::create(device(), out, scene_.width, scene_.height, plan_.copies);
-        if (!created.ok()) return created.error();
-        slot = created->get();
-        out.vertices = std::move(*created);
+    if (slot != nullptr && slot->read_from() == &out &&
+        slot->serves(device(), scene_.width, scene_.height, plan_.copies))
+        return slot;
+    auto created = VulkanVertices::create(device(), out, scene_.width, scene_.height, plan_.copies);
+    if (!created.ok()) return created.error();
+    slot = created->get();
+    out.vertices = std::move(*created);
+    return slot;
+}
+
+Result<void> Builder::build_listed(const RawFrame& raw, BuildNumber held, const VulkanVertices& slot) {
+    stages_.clear();
+    if (!list_->all() && list_->count() == 0) {
+        if (uploaded_ >= held) uploaded_ = list_->newest();
+        return {};
     }
-    auto rows = is_importable(raw.depth) ? import(raw) : upload(raw.depth);
+    auto rows = is_importable(raw.depth) ? import(raw) : upload(raw.depth, held);
     if (!rows.ok()) return rows.error();
     auto commands = GpuCommands::begin(kernels_->device(), "surface");
     if (!commands.ok()) return commands.error();
     const bool begins = !last_ || *last_ + 1 != raw.number;
     last_.reset();  // until all of it is done
-    if (auto recorded = record(*commands, *rows, begins, *slot); !recorded.ok()) return recorded;
+    if (auto recorded = record(*commands, *rows, begins, slot); !recorded.ok()) return recorded;
     const auto submission = std::move(*commands).submit();
     if (!submission.ok()) return submission.error();
     if (auto done = submission->wait(); !done.ok()) return done;
     last_ = raw.number;
     stages_ = submission->times();
-    show(*slot, out);
-    copy_touch_planes(raw, out);
     return {};
 }
 
@@ -183,14 +229,16 @@ Result<StoredRows> Builder::import(const RawFrame& raw) const {
                       static_cast<std::uint32_t>((address - first) / 16), valid_};
 }
 
-/// The rows of a plane, one after the other from texel to texel.
-Result<StoredRows> Builder::upload(const PlaneView& depth) {
+/// The rows of a plane, one after the other from texel to texel; of a frame that has changed in part, and if
+/// what was there before is as new as the slot, those that have.
+Result<StoredRows> Builder::upload(const PlaneView& depth, BuildNumber held) {
     const std::size_t row_bytes = std::size_t{width_} * static_cast<std::size_t>(depth.channels) *
                                   static_cast<std::size_t>(depth.bytes_per_sample);
     // Whole texels, and whole groups of 8 pixels, which is what kernels read.
     const std::size_t group_bytes = std::size_t{8} * static_cast<std::size_t>(depth.channels) *
                                     static_cast<std::size_t>(depth.bytes_per_sample);
     const std::size_t pitch = (group_bytes * pitch_ + 15) / 16 * 16, bytes = pitch * height_;
+    BuildNumber there = std::exchange(uploaded_, 0);
     if (!upload_ || upload_.bytes() != bytes) {
         auto mapped = GpuBuffer::create(device(), "stored values", bytes, GpuMemory::upload);
         if (!mapped.ok()) return mapped.error();
@@ -200,13 +248,19 @@ Result<StoredRows> Builder::upload(const PlaneView& depth) {
         if (!own.ok()) return own.error();
         upload_ = *mapped;
         stored_ = *own;
+        there = 0;
     }
-    std::byte* to = upload_.mapped<std::byte>().data();
+    const bool in_part = !list_->all() && there >= held;
+    upload_rows_ = in_part ? list_->rows() : RowRange{0, height_};
+    std::byte* to = upload_.mapped<std::byte>().data() + pitch * upload_rows_.first;
+    const std::uint8_t* from = depth.row(static_cast<int>(upload_rows_.first));
     if (depth.stride == static_cast<std::ptrdiff_t>(pitch)) {
-        std::memcpy(to, depth.data, bytes - (pitch - row_bytes));
+        std::memcpy(to, from, pitch * upload_rows_.count() - (pitch - row_bytes));
     } else {
-        for (int y = 0; y < depth.height; ++y, to += pitch) std::memcpy(to, depth.row(y), row_bytes);
+        for (std::uint32_t n = 0; n < upload_rows_.count(); ++n, to += pitch, from += depth.stride)
+            std::memcpy(to, from, row_bytes);
     }
+    uploaded_ = list_->newest();
     return StoredRows{stored_, static_cast<std::uint32_t>(depth.bytes_per_sample),
                       static_cast<std::uint32_t>(pitch / 16), 0, valid_};
 }
@@ -215,7 +269,8 @@ Result<StoredRows> Builder::upload(const PlaneView& depth) {
 Result<void> Builder::record(GpuCommands& commands, StoredRows rows, bool begins,
                              const VulkanVertices& slot) {
     if (plan_.copies) {
-        commands.copy(upload_, 0, stored_, 0, upload_.bytes());
+        const std::size_t row_bytes = upload_.bytes() / height_, first = upload_rows_.first * row_bytes;
+        commands.copy(upload_, first, stored_, first, upload_rows_.count() * row_bytes);
         commands.barrier(GpuStage::transfer, GpuStage::compute);
         commands.mark("read in");
     }
@@ -270,6 +325,8 @@ StripPush Builder::push_for(const StoredRows& rows) const {
                                              : terraces_ ? terraces_->factor
                                                          : 0);
     push.valid = rows.valid;
+    push.listed = list_->count();
+    if (push.listed > 0) push.groups = whole(push.listed * strips_per_tile, plan_.group_size);
     return push;
 }
 
@@ -290,7 +347,8 @@ Result<void> Builder::record_codes(GpuCommands& commands, int median, const Stor
     const auto program = program_for(kernel, rows, before_terraces);
     if (!program.ok()) return program.error();
     const StripPush push = push_for(rows);
-    commands.dispatch(*program, push, {rows.buffer, to, slot.validity.gpu, parts_}, {push.groups});
+    commands.dispatch(*program, push, {rows.buffer, to, slot.validity.gpu, parts_, list_->buffer()},
+                      {push.groups});
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark(median == 0 ? "decode" : "median");
     return {};
@@ -397,17 +455,29 @@ Result<void> Builder::record_bounds(GpuCommands& commands, const VulkanVertices&
                               whole(width_, 32),
                               strips_,
                               static_cast<std::uint32_t>(grid_.tiles_x),
-                              static_cast<std::uint32_t>(grid_.tiles_y)};
-    commands.dispatch(*program, push, {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu},
-                      {whole(push.words * push.tiles_y, tile_bounds_group)});
+                              static_cast<std::uint32_t>(grid_.tiles_y),
+                              list_->count()};
+    const std::uint32_t pairs = push.listed > 0 ? push.listed : push.words * push.tiles_y;
+    commands.dispatch(*program, push,
+                      {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu, list_->buffer()},
+                      {whole(pairs, tile_bounds_group)});
     commands.mark("bounds");
     return {};
 }
 
+/// Rows of listed blocks: what a slot holds of others in the GPU's memory it holds in the CPU's.
 void Builder::record_reading_back(GpuCommands& commands, const VulkanVertices& slot) const {
     commands.barrier(GpuStage::compute, GpuStage::transfer);
-    for (const SharedPlane* plane : {&slot.codes, &slot.validity, &slot.tiles})
-        commands.copy(plane->gpu, 0, plane->host, 0, plane->gpu.bytes());
+    const auto copy = [&](const SharedPlane& plane, std::uint32_t rows, const RowRange& range) {
+        const std::size_t row_bytes = plane.gpu.bytes() / rows, first = range.first * row_bytes;
+        if (range.count() > 0) commands.copy(plane.gpu, first, plane.host, first, range.count() * row_bytes);
+    };
+    const RowRange rows = list_->rows();
+    const auto tile_rows = static_cast<std::uint32_t>(grid_.tiles_y);
+    copy(slot.codes, height_, rows);
+    copy(slot.validity, height_, rows);
+    copy(slot.tiles, tile_rows,
+         {std::min(rows.first / tile_cells, tile_rows), std::min(whole(rows.last, tile_cells), tile_rows)});
     commands.mark("read back");
 }
 

@@ -2,6 +2,7 @@
 
 #include "engine/frame/surface_frame.hpp"
 #include "engine/gpu/gpu_commands.hpp"
+#include "engine/surface/frame_changes.hpp"
 
 namespace touchable {
 
@@ -29,6 +30,7 @@ public:
     const SurfaceFrame* read_from() const override { return filtered_.read_from(); }
 
     SharedPlane codes, validity, tiles;
+    BuildNumber build = 0;  ///< that the memory holds
 
 private:
     VulkanVertices(const GpuDevice& device, const SurfaceFrame& frame, int width, int height)

@@ -5,6 +5,7 @@
 
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/surface/test_gpu.hpp"
 
 // A builder that builds only what has changed leaves in every slot the bits of the whole frame.
 namespace touchable::test {
@@ -190,6 +191,48 @@ TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
         }
     EXPECT_GT(patched, 50);
     EXPECT_GT(whole_again, 20);
+}
+
+/// Planes may be read where they lie or uploaded, as a whole or in part; and what kernels leave for the next
+/// frame is of another slot.
+TEST(ChangedFramesByKernels, HaveTheBitsOfWholeOnes) {
+    int patched = 0, whole_again = 0, nothing = 0;
+    for (const int median : {0, 3, 5})
+        for (const auto& [width, height] : {std::pair{171, 130}, {64, 70}})
+            for (SurfacePlan plan : all_plans) {
+                plan.break_even = 1;
+                const Scene scene = depth_scene(width, height, 16, Marking::zero, {median, 0});
+                Film film(scene, static_cast<std::uint64_t>(width + median));
+                auto builder = make_vulkan_builder(scene, test_kernels(), plan),
+                     twin = make_vulkan_builder(scene, test_kernels(), plan);
+                ASSERT_TRUE(builder.ok() && twin.ok());
+                std::deque<SurfaceFrame> slots(4);
+                for (int n = 0; n < 25; ++n) {
+                    film.edit(film.any_edit());
+                    const RawFrame raw = film.frame();
+                    SurfaceFrame& slot =
+                        slots[static_cast<std::size_t>(film.below(3) > 0 ? n % 2 : film.below(4))];
+                    const int other = film.below(20);
+                    ASSERT_TRUE(other != 0 || (*twin)->build(raw, slot).ok());
+                    ASSERT_TRUE(other != 1 || make_cpu_builder(scene, in_part)->build(raw, slot));
+                    if (other == 2) slot = {};
+                    if (other == 4) std::swap(slots[0], slots[1]);
+                    if (other == 3) continue;
+                    ASSERT_TRUE((*builder)->build(raw, slot).ok());
+                    SurfaceFrame whole;
+                    ASSERT_TRUE(make_cpu_builder(scene, {1})->build(raw, whole));
+                    ASSERT_EQ(difference(whole, slot), "")
+                        << "median " << median << ", " << plan_text(plan) << ", " << width << "x" << height
+                        << ", frame " << n;
+                    const double share = (*builder)->built_share();
+                    patched += share > 0 && share < 1;
+                    whole_again += n > 4 && share == 1;
+                    nothing += share == 0;
+                }
+            }
+    EXPECT_GT(patched, 50);
+    EXPECT_GT(whole_again, 50);
+    EXPECT_GT(nothing, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Filters, ChangedFrames, testing::ValuesIn(filters), [](const auto& test) {
