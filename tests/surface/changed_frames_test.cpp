@@ -18,7 +18,9 @@ constexpr int edit_count = static_cast<int>(Edit::all) + 1;
 class Film {
 public:
     Film(const Scene& scene, std::uint64_t seed)
-        : scene_(scene), random_(seed), codes_(fill_picture(scene, Fill::few_holes, random_)) {
+        : scene_(scene),
+          random_(seed),
+          codes_(fill_picture(scene, seed % 2 == 0 ? Fill::ramp : Fill::few_holes, random_)) {
         haptic_.assign(codes_.size() * 3, 9);
         heights_.assign(codes_.size(), 4);
     }
@@ -51,7 +53,8 @@ public:
                 at(x, y) = scene_.depth.is_valid(at(x, y)) ? 0 : some_code();
                 break;
             case Edit::patch:
-                change({x, y, std::min(x + 40, width), std::min(y + 20, height)});
+                flatten(std::max(x / 32 * 32 + random_.below(5) - 2, 0),
+                        std::max(y / 16 * 16 + random_.below(5) - 2, 0));
                 break;
             case Edit::scattered:
                 for (int n = 0; n < 4; ++n) this->edit(Edit::pixel);
@@ -102,6 +105,13 @@ private:
     void change(const Box& box) {
         for (int y = box.top; y < box.bottom; ++y)
             for (int x = box.left; x < box.right; ++x) at(x, y) = some_code();
+    }
+
+    /// A step near a block's corner, which bounds of all tiles around it show.
+    void flatten(int left, int top) {
+        const std::uint16_t code = random_.below(2) == 0 ? scene_.depth.valid_max : scene_.depth.valid_min;
+        for (int y = top; y < std::min(top + 20, scene_.height); ++y)
+            for (int x = left; x < std::min(left + 40, scene_.width); ++x) at(x, y) = code;
     }
 
     const Scene scene_;
@@ -233,6 +243,31 @@ TEST(ChangedFramesByKernels, HaveTheBitsOfWholeOnes) {
     EXPECT_GT(patched, 50);
     EXPECT_GT(whole_again, 50);
     EXPECT_GT(nothing, 0);
+}
+
+/// A frame that was read where it lay has left the rows that were uploaded before as they were.
+TEST(ChangedFramesByKernels, ReadNoRowThatIsOlderThanTheSlot) {
+    const Scene scene = depth_scene(64, 70, 16, Marking::zero, {3, 0});
+    Random random(1);
+    std::vector<std::uint16_t> codes = fill_picture(scene, Fill::random, random);
+    const auto frame = [&](int padding) {
+        auto memory = std::make_shared<const StoredPlane>(store_plane(64, 70, codes, {2, padding, false}));
+        RawFrame raw = memory->frame();
+        raw.storage = memory;
+        return raw;
+    };
+    auto builder = make_vulkan_builder(scene, test_kernels(), all_plans[0]);
+    ASSERT_TRUE(builder.ok());
+    SurfaceFrame slot, whole;
+    ASSERT_TRUE((*builder)->build(frame(2), slot).ok());
+    for (int x = 0; x < 64; ++x) codes[static_cast<std::size_t>(15 * 64 + x)] ^= 0x4000;
+    ASSERT_TRUE((*builder)->build(frame(0), slot).ok());
+    codes[20 * 64 + 40] ^= 0x4000;
+    const RawFrame last = frame(2);
+    ASSERT_TRUE((*builder)->build(last, slot).ok());
+    EXPECT_LT((*builder)->built_share(), 0.2);
+    ASSERT_TRUE(make_reference_builder(scene)->build(last, whole));
+    EXPECT_EQ(first_difference(whole, slot), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Filters, ChangedFrames, testing::ValuesIn(filters), [](const auto& test) {
