@@ -5,14 +5,19 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "engine/new_file.hpp"
 
 namespace touchable {
 namespace {
 
-/// More cases than these do not fit beside each other.
-constexpr std::size_t most_columns = 10;
+/// More cases than these, or metrics, do not fit beside each other.
+constexpr std::size_t most_cases = 10, most_metrics = 30;
+
+bool is_wide(const CaseFigures& c) {
+    return c.figures.size() > most_metrics;
+}
 
 bool same_metrics(const Figures& a, const Figures& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -94,7 +99,7 @@ std::string row_per_case(const CaseFigures* first, const CaseFigures* last) {
 }
 
 /// A row per metric of any of the cases, in the order of the first that has it.
-std::string row_per_metric(const std::vector<CaseFigures>& cases) {
+std::string row_per_metric(std::span<const CaseFigures> cases) {
     std::vector<std::string> metrics, rows;
     for (const CaseFigures& c : cases) {
         std::size_t at = 0;  // behind the metric before: what other cases have not stands where it belongs
@@ -130,14 +135,17 @@ Error cannot_write(const std::filesystem::path& file) {
 }  // namespace
 
 std::string tables_of(const std::vector<CaseFigures>& cases) {
-    if (cases.size() <= most_columns) return row_per_metric(cases);
     std::string text;
     const CaseFigures* const end = cases.data() + cases.size();
     for (const CaseFigures* first = cases.data(); first != end;) {
         const CaseFigures* last = first + 1;
-        while (last != end && same_metrics(first->figures, last->figures)) ++last;
+        const bool wide = is_wide(*first);
+        const auto belongs = [&](const CaseFigures& c) {
+            return wide ? is_wide(c) && last < first + most_cases : same_metrics(first->figures, c.figures);
+        };
+        while (last != end && belongs(*last)) ++last;
         if (!text.empty()) text += '\n';
-        text += row_per_case(first, last);
+        text += wide ? row_per_metric({first, last}) : row_per_case(first, last);
         first = last;
     }
     return text;

@@ -8,8 +8,8 @@
 
 namespace touchable {
 
-/// Aligned tables. Of few cases (10 at most) one with a column per case and a row per metric; of more, one
-/// for each stretch of cases that have the same metrics, a row per case.
+/// Aligned tables: one for each stretch of cases that have the same metrics, a row per case; of cases with
+/// more metrics than fit beside each other (30), one for up to 10, a row per metric.
 std::string tables_of(const std::vector<CaseFigures>& cases);
 
 /// Whether the report could be written there; leaves nothing behind. To be asked before hours of measuring.

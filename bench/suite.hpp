@@ -13,7 +13,7 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", or "" for a count
+    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", or "" for a count
 };
 using Figures = std::vector<Figure>;
 

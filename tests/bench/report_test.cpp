@@ -7,18 +7,34 @@
 namespace touchable {
 namespace {
 
-TEST(Report, OfFewCasesHasARowPerMetricAndAColumnPerCase) {
+/// With so many more metrics, named 1000, 1001, ...
+CaseFigures widened(CaseFigures c) {
+    for (int n = 0; n < 31; ++n) c.figures.push_back({std::to_string(1000 + n), 0, ""});
+    return c;
+}
+
+TEST(Report, OfManyMetricsHasARowForEachAndAColumnPerCase) {
     const std::string table =
-        tables_of({{"one", {{"common_ms", 1, "ms"}, {"last", 3, ""}}},
-                   {"another", {{"common_ms", 2.5, "ms"}, {"between", 7, ""}, {"last", 4, ""}}}});
-    EXPECT_EQ(table,
+        tables_of({widened({"one", {{"common_ms", 1, "ms"}, {"last", 3, ""}}}),
+                   widened({"another", {{"common_ms", 2.5, "ms"}, {"between", 7, ""}, {"last", 4, ""}}})});
+    EXPECT_EQ(table.substr(0, table.find("1000")),
               "                one  another\n"
               "common_ms (ms)    1      2.5\n"
               "between                    7\n"
               "last              3        4\n");
 }
 
-TEST(Report, OfManyCasesHasARowPerCase) {
+TEST(Report, OfManyMetricsHasATableForEachTenCases) {
+    std::vector<CaseFigures> cases;
+    for (int n = 0; n < 12; ++n) cases.push_back(widened({"case" + std::to_string(n), {}}));
+    cases.push_back({"narrow", {{"count", 5, ""}}});
+    const std::string tables = tables_of(cases);
+    EXPECT_NE(tables.find("case9\n"), std::string::npos) << tables;
+    EXPECT_NE(tables.find("case11\n"), std::string::npos) << tables;
+    EXPECT_NE(tables.find("\nnarrow      5\n"), std::string::npos) << tables;
+}
+
+TEST(Report, OfFewMetricsHasARowPerCase) {
     std::vector<CaseFigures> cases;
     for (int n = 0; n < 20; ++n)
         cases.push_back({"case" + std::to_string(n), {{"time", static_cast<double>(n), "us"}}});
