@@ -34,7 +34,7 @@ std::vector<double> shared_noise(int width, int height, SplitMix64& random) {
     return shared;
 }
 
-struct Picture {
+struct DepthPicture {
     int width, height;
     std::vector<double> depths;
 
@@ -46,7 +46,7 @@ struct Picture {
 };
 
 /// Nearest and farthest around a pixel.
-std::pair<double, double> around(const Picture& picture, int x, int y) {
+std::pair<double, double> around(const DepthPicture& picture, int x, int y) {
     double nearest = picture.at(x, y), farthest = nearest;
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
@@ -113,7 +113,7 @@ RawFrame noisy_frame(const Scene& scene, const TrueDepth& truth, std::int64_t nu
     raw.time_ns = scene.rate.time_ns(number);
     const double t = static_cast<double>(raw.time_ns) * 1e-9;
     SplitMix64 random(mix64(static_cast<std::uint64_t>(number) + 1));
-    Picture picture{scene.width, scene.height, {}};
+    DepthPicture picture{scene.width, scene.height, {}};
     for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x) picture.depths.push_back(truth(x, y, t));
     const std::vector<double> noise = shared_noise(scene.width, scene.height, random);
