@@ -6,6 +6,12 @@
 #include "shaders/surface_codes.h"
 
 namespace touchable {
+namespace {
+
+/// They are compared within about 50 us.
+constexpr long pixels_per_thread = 800'000;
+
+}  // namespace
 
 Result<BlockList> BlockList::create(const GpuDevice& device, int width, int height, std::optional<int> reach,
                                     double most, int run) {
@@ -20,9 +26,11 @@ Result<BlockList> BlockList::create(const GpuDevice& device, int width, int heig
     list.most_ = most;
     list.run_ = run;
     // A tile's bounds are those of its own blocks and of the pixels after them, to the right and below.
-    if (reach)
+    if (reach) {
         list.changes_ =
             std::make_unique<FrameChanges>(width, height, *reach + 1, usable_vector_units().front());
+        list.bands_ = std::make_unique<RowBands>(threads_for(long{width} * height, pixels_per_thread));
+    }
     return list;
 }
 
@@ -33,7 +41,7 @@ void BlockList::advance(const RawFrame& raw, BuildNumber held) {
     count_ = 0;
     rows_ = {0, height_};
     if (!changes_) return;
-    newest_ = changes_->advance(raw, *alone_);
+    newest_ = changes_->advance(raw, *bands_);
     const BlockMap* stale = was_done ? changes_->stale_blocks(held) : nullptr;
     if (stale == nullptr) return;
     const BlockGrid& grid = stale->grid();

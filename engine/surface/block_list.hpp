@@ -46,7 +46,7 @@ private:
     double most_ = 0, share_ = 1;
     int run_ = 1;
     std::unique_ptr<FrameChanges> changes_;
-    std::unique_ptr<RowBands> alone_ = std::make_unique<RowBands>(1);
+    std::unique_ptr<RowBands> bands_;
     GpuBuffer buffer_;
     BuildNumber newest_ = 0;
     bool done_ = false, all_ = true;

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <deque>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "engine/surface/code_filters.hpp"
@@ -15,19 +14,8 @@
 namespace touchable {
 namespace {
 
-/// A thread more pays where it has this many pixels to do: they take about 50 us, waking it some 5 us of CPU
-/// time and a few tens of waiting.
+/// They take about 50 us.
 constexpr long pixels_per_thread = 150'000;
-/// More of them wait for memory, and the others of a program want cores too.
-constexpr int most_threads = 4;
-
-int threads_for(const Scene& scene, int asked) {
-    if (asked > 0) return asked;
-    const long pixels = long{scene.width} * scene.height;
-    const int cores = static_cast<int>(std::thread::hardware_concurrency());
-    return std::clamp(static_cast<int>(std::min<long>(pixels / pixels_per_thread, most_threads)), 1,
-                      std::max(cores, 1));
-}
 
 /// The widest that there is, up to the one that is asked for.
 VectorUnit unit_for(VectorUnit most) {
@@ -40,7 +28,8 @@ public:
     CpuBuilder(const Scene& scene, const CpuPlan& plan)
         : scene_(scene),
           break_even_(plan.break_even),
-          bands_(threads_for(scene, plan.threads)),
+          bands_(plan.threads > 0 ? plan.threads
+                                  : threads_for(long{scene.width} * scene.height, pixels_per_thread)),
           filters_(scene, unit_for(plan.vectors)),
           tiles_(unit_for(plan.vectors)) {
         const auto reach = filters_.reach();

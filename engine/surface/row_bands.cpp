@@ -11,7 +11,15 @@ namespace {
 /// and none so long that its first rows have left the cache when the last are done.
 constexpr int bands_per_thread = 4, most_rows = 128;
 
+constexpr int most_threads = 4;
+
 }  // namespace
+
+int threads_for(long pixels, long pixels_per_thread) {
+    const int cores = static_cast<int>(std::thread::hardware_concurrency());
+    return std::clamp(static_cast<int>(std::min<long>(pixels / pixels_per_thread, most_threads)), 1,
+                      std::max(cores, 1));
+}
 
 RowBands::RowBands(int threads) : threads_(threads) {
     assert(threads >= 1);

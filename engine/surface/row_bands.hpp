@@ -14,6 +14,11 @@ struct RowBand {
     int first, last, thread;
 };
 
+/// As many as pay for so many pixels, if a thread more pays where it has `pixels_per_thread`: work of 50 us,
+/// of which waking it takes some 5 of CPU time and a few tens of waiting. At most 4, since more of them wait
+/// for memory, and others of a program want cores too; and no more than there are cores.
+int threads_for(long pixels, long pixels_per_thread);
+
 /// Threads that share the rows of a picture: the one that calls, and others that sleep in between.
 class RowBands {
 public:
