@@ -30,13 +30,16 @@ void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
 }  // namespace
 
 void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out) {
-    out.haptic.clear();
-    out.heights.clear();
-    if (!raw.haptic.empty()) {
+    // Not cleared first: memory that has the size is not filled with zeros on the way.
+    if (raw.haptic.empty()) {
+        out.haptic.clear();
+    } else {
         assert(raw.haptic.channels == 3 && raw.haptic.bytes_per_sample == 1);
         copy_bytes(raw.haptic, out.haptic);
     }
-    if (!raw.height.empty()) {
+    if (raw.height.empty()) {
+        out.heights.clear();
+    } else {
         assert(raw.height.channels == 1);
         copy_codes(raw.height, out.heights);
     }
