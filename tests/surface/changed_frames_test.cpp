@@ -205,7 +205,7 @@ TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
 
 /// Planes may be read where they lie or uploaded, as a whole or in part; and what kernels leave for the next
 /// frame is of another slot.
-TEST(ChangedFramesByKernels, HaveTheBitsOfWholeOnes) {
+TEST(ChangedFramesByVulkan, HaveTheBitsOfWholeOnes) {
     int patched = 0, whole_again = 0, nothing = 0;
     for (const int median : {0, 3, 5})
         for (const auto& [width, height] : {std::pair{171, 130}, {64, 70}})
@@ -246,7 +246,7 @@ TEST(ChangedFramesByKernels, HaveTheBitsOfWholeOnes) {
 }
 
 /// A frame that was read where it lay has left the rows that were uploaded before as they were.
-TEST(ChangedFramesByKernels, ReadNoRowThatIsOlderThanTheSlot) {
+TEST(ChangedFramesByVulkan, ReadNoRowThatIsOlderThanTheSlot) {
     const Scene scene = depth_scene(64, 70, 16, Marking::zero, {3, 0});
     Random random(1);
     std::vector<std::uint16_t> codes = fill_picture(scene, Fill::random, random);
