@@ -61,9 +61,12 @@ bool PlaneComparison::same(const Piece& piece, int y) const {
 }
 
 int PlaneComparison::changed_at_top(int block_row) const {
+    const int top = block_row * BlockGrid::height;
+    if (std::memcmp(before_.row(top), after_.row(top), static_cast<std::size_t>(bytes_of_row(after_))) == 0)
+        return 0;
     int changed = 0;
     for (int column = 0; column < BlockGrid::of(after_.width, after_.height).columns; ++column)
-        changed += !same(piece(column), block_row * BlockGrid::height);
+        changed += !same(piece(column), top);
     return changed;
 }
 

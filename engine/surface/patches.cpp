@@ -8,7 +8,7 @@ namespace {
 /// Rows of blocks that a patch goes over: where filters reach far, a higher one has less around it for what
 /// it has within.
 int rows_of_patch(int reach) {
-    return 1 + reach / (BlockGrid::height / 2);
+    return 1 + reach / 4;
 }
 
 /// A patch's row costs this many pixels of a large picture, whatever its length; so two that are no farther
