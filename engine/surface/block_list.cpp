@@ -9,7 +9,7 @@ namespace touchable {
 namespace {
 
 /// They are compared within about 50 us.
-constexpr long pixels_per_thread = 800'000;
+constexpr long pixels_compared_per_thread = 800'000;
 
 }  // namespace
 
@@ -29,7 +29,8 @@ Result<BlockList> BlockList::create(const GpuDevice& device, int width, int heig
     if (reach) {
         list.changes_ =
             std::make_unique<FrameChanges>(width, height, *reach + 1, usable_vector_units().front());
-        list.bands_ = std::make_unique<RowBands>(threads_for(long{width} * height, pixels_per_thread));
+        list.bands_ =
+            std::make_unique<RowBands>(threads_for(long{width} * height, pixels_compared_per_thread));
     }
     return list;
 }

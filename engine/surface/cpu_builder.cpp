@@ -15,7 +15,7 @@ namespace touchable {
 namespace {
 
 /// They take about 50 us.
-constexpr long pixels_per_thread = 150'000;
+constexpr long pixels_filtered_per_thread = 150'000;
 
 /// The widest that there is, up to the one that is asked for.
 VectorUnit unit_for(VectorUnit most) {
@@ -28,8 +28,9 @@ public:
     CpuBuilder(const Scene& scene, const CpuPlan& plan)
         : scene_(scene),
           break_even_(plan.break_even),
-          bands_(plan.threads > 0 ? plan.threads
-                                  : threads_for(long{scene.width} * scene.height, pixels_per_thread)),
+          bands_(plan.threads > 0
+                     ? plan.threads
+                     : threads_for(long{scene.width} * scene.height, pixels_filtered_per_thread)),
           filters_(scene, unit_for(plan.vectors)),
           tiles_(unit_for(plan.vectors)) {
         const auto reach = filters_.reach();
