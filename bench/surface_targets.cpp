@@ -26,9 +26,12 @@ std::vector<Target> make_surface_targets() {
         full_hd.front();
     add("codes and cut tiles over OpenCV's", "0.35-0.5", full_hd, "mask3_vs_opencv_mask", Sense::at_most, 0.8,
         "");
-    add("a tenth of the tiles changed over full", "0.19", full_hd, "dirty10_vs_full", Sense::at_most, 0.25,
-        "");
-    add("unchanged frame", "0.23", full_hd, "unchanged_ms", Sense::at_most, 0.25, "ms");
+    add("a tenth of the tiles changed over full, CPU", "0.19", full_hd, "dirty10_vs_full", Sense::at_most,
+        0.25, "");
+    add("  by Vulkan", "", full_hd, "vulkan_dirty10_vs_full", Sense::at_most, 0.25, "");
+    add("  CPU time", "", full_hd, "vulkan_dirty10_cpu_vs_full", Sense::none, 0, "");
+    add("unchanged frame, CPU", "0.23", full_hd, "unchanged_ms", Sense::at_most, 0.25, "ms");
+    add("  by Vulkan", "", full_hd, "vulkan_unchanged_ms", Sense::at_most, 0.25, "ms");
     add("CPU builder, codes and bounds, 3x3", "", full_hd, "cpu_builder3_ms", Sense::at_most, 1.2, "ms");
     add("  with positions, 2 threads", "1.06", full_hd, "cpu_positions3_2t_ms", Sense::at_most, 1.2, "ms");
     add("lazy builder, 5 fingers, 5x5, added to a tick", "", full_hd, "lazy_us_per_tick_5f", Sense::at_most,

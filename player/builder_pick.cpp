@@ -11,7 +11,7 @@ namespace {
 // alike.
 
 /// CPU time of a whole frame: ns for each pixel, and a rest that does not depend on them.
-constexpr double decode_ns = 0.28, median3_ns = 0.40, median5_ns = 0.60, terraces_ns = 1.35,
+constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terraces_ns = 1.1,
                  temporal_ns = 0.15, frame_us = 10;
 
 /// CPU time that the lazy builder adds to a tick for each finger, us: a part that depends on how many pixels
@@ -20,7 +20,7 @@ constexpr double decode_ns = 0.28, median3_ns = 0.40, median5_ns = 0.60, terrace
 struct LazyCost {
     double us, us_by_width;
 };
-constexpr LazyCost lazy_decode{0.10, 0.15}, lazy_median3{0.17, 0.20}, lazy_median5{0.50, 0.38};
+constexpr LazyCost lazy_decode{0.10, 0.17}, lazy_median3{0.18, 0.23}, lazy_median5{0.55, 0.48};
 
 /// Less than a hundredth of a core is not worth longer ticks.
 constexpr double least_gain_ms = 10;
