@@ -1,4 +1,4 @@
-// What the last stage of every frame writes beside codes, for GLSL: validity, and parts of tile bounds.
+// What decoding and medians write beside codes, for GLSL: validity, and parts of tile bounds.
 #ifndef TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 #define TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 

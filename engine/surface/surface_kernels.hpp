@@ -11,8 +11,8 @@
 
 namespace touchable {
 
-/// The kernels that march along strips (shaders/strip.h). The first three end a frame, and take it from
-/// stored values to codes, validity and parts of bounds.
+/// The kernels that march along strips (shaders/strip.h). The first three take it from stored
+/// values to codes, validity and parts of bounds, which are final where no filter comes after them.
 enum class StripKernel { decode, median3, median5, fill_holes };
 
 /// How rows are shared among lanes, and planes between GPU and CPU. The same bits come of any.

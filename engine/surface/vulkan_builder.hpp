@@ -19,14 +19,14 @@ namespace touchable {
 class VulkanSurfaceBuilder : public SurfaceBuilder {
 public:
     /// Milliseconds of the last frame on the device, by stage: "read in" and "read back" where its memory is
-    /// its own, "hue", "fill" where there are such, "median" (or "decode") and "bounds"; with the temporal filter
-    /// "temporal", with terrace removal "terraces", and another "decode" before those.
+    /// its own; "hue" and "fill" where there are such; "median" (or "decode"); with filters after it
+    /// "temporal", "terraces" and another "decode"; "bounds". None where nothing had changed.
     virtual const std::vector<GpuTime>& stages() const = 0;
 };
 
 /// `kernels` may serve many builders, one thread at a time. Refused (ErrorKind::gpu) where the scene's frames
-/// are larger than the device's buffers may be, or with a temporal filter where depth.invalid names some of 65536 codes,
-/// but neither 0 nor 65535.
+/// are larger than the device's buffers may be, or with a temporal filter where depth.invalid names some of
+/// 65536 codes, but neither 0 nor 65535.
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,
                                                                   const SurfacePlan& plan);

@@ -93,6 +93,7 @@ TEST(VulkanBuilder, ReadsAPlaneWhereverItLiesAndNothingBesideIt) {
                 for (std::uint8_t* at : {memory.begin(), memory.begin() + 16, memory.begin() + 2,
                                          memory.end() - bytes, memory.end() - bytes / 16 * 16 - 16}) {
                     RawFrame raw = plane.frame();
+                    raw.storage = std::shared_ptr<const void>(std::shared_ptr<void>(), memory.begin());
                     raw.depth.data = stride > 0 ? at : at - 30 * stride;
                     raw.depth.stride = stride;
                     for (int y = 0; y < 31; ++y)
@@ -137,19 +138,33 @@ TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
     limits = whole;
     limits.max_storage_buffer_range = 2 * 64 * 40 - 1;
     EXPECT_FALSE(make_vulkan_builder(scene, *device).ok());
+    limits = whole;
+    limits.max_group_count[0] = 2;  // of eight strips each
+    const auto few_groups = make_vulkan_builder(scene, *device);
+    ASSERT_FALSE(few_groups.ok());
+    EXPECT_EQ(few_groups.error().kind, ErrorKind::gpu);
 }
 
-TEST(VulkanBuilder, TellsItsStages) {
-    const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 2});
+std::string stages_of(const FilterSettings& filter) {
+    const Scene scene = depth_scene(64, 40, 8, Marking::zero, filter);
     const auto builder = test_vulkan_builder(scene);
     SurfaceFrame slot;
-    ASSERT_TRUE(builder->build(noisy_plane(scene, Fill::blob, 1).frame(), slot));
+    EXPECT_TRUE(builder->build(noisy_plane(scene, Fill::blob, 1).frame(), slot));
     std::string labels;
     for (const GpuTime& stage : builder->stages()) {
         EXPECT_GT(stage.ms, 0);
         if (stage.label.rfind("read ", 0) != 0) labels += stage.label + " ";
     }
-    EXPECT_EQ(labels, "fill median bounds ");
+    return labels;
+}
+
+TEST(VulkanBuilder, TellsItsStages) {
+    EXPECT_EQ(stages_of({0, 0}), "decode bounds ");
+    EXPECT_EQ(stages_of({3, 2}), "fill median bounds ");
+    FilterSettings all{3, 1, TerraceRemoval::on};
+    all.temporal = true;
+    all.temporal_noise = {1, 0};
+    EXPECT_EQ(stages_of(all), "fill median temporal terraces decode bounds ");
 }
 
 }  // namespace

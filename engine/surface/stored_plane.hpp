@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/gpu/gpu_commands.hpp"
+#include "engine/surface/block_list.hpp"
+#include "shaders/surface_codes.h"
+
+namespace touchable {
+
+/// Where a kernel reads from: stored values or codes, in rows of whole texels.
+struct StoredRows {
+    GpuBuffer buffer;
+    std::uint32_t sample_bytes = 2, pitch = 0, start = 0;  ///< texels from row to row, and before the first
+    ValidCodes valid;
+
+    bool may_be_invalid() const {
+        return valid.valid_min > 0 || valid.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||
+               valid.excluded[0] != no_such_code;
+    }
+};
+
+/// Depth planes of one builder's frames, as its kernels read them: where the frame has them, if that is a
+/// software Vulkan's memory too and rows are whole texels, else in buffers of their own, which take of a
+/// frame that has changed in part only that part.
+class StoredPlane {
+public:
+    /// `valid`: of its values. `copies`: kernels read from the GPU's own memory.
+    StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, bool copies)
+        : device_(std::move(device)), valid_(valid), copies_(copies) {}
+
+    /// Those of a frame, into a slot that held build `held`.
+    Result<StoredRows> take(const RawFrame& raw, const BlockList& list, BuildNumber held);
+    /// Nothing has changed since build `held`.
+    void keep(const BlockList& list, BuildNumber held);
+    /// Records what `take` leaves to the GPU.
+    void record_reading_in(GpuCommands& commands) const;
+
+private:
+    bool is_importable(const RawFrame& raw) const;
+    Result<StoredRows> import(const RawFrame& raw) const;
+    Result<void> make_buffers(std::size_t bytes);
+    Result<StoredRows> upload(const PlaneView& depth, const BlockList& list, BuildNumber held);
+
+    std::shared_ptr<GpuDevice> device_;
+    const ValidCodes valid_;
+    const bool copies_;
+    GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
+    BuildNumber uploaded_ = 0;   // which frame they hold
+    std::size_t row_bytes_ = 0;  // of theirs
+    RowRange upload_rows_;       // that were written last
+};
+
+}  // namespace touchable

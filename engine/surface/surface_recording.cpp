@@ -1,0 +1,308 @@
+#include "engine/surface/surface_recording.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+
+namespace touchable {
+namespace {
+
+static_assert(sizeof(TileBounds) == 8 && offsetof(TileBounds, least) == 0 &&
+              offsetof(TileBounds, greatest) == 2 && offsetof(TileBounds, any_invalid) == 4);
+
+/// All but no_finer_code.
+constexpr ValidCodes finer_codes{
+    0, no_finer_code - 1, {no_such_code, no_such_code, no_such_code, no_such_code}};
+
+/// Whether no_finer_code is beyond all codes, so that it can stand for what is invalid.
+bool leaves_room_above(const ValidCodes& valid) {
+    return valid.valid_min + valid.valid_span < no_finer_code;
+}
+
+Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, const char* what) {
+    return {ErrorKind::gpu, "frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
+                                " are larger than " + what + " may be on " + device.facts().name};
+}
+
+}  // namespace
+
+SurfaceRecording::SurfaceRecording(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
+                                   const SurfacePlan& plan)
+    : scene_(scene),
+      kernels_(std::move(kernels)),
+      plan_(plan),
+      temporal_(temporal_filter(scene)),
+      terraces_(terrace_filter(scene)),
+      valid_(valid_codes_of(scene.depth)),
+      width_(static_cast<std::uint32_t>(scene.width)),
+      height_(static_cast<std::uint32_t>(scene.height)),
+      pitch_(groups_for(width_, 8)),
+      strips_(groups_for(height_, 2)),
+      grid_(TileGrid::of(scene.width, scene.height)) {
+    assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
+}
+
+Result<SurfaceRecording> SurfaceRecording::create(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
+                                                  const SurfacePlan& plan) {
+    SurfaceRecording recording(scene, std::move(kernels), plan);
+    if (auto checked = recording.check_limits(); !checked.ok()) return checked.error();
+    if (auto made = recording.make_buffers(); !made.ok()) return made.error();
+    return recording;
+}
+
+bool SurfaceRecording::has_room_above() const {
+    return terraces_ || leaves_room_above(valid_);
+}
+
+Result<void> SurfaceRecording::check_limits() const {
+    if (temporal_ && !has_room_above() && valid_.valid_min == 0 && valid_.excluded[0] != no_such_code)
+        return Error{
+            ErrorKind::gpu,
+            "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
+            "of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
+    const GpuLimits& limits = device().facts().limits;
+    // Of hue three channels.
+    const std::size_t most_bytes = std::size_t{is_hue() ? 24U : 16U} * pitch_ * height_;
+    if (most_bytes / 16 > limits.max_texel_buffer_elements || most_bytes > limits.max_storage_buffer_range)
+        return more_than_the_device_can(scene_, device(), "a buffer");
+    const std::uint32_t segments = push_for({}, 0).segments;
+    const std::uint32_t most_groups =
+        std::max(groups_for((terraces_ ? height_ : strips_) * segments, plan_.group_size), groups_for(pitch_, hue_codes_group));
+    if (most_groups > limits.max_group_count[0] || height_ > limits.max_group_count[1])
+        return more_than_the_device_can(scene_, device(), "a dispatch");
+    return {};
+}
+
+Result<void> SurfaceRecording::make_buffers() {
+    const std::size_t codes_bytes = std::size_t{16} * pitch_ * height_;
+    const bool fills = scene_.filter.fill_holes > 0, levels = terraces_.has_value();
+    const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
+        {parts_, "parts of bounds", std::size_t{strips_} * groups_for(width_, 32) * tile_pair_bytes},
+        {between_[0], "codes between stages", is_hue() || fills || levels ? codes_bytes : 0},
+        {between_[1], "codes between passes", fills || levels ? codes_bytes : 0},
+        {finer_, "finer codes", levels || temporal_ ? codes_bytes : 0},
+        {remembered_[0], "codes remembered", temporal_ ? codes_bytes : 0},
+        {remembered_[1], "codes remembered before", temporal_ ? codes_bytes : 0},
+        {held_, "frames held", temporal_ ? codes_bytes / 4 : 0},
+        {fill_passes_, "passes of hole filling",
+         fills ? sizeof(FillPass) * static_cast<std::size_t>(scene_.filter.fill_holes + 1) : 0}};
+    for (const auto& [buffer, name, bytes] : buffers) {
+        if (bytes == 0) continue;
+        auto created = GpuBuffer::create(device(), name, bytes, GpuMemory::device);
+        if (!created.ok()) return created.error();
+        buffer = *created;
+    }
+    return {};
+}
+
+std::optional<int> SurfaceRecording::reach() const {
+    if (is_hue() || scene_.filter.fill_holes > 0 || temporal_ || terraces_) return std::nullopt;
+    return scene_.filter.median / 2;
+}
+
+const DepthCoding& SurfaceRecording::coding() const {
+    return terraces_ ? terraces_->coding : temporal_ ? temporal_->coding : scene_.depth;
+}
+
+Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
+                                      bool begins, const VulkanVertices& slot) {
+    StoredRows rows = stored;
+    if (is_hue()) {
+        auto hues = record_hue(commands, rows);
+        if (!hues.ok()) return hues.error();
+        rows = *hues;
+    }
+    if (scene_.filter.fill_holes > 0 && rows.may_be_invalid()) {
+        auto filled = record_filling(commands, rows);
+        if (!filled.ok()) return filled.error();
+        rows = *filled;
+    }
+    int median = scene_.filter.median;
+    if (temporal_ || terraces_) {
+        if (auto filtered = record_codes(commands, median, rows, has_room_above(), finer_, list, slot);
+            !filtered.ok())
+            return filtered;
+        rows = {finer_, 2, pitch_, 0, finer_codes};
+        median = 0;
+    }
+    if (temporal_) {
+        auto smoothed = record_temporal(commands, begins);
+        if (!smoothed.ok()) return smoothed.error();
+        rows = *smoothed;
+    }
+    if (terraces_) {
+        auto levelled = record_terraces(commands, rows.buffer);
+        if (!levelled.ok()) return levelled.error();
+        rows = *levelled;
+    }
+    if (auto ended = record_codes(commands, median, rows, false, slot.codes.gpu, list, slot); !ended.ok())
+        return ended;
+    return record_bounds(commands, list, slot);
+}
+
+StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t listed) const {
+    StripPush push{};
+    push.width = width_;
+    push.height = height_;
+    push.in_start = rows.start;
+    push.in_pitch = rows.pitch;
+    push.out_pitch = pitch_;
+    push.segment_texels = plan_.segment_texels > 0 ? plan_.segment_texels : pitch_;
+    push.segments = groups_for(pitch_, push.segment_texels);
+    push.along_x = plan_.along_x ? 1 : 0;
+    push.validity_words = groups_for(width_, 32);
+    push.groups = groups_for(strips_ * push.segments, plan_.group_size);
+    push.factor = static_cast<std::uint32_t>(temporal_   ? temporal_->factor
+                                             : terraces_ ? terraces_->factor
+                                                         : 0);
+    push.valid = rows.valid;
+    push.listed = listed;
+    if (listed > 0) push.groups = groups_for(listed * strips_per_tile, plan_.group_size);
+    return push;
+}
+
+Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const StoredRows& rows,
+                                                 bool before_terraces) {
+    return kernels_->strip(kernel,
+                           {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
+                            rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                            width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, before_terraces ? 1U : 0U});
+}
+
+TerracesPush SurfaceRecording::terraces_push() const {
+    TerracesPush push{width_,
+                      height_,
+                      pitch_,
+                      1,
+                      pitch_,
+                      plan_.along_x ? 1U : 0U,
+                      static_cast<std::uint32_t>(terraces_->gate),
+                      static_cast<std::uint32_t>(terraces_->most)};
+    if (plan_.segment_texels > 0) {
+        push.segment_texels = plan_.segment_texels;
+        push.segments = groups_for(pitch_, push.segment_texels);
+    }
+    return push;
+}
+
+/// The kernel that ends in codes, validity and parts of bounds. `before_terraces` codes are those that
+/// terraces are removed from, and only validity is final.
+Result<void> SurfaceRecording::record_codes(GpuCommands& commands, int median, const StoredRows& rows,
+                                            bool before_terraces, const GpuBuffer& to, const BlockList& list,
+                                            const VulkanVertices& slot) {
+    const StripKernel kernel = median == 0   ? StripKernel::decode
+                               : median == 3 ? StripKernel::median3
+                                             : StripKernel::median5;
+    const auto program = program_for(kernel, rows, before_terraces);
+    if (!program.ok()) return program.error();
+    const StripPush push = push_for(rows, list.count());
+    commands.dispatch(*program, push, {rows.buffer, to, slot.validity.gpu, parts_, list.buffer()},
+                      {push.groups});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.mark(median == 0 ? "decode" : "median");
+    return {};
+}
+
+/// What the filter reads and writes changes places from frame to frame.
+Result<StoredRows> SurfaceRecording::record_temporal(GpuCommands& commands, bool begins) {
+    const auto program = kernels_->temporal();
+    if (!program.ok()) return program.error();
+    const TemporalGate& gate = temporal_->gate;
+    ValidCodes valid = finer_codes;
+    if (!has_room_above()) {
+        valid.valid_min = valid_.valid_min;
+        valid.valid_span = valid_.valid_span;
+    }
+    const TemporalPush push{height_,
+                            pitch_,
+                            begins ? 1U : 0U,
+                            gate.constant,
+                            gate.linear,
+                            gate.quadratic,
+                            gate.last,
+                            static_cast<std::uint32_t>(gate.shift),
+                            gate.from_last ? 1U : 0U,
+                            has_room_above() ? no_finer_code : 0,
+                            valid};
+    std::swap(remembered_[0], remembered_[1]);
+    commands.dispatch(*program, push, {finer_, remembered_[1], remembered_[0], held_},
+                      {groups_for(pitch_, temporal_group), height_});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.mark("temporal");
+    return StoredRows{remembered_[0], 2, pitch_, 0, valid};
+}
+
+Result<StoredRows> SurfaceRecording::record_terraces(GpuCommands& commands, const GpuBuffer& finer) {
+    const TerracesPush push = terraces_push();
+    GpuBuffer from = finer;
+    for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
+        const bool is_last = pass + 1 == std::size(terrace_steps);
+        const auto program = kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last);
+        if (!program.ok()) return program.error();
+        const GpuBuffer& to = between_[pass % 2];
+        commands.dispatch(*program, push, {from, finer, to},
+                          {groups_for(push.height * push.segments, plan_.group_size)});
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        from = to;
+    }
+    commands.mark("terraces");
+    return StoredRows{from, 2, pitch_, 0, finer_codes};
+}
+
+Result<StoredRows> SurfaceRecording::record_hue(GpuCommands& commands, const StoredRows& rows) {
+    auto program = kernels_->hue_codes();
+    if (!program.ok()) return program.error();
+    const HueCodesPush push{width_, height_, rows.pitch * 4, pitch_,
+                            static_cast<std::uint32_t>(scene_.depth.least_sum)};
+    commands.dispatch(*program, push, {rows.buffer, between_[0]},
+                      {groups_for(pitch_, hue_codes_group), height_});
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.mark("hue");
+    return StoredRows{between_[0], 2, pitch_, 0, valid_};
+}
+
+/// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
+/// second: what the first one reads is not in these buffers.
+Result<StoredRows> SurfaceRecording::record_filling(GpuCommands& commands, StoredRows rows) {
+    commands.fill(fill_passes_, 0);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) {
+        const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
+        const auto program = program_for(StripKernel::fill_holes, rows);
+        if (!program.ok()) return program.error();
+        StripPush push = push_for(rows, 0);
+        push.pass = static_cast<std::uint32_t>(pass);
+        if (pass < 2)
+            commands.dispatch(*program, push, {rows.buffer, to, fill_passes_}, {push.groups});
+        else
+            commands.dispatch_indirect(*program, push, {rows.buffer, to, fill_passes_}, fill_passes_,
+                                       sizeof(FillPass) * push.pass);
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        commands.barrier(GpuStage::compute, GpuStage::indirect);
+        rows = {to, 2, pitch_, 0, valid_};
+    }
+    commands.mark("fill");
+    return rows;
+}
+
+Result<void> SurfaceRecording::record_bounds(GpuCommands& commands, const BlockList& list,
+                                             const VulkanVertices& slot) {
+    auto program = kernels_->tile_bounds();
+    if (!program.ok()) return program.error();
+    const TileBoundsPush push{width_,
+                              height_,
+                              pitch_,
+                              groups_for(width_, 32),
+                              strips_,
+                              static_cast<std::uint32_t>(grid_.tiles_x),
+                              static_cast<std::uint32_t>(grid_.tiles_y),
+                              list.count()};
+    const std::uint32_t pairs = push.listed > 0 ? push.listed : push.words * push.tiles_y;
+    commands.dispatch(*program, push,
+                      {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu, list.buffer()},
+                      {groups_for(pairs, tile_bounds_group)});
+    commands.mark("bounds");
+    return {};
+}
+
+}  // namespace touchable
