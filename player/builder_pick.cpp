@@ -20,7 +20,7 @@ constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terrace
 struct LazyCost {
     double us, us_by_width;
 };
-constexpr LazyCost lazy_decode{0.10, 0.17}, lazy_median3{0.18, 0.23}, lazy_median5{0.55, 0.48};
+constexpr LazyCost lazy_decode{0.10, 0.17}, lazy_median3{0.13, 0.23}, lazy_median5{0.10, 0.50};
 
 /// Less than a hundredth of a core is not worth longer ticks.
 constexpr double least_gain_ms = 10;

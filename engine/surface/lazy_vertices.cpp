@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/surface/hole_filling.hpp"
@@ -94,6 +95,40 @@ private:
     std::uint8_t valid_since_[largest_side * largest_side];  // the pass that made it valid; 0: as stored
 };
 
+/// Whether every code from `least` to `greatest` is valid, so that what lies between need not be asked one by
+/// one.
+bool all_are_valid(const DepthCoding& coding, std::uint16_t least, std::uint16_t greatest) {
+    for (int n = 0; n < coding.invalid_code_count; ++n) {
+        const std::uint16_t code = coding.invalid_codes[static_cast<std::size_t>(n)];
+        if (least <= code && code <= greatest) return false;
+    }
+    return least >= coding.valid_min && greatest <= coding.valid_max;
+}
+
+/// Least and greatest sample of a row from `x` on.
+template <class Sample>
+void bound_samples(const std::uint8_t* row, int x, int count, std::uint16_t& least, std::uint16_t& greatest) {
+    for (int n = x; n < x + count; ++n) {
+        Sample sample;
+        std::memcpy(&sample, row + static_cast<std::size_t>(n) * sizeof(Sample), sizeof(Sample));
+        least = std::min<std::uint16_t>(least, sample);
+        greatest = std::max<std::uint16_t>(greatest, sample);
+    }
+}
+
+/// Bounds of a rectangle, ends included, whose pixels are all valid, and nothing elsewhere. Of stored values
+/// that are codes.
+std::optional<TileBounds> bounds_of_clean_area(const PlaneView& depth, const DepthCoding& coding, int left,
+                                               int top, int right, int bottom) {
+    TileBounds bounds;
+    for (int y = top; y <= bottom; ++y)
+        (depth.bytes_per_sample == 2 ? bound_samples<std::uint16_t>
+                                     : bound_samples<std::uint8_t>)(depth.row(y), left, right - left + 1,
+                                                                    bounds.least, bounds.greatest);
+    if (!all_are_valid(coding, bounds.least, bounds.greatest)) return std::nullopt;
+    return bounds;
+}
+
 /// The median of a window inside the picture whose pixels are all valid, and nothing elsewhere: no window is
 /// met as often. Of stored values that are codes.
 template <int Side>
@@ -103,19 +138,14 @@ std::optional<std::uint16_t> median_of_clean_window(const PlaneView& depth, cons
     if (left < 0 || top < 0 || left + Side > depth.width || top + Side > depth.height) return std::nullopt;
     std::uint16_t columns[Side][Side];
     std::uint16_t least = 65535, greatest = 0;
-    bool excluded = false;
     for (int column = 0; column < Side; ++column) {
         std::uint16_t(&codes)[Side] = columns[column];
-        for (int row = 0; row < Side; ++row) {
-            codes[row] = depth.sample(left + column, top + row);
-            for (int n = 0; n < coding.invalid_code_count; ++n)
-                excluded |= codes[row] == coding.invalid_codes[static_cast<std::size_t>(n)];
-        }
+        for (int row = 0; row < Side; ++row) codes[row] = depth.sample(left + column, top + row);
         sort_column(codes);
         least = lesser(least, codes[0]);
         greatest = greater(greatest, codes[Side - 1]);
     }
-    if (excluded || least < coding.valid_min || greatest > coding.valid_max) return std::nullopt;
+    if (!all_are_valid(coding, least, greatest)) return std::nullopt;
     return median_of_columns(columns);
 }
 
@@ -160,6 +190,7 @@ bool LazyVertices::serves(const Scene& scene) const {
 void LazyVertices::restart() {
     const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
     restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
+    for (auto& word : recent_) word.store(0, std::memory_order_relaxed);
     if (!terraces_) return;
     blocks_x_ = (frame_.width + TerracePatch::block - 1) / TerracePatch::block;
     const int blocks_y = (frame_.height + TerracePatch::block - 1) / TerracePatch::block;
@@ -169,7 +200,7 @@ void LazyVertices::restart() {
 }
 
 DepthSample LazyVertices::at(int x, int y) const {
-    const std::optional<std::uint16_t> code = terraces_ ? finer_code(x, y) : filtered_code(x, y);
+    const std::optional<std::uint16_t> code = terraces_ ? finer_code(x, y) : recent_code(x, y);
     if (!code) return {};
     return {frame_.coding.depth(*code), true};
 }
@@ -192,6 +223,23 @@ std::optional<std::uint16_t> LazyVertices::filtered_code(int x, int y) const {
     }
     if (!around.valid(x, y)) return std::nullopt;
     return around.median(radius);
+}
+
+/// `filtered_code`, kept where that is work.
+std::optional<std::uint16_t> LazyVertices::recent_code(int x, int y) const {
+    if (filter_.median == 0 && filter_.fill_holes == 0) return filtered_code(x, y);
+    constexpr std::uint64_t is_valid = 1U << 16;
+    const std::uint64_t place = (static_cast<std::uint64_t>(y) + 1) << 40 | static_cast<std::uint64_t>(x)
+                                                                                << 17;
+    auto& kept = recent_[static_cast<std::size_t>(y % recent_side * recent_side + x % recent_side)];
+    std::uint64_t word = kept.load(std::memory_order_relaxed);
+    if (word >> 17 != place >> 17) {
+        const auto code = filtered_code(x, y);
+        word = place | (code ? is_valid | *code : 0);
+        kept.store(word, std::memory_order_relaxed);
+    }
+    if ((word & is_valid) == 0) return std::nullopt;
+    return static_cast<std::uint16_t>(word);
 }
 
 std::optional<std::uint16_t> LazyVertices::finer_code(int x, int y) const {
@@ -242,9 +290,14 @@ TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
     const int reach = filter_.median / 2 + filter_.fill_holes;
     const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame_.width - 1);
     const int top = ty * TileGrid::cells, bottom = std::min(top + TileGrid::cells, frame_.height - 1);
+    const int from_x = std::max(left - reach, 0), to_x = std::min(right + reach, frame_.width - 1);
+    const int from_y = std::max(top - reach, 0), to_y = std::min(bottom + reach, frame_.height - 1);
+    if (stored_.kind != DepthCodingKind::hue)
+        if (const auto clean = bounds_of_clean_area(frame_.raw.depth, stored_, from_x, from_y, to_x, to_y))
+            return *clean;
     TileBounds bounds;
-    for (int y = std::max(top - reach, 0); y <= std::min(bottom + reach, frame_.height - 1); ++y)
-        for (int x = std::max(left - reach, 0); x <= std::min(right + reach, frame_.width - 1); ++x) {
+    for (int y = from_y; y <= to_y; ++y)
+        for (int x = from_x; x <= to_x; ++x) {
             const std::uint16_t code = stored_code(frame_.raw.depth, stored_, x, y);
             if (stored_.is_valid(code)) {
                 bounds.least = std::min(bounds.least, code);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -29,6 +30,7 @@ public:
 private:
     /// Before terrace removal, and after; nothing: invalid.
     std::optional<std::uint16_t> filtered_code(int x, int y) const;
+    std::optional<std::uint16_t> recent_code(int x, int y) const;
     std::optional<std::uint16_t> finer_code(int x, int y) const;
     void level_block(int bx, int by) const;
     TileBounds raw_bounds(int tx, int ty) const;
@@ -40,6 +42,10 @@ private:
     std::optional<TerraceFilter> terraces_;
     // Bounds of a tile, packed into one word so that readers never see half of them; 0: not yet computed.
     mutable std::vector<std::atomic<std::uint64_t>> tiles_;
+    // Of a pixel in every place of a square that repeats over the picture the filtered code, packed likewise
+    // with where that pixel is: a finger asks for the same few again and again.
+    static constexpr int recent_side = 32;
+    mutable std::array<std::atomic<std::uint64_t>, recent_side * recent_side> recent_{};
     // With terrace removal: which blocks are done, and the codes of those.
     int blocks_x_ = 0;
     mutable std::vector<std::atomic<bool>> blocks_;

@@ -56,7 +56,7 @@ TEST(BuilderPick, ManyFingersWantWholeFrames) {
 }
 
 TEST(BuilderPick, TheFasterFramesComeTheMoreFingersAreLazy) {
-    TouchLoad load = full_hd(5, 25);
+    TouchLoad load = full_hd(5, 30);
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
     load.scene.rate = {120, 1};
     EXPECT_EQ(pick_builder(load, never_asked).name, "lazy");

@@ -2,6 +2,7 @@
 
 #include <thread>
 
+#include "engine/content/random.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/surface/pictures.hpp"
@@ -147,6 +148,26 @@ TEST(LazyBuilder, KeepsTheRawFrameAliveUntilTheSlotIsReused) {
     const StoredPlane other = noisy_plane(scene, Fill::random, 9);
     ASSERT_TRUE(make_cpu_builder(scene)->build(other.frame(), slot));
     EXPECT_TRUE(watched.expired());
+}
+
+TEST(LazyVertices, AnswerInAnyOrderAgainAndAgainAndOfTheNextFrame) {
+    const Scene scene = depth_scene(150, 70, 16, Marking::zero, {5, 1});
+    const auto reference_builder = make_reference_builder(scene), lazy_builder = make_lazy_builder(scene);
+    SurfaceFrame reference, lazy;
+    SplitMix64 random(12);
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        const StoredPlane plane = noisy_plane(scene, Fill::few_holes, seed);
+        ASSERT_TRUE(reference_builder->build(plane.frame(), reference));
+        ASSERT_TRUE(lazy_builder->build(plane.frame(), lazy));
+        for (int n = 0; n < 20000; ++n) {
+            // Every second one within a few pixels, as under a finger.
+            const int x = static_cast<int>(n % 2 == 0 ? random.within(60, 70) : random.within(0, 150));
+            const int y = static_cast<int>(n % 2 == 0 ? random.within(30, 40) : random.within(0, 70));
+            const DepthSample expected = reference.vertices->at(x, y), asked = lazy.vertices->at(x, y);
+            ASSERT_TRUE(asked.valid == expected.valid && (!asked.valid || asked.depth == expected.depth))
+                << x << ", " << y << " of frame " << seed;
+        }
+    }
 }
 
 void expect_right_answers_to_several_readers(const FilterSettings& filter) {
