@@ -89,7 +89,8 @@ Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<Surface
 
 TEST(LostGpu, CostsNeitherFrameNorForce) {
     const TemporaryFolder folder;
-    make_clip("globe", folder / "clip.mkv", {"--size", "160x120", "--frames", std::to_string(frames)});
+    // Of a scene whose depth stands still nothing would be asked of the GPU.
+    make_clip("moving", folder / "clip.mkv", {"--size", "160x120", "--frames", std::to_string(frames)});
     const auto reader = [&] {
         auto opened = open_clip(folder / "clip.mkv", std::nullopt);
         EXPECT_TRUE(opened.ok());
@@ -115,7 +116,7 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
         EXPECT_EQ(run.force_hash, expected.force_hash) << "lost at frame " << lost_at;
         EXPECT_EQ(run.frames, expected.frames);
         EXPECT_EQ(run.ticks, expected.ticks);
-        ASSERT_EQ(told.size(), 1U);
+        ASSERT_EQ(told.size(), 1U) << "at frame " << lost_at << (doom == Doom::lost ? ", lost" : ", hangs");
         EXPECT_EQ(told[0].rfind("frame " + std::to_string(lost_at) + ": ", 0), 0U) << told[0];
     }
 }
