@@ -26,8 +26,9 @@ void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector
 Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu);
 
 /// The vulkan builder works on `gpu`, which others do not open. Refused (ErrorKind::gpu), saying what is
-/// missing, where it is asked for, there is no such GPU and none is asked to go on without. A GPU that is
-/// lost in the middle is no error: the cpu builder goes on, and a warning on stderr says so.
+/// missing, where it is asked for, there is no such GPU and none is asked to go on without;
+/// (ErrorKind::usage) the lazy builder with a temporal filter. A GPU that is lost in the middle is no error:
+/// the cpu builder goes on, and a warning on stderr says so.
 Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
                                                      RunGpu& gpu);
 

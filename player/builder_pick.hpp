@@ -15,8 +15,9 @@ struct TouchLoad {
     bool live = false;  ///< ticks are due every millisecond of the wall clock
 };
 
-/// CPU time of whole frames by the CPU builder, and of what the lazy builder adds to ticks, all threads: ms
-/// for each second of the clip (docs/gpu-vs-cpu.md, where the constants come from).
+/// CPU time of whole frames by the CPU builder, but for hole filling, which depends on the holes, and of what
+/// the lazy builder adds to ticks, all threads: ms for each second of the clip (docs/gpu-vs-cpu.md, where the
+/// constants come from).
 double whole_frames_ms_per_second(const TouchLoad& load);
 double lazy_ms_per_second(const TouchLoad& load);
 

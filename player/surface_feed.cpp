@@ -46,8 +46,10 @@ Result<bool> SurfaceFeed::build(const RawFrame& raw) {
     if (auto built = builder_->build(raw, *slot); !built.ok()) return built.error();
     if (auto published = timeline_.publish(raw.number, raw.time_ns); !published.ok())
         return published.error();
-    newest_ = raw;
-    newest_->colour = {};
+    if (!settles_ && raw.storage)
+        newest_ = raw;
+    else
+        newest_.reset();
     return true;
 }
 

@@ -4,11 +4,15 @@
 
 namespace touchable {
 
-bool same_samples(const PlaneView& a, const PlaneView& b) {
+bool same_form(const PlaneView& a, const PlaneView& b) {
     if (a.empty() || b.empty()) return a.empty() && b.empty();
-    if (a.width != b.width || a.height != b.height || a.bytes_per_sample != b.bytes_per_sample ||
-        a.channels != b.channels)
-        return false;
+    return a.width == b.width && a.height == b.height && a.bytes_per_sample == b.bytes_per_sample &&
+           a.channels == b.channels;
+}
+
+bool same_samples(const PlaneView& a, const PlaneView& b) {
+    if (!same_form(a, b)) return false;
+    if (a.empty()) return true;
     const auto row_bytes = static_cast<std::size_t>(a.width) * static_cast<std::size_t>(a.channels) *
                            static_cast<std::size_t>(a.bytes_per_sample);
     for (int y = 0; y < a.height; ++y)

@@ -19,6 +19,8 @@ struct RawFrame {
     std::shared_ptr<const void> storage;
 };
 
+/// True where samples of both can be compared byte by byte, or neither plane is there.
+bool same_form(const PlaneView& a, const PlaneView& b);
 /// True where both planes have the same form and samples, or neither is there. Stops at the first row that
 /// differs.
 bool same_samples(const PlaneView& a, const PlaneView& b);

@@ -40,7 +40,7 @@ public:
 };
 
 /// Reads the filtered codes, validity and bounds of a SurfaceFrame, which must outlive it.
-class FilteredVertices final : public VertexSource {
+class FilteredVertices : public VertexSource {
 public:
     explicit FilteredVertices(const SurfaceFrame& frame) : frame_(frame) {}
     DepthSample at(int x, int y) const override;

@@ -32,7 +32,7 @@ public:
     virtual std::optional<std::int64_t> frame_count() const = 0;
     /// What a person should know: planes resampled, far plane found in the frames, defaults assumed.
     virtual const std::vector<std::string>& notes() const = 0;
-    /// The next frame; nullopt after the last. An error names file, track and frame.
+    /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error names file, track and frame.
     virtual Result<std::optional<RawFrame>> next() = 0;
     /// Back to the first frame.
     virtual Result<void> rewind() = 0;

@@ -44,11 +44,6 @@ int bytes_of_row(const PlaneView& plane) {
 
 }  // namespace
 
-bool same_form(const PlaneView& a, const PlaneView& b) {
-    return a.empty() == b.empty() && a.width == b.width && a.height == b.height &&
-           a.bytes_per_sample == b.bytes_per_sample && a.channels == b.channels;
-}
-
 PlaneComparison::Piece PlaneComparison::piece(int column) const {
     const int x = column * BlockGrid::width, pixels = std::min(BlockGrid::width, after_.width - x);
     const int pixel_bytes = after_.channels * after_.bytes_per_sample;

@@ -9,9 +9,6 @@
 
 namespace touchable {
 
-/// Whether samples of both can be compared byte by byte.
-bool same_form(const PlaneView& a, const PlaneView& b);
-
 /// Looks at two planes of the same form for what differs, by blocks (BlockGrid).
 class PlaneComparison {
 public:

@@ -23,11 +23,17 @@ VectorUnit unit_for(VectorUnit most) {
     return *std::find_if(units.begin(), units.end() - 1, [&](VectorUnit unit) { return unit <= most; });
 }
 
+/// A patch is written twice, so that its pixels cost more than those of a whole picture, the more the less
+/// there is to filter.
+double what_pays(const Scene& scene) {
+    return scene.filter.median == 0 ? 0.45 : 0.65;
+}
+
 class CpuBuilder final : public SurfaceBuilder {
 public:
     CpuBuilder(const Scene& scene, const CpuPlan& plan)
         : scene_(scene),
-          break_even_(plan.break_even),
+          break_even_(plan.break_even.value_or(what_pays(scene))),
           bands_(plan.threads > 0
                      ? plan.threads
                      : threads_for(long{scene.width} * scene.height, pixels_filtered_per_thread)),

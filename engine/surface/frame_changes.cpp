@@ -42,7 +42,6 @@ BuildNumber FrameChanges::advance(const RawFrame& raw, RowBands& bands) {
         if (step.all) comparing_was_in_vain();
     }
     newest_ = raw.storage ? raw : RawFrame{};
-    newest_.colour = {};
     return step.build;
 }
 

@@ -25,8 +25,8 @@ public:
     /// `reach`: pixels as far from one another as this, along x and y, may depend on each other.
     FrameChanges(int width, int height, int reach, VectorUnit unit);
 
-    /// The next frame; earlier ones are compared with it. Frames that keep their planes alive (`storage`) can
-    /// be compared with the next one; after others everything is new.
+    /// The next frame, which is compared with the one before, if that keeps its planes alive (`storage`):
+    /// after one that does not everything is new.
     BuildNumber advance(const RawFrame& raw, RowBands& bands);
 
     /// Of a slot that holds build `held`: the blocks with a pixel that may be another one in the newest

@@ -7,17 +7,10 @@ namespace touchable {
 
 /// Filtered vertices that know which build their frame holds. No other builder keeps them in a slot of its
 /// own.
-class TrackedVertices final : public VertexSource {
+class TrackedVertices final : public FilteredVertices {
 public:
-    explicit TrackedVertices(const SurfaceFrame& frame) : filtered_(frame) {}
-    DepthSample at(int x, int y) const override { return filtered_.at(x, y); }
-    TileDepths tile(int tx, int ty) const override { return filtered_.tile(tx, ty); }
-    const SurfaceFrame* read_from() const override { return filtered_.read_from(); }
-
+    using FilteredVertices::FilteredVertices;
     BuildNumber build = 0;
-
-private:
-    FilteredVertices filtered_;
 };
 
 /// Those of a slot, new ones where it has none that read it.

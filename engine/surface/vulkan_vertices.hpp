@@ -16,7 +16,7 @@ struct SharedPlane {
 };
 
 /// What a slot of the Vulkan builder keeps: the memory of its frame, which its vertices read.
-class VulkanVertices final : public VertexSource {
+class VulkanVertices final : public FilteredVertices {
 public:
     /// Codes with rows of whole texels; validity and bounds as in a SurfaceFrame.
     static Result<std::unique_ptr<VulkanVertices>> create(const GpuDevice& device, const SurfaceFrame& frame,
@@ -25,18 +25,13 @@ public:
     /// Whether its memory serves frames of this size on this device.
     bool serves(const GpuDevice& device, int width, int height, bool copied) const;
 
-    DepthSample at(int x, int y) const override { return filtered_.at(x, y); }
-    TileDepths tile(int tx, int ty) const override { return filtered_.tile(tx, ty); }
-    const SurfaceFrame* read_from() const override { return filtered_.read_from(); }
-
     SharedPlane codes, validity, tiles;
     BuildNumber build = 0;  ///< that the memory holds
 
 private:
     VulkanVertices(const GpuDevice& device, const SurfaceFrame& frame, int width, int height)
-        : filtered_(frame), vulkan_(device.vulkan()), width_(width), height_(height) {}
+        : FilteredVertices(frame), vulkan_(device.vulkan()), width_(width), height_(height) {}
 
-    FilteredVertices filtered_;
     std::shared_ptr<VulkanDevice> vulkan_;
     int width_, height_;
 };
