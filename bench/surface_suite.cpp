@@ -44,11 +44,13 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
                             Figures& figures) {
     const int side = picture.scene.filter.median;
     const std::string what = std::to_string(side);
-    auto vulkan = make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts()));
+    SurfacePlan plan = plan_for(kernels->device()->facts());
+    plan.break_even = 0;  // whole frames, though they are the same again and again
+    auto vulkan = make_vulkan_builder(picture.scene, kernels, plan);
     if (!vulkan.ok()) return vulkan.error();
     SurfaceFrame frame;
     const std::int64_t begin = monotonic_ns();
-    if (auto built = (*vulkan)->build(picture.raw, frame); !built.ok()) return built;
+    if (auto built = (*vulkan)->build(kept(picture.raw), frame); !built.ok()) return built;
     const double first_ms = static_cast<double>(monotonic_ns() - begin) * 1e-6;
     OpenCvPipeline opencv(picture.scene, picture.raw);
     if (auto raced = race_for_codes(picture.scene, picture.raw, **vulkan, opencv, frames, figures);

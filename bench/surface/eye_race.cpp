@@ -50,7 +50,7 @@ public:
 private:
     template <class Record>
     Result<void> frame(Record&& record) {
-        if (auto built = builder_.build(picture_.raw, frame_); !built.ok()) return built;
+        if (auto built = builder_.build(kept(picture_.raw), frame_); !built.ok()) return built;
         auto commands = GpuCommands::begin(device_, "eye");
         if (!commands.ok()) return commands.error();
         const HeightField field(picture_.scene, still(frame_));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,14 @@ struct Picture {
     std::vector<std::uint8_t> memory;
     RawFrame raw;
 };
+
+/// A frame as clips give it, with storage, so that a software Vulkan may read it where it lies. Without one
+/// no builder compares it with the frame before; of this one builders are to be told not to. `raw` outlives
+/// it.
+inline RawFrame kept(RawFrame raw) {
+    raw.storage = std::shared_ptr<const void>(std::shared_ptr<void>(), raw.depth.data);
+    return raw;
+}
 
 /// A surface that stands still in this frame.
 inline FramePair still(const SurfaceFrame& frame) {

@@ -148,7 +148,8 @@ Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& s
     const int run =
         plan.segment_texels > 0 ? static_cast<int>(groups_for(plan.segment_texels, 4)) : longest_run;
     auto list =
-        BlockList::create(*device, scene.width, scene.height, recording->reach(), plan.break_even, run);
+        BlockList::create(*device, scene.width, scene.height,
+                          plan.break_even > 0 ? recording->reach() : std::nullopt, plan.break_even, run);
     if (!list.ok()) return list.error();
     std::unique_ptr<VulkanSurfaceBuilder> builder =
         std::make_unique<Builder>(scene, device, plan, std::move(*recording), std::move(*list));
