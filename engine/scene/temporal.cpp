@@ -10,7 +10,7 @@ namespace {
 /// Thus three of them have 16 bits.
 constexpr double most_coefficient = 65535 / 3;
 
-/// Of planes so close that doubles do not tell their inverses apart, which give no number, the largest.
+/// What is no number, of planes at the end of what doubles can tell, is the most.
 std::uint16_t coefficient(double value) {
     return static_cast<std::uint16_t>(std::floor(std::min(most_coefficient, value) + 0.5));
 }
@@ -51,6 +51,10 @@ TemporalGate gate_of(const DepthCoding& coding, const DepthNoise& noise, int med
     const bool grows_with_depth = coding.kind != DepthCodingKind::inverse;
     gate.from_last = coding.deeper_is_higher() != grows_with_depth;
     const Steps steps = steps_of(coding, noise, last);
+    if (!(steps.span > 0)) {  // planes so close that doubles do not tell their inverses apart
+        gate.constant = gate.linear = gate.quadratic = coefficient(most_coefficient);
+        return gate;
+    }
     const double codes = gate_per_noise(median) * last / steps.span;
     const double unit = 65536.0 / (last << gate.shift);  // of a share, in filled distances
     gate.constant = coefficient(codes * (steps.constant + steps.quadratic * steps.least * steps.least));
