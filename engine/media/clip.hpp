@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/frame/raw_frame.hpp"
@@ -32,10 +33,19 @@ public:
     virtual std::optional<std::int64_t> frame_count() const = 0;
     /// What a person should know: planes resampled, far plane found in the frames, defaults assumed.
     virtual const std::vector<std::string>& notes() const = 0;
-    /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error names file, track and frame.
+    /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error names file, track
+    /// and frame.
     virtual Result<std::optional<RawFrame>> next() = 0;
     /// Back to the first frame.
     virtual Result<void> rewind() = 0;
+    /// Every file that this clip is read from: itself or each of its pictures, what lies beside it, its scene
+    /// file. Nobody may write there.
+    const std::vector<std::filesystem::path>& inputs() const { return inputs_; }
+    /// A file that was read to open it.
+    void add_input(std::filesystem::path file) { inputs_.push_back(std::move(file)); }
+
+private:
+    std::vector<std::filesystem::path> inputs_;
 };
 
 /// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file`, or a scene.json in

@@ -42,6 +42,17 @@ Result<std::unique_ptr<ClipReader>> open_file(const std::filesystem::path& file,
     return open_matroska_clip(file, scene);
 }
 
+Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,
+                                                   const std::filesystem::path& scene_file) {
+    auto scene = read_scene_file(scene_file);
+    if (!scene) return scene.error();
+    std::error_code ignored;
+    const bool is_file = std::filesystem::is_regular_file(path, ignored);
+    auto reader = is_file ? open_file(path, *scene) : open_image_folder(path, *scene);
+    if (reader) (*reader)->add_input(scene_file);
+    return reader;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
@@ -60,17 +71,10 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
     }
     if (!is_folder && is_scene_file(path)) {
         if (scene_file) return usage_error(path.string() + ": is a scene file itself: leave --scene out");
-        const auto scene = read_scene_file(path);
-        if (!scene) return scene.error();
-        return open_image_folder(path.parent_path(), *scene);
+        return open_described(path.parent_path(), path);
     }
-    std::optional<Scene> scene;
-    if (scene_file) {
-        auto read = read_scene_file(*scene_file);
-        if (!read) return read.error();
-        scene = std::move(*read);
-    }
-    return is_folder ? open_image_folder(path, *scene) : open_file(path, scene);
+    if (!scene_file) return open_file(path, std::nullopt);
+    return open_described(path, *scene_file);
 }
 
 }  // namespace touchable

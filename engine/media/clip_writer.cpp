@@ -7,8 +7,8 @@
 #include "engine/media/clip.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/ffmpeg.hpp"
-#include "engine/new_file.hpp"
 #include "engine/media/track_encoder.hpp"
+#include "engine/new_file.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {

@@ -18,7 +18,9 @@ namespace {
 
 class DepthkitReader final : public ClipReader {
 public:
-    explicit DepthkitReader(const std::filesystem::path& video) : path_(video), file_(video.string()) {}
+    explicit DepthkitReader(const std::filesystem::path& video) : path_(video), file_(video.string()) {
+        add_input(video);
+    }
     Result<void> open(const std::filesystem::path& metadata, const std::optional<Scene>& replacement);
 
     const Scene& scene() const override { return scene_; }
@@ -53,6 +55,7 @@ private:
 
 Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
                                   const std::optional<Scene>& replacement) {
+    add_input(metadata);
     if (auto opened = rewind(); !opened) return opened;
     auto rate = read_rate();
     if (!rate) return rate.error();

@@ -17,7 +17,9 @@ namespace {
 
 class GdepthImage final : public ClipReader {
 public:
-    explicit GdepthImage(const std::filesystem::path& file) : path_(file), file_(file.string()) {}
+    explicit GdepthImage(const std::filesystem::path& file) : path_(file), file_(file.string()) {
+        add_input(file);
+    }
     Result<void> open(const std::optional<Scene>& replacement);
 
     const Scene& scene() const override { return scene_; }

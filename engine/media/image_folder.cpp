@@ -119,8 +119,10 @@ Result<void> ImageFolderReader::count_frames() {
         while (is_file(file(tracks_.front(), count_))) ++count_;
     const std::int64_t checked = count_ == 0 ? 1 : count_;
     for (const Track& track : tracks_)
-        for (std::int64_t frame = 0; frame < checked; ++frame)
+        for (std::int64_t frame = 0; frame < checked; ++frame) {
             if (!is_file(file(track, frame))) return input_error(where(track, frame) + ": is missing");
+            add_input(file(track, frame));
+        }
     const bool to_the_end = scene_.folder->count == 0 && !is_still(scene_.folder->depth);
     if (to_the_end && is_file(file(tracks_.front(), count_ + 1)))
         notes_.push_back("ends after " + std::to_string(count_) +

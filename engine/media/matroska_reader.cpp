@@ -15,7 +15,9 @@ namespace {
 
 class MatroskaReader final : public ClipReader {
 public:
-    explicit MatroskaReader(const std::filesystem::path& path) : path_(path), file_(path.string()) {}
+    explicit MatroskaReader(const std::filesystem::path& path) : path_(path), file_(path.string()) {
+        add_input(path);
+    }
     Result<void> open(const std::optional<Scene>& replacement);
 
     const Scene& scene() const override { return scene_; }
