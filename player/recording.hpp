@@ -32,6 +32,9 @@ struct Recording {
     nlohmann::ordered_json facts;
     int fingers = 0;
     std::vector<RecordedTick> ticks;
+
+    /// The rules of force it was made under (haptics_cpu/force_rules.hpp), once the facts have been read.
+    int rules() const { return facts.value("rules", 1); }
 };
 /// Refuses what is not a recording, is damaged, or is of a newer version.
 Result<Recording> read_recording(const std::filesystem::path& file);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "haptics_cpu/force_rules.hpp"
 #include "player/planes_hash.hpp"
 
 namespace touchable {
@@ -69,6 +70,10 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
 
 Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, const std::string& force_hash,
                           const TouchSetup& setup) {
+    if (recording.rules() != force_rules)
+        return input_error("replay is not comparable: made under rules " + std::to_string(recording.rules()) +
+                           " of force, this program has rules " + std::to_string(force_rules) +
+                           "; what was asked for is written, with its forces");
     const auto recorded = recording.facts.at("force_hash").get<std::string>();
     if (!check.difference() && recorded == force_hash) return {};
     const std::string what =

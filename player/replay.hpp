@@ -41,7 +41,8 @@ private:
     std::optional<std::string> difference_;
 };
 
-/// After a replay: an error of kind check where something differs, which says what first, and whether the
+/// After a replay: an error of kind input where the recording was made under other rules of force, so that
+/// there is nothing to compare; of kind check where something differs, which says what first, and whether the
 /// clip's frames are others than those recorded.
 Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, const std::string& force_hash,
                           const TouchSetup& setup);

@@ -10,6 +10,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/force_rules.hpp"
 #include "player/builder_pick.hpp"
 #include "player/field_probe.hpp"
 #include "player/replay.hpp"
@@ -156,7 +157,8 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
 Json TouchSetup::facts() const {
     const TouchSettings& touch = settings.touch;
     const GuardSettings& guard = settings.guard;
-    Json facts{{"clip", clip.string()},
+    Json facts{{"rules", force_rules},
+               {"clip", clip.string()},
                {"scene", Json::parse(scene_to_json(scene))},
                {"hand", hand_words},
                {"builder", feed->builder_name()},
@@ -250,6 +252,7 @@ Json read_facts(const Json& facts, TouchSetup& setup) {
     guard.damping = number_or(limits, "damping", guard.damping);
     guard.passivity = number_or(limits, "passivity", guard.passivity);
     if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
+    if (facts.contains("rules")) (void)whole_number(facts, "rules", 1, 1'000'000);
     if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, 1'000'000'000);
     for (const char* hash : {"planes_hash", "force_hash"}) (void)text(facts, hash);
     return object(facts, "scene");

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <limits>
 
+#include "haptics_cpu/force_rules.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
@@ -194,14 +195,44 @@ TEST_F(Replay, NewerFormatIsRefusedByName) {
 
 // Made once by `make moving moving.mkv --size 32x24 --frames 3` and `touch moving.mkv --seconds 0.05 --hand
 // csv:sweep.csv:columns=x+y+z,contact=0.95 --record ...`, and kept: what a version has written, every later
-// one reads. The file is made anew only by a change that is meant to change forces.
+// one reads. It is of a time before recordings named their rules.
 TEST_F(Replay, RecordingOfVersion1StaysReadable) {
     const std::string kept = TOUCHABLE_SOURCE_DIR "/tests/data/recording_v1.rec";
     make_clip("moving", clip(), {"--size", "32x24", "--frames", "3"});
-    EXPECT_EQ(RecordingBytes(file_contents(kept)).integer(8, 4), 1U);
-    const Outcome run = run_touchable({"touch", clip(), "--replay", kept});
-    EXPECT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.out.find("30ac262cffc5f484"), std::string::npos) << run.out;
+    const RecordingBytes raw(file_contents(kept));
+    EXPECT_EQ(raw.integer(8, 4), 1U);
+    const std::string csv = folder / "again.csv";
+    const Outcome run = run_touchable({"touch", clip(), "--replay", kept, "--forces", csv});
+    EXPECT_EQ(run.code, 3) << run.err;
+    EXPECT_NE(run.err.find("not comparable: made under rules 1 "), std::string::npos) << run.err;
+    const auto rows = read_forces(csv);
+    ASSERT_EQ(rows.size(), raw.ticks());
+    for (std::size_t tick = 0; tick < rows.size(); ++tick)
+        ASSERT_EQ(rows[tick]["goal_z"], raw.real(raw.goal_at(tick, 0) + 16)) << tick;
+}
+
+TEST_F(Replay, OtherRulesOfForceAreNotComparedAndSaySo) {
+    record("globe", {"--seconds", "0.3"});
+    RecordingBytes raw = recording();
+    auto facts = raw.facts();
+    EXPECT_EQ(facts["rules"], force_rules);
+    // A force that differs as well is no matter: nothing is compared.
+    raw.set_integer(raw.force_at(290, 0), 8, raw.integer(raw.force_at(290, 0), 8) ^ 1);
+    for (const int rules : {force_rules - 1, force_rules + 1}) {
+        facts["rules"] = rules;
+        raw.set_facts(facts.dump());
+        write(raw);
+        expect_ends_with(3, "not comparable: made under rules " + std::to_string(rules) +
+                                " of force, this program has rules " + std::to_string(force_rules));
+    }
+    facts.erase("rules");
+    raw.set_facts(facts.dump());
+    write(raw);
+    expect_ends_with(3, "not comparable: made under rules 1 ");
+    facts["rules"] = force_rules;
+    raw.set_facts(facts.dump());
+    write(raw);
+    expect_ends_with(6, "first at tick 290, finger 0:");
 }
 
 TEST_F(Replay, FolderOfImagesIsOpenedWithTheRecordedSceneFile) {
@@ -240,7 +271,10 @@ TEST_F(Replay, FactThatIsMissingOrImpossibleIsNamed) {
         refuse(changed, std::string(name) + " must be");
     }
     for (const auto& [name, value] :
-         std::vector<std::pair<const char*, nlohmann::json>>{{"frames", 0},
+         std::vector<std::pair<const char*, nlohmann::json>>{{"rules", 0},
+                                                             {"rules", "all"},
+                                                             {"rules", 1.5},
+                                                             {"frames", 0},
                                                              {"frames", "all"},
                                                              {"metric", "feet"},
                                                              {"S", 0},
