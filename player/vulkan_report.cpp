@@ -68,7 +68,8 @@ nlohmann::ordered_json device_json(const GpuFacts& gpu) {
               {"subgroup_size", limits.subgroup_size},
               {"min_storage_buffer_alignment", limits.min_storage_buffer_alignment},
               {"min_texel_buffer_alignment", limits.min_texel_buffer_alignment},
-              {"timestamp_period_ns", limits.timestamp_period_ns}}}};
+              {"timestamp_period_ns", limits.timestamp_period_ns},
+              {"timestamp_bits", limits.timestamp_bits}}}};
 }
 
 }  // namespace

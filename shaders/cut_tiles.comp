@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 
 // q of every vertex -> which tiles have triangles to draw.
@@ -9,11 +8,11 @@
 #include "shaders/tile_lists.h"
 
 layout(local_size_x = CUT_TILES_LANES) in;
-layout(push_constant, scalar) uniform Push {
+layout(push_constant, std430) uniform Push {
     CutTilesPush push;
 };
 layout(set = 0, binding = 0) uniform utextureBuffer q_texels;
-layout(set = 0, binding = 1, scalar) writeonly buffer Classes {
+layout(set = 0, binding = 1, std430) writeonly buffer Classes {
     uint classes[];
 };
 

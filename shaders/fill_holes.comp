@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
@@ -16,7 +15,7 @@ const bool outside_repeats = false;
 #include "shaders/columns3.h"
 #include "shaders/strip.h"
 
-layout(set = 0, binding = 2, scalar) buffer Passes { FillPass passes[]; };
+layout(set = 0, binding = 2, std430) buffer Passes { FillPass passes[]; };
 
 const uint most_invalid = 9u - 3u;
 bool any_filled = false;  // by this lane

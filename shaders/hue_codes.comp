@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 
 // Red, green and blue -> codes (hue_code.h), a lane per eight pixels of a row: 24 bytes in, a texel out. A colour
@@ -10,9 +9,9 @@
 #include "shaders/surface_codes.h"
 
 layout(local_size_x = hue_codes_group) in;
-layout(push_constant, scalar) uniform Push { HueCodesPush push; };
-layout(set = 0, binding = 0, scalar) readonly buffer Colours { uint colours[]; };
-layout(set = 0, binding = 1, scalar) writeonly buffer Codes { uvec4 out_codes[]; };
+layout(push_constant, std430) uniform Push { HueCodesPush push; };
+layout(set = 0, binding = 0, std430) readonly buffer Colours { uint colours[]; };
+layout(set = 0, binding = 1, std430) writeonly buffer Codes { uvec4 out_codes[]; };
 
 void main() {
     const uint texels = (push.width + 7u) >> 3;

@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 
 // Which tiles have triangles to draw -> lists of them. Each lane takes as many tiles as the others, one after
 // the other, and begins to write where the lanes before it end.
@@ -8,13 +7,13 @@
 #include "shaders/tile_lists.h"
 
 layout(local_size_x = LIST_TILES_LANES) in;
-layout(push_constant, scalar) uniform Push {
+layout(push_constant, std430) uniform Push {
     CutTilesPush push;
 };
-layout(set = 0, binding = 0, scalar) readonly buffer Classes {
+layout(set = 0, binding = 0, std430) readonly buffer Classes {
     uint classes[];
 };
-layout(set = 0, binding = 1, scalar) writeonly buffer Lists {
+layout(set = 0, binding = 1, std430) writeonly buffer Lists {
     TileListsHeader header;
     uint tiles[];
 };

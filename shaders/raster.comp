@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
@@ -11,7 +10,7 @@
 
 layout(local_size_x = RASTER_LANES) in;
 
-layout(set = 0, binding = RASTER_TILES, scalar) readonly buffer Tiles {
+layout(set = 0, binding = RASTER_TILES, std430) readonly buffer Tiles {
     TileListsHeader header;
     uint tiles[];
 };

@@ -5,19 +5,19 @@
 #include "shaders/cut_rule.h"
 #include "shaders/raster.h"
 
-layout(push_constant, scalar) uniform Push {
+layout(push_constant, std430) uniform Push {
     RasterPush push;
 };
-layout(set = 0, binding = RASTER_Q, scalar) readonly buffer Lattice {
+layout(set = 0, binding = RASTER_Q, std430) readonly buffer Lattice {
     float q_at[];
 };
-layout(set = 0, binding = RASTER_COLOURS, scalar) readonly buffer Colours {
+layout(set = 0, binding = RASTER_COLOURS, std430) readonly buffer Colours {
     uint colour_at[];
 };
-layout(set = 0, binding = RASTER_PIXELS, scalar) buffer Pixels {
+layout(set = 0, binding = RASTER_PIXELS, std430) buffer Pixels {
     uint64_t pixels[];
 };
-layout(set = 0, binding = RASTER_LARGE, scalar) buffer Large {
+layout(set = 0, binding = RASTER_LARGE, std430) buffer Large {
     uint groups_x, groups_y, groups_z, large_count;
     uint large_cells[];
 };

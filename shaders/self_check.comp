@@ -1,13 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 
 #include "shaders/self_check.h"
 
 layout(local_size_x = SELF_CHECK_GROUP) in;
-layout(push_constant, scalar) uniform Push { SelfCheckPush push; };
+layout(push_constant, std430) uniform Push { SelfCheckPush push; };
 layout(set = 0, binding = SELF_CHECK_BINDING_IN) uniform utextureBuffer texels;
-layout(set = 0, binding = SELF_CHECK_BINDING_OUT, scalar) writeonly buffer Out { uvec4 words[]; };
+layout(set = 0, binding = SELF_CHECK_BINDING_OUT, std430) writeonly buffer Out { uvec4 words[]; };
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;

@@ -20,9 +20,9 @@ layout(constant_id = 3) const uint may_be_excluded = 1u;
 layout(constant_id = 4) const uint ragged = 1u;
 layout(constant_id = 5) const uint before_terraces = 0u;
 
-layout(push_constant, scalar) uniform Push { StripPush push; };
+layout(push_constant, std430) uniform Push { StripPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer stored_texels;
-layout(set = 0, binding = 1, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
+layout(set = 0, binding = 1, std430) writeonly buffer Codes { u64vec2 out_codes[]; };
 
 const uint greatest_code = 65535u;
 

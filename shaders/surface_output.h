@@ -2,11 +2,11 @@
 #ifndef TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 #define TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 
-layout(set = 0, binding = 2, scalar) writeonly buffer Validity { uint out_validity[]; };
+layout(set = 0, binding = 2, std430) writeonly buffer Validity { uint out_validity[]; };
 /// Of each strip and pair of tiles.
-layout(set = 0, binding = 3, scalar) writeonly buffer Parts { u64vec2 out_parts[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Parts { u64vec2 out_parts[]; };
 
-layout(set = 0, binding = 4, scalar) readonly buffer Listed { ListedBlocks listed[]; };
+layout(set = 0, binding = 4, std430) readonly buffer Listed { ListedBlocks listed[]; };
 
 /// A lane's work in a whole frame, or a strip of listed blocks.
 Task task_of_listed(uint lane) {

@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
@@ -11,12 +10,12 @@
 #include "shaders/texels.h"
 
 layout(local_size_x = temporal_group) in;
-layout(push_constant, scalar) uniform Push { TemporalPush push; };
+layout(push_constant, std430) uniform Push { TemporalPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer new_texels;
 layout(set = 0, binding = 1) uniform utextureBuffer old_texels;
-layout(set = 0, binding = 2, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
+layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[]; };
 /// Of each texel: for how many frames each of its codes has only been held, in two bits.
-layout(set = 0, binding = 3, scalar) buffer Held { uint held[]; };
+layout(set = 0, binding = 3, std430) buffer Held { uint held[]; };
 
 const uint most_gate = 32767u, hold_frames = 3u;
 

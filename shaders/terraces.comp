@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
@@ -12,10 +11,10 @@
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const int tap = 8;      // pixels from the centre to its taps, at most 8
 layout(constant_id = 2) const uint is_last = 0u;  // 1: codes are doubled, and held near what they were before all passes
-layout(push_constant, scalar) uniform Push { TerracesPush push; };
+layout(push_constant, std430) uniform Push { TerracesPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer finer_texels;
 layout(set = 0, binding = 1) uniform utextureBuffer first_texels;  // before all passes
-layout(set = 0, binding = 2, scalar) writeonly buffer Codes { u64vec2 out_codes[]; };
+layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[]; };
 
 #include "shaders/texels.h"
 

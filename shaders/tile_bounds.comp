@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 
 // Parts of bounds -> bounds, a lane per pair of tiles: their own strips, and the row below them.
@@ -8,13 +7,13 @@
 #include "shaders/surface_codes.h"
 
 layout(local_size_x = tile_bounds_group) in;
-layout(push_constant, scalar) uniform Push { TileBoundsPush push; };
+layout(push_constant, std430) uniform Push { TileBoundsPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer parts;
 layout(set = 0, binding = 1) uniform utextureBuffer codes;
-layout(set = 0, binding = 2, scalar) readonly buffer Validity { uint validity[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer Tiles { uvec2 tiles[]; };
+layout(set = 0, binding = 2, std430) readonly buffer Validity { uint validity[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Tiles { uvec2 tiles[]; };
 /// Of the pairs that are bounded, where not all are.
-layout(set = 0, binding = 4, scalar) readonly buffer Listed { ListedBlocks listed[]; };
+layout(set = 0, binding = 4, std430) readonly buffer Listed { ListedBlocks listed[]; };
 
 /// Of a tile, as parts have it.
 uvec2 joined(uvec2 a, uvec2 b) {

@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
@@ -15,21 +14,21 @@ layout(constant_id = 3) const uint is_range = 1u;
 layout(constant_id = 4) const uint is_inverse = 0u;
 layout(constant_id = 5) const uint is_from_top = 0u;
 
-layout(push_constant, scalar) uniform Push {
+layout(push_constant, std430) uniform Push {
     UnprojectPush push;
 };
 layout(set = 0, binding = UNPROJECT_CODES) uniform utextureBuffer codes;
-layout(set = 0, binding = UNPROJECT_VALIDITY, scalar) readonly buffer Validity {
+layout(set = 0, binding = UNPROJECT_VALIDITY, std430) readonly buffer Validity {
     uint validity[];
 };
 layout(set = 0, binding = UNPROJECT_HEIGHTS) uniform utextureBuffer heights;
 layout(set = 0, binding = UNPROJECT_NEXT_CODES) uniform utextureBuffer next_codes;
-layout(set = 0, binding = UNPROJECT_NEXT_VALIDITY, scalar) readonly buffer NextValidity {
+layout(set = 0, binding = UNPROJECT_NEXT_VALIDITY, std430) readonly buffer NextValidity {
     uint next_validity[];
 };
 layout(set = 0, binding = UNPROJECT_NEXT_HEIGHTS) uniform utextureBuffer next_heights;
 // In the widest words there are, because a software Vulkan's stores are paid by the word.
-layout(set = 0, binding = UNPROJECT_Q, scalar) writeonly buffer Q {
+layout(set = 0, binding = UNPROJECT_Q, std430) writeonly buffer Q {
     u64vec4 q_at[];
 };
 

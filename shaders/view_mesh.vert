@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
 
 // A vertex of a tile's triangles, read where it lies.
 
@@ -10,16 +9,16 @@
 
 layout(constant_id = 0) const bool is_mixed = false;
 
-layout(push_constant, scalar) uniform Push {
+layout(push_constant, std430) uniform Push {
     MeshPush push;
 };
-layout(set = 0, binding = MESH_Q, scalar) readonly buffer Lattice {
+layout(set = 0, binding = MESH_Q, std430) readonly buffer Lattice {
     float q_at[];
 };
-layout(set = 0, binding = MESH_COLOURS, scalar) readonly buffer Colours {
+layout(set = 0, binding = MESH_COLOURS, std430) readonly buffer Colours {
     uint colour_at[];
 };
-layout(set = 0, binding = MESH_TILES, scalar) readonly buffer Tiles {
+layout(set = 0, binding = MESH_TILES, std430) readonly buffer Tiles {
     TileListsHeader header;
     uint tiles[];
 };

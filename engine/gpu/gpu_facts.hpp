@@ -31,7 +31,8 @@ struct GpuLimits {
     std::uint32_t subgroup_size = 0;      ///< invocations
     std::uint32_t min_storage_buffer_alignment = 0;
     std::uint32_t min_texel_buffer_alignment = 0;
-    double timestamp_period_ns = 0;  ///< of one tick of a timestamp
+    double timestamp_period_ns = 0;    ///< of one tick of a timestamp; 0: the queue has none
+    std::uint32_t timestamp_bits = 0;  ///< of a timestamp that count; beyond, it begins anew
 };
 
 /// What a Vulkan device says of itself, and what this engine needs and it lacks.

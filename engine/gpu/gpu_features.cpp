@@ -15,28 +15,27 @@ struct Feature {
 #name, [](GpuFeatures & f) -> VkBool32& { return f.part.name; } \
     }
 
+/// What kernels declare (tests/gpu/features_test.cpp holds both against each other), and what is called.
+/// Every Vulkan 1.3 has the latter, but wants to be asked.
 constexpr Feature needed_features[] = {
-    TOUCHABLE_FEATURE(core.features, shaderInt16),
-    TOUCHABLE_FEATURE(core.features, shaderInt64),
-    TOUCHABLE_FEATURE(v11, storageBuffer16BitAccess),
-    TOUCHABLE_FEATURE(v12, storageBuffer8BitAccess),
-    TOUCHABLE_FEATURE(v12, shaderInt8),
-    TOUCHABLE_FEATURE(v12, scalarBlockLayout),
-    TOUCHABLE_FEATURE(v12, timelineSemaphore),
-    TOUCHABLE_FEATURE(v13, synchronization2),
-    TOUCHABLE_FEATURE(v13, maintenance4),
+    TOUCHABLE_FEATURE(core.features, shaderInt64), TOUCHABLE_FEATURE(v12, timelineSemaphore),
+    TOUCHABLE_FEATURE(v13, synchronization2),      TOUCHABLE_FEATURE(v13, maintenance4),
     TOUCHABLE_FEATURE(v13, dynamicRendering),
 };
 
 constexpr Feature optional_features[] = {
-    TOUCHABLE_FEATURE(core.features, shaderFloat64),
-    TOUCHABLE_FEATURE(v12, shaderBufferInt64Atomics),
+    TOUCHABLE_FEATURE(v12, shaderBufferInt64Atomics),  // the painter raster
 };
 
 #undef TOUCHABLE_FEATURE
 
 constexpr const char* needed_extensions[] = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
-constexpr const char* optional_extensions[] = {VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME};
+constexpr const char* optional_extensions[] = {
+    VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME,
+    // Where a device has it, it is Vulkan on top of something else, not all of Vulkan, and has to be told
+    // that this is known. Nothing of what may be missing then is used here.
+    "VK_KHR_portability_subset",
+};
 
 bool is_on(const Feature& feature, const GpuFeatures& features) {
     return feature.of(const_cast<GpuFeatures&>(features)) == VK_TRUE;  // read only
@@ -216,6 +215,7 @@ GpuFacts facts_of(VkPhysicalDevice device) {
         const VkQueueFamilyProperties queue = families_of(device)[static_cast<std::size_t>(family)];
         offer.computes = true;
         facts.draws_triangles = (queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0;
+        facts.limits.timestamp_bits = queue.timestampValidBits;
         facts.limits.timestamp_period_ns = queue.timestampValidBits > 0 ? oldest.limits.timestampPeriod : 0;
     }
     facts.missing = missing_from(offer, features);

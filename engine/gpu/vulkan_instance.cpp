@@ -48,6 +48,18 @@ bool layer_is_here() {
     });
 }
 
+bool extension_is_here(const char* name) {
+    std::uint32_t count = 0;
+    std::vector<VkExtensionProperties> extensions;
+    if (vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr) == VK_SUCCESS)
+        extensions.resize(count);
+    if (vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data()) != VK_SUCCESS)
+        return false;
+    return std::any_of(extensions.begin(), extensions.end(), [name](const VkExtensionProperties& here) {
+        return std::strcmp(here.extensionName, name) == 0;
+    });
+}
+
 template <class Function>
 Function function_of(VkInstance instance, const char* name) {
     return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
@@ -122,14 +134,20 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(bool validation) 
     VkInstanceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
     info.pApplicationInfo = &program;
-    const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    std::vector<const char*> extensions;
     if (made->validates_) {
         info.pNext = &checks;
         info.enabledLayerCount = 1;
         info.ppEnabledLayerNames = &validation_layer;
-        info.enabledExtensionCount = 2;
-        info.ppEnabledExtensionNames = extensions;
+        extensions = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     }
+    // Without it the loader hides drivers on top of something else, such as MoltenVK.
+    if (extension_is_here(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+        info.flags = VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+        extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    }
+    info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
     const VkResult result = vkCreateInstance(&info, nullptr, &made->instance_);
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER) return std::unique_ptr<VulkanInstance>();
     if (result != VK_SUCCESS) return failure("vkCreateInstance", result);

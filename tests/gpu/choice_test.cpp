@@ -76,7 +76,7 @@ TEST(ChooseGpu, NothingThereIsSaidWithWhatWouldHelp) {
 }
 
 TEST(ChooseGpu, AllLackingNamesWhatEachLacks) {
-    expect_refused({gpu("One", GpuKind::discrete, {"shaderInt64", "scalarBlockLayout"}),
+    expect_refused({gpu("One", GpuKind::discrete, {"shaderInt64", "timelineSemaphore"}),
                     gpu("Two", GpuKind::software, {"VK_KHR_push_descriptor"})},
                    "auto", "no usable GPU");
 }

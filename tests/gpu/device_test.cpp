@@ -1,8 +1,18 @@
 #include "tests/gpu/gpu_fixture.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <regex>
+#include <utility>
+#include <vector>
 
 #include "engine/gpu/gpu_commands.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -76,15 +86,67 @@ TEST_F(Device, AResultOfTheDriverThatSaysLostIsSticky) {
     EXPECT_TRUE(gpu->lost());
 }
 
+/// The driver's manifest that Vulkan's loader finds, and no other, while this lives.
+class OnlyDriver {
+public:
+    explicit OnlyDriver(const std::string& manifest) {
+        for (std::size_t k = 0; k < std::size(names); ++k) {
+            if (const char* value = std::getenv(names[k])) before_[k] = value;
+            setenv(names[k], manifest.c_str(), 1);
+        }
+    }
+    ~OnlyDriver() {
+        for (std::size_t k = 0; k < std::size(names); ++k)
+            before_[k] ? setenv(names[k], before_[k]->c_str(), 1) : unsetenv(names[k]);
+    }
+    OnlyDriver(const OnlyDriver&) = delete;
+    OnlyDriver& operator=(const OnlyDriver&) = delete;
+
+private:
+    static constexpr const char* names[] = {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"};
+    std::optional<std::string> before_[std::size(names)];
+};
+
+/// Library and version, as the manifest of a driver here says them; nothing where none is found.
+std::optional<std::array<std::string, 2>> some_driver() {
+    std::vector<std::filesystem::path> manifests;
+    if (const char* set = std::getenv("VK_ICD_FILENAMES")) manifests.emplace_back(set);
+    for (const char* folder : {"/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"})
+        if (std::filesystem::is_directory(folder))
+            for (const auto& entry : std::filesystem::directory_iterator(folder))
+                manifests.push_back(entry.path());
+    std::sort(manifests.begin(), manifests.end(), [](const auto& a, const auto& b) {  // Mesa's lavapipe first
+        const auto later = [](const auto& path) { return path.string().find("lvp") == std::string::npos; };
+        return std::pair(later(a), a) < std::pair(later(b), b);
+    });
+    for (const auto& manifest : manifests) {
+        std::ifstream in(manifest);
+        const std::string text((std::istreambuf_iterator<char>(in)), {});
+        std::smatch library, version;
+        if (std::regex_search(text, library, std::regex("\"library_path\"\\s*:\\s*\"([^\"]+)\"")) &&
+            std::regex_search(text, version, std::regex("\"api_version\"\\s*:\\s*\"([^\"]+)\"")))
+            return std::array<std::string, 2>{library[1], version[1]};
+    }
+    return std::nullopt;
+}
+
+TEST(PortabilityDrivers, AreSeen) {
+    // A driver that says it is not all of Vulkan, as MoltenVK does, is hidden from who does not ask for such.
+    const auto driver = some_driver();
+    if (!driver) GTEST_SKIP() << "no manifest of a driver is found";
+    const TemporaryFolder folder;
+    std::ofstream(folder / "driver.json")
+        << "{\"file_format_version\": \"1.0.1\", \"ICD\": {\"library_path\": \"" << (*driver)[0]
+        << "\", \"api_version\": \"" << (*driver)[1] << "\", \"is_portability_driver\": true}}";
+    const OnlyDriver only(folder / "driver.json");
+    EXPECT_FALSE(must(list_gpus()).empty());
+    EXPECT_TRUE(must(GpuDevice::open({"auto", true}))->messages()->all().empty());
+}
+
 TEST(WithoutDrivers, AnEmptyListAndAClearRefusal) {
-    const char* before = std::getenv("VK_ICD_FILENAMES");
-    const std::string kept = before ? before : "";
-    setenv("VK_ICD_FILENAMES", "/nonexistent/driver.json", 1);
-    setenv("VK_DRIVER_FILES", "/nonexistent/driver.json", 1);
+    const OnlyDriver none("/nonexistent/driver.json");
     const auto gpus = list_gpus();
     const auto opened = GpuDevice::open();
-    unsetenv("VK_DRIVER_FILES");
-    before ? setenv("VK_ICD_FILENAMES", kept.c_str(), 1) : unsetenv("VK_ICD_FILENAMES");
 
     ASSERT_TRUE(gpus.ok()) << gpus.error().message;
     EXPECT_TRUE(gpus->empty());
