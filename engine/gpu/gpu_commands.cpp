@@ -40,23 +40,26 @@ std::string range_text(std::size_t offset, std::size_t bytes, const GpuBuffer& b
            "' (" + std::to_string(buffer.size()) + " bytes)";
 }
 
-/// Why this binding of a storage buffer cannot be; empty where it can.
-std::string fault_of_storage(const GpuBinding& binding, std::size_t bytes, const GpuLimits& limits) {
+/// Why this binding of a storage buffer cannot be: it makes no sense, or is more than the device can.
+Result<void> check_storage(const GpuBinding& binding, std::size_t bytes, const GpuLimits& limits) {
     if (bytes == 0 || !is_within(binding.offset, bytes, binding.buffer.size()))
-        return range_text(binding.offset, bytes, binding.buffer) + " are not there";
+        return Error{ErrorKind::internal,
+                     range_text(binding.offset, bytes, binding.buffer) + " are not there"};
     if (binding.offset % limits.min_storage_buffer_alignment != 0)
-        return "starts at " + std::to_string(binding.offset) + ", no multiple of " +
-               std::to_string(limits.min_storage_buffer_alignment);
+        return Error{ErrorKind::internal, "starts at " + std::to_string(binding.offset) +
+                                              ", no multiple of " +
+                                              std::to_string(limits.min_storage_buffer_alignment)};
     if (bytes > limits.max_storage_buffer_range)
-        return range_text(binding.offset, bytes, binding.buffer) + ", at most " +
-               std::to_string(limits.max_storage_buffer_range) + " in one binding";
+        return Error{ErrorKind::gpu, range_text(binding.offset, bytes, binding.buffer) + ", at most " +
+                                         std::to_string(limits.max_storage_buffer_range) + " in one binding"};
     return {};
 }
 
-std::string fault_of_texels(const GpuBinding& binding) {
-    if (binding.offset != 0 || binding.bytes) return "texels are a whole buffer";
+Result<void> check_texels(const GpuBinding& binding) {
+    if (binding.offset != 0 || binding.bytes) return Error{ErrorKind::internal, "texels are a whole buffer"};
     if (!binding.buffer.texels())
-        return "buffer '" + binding.buffer.name() + "' has more texels than a view may";
+        return Error{ErrorKind::gpu,
+                     "buffer '" + binding.buffer.name() + "' has more texels than a view may"};
     return {};
 }
 
@@ -113,8 +116,9 @@ GpuCommands::~GpuCommands() {
     if (recording_) device_->give_back(std::move(recording_));
 }
 
-void GpuCommands::fault(std::string message) {
-    if (!fault_) fault_ = Error{ErrorKind::internal, std::move(message)};
+void GpuCommands::fault(std::string message, ErrorKind kind) {
+    if (kind == ErrorKind::gpu) message += " on " + device_->facts().name;
+    if (!fault_) fault_ = Error{kind, std::move(message)};
 }
 
 bool GpuCommands::bind(const GpuProgram& program, std::span<const std::byte> push,
@@ -139,10 +143,10 @@ bool GpuCommands::bind(const GpuProgram& program, std::span<const std::byte> pus
         const std::size_t size = binding.buffer.size();
         const std::size_t rest = binding.offset < size ? size - binding.offset : 0;
         const std::size_t bytes = binding.bytes.value_or(rest);
-        const std::string wrong = kind == GpuBindingKind::storage_buffer
-                                      ? fault_of_storage(binding, bytes, device_->facts().limits)
-                                      : fault_of_texels(binding);
-        if (!wrong.empty()) return fault(which + wrong), false;
+        const auto checked = kind == GpuBindingKind::storage_buffer
+                                 ? check_storage(binding, bytes, device_->facts().limits)
+                                 : check_texels(binding);
+        if (!checked.ok()) return fault(which + checked.error().message, checked.error().kind), false;
         descriptors.add(kind, binding, bytes);
         keep(binding.buffer.keep_alive());
     }
@@ -165,7 +169,9 @@ void GpuCommands::dispatch_bytes(const GpuProgram& program, std::span<const std:
     const auto& most = device_->facts().limits.max_group_count;
     if (groups.x > most[0] || groups.y > most[1] || groups.z > most[2])
         return fault("kernel " + (program ? program.name() : "") + ": " + std::to_string(groups.x) + "x" +
-                     std::to_string(groups.y) + "x" + std::to_string(groups.z) + " workgroups are too many");
+                         std::to_string(groups.y) + "x" + std::to_string(groups.z) +
+                         " workgroups are too many",
+                     ErrorKind::gpu);
     if (!bind(program, push, bindings)) return;
     if (groups.x > 0 && groups.y > 0 && groups.z > 0)
         vkCmdDispatch(recording_->commands, groups.x, groups.y, groups.z);

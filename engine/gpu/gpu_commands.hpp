@@ -70,9 +70,10 @@ private:
 /// Records work and submits it. Not for two threads at once; any number of these may be recorded side by
 /// side.
 ///
-/// A call that makes no sense (wrong push constants, bindings, ranges, too many groups) records nothing; the
-/// first such fault is what `submit` returns (ErrorKind::internal), naming program and binding. Everything
-/// used is kept alive until the submission has completed.
+/// A call that makes no sense (wrong push constants, bindings, ranges: ErrorKind::internal) or is more than
+/// this device can (too many groups, texels or bytes in one binding: ErrorKind::gpu) records nothing; the
+/// first such fault is what `submit` returns, naming program and binding. Everything used is kept alive until
+/// the submission has completed.
 class GpuCommands {
 public:
     /// Fails (ErrorKind::gpu) on a lost device. The label is for debuggers.
@@ -131,7 +132,7 @@ private:
                                  std::size_t offset);
     bool bind(const GpuProgram& program, std::span<const std::byte> push,
               std::initializer_list<GpuBinding> bindings);
-    void fault(std::string message);
+    void fault(std::string message, ErrorKind kind = ErrorKind::internal);
 
     std::shared_ptr<GpuDevice> device_;
     std::unique_ptr<GpuRecording> recording_;

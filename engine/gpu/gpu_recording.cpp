@@ -20,6 +20,11 @@ void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAcce
     vkCmdPipelineBarrier2(commands, &info);
 }
 
+std::uint64_t ticks_between(std::uint64_t from, std::uint64_t to, std::uint32_t bits) {
+    const std::uint64_t passed = to - from;
+    return bits < 64 ? passed & ((std::uint64_t{1} << bits) - 1) : passed;
+}
+
 Result<std::unique_ptr<GpuRecording>> GpuRecording::create(std::shared_ptr<VulkanDevice> vulkan) {
     auto made = std::make_unique<GpuRecording>();
     made->vulkan = std::move(vulkan);
@@ -92,9 +97,10 @@ void GpuRecording::read_times() {
         vkGetQueryPoolResults(vulkan->device, stamps, 0, stamp_count, stamp_count * sizeof(ticks[0]),
                               ticks.data(), sizeof(ticks[0]), VK_QUERY_RESULT_64_BIT);
     if (result != VK_SUCCESS) return;  // work without times is still work
+    const GpuLimits& limits = vulkan->facts.limits;
     for (std::size_t i = 0; i < labels.size(); ++i) {
-        const auto passed = static_cast<double>(static_cast<std::int64_t>(ticks[i + 1] - ticks[i]));
-        times->push_back({labels[i], passed * vulkan->facts.limits.timestamp_period_ns * 1e-6});
+        const auto passed = static_cast<double>(ticks_between(ticks[i], ticks[i + 1], limits.timestamp_bits));
+        times->push_back({labels[i], passed * limits.timestamp_period_ns * 1e-6});
     }
 }
 

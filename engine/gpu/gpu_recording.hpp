@@ -41,6 +41,10 @@ struct GpuRecording {
     std::shared_ptr<std::vector<GpuTime>> times;
 };
 
+/// Ticks from one timestamp to a later one, of which only the low `bits` count: what stands above is whatever
+/// the queue left there, and a count that was full has begun anew in between.
+std::uint64_t ticks_between(std::uint64_t from, std::uint64_t to, std::uint32_t bits);
+
 /// A barrier over all memory.
 void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,
                     VkPipelineStageFlags2 to, VkAccessFlags2 used);

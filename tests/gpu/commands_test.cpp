@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/gpu/gpu_recording.hpp"
 #include "shaders/mix_words.spv.h"
 #include "shaders/spec_group.spv.h"
 #include "tests/gpu/blockade.hpp"
@@ -140,9 +141,6 @@ TEST_F(Commands, WhatMakesNoSenseIsSaidWhenSubmitting) {
     wrong("texels are a whole buffer", [&](GpuCommands& c) {
         c.dispatch(program, push(1, 1), {in, {in, 0, 64}, texels_out, out, seen}, {1});
     });
-    wrong("workgroups are too many", [&](GpuCommands& c) {
-        c.dispatch(program, push(1, 1), {in, in, texels_out, out, seen}, {~0U});
-    });
     wrong("does not exist", [&](GpuCommands& c) { c.dispatch(GpuProgram(), {in}, {1}); });
     wrong("no workgroup counts at 16380", [&](GpuCommands& c) {
         c.dispatch_indirect(program, push(1, 1), {in, in, texels_out, out, seen}, in, most * 4 - 4);
@@ -154,6 +152,29 @@ TEST_F(Commands, WhatMakesNoSenseIsSaidWhenSubmitting) {
     wrong("one too many", [&](GpuCommands& c) {
         for (int i = 0; i < 32; ++i) c.mark("mark " + std::to_string(i));
     });
+}
+
+TEST_F(Commands, WhatIsTooMuchForTheDeviceIsTheDevicesFault) {
+    // So that who can do without this device does (FallbackBuilder, PictureOrder).
+    GpuLimits& limits = gpu->vulkan()->facts.limits;
+    const GpuLimits its_own = limits;
+    const auto too_much = [&](const char* why, GpuGroups groups) {
+        auto commands = begin();
+        commands.dispatch(program, push(1, 1), {in, in, texels_out, out, seen}, groups);
+        const auto submitted = std::move(commands).submit();
+        ASSERT_FALSE(submitted.ok()) << why;
+        EXPECT_EQ(submitted.error().kind, ErrorKind::gpu) << why;
+        EXPECT_NE(submitted.error().message.find(why), std::string::npos) << submitted.error().message;
+        EXPECT_NE(submitted.error().message.find(gpu->facts().name), std::string::npos);
+    };
+    too_much("workgroups are too many", {~0U});
+    limits.max_storage_buffer_range = most * 4 - 1;
+    too_much("at most 16383 in one binding", {1});
+    limits = its_own;
+    limits.max_texel_buffer_elements = most / 4 - 1;
+    texels_out = must(GpuBuffer::create(*gpu, "texels out", most * 4, GpuMemory::shared));
+    limits = its_own;
+    too_much("buffer 'texels out' has more texels than a view may", {1});
 }
 
 TEST_F(Commands, ManyMayBeInFlightAndRunInOrder) {
@@ -210,6 +231,43 @@ TEST_F(Commands, MarksGetTimesInTheirOrder) {
     EXPECT_GT(times[0].ms, 0);
     EXPECT_GT(times[1].ms, times[0].ms / 50) << "time goes on";
     EXPECT_LT(times[0].ms + times[1].ms, 10'000);
+}
+
+TEST(TicksBetween, OnlyTheBitsThatCount) {
+    const std::uint64_t full = std::uint64_t{1} << 36U;
+    EXPECT_EQ(ticks_between(10, 30, 64), 20U);
+    EXPECT_EQ(ticks_between(~std::uint64_t{0} - 4, 3, 64), 8U);
+    EXPECT_EQ(ticks_between(full - 5, 3, 36), 8U) << "it began anew";
+    EXPECT_EQ(ticks_between(7 * full + 10, 3 * full + 30, 36), 20U) << "nobody says what stands above";
+    EXPECT_EQ(ticks_between(10, 30, 0), 0U);
+}
+
+TEST_F(Commands, TimesAreOfTheBitsThatTheQueueCounts) {
+    const GpuLimits& limits = gpu->facts().limits;
+    if (limits.timestamp_bits == 0) GTEST_SKIP() << "the queue has no timestamps";
+    gpu->vulkan()->facts.limits.timestamp_bits = 3;
+    auto commands = begin();
+    for (int i = 0; i < 20; ++i) {
+        mix(commands, most, 1);
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        commands.mark("mix");
+    }
+    const auto submission = must(std::move(commands).submit());
+    must(submission.wait());
+    const auto times = submission.times();
+    ASSERT_EQ(times.size(), 20U);
+    for (const GpuTime& time : times) EXPECT_LT(time.ms, 8 * limits.timestamp_period_ns * 1e-6);
+}
+
+TEST_F(Commands, AQueueWithoutTimestampsGivesNoTimes) {
+    gpu->vulkan()->facts.limits.timestamp_period_ns = 0;
+    auto commands = begin();
+    mix(commands, most, 1);
+    commands.mark("mix");
+    const auto submission = must(std::move(commands).submit());
+    must(submission.wait());
+    EXPECT_TRUE(submission.done());
+    EXPECT_TRUE(submission.times().empty());
 }
 
 TEST_F(Commands, WaitingForWhatNeverComesEndsAndTheDeviceIsLost) {

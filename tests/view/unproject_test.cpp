@@ -110,6 +110,18 @@ TEST_F(Unproject, ReadsFramesOfTheVulkanBuilderWhereTheyAre) {
     }
 }
 
+TEST_F(Unproject, FramesLargerThanTheDeviceReadsAreItsFaultSoThatAnotherPainterMayDraw) {
+    const auto globe = shown_scene("globe", 96, 64);
+    SurfaceFrame frame;
+    must(make_cpu_builder(globe->scene)->build(globe->raw_prev, frame));
+    const FramePair still{{0, 0, &frame}, {0, 0, &frame}, 0};
+    gpu->vulkan()->facts.limits.max_texel_buffer_elements = 96 / 8 * 64 - 1;
+    const auto surface = lattices->surface_of(HeightField(globe->scene, still), still, {});
+    ASSERT_FALSE(surface.ok());
+    EXPECT_EQ(surface.error().kind, ErrorKind::gpu);
+    EXPECT_NE(surface.error().message.find("kernel unproject"), std::string::npos) << surface.error().message;
+}
+
 TEST_F(Unproject, UploadsFramesOfAnotherDevice) {
     const auto globe = shown_scene("globe", 70, 45);
     const auto other = must(GpuDevice::open());
