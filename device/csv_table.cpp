@@ -1,21 +1,20 @@
 #include "device/csv_table.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
+#include <utility>
+
+#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
-    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-    return text;
-}
+constexpr std::size_t largest_file = std::size_t{256} << 20;
+constexpr std::size_t most_rows = 10'000'000;  // an hour at 2.7 kHz
 
 /// Any number, infinities and NaN included; nothing for other text.
 std::optional<double> parse_number(std::string_view text) {
@@ -33,6 +32,19 @@ bool is_text(std::string_view line) {
     return true;
 }
 
+const char* separator_name(char separator) {
+    switch (separator) {
+        case ';':
+            return "a semicolon";
+        case '\t':
+            return "a tab";
+        case ' ':
+            return "a blank";
+        default:
+            return "a comma";
+    }
+}
+
 }  // namespace
 
 Result<CsvTable> CsvTable::read(const std::string& file) {
@@ -40,96 +52,154 @@ Result<CsvTable> CsvTable::read(const std::string& file) {
     if (!std::filesystem::is_regular_file(file, missing)) {
         return input_error(file + ": is not a file that can be read; give a CSV file");
     }
-    std::ifstream stream(file, std::ios::binary);
+    const auto size = std::filesystem::file_size(file, missing);
+    if (!missing && size > largest_file)
+        return input_error(file + ": is larger than 256 MiB; give a recorded motion of at most an hour");
     CsvTable table;
     table.file_ = file;
-    table.text_.assign(std::istreambuf_iterator<char>(stream), {});
-    if (!stream) return input_error(file + ": cannot be read; give a CSV file with read permission");
-    if (const Result<void> done = table.split(); !done) return done.error();
+    table.text_.resize(missing ? 0 : static_cast<std::size_t>(size));
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(table.text_.data(), static_cast<std::streamsize>(table.text_.size()));
+    if (missing || !stream)
+        return input_error(file + ": cannot be read; give a CSV file with read permission");
+    if (const Result<void> done = table.find_lines(); !done) return done.error();
+    table.choose_separator();
+    if (const Result<void> done = table.check_fields(); !done) return done.error();
     return table;
 }
 
-Result<void> CsvTable::split() {
-    std::string_view rest(text_.data(), text_.size());
-    if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
-    for (std::size_t number = 1; !rest.empty(); ++number) {
-        const std::size_t end = rest.find('\n');
-        std::string_view line = rest.substr(0, end);
-        rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-        if (line.ends_with('\r')) line.remove_suffix(1);
-        if (line.empty() && rest.empty()) break;
-        if (const Result<void> done = split_line(line, number); !done) return done;
+Result<void> CsvTable::find_lines() {
+    const std::string_view text(text_.data(), text_.size());
+    std::size_t filled = 0;  // lines up to the last that is not blank
+    for (std::size_t at = text.starts_with("\xEF\xBB\xBF") ? 3 : 0; at < text.size();) {
+        lines_.push_back(static_cast<std::uint32_t>(at));
+        if (line(lines_.size() - 1).find_first_not_of(" \t") != std::string_view::npos)
+            filled = lines_.size();
+        if (filled > most_rows + 1)
+            return input_error(file_ + ": has more than " + std::to_string(most_rows) +
+                               " rows; give a recorded motion of at most an hour");
+        at = std::min(text.find('\n', at), text.size() - 1) + 1;
     }
-    for (std::size_t column = 0; column < columns_; ++column) {
-        if (!parse_number(fields_[column])) has_header_ = true;
-    }
-    if (fields_.empty() || rows() == 0) return input_error(file_ + ": has no row of data; expected numbers");
+    lines_.resize(filled);
     return {};
 }
 
-Result<void> CsvTable::split_line(std::string_view line, std::size_t number) {
-    const std::string where = file_ + ": line " + std::to_string(number);
-    if (!is_text(line))
-        return input_error(where + " holds bytes that are no text; give a comma-separated table");
-    const std::size_t before = fields_.size();
+std::string_view CsvTable::line(std::size_t number) const {
+    std::string_view line(text_.data(), text_.size());
+    line.remove_prefix(lines_[number]);
+    line = line.substr(0, line.find('\n'));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+}
+
+/// Fields of the first two lines, where both have as many; otherwise 1.
+std::size_t CsvTable::fields_by(char separator) {
+    separator_ = separator;
+    std::vector<std::string_view> fields;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 2 && k < lines_.size(); ++k) {
+        if (!split(line(k), fields) || (k > 0 && fields.size() != count)) return 1;
+        count = fields.size();
+    }
+    return count;
+}
+
+/// That which makes the most fields; blanks, of which notes have many, only where nothing else makes any.
+void CsvTable::choose_separator() {
+    char best = ',';
+    std::size_t most = std::max<std::size_t>(fields_by(best), 1);
+    for (const char separator : {';', '\t', ' '}) {
+        const std::size_t fields = fields_by(separator);
+        if (fields <= most || (separator == ' ' && most > 1)) continue;
+        best = separator;
+        most = fields;
+    }
+    separator_ = best;
+}
+
+Result<void> CsvTable::check_fields() {
+    std::vector<std::string_view> fields;
+    for (std::size_t number = 0; number < lines_.size(); ++number) {
+        const std::string where = file_ + ": line " + std::to_string(number + 1);
+        if (!is_text(line(number)))
+            return input_error(where + " holds bytes that are no text; give a comma-separated table");
+        if (const Result<void> done = split(line(number), fields); !done)
+            return input_error(where + done.error().message);
+        if (number == 0) first_ = fields;
+        if (fields.size() != first_.size()) {
+            return input_error(where + " has " + std::to_string(fields.size()) +
+                               " fields; the lines before have " + std::to_string(first_.size()));
+        }
+    }
+    for (const std::string_view field : first_) {
+        if (!parse_number(field)) has_header_ = true;
+    }
+    if (lines_.empty() || rows() == 0) return input_error(file_ + ": has no row of data; expected numbers");
+    return {};
+}
+
+Result<void> CsvTable::split(std::string_view line, std::vector<std::string_view>& fields) const {
+    const std::string_view blanks = separator_ == '\t' ? " " : " \t";
+    const std::string_view separators = separator_ == ' ' ? blanks : std::string_view(&separator_, 1);
+    const auto trimmed = [blanks](std::string_view text) {
+        const std::size_t first = text.find_first_not_of(blanks), last = text.find_last_not_of(blanks);
+        return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
+    };
+    fields.clear();
+    line = trimmed(line);
     for (bool more = true; more;) {
         line = trimmed(line);
-        std::size_t end = line.find(',');
+        std::size_t end = line.find_first_of(separators);
         if (line.starts_with('"')) {
             const std::size_t quote = line.find('"', 1);
-            if (quote == std::string_view::npos)
-                return input_error(where + ": a quote is opened and not closed");
-            end = line.find(',', quote);
-            const std::string_view after =
-                trimmed(line.substr(quote + 1, end == line.npos ? end : end - quote - 1));
-            if (!after.empty())
-                return input_error(where + ": text follows a closing quote; expected a comma");
-            fields_.push_back(line.substr(1, quote - 1));
+            if (quote == line.npos) return input_error(": a quote is opened and not closed");
+            end = line.find_first_of(separators, quote);
+            if (!trimmed(line.substr(quote + 1, end == line.npos ? end : end - quote - 1)).empty())
+                return input_error(std::string(": text follows a closing quote; expected ") +
+                                   separator_name(separator_));
+            fields.push_back(line.substr(1, quote - 1));
         } else {
-            fields_.push_back(trimmed(line.substr(0, end)));
+            fields.push_back(trimmed(line.substr(0, end)));
         }
-        more = end != std::string_view::npos;
+        more = end != line.npos;
         if (more) line.remove_prefix(end + 1);
-    }
-    const std::size_t fields = fields_.size() - before;
-    if (before == 0) columns_ = fields;
-    if (fields != columns_) {
-        return input_error(where + " has " + std::to_string(fields) + " fields; the lines before have " +
-                           std::to_string(columns_));
     }
     return {};
 }
 
 bool CsvTable::names(std::string_view column) const {
-    for (std::size_t at = 0; at < columns_ && has_header_; ++at) {
-        if (header(at) == column) return true;
+    for (const std::string_view name : first_) {
+        if (has_header_ && name == column) return true;
     }
     return false;
 }
 
 Result<std::size_t> CsvTable::column(std::string_view name_or_number) const {
-    for (std::size_t at = 0; at < columns_ && has_header_; ++at) {
-        if (header(at) == name_or_number) return at;
+    std::string legal = "1 to " + std::to_string(columns());
+    for (std::size_t at = 0; at < columns() && has_header_; ++at) {
+        if (first_[at] == name_or_number) return at;
+        legal.append(", ").append(printable(first_[at]));
     }
     std::size_t number = 0;
     const char* const last = name_or_number.data() + name_or_number.size();
     const auto [end, fault] = std::from_chars(name_or_number.data(), last, number);
-    if (fault == std::errc() && end == last && number >= 1 && number <= columns_) return number - 1;
-    std::string legal = "1 to " + std::to_string(columns_);
-    for (std::size_t at = 0; at < columns_ && has_header_; ++at) legal.append(", ").append(header(at));
-    return input_error(file_ + ": has no column '" + std::string(name_or_number) + "'; columns are " + legal);
+    if (fault == std::errc() && end == last && number >= 1 && number <= columns()) return number - 1;
+    return input_error(file_ + ": has no column '" + printable(name_or_number) + "'; columns are " +
+                       printable(legal, 400));
 }
 
 Result<std::vector<double>> CsvTable::numbers(std::size_t column) const {
     std::vector<double> values;
     values.reserve(rows());
-    const std::string name = has_header_ ? std::string(header(column)) : std::to_string(column + 1);
+    std::vector<std::string_view> fields;
+    const std::string name = has_header_ ? printable(first_[column]) : std::to_string(column + 1);
     for (std::size_t row = 0; row < rows(); ++row) {
-        const std::string_view field = fields_[(row + (has_header_ ? 1 : 0)) * columns_ + column];
+        if (const auto done = split(line(row + (has_header_ ? 1 : 0)), fields); !done) return done.error();
+        const std::string_view field = fields[column];
         const std::optional<double> value = parse_number(field);
         if (!value || !std::isfinite(*value)) {
             std::string message = place(row) + ", column '" + name + "' holds ";
-            message += field.empty() ? "nothing" : std::string("'").append(field).append("'");
+            message += field.empty() ? "nothing" : std::string("'").append(printable(field)).append("'");
             return input_error(message + "; expected a finite number");
         }
         values.push_back(*value);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,19 +10,21 @@
 
 namespace touchable {
 
-/// A comma-separated table of numbers, with or without a header. Every row has the same number of fields; a
-/// field may stand in double quotes; columns nobody asks for may hold anything.
+/// A table of numbers in text, with or without a header, its fields separated by commas, semicolons, tabs or
+/// blanks. Every row has the same number of fields; a field may stand in double quotes; columns nobody asks
+/// for may hold anything; blank lines at the end do not count.
 class CsvTable {
 public:
-    /// Refuses (ErrorKind::input, with file and line) what cannot be read, is no text, has rows of different
-    /// lengths or no row of data. The first line is a header if it holds a field that is not a number.
+    /// Refuses (ErrorKind::input, with file and line) what cannot be read, is larger than 256 MiB or has more
+    /// than ten million rows, is no text, has rows of different lengths or no row of data. The first line is
+    /// a header if it holds a field that is not a number.
     static Result<CsvTable> read(const std::string& file);
 
     CsvTable(CsvTable&&) = default;
     CsvTable& operator=(CsvTable&&) = default;
 
-    std::size_t rows() const { return fields_.size() / columns_ - (has_header_ ? 1 : 0); }
-    std::size_t columns() const { return columns_; }
+    std::size_t rows() const { return lines_.size() - (has_header_ ? 1 : 0); }
+    std::size_t columns() const { return first_.size(); }
     /// Whether the header names such a column.
     bool names(std::string_view column) const;
     /// A column by the header's name for it, or by its number, from 1. Refuses others, listing the legal
@@ -35,16 +38,19 @@ public:
 
 private:
     CsvTable() = default;
-    Result<void> split();
-    Result<void> split_line(std::string_view line, std::size_t number);
-    std::string_view header(std::size_t column) const {
-        return has_header_ ? fields_[column] : std::string_view();
-    }
+    Result<void> find_lines();
+    Result<void> check_fields();
+    std::size_t fields_by(char separator);
+    void choose_separator();
+    std::string_view line(std::size_t number) const;
+    /// Fields of a line, which replace those given; says what is wrong with it.
+    Result<void> split(std::string_view line, std::vector<std::string_view>& fields) const;
 
     std::string file_;
-    std::vector<char> text_;  // fields_ point into it; unlike a string's it stays put when moved
-    std::vector<std::string_view> fields_;  // row by row, header included
-    std::size_t columns_ = 0;
+    std::vector<char> text_;               // unlike a string's it stays put when moved
+    std::vector<std::uint32_t> lines_;     // where each begins
+    std::vector<std::string_view> first_;  // fields of the first line
+    char separator_ = ',';                 // a blank: any number of blanks and tabs
     bool has_header_ = false;
 };
 

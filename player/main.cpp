@@ -4,6 +4,7 @@
 #include <iostream>
 #include <string>
 
+#include "engine/printable.hpp"
 #include "player/check_command.hpp"
 #include "player/command.hpp"
 #include "player/export_command.hpp"
@@ -17,7 +18,8 @@ namespace {
 
 int fail(const Error& error) {
     std::cout.flush();
-    std::cerr << "touchable: " << error.message << '\n';
+    constexpr std::size_t longest = 2000;  // of a line that a person reads; names in it may be anything
+    std::cerr << "touchable: " << printable(error.message, longest) << '\n';
     return exit_code(error.kind);
 }
 

@@ -3,6 +3,8 @@
 #include <bit>
 #include <fstream>
 
+#include "engine/scene/checked_json.hpp"
+
 namespace touchable {
 
 namespace {
@@ -102,8 +104,12 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     Bytes body(bytes.substr(head_size));
     for (std::uint64_t k = 0; k < ticks; ++k)
         recording.ticks.push_back(read_tick(body, static_cast<std::size_t>(fingers)));
-    recording.facts = nlohmann::ordered_json::parse(
-        bytes.substr(bytes.size() - tail_size - facts_size, facts_size), nullptr, false);
+    try {
+        recording.facts =
+            checked_json::parse(bytes.substr(bytes.size() - tail_size - facts_size, facts_size));
+    } catch (const checked_json::Refusal& reason) {
+        return refuse("its facts will not do: " + reason.message);
+    }
     if (!recording.facts.is_object()) return refuse(damaged);
     if (recording.ticks.empty()) return refuse("has no ticks; there is nothing to replay");
     for (std::size_t k = 1; k < recording.ticks.size(); ++k)

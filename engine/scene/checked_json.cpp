@@ -5,6 +5,8 @@
 #include <limits>
 #include <set>
 
+#include "engine/printable.hpp"
+
 namespace touchable::checked_json {
 namespace {
 
@@ -39,9 +41,7 @@ std::string position(std::string_view text, const char* at) {
 
 /// On one line whatever its bytes, and not longer than a person reads.
 std::string shown(const Json& value) {
-    std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
-    if (text.size() > 60) text = text.substr(0, 60) + "...";
-    return text;
+    return printable(value.dump(-1, ' ', true, Json::error_handler_t::replace), 60);
 }
 
 }  // namespace
@@ -68,8 +68,8 @@ Json parse(std::string_view text) {
     } catch (const Json::exception& fault) {
         const std::string what = fault.what();  // "[json.exception...] parse error at ...: the reason"
         const std::size_t reason = what.find("] ");
-        throw Refusal{position(text, furthest) +
-                      ": must be JSON: " + what.substr(reason == std::string::npos ? 0 : reason + 2)};
+        throw Refusal{position(text, furthest) + ": must be JSON: " +
+                      printable(what.substr(reason == std::string::npos ? 0 : reason + 2), 200)};
     }
 }
 

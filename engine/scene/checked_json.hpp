@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-/// JSON from outside, for the readers of this room: every question about a value answers or throws `Refusal`,
-/// which the reader turns into an Error before it leaves the room.
+/// JSON from outside: every question about a value answers or throws `Refusal`, which whoever reads the text
+/// turns into an Error before it leaves the room.
 namespace touchable::checked_json {
 
 using Json = nlohmann::json;
@@ -22,7 +22,9 @@ struct Refusal {
     std::string message;
 };
 
-/// One value per text and no member twice; refused by line and byte (from the start) otherwise.
+/// One value per text, no member twice, and no deeper nesting than a library that recurses can stand; refused
+/// by line and byte (from the start) otherwise. All JSON that was not written by this very run goes through
+/// here.
 Json parse(std::string_view text);
 
 /// A value and its path, such as depth.invalid[1]; the empty path is the whole text. Refers to the Json

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -189,13 +190,13 @@ bool is_file_pattern(const std::string& pattern) {
 }
 
 Result<void> check_pattern(const std::string& member, const std::string& pattern) {
-    const bool printable =
+    const bool clean =
         std::none_of(pattern.begin(), pattern.end(), [](char c) { return c >= 0 && c < 0x20; });
-    if (printable && is_file_pattern(pattern)) return {};
+    if (clean && is_file_pattern(pattern)) return {};
     return input_error(
-        member + " is \"" + (printable ? pattern : "(control characters)") +
-        "\": must be a file name with one field of digits, %d or %0Nd with N from 1 to 9, and no "
-        "other %, such as \"depth_%04d.png\"; or, for a single picture, without %");
+        member + " is " + in_quotes(pattern) +
+        ": must be a file name with one field of digits, %d or %0Nd with N from 1 to 9, no "
+        "other % and no control characters, such as \"depth_%04d.png\"; or, for a single picture, without %");
 }
 
 /// A still is one picture of each kind, anything else a row of them.
@@ -205,9 +206,9 @@ Result<void> check_still(const FolderSource& folder) {
           {"folder.haptic", folder.haptic},
           {"folder.height", folder.height}})
         if (!name.empty() && is_still(name) != is_still(folder.depth))
-            return input_error(std::string(member) + " is \"" + name + "\": must be, like folder.depth (\"" +
-                               folder.depth + "\"), a name " + (is_still(folder.depth) ? "without" : "with") +
-                               " a field of digits");
+            return input_error(std::string(member) + " is " + in_quotes(name) +
+                               ": must be, like folder.depth (" + in_quotes(folder.depth) + "), a name " +
+                               (is_still(folder.depth) ? "without" : "with") + " a field of digits");
     if (!is_still(folder.depth)) return {};
     if (folder.first != 0)
         return refuse("folder.first", folder.first, "0, because folder.depth is a single picture");

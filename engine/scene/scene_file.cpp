@@ -266,6 +266,12 @@ Result<Scene> parse_scene(std::string_view json, std::string_view where) {
 }
 
 Result<Scene> read_scene_file(const std::filesystem::path& file) {
+    std::error_code failure;
+    const auto kind = std::filesystem::status(file, failure).type();
+    if (kind != std::filesystem::file_type::regular && kind != std::filesystem::file_type::not_found)
+        return input_error(file.string() +
+                           ": cannot be read: is a folder, a pipe or a device; must be a scene file (JSON, "
+                           "docs/scene_file.md)");
     std::ifstream stream(file, std::ios::binary);
     std::string text(checked_json::largest_text + 1, '\0');
     if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "tests/device/temporary_file.hpp"
+#include "tests/limited_memory.hpp"
 
 namespace touchable {
 namespace {
@@ -52,9 +55,10 @@ TEST(CsvTable, WithoutAHeaderColumnsHaveNumbersFromOne) {
 }
 
 TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
-    for (const std::string text : {"a,b\n1,2\n", "a,b\r\n1,2\r\n", "a,b\n1,2", "a,b\n1,2\n\n",
-                                   "\xEF\xBB\xBF"
-                                   "a,b\n1,2\n"}) {
+    for (const std::string text :
+         {"a,b\n1,2\n", "a,b\r\n1,2\r\n", "a,b\n1,2", "a,b\n1,2\n\n", "a,b\n1,2\n\n \r\n\t\n",
+          "\xEF\xBB\xBF"
+          "a,b\n1,2\n"}) {
         const TemporaryFile file("table.csv", text);
         const Result<CsvTable> table = CsvTable::read(file.path());
         ASSERT_TRUE(table.ok()) << text;
@@ -62,6 +66,48 @@ TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
         EXPECT_EQ(*table->column("a"), 0u) << text;
         EXPECT_EQ(*table->numbers(1), std::vector<double>{2}) << text;
     }
+}
+
+TEST(CsvTable, OtherSeparatorsAreRead) {
+    for (const std::string text :
+         {"t_s;x;note, such as this\n0;1;a,b\n0.5;-2;c\n", "t_s\tx\tnote\n0\t1\t\n0.5\t-2\tc d\n",
+          "t_s x  note\n 0   1 a\n0.5\t-2 \"b c\" \n", "t_s, x, a;b\n0, 1, c;d\n0.5, -2, e\n"}) {
+        const TemporaryFile file("table.csv", text);
+        const Result<CsvTable> table = CsvTable::read(file.path());
+        ASSERT_TRUE(table.ok()) << text << table.error().message;
+        EXPECT_EQ(table->columns(), 3u) << text;
+        EXPECT_EQ(*table->numbers(*table->column("t_s")), (std::vector<double>{0, 0.5})) << text;
+        EXPECT_EQ(*table->numbers(*table->column("x")), (std::vector<double>{1, -2})) << text;
+    }
+    const TemporaryFile one("table.csv", "penetration depth\n0.1\n0.2\n");
+    const Result<CsvTable> table = CsvTable::read(one.path());
+    ASSERT_TRUE(table.ok());
+    EXPECT_EQ(*table->numbers(*table->column("penetration depth")), (std::vector<double>{0.1, 0.2}));
+    EXPECT_EQ(table_refusal("t_s;x\n0;1,5\n", "x"),
+              "line 2, column 'x' holds '1,5'; expected a finite number");
+}
+
+TEST(CsvTable, LargeFilesAreRefusedBeforeTheyAreRead) {
+    const TemporaryFile file("table.csv", "t_s,x\n0,1\n");
+    std::filesystem::resize_file(file.path(), std::uintmax_t{4} << 30);
+    const test::LimitedMemory little(256);
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_FALSE(table.ok());
+    EXPECT_NE(table.error().message.find("is larger than 256 MiB"), std::string::npos);
+}
+
+TEST(CsvTable, RowsAreCounted) {
+    std::string text;
+    for (int n = 0; n < 10'000'002; ++n) text += "1\n";
+    EXPECT_EQ(table_refusal(text, "1"),
+              "has more than 10000000 rows; give a recorded motion of at most an hour");
+}
+
+TEST(CsvTable, WhatIsQuotedIsShort) {
+    const std::string wide(3'000'000, 'x');
+    EXPECT_LT(table_refusal("a,b\n1,2\n3," + wide + "\n", "b").size(), 200u);
+    EXPECT_LT(table_refusal("a," + wide + "\n1,2\n", "c").size(), 600u);
+    EXPECT_LT(table_refusal("a," + wide + "\n1,\n", wide).size(), 200u);
 }
 
 TEST(CsvTable, RefusalNamesLineAndColumn) {

@@ -185,6 +185,17 @@ TEST_F(Replay, WhatIsNoRecordingIsCode3) {
     }
 }
 
+TEST_F(Replay, FactsThatAreNestedTooDeeplyAreCode3) {
+    record("plane", {"--seconds", "0.01"});
+    constexpr std::size_t levels = 105'000;
+    std::string text;
+    for (std::size_t level = 0; level < levels; ++level) text += "{\"a\":";
+    RecordingBytes deep = recording();
+    deep.set_facts(text + "1" + std::string(levels, '}'));
+    write(deep);
+    expect_ends_with(3, "nested too deeply");
+}
+
 TEST_F(Replay, NewerFormatIsRefusedByName) {
     record("plane", {"--seconds", "0.05"});
     RecordingBytes raw = recording();

@@ -1,0 +1,45 @@
+#include "engine/printable.hpp"
+
+#include <gtest/gtest.h>
+
+#include "engine/scene/scene_file.hpp"
+
+namespace touchable {
+namespace {
+
+TEST(Printable, OrdinaryTextStaysAsItIs) {
+    EXPECT_EQ(printable("depth_%04d.png"), "depth_%04d.png");
+    EXPECT_EQ(printable("Größe 3 µm"), "Größe 3 µm");
+    EXPECT_EQ(printable("\xff\xfe"), "\xff\xfe");  // names of files need not be UTF-8
+    EXPECT_EQ(printable(std::string(80, 'x')), std::string(80, 'x'));
+    EXPECT_EQ(in_quotes("a"), "\"a\"");
+}
+
+TEST(Printable, ControlCharactersAreEscaped) {
+    EXPECT_EQ(printable(std::string("a\nb\r\t\0\x1b[0m\x7f", 11)), "a\\nb\\r\\t\\x00\\x1b[0m\\x7f");
+    EXPECT_EQ(printable("\xc2\x9b"
+                        "31m"),
+              "\\xc2\\x9b31m");  // an escape sequence begins so, too
+}
+
+TEST(Printable, LongTextIsCutBetweenCharacters) {
+    EXPECT_EQ(printable(std::string(3'000'000, 'x')), std::string(80, 'x') + "...");
+    EXPECT_EQ(printable("abcdé", 5), "abcd...");
+    EXPECT_EQ(printable("abcd\n", 5), "abcd...");
+    EXPECT_EQ(printable(std::string("abc\0", 4), 5), "abc...");
+}
+
+TEST(Printable, WhateverASceneFileHoldsTheErrorIsShort) {
+    const std::string long_text(1'000'000, 'y');
+    for (const std::string& text :
+         {"{\"" + long_text, "{\"" + long_text + "\": 1}", "[\"\x1b" + long_text, "\"" + long_text + "\"",
+          "{\"touchable_scene\": 1, \"name\": 3, \"" + long_text + "\": {}}"}) {
+        const auto scene = parse_scene(text, "scene.json");
+        ASSERT_FALSE(scene.ok());
+        EXPECT_LT(scene.error().message.size(), 500U);
+        EXPECT_EQ(scene.error().message.find_first_of("\n\x1b"), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace touchable
