@@ -57,6 +57,10 @@ std::string format_name(const AVFrame& frame) {
     return name ? name : "unknown";
 }
 
+int sample_bits(const AVFrame& frame) {
+    return descriptor(frame).comp[0].depth;
+}
+
 bool is_rgb8(const AVFrame& frame) {
     const AVPixFmtDescriptor& format = descriptor(frame);
     if (frame.format == AV_PIX_FMT_PAL8) return true;

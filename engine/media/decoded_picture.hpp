@@ -13,6 +13,9 @@ namespace touchable {
 /// FFmpeg's name of the format, "gray10le" for one.
 std::string format_name(const AVFrame& frame);
 
+/// Bits of a sample of its first component, which may be fewer than its bytes have.
+int sample_bits(const AVFrame& frame);
+
 /// True where red, green and blue are stored as 8-bit samples: packed, planar or as a palette.
 bool is_rgb8(const AVFrame& frame);
 

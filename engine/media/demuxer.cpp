@@ -13,8 +13,8 @@ extern "C" {
 namespace touchable {
 namespace {
 
-/// Frames one stream may run ahead of another.
-constexpr std::size_t queue_limit = 64;
+/// Frames one stream may run ahead of another, and what they all may hold while they wait.
+constexpr std::size_t queue_limit = 64, queued_bytes_limit = std::size_t{1} << 30;
 
 std::optional<std::string> entry(const AVDictionary* dictionary, const char* name) {
     const AVDictionaryEntry* found = av_dict_get(dictionary, name, nullptr, 0);
@@ -101,6 +101,9 @@ Result<bool> Demuxer::read_one() {
     if (queue->second.size() >= queue_limit)
         return input_error(file_ + ": its tracks run apart by more than " + std::to_string(queue_limit) +
                            " frames: interleave them");
+    queued_bytes_ += static_cast<std::size_t>(packet->size);
+    if (queued_bytes_ > queued_bytes_limit)
+        return input_error(file_ + ": its tracks run apart by more than 1 GiB: interleave them");
     queue->second.push_back(std::move(packet));
     return true;
 }
@@ -114,6 +117,7 @@ Result<PacketPtr> Demuxer::next(int stream) {
     }
     PacketPtr packet = std::move(queue.front());
     queue.pop_front();
+    queued_bytes_ -= static_cast<std::size_t>(packet->size);
     return packet;
 }
 

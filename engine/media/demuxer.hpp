@@ -43,6 +43,7 @@ private:
     std::string file_;
     std::unique_ptr<AVFormatContext, Closer> container_;
     std::map<int, std::deque<PacketPtr>> queues_;
+    std::size_t queued_bytes_ = 0;
 };
 
 }  // namespace touchable

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/media/clip_tags.hpp"
+#include "engine/media/codecs.hpp"
 #include "engine/media/demuxer.hpp"
 #include "engine/media/depthkit_metadata.hpp"
 #include "engine/media/track_decoder.hpp"
@@ -77,6 +78,8 @@ Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
         infos_.push_back({std::string(role_name(role)), decoder_->info().codec, decoder_->info().pixel_format,
                           decoder_->info().width, decoder_->info().height / 2});
     if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
+    if (auto note = lossy_note(PlaneRole::depth, decoder_->info().codec)) notes_.push_back(std::move(*note));
+    if (auto note = no_depth_note(**first, scene_.depth)) notes_.push_back(std::move(*note));
     return rewind();
 }
 

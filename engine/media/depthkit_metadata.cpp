@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/printable.hpp"
+
 namespace touchable {
 namespace {
 
@@ -37,7 +39,7 @@ public:
     /// A component of a value such as {x: 512, y: 424}.
     Result<double> component(std::string_view field, std::string_view name) const;
     Error refuse(std::string_view field, std::string_view value, const std::string& right) const {
-        return input_error(file_ + ": " + std::string(field) + " is " + std::string(value) + ": must be " +
+        return input_error(file_ + ": " + std::string(field) + " is " + printable(value) + ": must be " +
                            right);
     }
     const std::string& file() const { return file_; }

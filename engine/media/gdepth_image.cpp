@@ -2,15 +2,15 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <utility>
 
+#include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/media/stored_image.hpp"
 #include "engine/media/xmp.hpp"
+#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
@@ -55,10 +55,9 @@ private:
 };
 
 Result<void> GdepthImage::open(const std::optional<Scene>& replacement) {
-    std::ifstream in(path_, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    if (!in || bytes.empty()) return refuse("cannot be read");
-    auto xmp = read_jpeg_xmp(bytes, file_);
+    const auto bytes = read_picture_bytes(path_);
+    if (!bytes) return bytes.error();
+    auto xmp = read_jpeg_xmp(*bytes, file_);
     if (!xmp) return xmp.error();
     xmp_ = std::move(*xmp);
     auto depth = read_depth();
@@ -67,13 +66,14 @@ Result<void> GdepthImage::open(const std::optional<Scene>& replacement) {
         scene_ = *replacement;
     else if (auto described = describe(*depth); !described)
         return described;
-    auto colour = decode_stored_image(bytes, file_);
+    auto colour = decode_stored_image(*bytes, file_);
     if (!colour) return colour.error();
     infos_.push_back(
         {"colour", colour->codec, colour->pixel_format, colour->image.width, colour->image.height});
     if (auto added = add(PlaneRole::depth, std::move(*depth)); !added) return added;
     if (auto added = add(PlaneRole::colour, std::move(colour->image)); !added) return added;
     if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
+    if (auto note = no_depth_note(frame_, scene_.depth)) notes_.push_back(std::move(*note));
     if (!scene_.far_from_frames) return {};
     FarPlaneSearch search(scene_.depth);
     search.add(frame_.depth);
@@ -97,7 +97,7 @@ Result<double> GdepthImage::number(std::string_view name) const {
     const char* end = text->data() + text->size();
     const auto [last, failure] = std::from_chars(text->data(), end, value);
     if (failure == std::errc() && last == end && std::isfinite(value)) return value;
-    return refuse("its " + std::string(name) + " is \"" + *text + "\": must be a number");
+    return refuse("its " + std::string(name) + " is " + in_quotes(*text) + ": must be a number");
 }
 
 /// The depth map as grey, however it was stored.
@@ -110,6 +110,10 @@ Result<Image> GdepthImage::read_depth() {
     if (!stored) return stored.error();
     Image& image = stored->image;
     infos_.push_back({"depth", stored->codec, stored->pixel_format, image.width, image.height});
+    if (stored->interlaced) return refuse("its depth map is an interlaced PNG: must be a plain one");
+    if (stored->bits < 8)
+        return refuse("its depth map is of " + std::to_string(stored->bits) + " bits: must be of 8 or 16");
+    if (auto note = lossy_note(PlaneRole::depth, stored->codec)) notes_.push_back(std::move(*note));
     if (image.channels == 1) return std::move(image);
     Image grey{image.width, image.height, 1, 1, {}};
     grey.samples.reserve(image.samples.size() / 3);
@@ -131,7 +135,7 @@ Result<void> GdepthImage::describe(const Image& depth) {
     if (auto described = describe_depth(depth); !described) return described;
     const auto unit = xmp_.find("GDepth:Units");
     if (unit != xmp_.end() && unit->second != "m" && unit->second != "mm")
-        return refuse("its GDepth:Units is \"" + unit->second + "\": must be m or mm");
+        return refuse("its GDepth:Units is " + in_quotes(unit->second) + ": must be m or mm");
     scene_.metres_per_unit = unit != xmp_.end() && unit->second == "mm" ? 0.001 : 1.0;
     if (unit == xmp_.end()) notes_.push_back("the file names no unit of length: metres are assumed");
     constexpr double half_angle_cotangent = 1.7320508075688772;  // of 30 degrees
@@ -150,15 +154,15 @@ Result<void> GdepthImage::describe_depth(const Image& depth) {
     const auto format = property("GDepth:Format");
     if (!format) return format.error();
     if (*format != "RangeInverse" && *format != "RangeLinear")
-        return refuse("its GDepth:Format is \"" + *format + "\": must be RangeInverse or RangeLinear");
+        return refuse("its GDepth:Format is " + in_quotes(*format) + ": must be RangeInverse or RangeLinear");
     const auto near = number("GDepth:Near"), far = number("GDepth:Far");
     if (!near) return near.error();
     if (!far) return far.error();
     const auto measured = xmp_.find("GDepth:MeasureType");
     const bool along_ray = measured != xmp_.end() && measured->second == "OpticRay";
     if (measured != xmp_.end() && !along_ray && measured->second != "OpticalAxis")
-        return refuse("its GDepth:MeasureType is \"" + measured->second +
-                      "\": must be OpticalAxis or OpticRay");
+        return refuse("its GDepth:MeasureType is " + in_quotes(measured->second) +
+                      ": must be OpticalAxis or OpticRay");
     scene_.depth.kind = *format == "RangeInverse" ? DepthCodingKind::inverse : DepthCodingKind::linear;
     scene_.depth.semantics = along_ray ? DepthSemantics::range : DepthSemantics::planar;
     scene_.depth.near_is_high = false;

@@ -8,14 +8,14 @@
 
 #include "engine/media/decoded_picture.hpp"
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/picture_decoder.hpp"
 #include "engine/media/stored_image.hpp"
 #include "engine/new_file.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr std::int64_t largest_side = 16384;
-constexpr std::size_t largest_file = std::size_t{1} << 30;
+constexpr std::size_t largest_file = std::size_t{256} << 20;
 
 Error file_error(const std::filesystem::path& file, const std::string& what) {
     return input_error(file.string() + ": " + what);
@@ -24,53 +24,8 @@ Error out_of_memory() {
     return {ErrorKind::internal, "out of memory"};
 }
 
-/// The whole file, followed by the zeros FFmpeg's decoders may read past its end.
-Result<PacketPtr> read_whole(const std::filesystem::path& file) {
-    std::error_code failure;
-    const auto size = std::filesystem::file_size(file, failure);
-    if (failure) return file_error(file, "cannot be read: " + failure.message());
-    if (size == 0) return file_error(file, "is empty");
-    if (size > largest_file)
-        return file_error(file, "is larger than 1 GiB: not a picture this program reads");
-    PacketPtr packet(av_packet_alloc());
-    if (!packet || av_new_packet(packet.get(), static_cast<int>(size)) < 0) return out_of_memory();
-    std::ifstream in(file, std::ios::binary);
-    if (!in.read(reinterpret_cast<char*>(packet->data), packet->size))
-        return file_error(file, std::string("cannot be read: ") + std::strerror(errno));
-    return packet;
-}
-
-/// PNG or JPEG by its first bytes; AV_CODEC_ID_NONE for anything else.
-AVCodecID codec_of(std::string_view bytes) {
-    if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return AV_CODEC_ID_PNG;
-    if (bytes.starts_with("\xff\xd8\xff")) return AV_CODEC_ID_MJPEG;
-    return AV_CODEC_ID_NONE;
-}
-
-/// FFmpeg fills in what a cut file lacks, and says nothing. Neither marker can occur inside coded data, so a
-/// whole JPEG has an end marker after its last start of a scan; a whole PNG ends with its IEND chunk.
-bool is_cut(AVCodecID codec, std::string_view bytes) {
-    if (codec == AV_CODEC_ID_PNG) return bytes.find("IEND\xae\x42\x60\x82") == std::string_view::npos;
-    const auto end = bytes.rfind("\xff\xd9"), scan = bytes.rfind("\xff\xda");
-    return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
-}
-
-Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPacket& packet) {
-    const AVCodec* codec = avcodec_find_decoder(codec_id);
-    CodecPtr decoder(avcodec_alloc_context3(codec));
-    FramePtr frame(av_frame_alloc());
-    if (!codec || !decoder || !frame) return out_of_memory();
-    decoder->thread_count = 1;
-    decoder->max_pixels = largest_side * largest_side;
-    decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
-    int status = avcodec_open2(decoder.get(), codec, nullptr);
-    if (status >= 0) status = avcodec_send_packet(decoder.get(), &packet);
-    if (status >= 0) status = avcodec_send_packet(decoder.get(), nullptr);
-    if (status >= 0) status = avcodec_receive_frame(decoder.get(), frame.get());
-    if (status < 0) return input_error(where + ": is damaged: " + ffmpeg_text(status));
-    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
-        return input_error(where + ": is damaged");
-    return frame;
+Error too_large(const std::string& where) {
+    return input_error(where + ": is larger than 256 MiB: not a picture this program reads");
 }
 
 Image packed_grey(const PlaneView& plane) {
@@ -118,18 +73,10 @@ Result<Image> image_from(const std::string& where, const AVFrame& frame) {
                        "; grey of 8 or 16 bits and colour of 8 bits are read");
 }
 
-Result<StoredImage> decoded_image(const AVPacket& packet, const std::string& where) {
-    silence_ffmpeg();
-    const std::string_view bytes(reinterpret_cast<const char*>(packet.data),
-                                 static_cast<std::size_t>(packet.size));
-    const AVCodecID codec = codec_of(bytes);
-    if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
-    if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
-    auto frame = decode(where, codec, packet);
-    if (!frame) return frame.error();
-    auto image = image_from(where, **frame);
-    if (!image) return image.error();
-    return StoredImage{std::move(*image), avcodec_get_name(codec), format_name(**frame)};
+/// FFmpeg spreads grey of 2 and 4 bits over 8.
+void gather(Image& image, int bits) {
+    const int step = 255 / ((1 << bits) - 1);
+    for (std::uint8_t& sample : image.samples) sample = static_cast<std::uint8_t>(sample / step);
 }
 
 /// What the PNG encoder takes: the plane's samples, those of 16 bits with their high byte first.
@@ -182,18 +129,34 @@ Result<PacketPtr> encode_png(const AVFrame& frame) {
 
 }  // namespace
 
+Result<std::string> read_picture_bytes(const std::filesystem::path& file) {
+    std::error_code failure;
+    const auto size = std::filesystem::file_size(file, failure);
+    if (failure) return file_error(file, "cannot be read: " + failure.message());
+    if (size == 0) return file_error(file, "is empty");
+    if (size > largest_file) return too_large(file.string());
+    std::string bytes(static_cast<std::size_t>(size), '\0');
+    std::ifstream in(file, std::ios::binary);
+    if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
+        return file_error(file, std::string("cannot be read: ") + std::strerror(errno));
+    return bytes;
+}
+
 Result<StoredImage> read_stored_image(const std::filesystem::path& file) {
-    auto packet = read_whole(file);
-    if (!packet) return packet.error();
-    return decoded_image(**packet, file.string());
+    const auto bytes = read_picture_bytes(file);
+    if (!bytes) return bytes.error();
+    return decode_stored_image(*bytes, file.string());
 }
 
 Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where) {
-    if (bytes.size() > largest_file) return input_error(where + ": is larger than 1 GiB");
-    PacketPtr packet(av_packet_alloc());
-    if (!packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0) return out_of_memory();
-    std::memcpy(packet->data, bytes.data(), bytes.size());
-    return decoded_image(*packet, where);
+    if (bytes.size() > largest_file) return too_large(where);
+    const auto picture = decode_picture(bytes, where);
+    if (!picture) return picture.error();
+    auto image = image_from(where, *picture->frame);
+    if (!image) return image.error();
+    if (picture->bits < 8) gather(*image, picture->bits);
+    return StoredImage{std::move(*image), avcodec_get_name(picture->codec), format_name(*picture->frame),
+                       picture->bits, picture->interlaced};
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/media/stored_image.hpp"
@@ -141,8 +142,14 @@ Result<void> ImageFolderReader::read_first() {
                           image.width, image.height});
         if (track.role != PlaneRole::depth && (image.width != scene_.width || image.height != scene_.height))
             notes_.push_back(resampling_note(track.role, image.width, image.height, scene_));
-        auto fits = fit_plane(track.role, plane_from(std::move(stored->image)), scene_, where(track, 0));
+        if (auto note = lossy_note(track.role, stored->codec)) notes_.push_back(std::move(*note));
+        auto fits = fit_plane(track.role, plane_from(std::move(stored->image), stored->bits), scene_,
+                              where(track, 0));
         if (!fits) return fits.error();
+        if (track.role != PlaneRole::depth) continue;
+        RawFrame frame;
+        add_plane(frame, PlaneRole::depth, std::move(*fits));
+        if (auto note = no_depth_note(frame, scene_.depth)) notes_.push_back(std::move(*note));
     }
     return {};
 }
@@ -167,6 +174,8 @@ Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t fra
                                               ", frame " + std::to_string(frame) + ")"};
     if (track.role == PlaneRole::haptic && stored->codec != "png")
         return input_error(where(track, frame) + ": is JPEG, which mixes materials; haptic is RGB PNG");
+    if (track.role != PlaneRole::colour && stored->interlaced)
+        return input_error(where(track, frame) + ": is an interlaced PNG: must be a plain one to be touched");
     return stored;
 }
 
@@ -180,7 +189,8 @@ Result<Plane> ImageFolderReader::plane(const Track& track, std::int64_t frame) c
                            std::to_string(image.height) + " " + stored->pixel_format + ", but frame 0 is " +
                            std::to_string(info.width) + "x" + std::to_string(info.height) + " " +
                            info.pixel_format);
-    return fit_plane(track.role, plane_from(std::move(stored->image)), scene_, where(track, frame));
+    return fit_plane(track.role, plane_from(std::move(stored->image), stored->bits), scene_,
+                     where(track, frame));
 }
 
 Result<std::optional<RawFrame>> ImageFolderReader::next() {

@@ -1,11 +1,12 @@
 #include "engine/media/matroska_check.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <fstream>
 #include <optional>
 #include <string>
-#include <vector>
 
 extern "C" {
 #include <libavutil/crc.h>
@@ -16,8 +17,11 @@ namespace touchable {
 namespace {
 
 // Element identifiers of EBML (RFC 8794) and Matroska, with their length markers.
-constexpr std::uint64_t id_ebml = 0x1A45DFA3, id_segment = 0x18538067, id_cluster = 0x1F43B675;
+constexpr std::uint64_t id_ebml = 0x1A45DFA3, id_segment = 0x18538067, id_cluster = 0x1F43B675,
+                        id_void = 0xEC;
 constexpr std::uint64_t unknown_size = ~std::uint64_t{0};
+/// All of a clip but its pictures: more than the index of a day. A demuxer keeps it in memory.
+constexpr std::uint64_t largest_headers = 64 << 20;
 
 struct Element {
     std::uint64_t id = 0, size = 0;
@@ -46,17 +50,22 @@ public:
 
     /// True unless the element begins with a CRC-32 element that the rest of it does not have.
     bool crc_holds(const Element& element) {
+        std::array<std::uint8_t, 1 << 16> bytes;
         constexpr std::size_t crc_bytes = 6;  // identifier 0xBF, size 0x84, four bytes
         if (element.size < crc_bytes) return true;
         in_.clear();
         in_.seekg(static_cast<std::streamoff>(element.content));
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(element.size));
-        if (!in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
-            return false;
+        if (!read(bytes.data(), crc_bytes)) return false;
         if (bytes[0] != 0xBF || bytes[1] != 0x84) return true;
-        const std::uint32_t crc = ~av_crc(av_crc_get_table(AV_CRC_32_IEEE_LE), ~std::uint32_t{0},
-                                          bytes.data() + crc_bytes, bytes.size() - crc_bytes);
-        return crc == AV_RL32(bytes.data() + 2);
+        const std::uint32_t stated = AV_RL32(bytes.data() + 2);
+        std::uint32_t crc = ~std::uint32_t{0};
+        for (std::uint64_t left = element.size - crc_bytes; left > 0;) {
+            const auto some = static_cast<std::size_t>(std::min<std::uint64_t>(left, bytes.size()));
+            if (!read(bytes.data(), some)) return false;
+            crc = av_crc(av_crc_get_table(AV_CRC_32_IEEE_LE), crc, bytes.data(), some);
+            left -= some;
+        }
+        return ~crc == stated;
     }
 
 private:
@@ -78,20 +87,30 @@ private:
         return !keep_marker && value == all_ones ? unknown_size : value;
     }
 
+    bool read(std::uint8_t* to, std::size_t size) {
+        return in_.read(reinterpret_cast<char*>(to), static_cast<std::streamsize>(size)).good();
+    }
+
     std::ifstream in_;
     std::uint64_t length_ = 0;
 };
 
 Result<void> check_segment(ElementReader& reader, const Element& segment, const std::string& file) {
-    std::uint64_t position = segment.content;
+    std::uint64_t position = segment.content, headers = 0;
     while (position < segment.end()) {
-        const auto damaged = [&] {
+        const auto damaged = [&file, position] {
             return input_error(file + ": is damaged near byte " + std::to_string(position));
         };
         const auto element = reader.at(position);
-        if (!element || element->size > segment.end() - element->content) return damaged();
-        if (element->id != id_cluster && !reader.crc_holds(*element)) return damaged();
+        if (!element || element->content > segment.end() || element->size > segment.end() - element->content)
+            return damaged();
         position = element->end();
+        if (element->id == id_cluster || element->id == id_void) continue;
+        headers += element->size;
+        if (headers > largest_headers)
+            return input_error(
+                file + ": its headers, tags and attachments are larger than 64 MiB together: must be less");
+        if (!reader.crc_holds(*element)) return damaged();
     }
     return {};
 }

@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "engine/media/clip_tags.hpp"
+#include "engine/media/codecs.hpp"
 #include "engine/media/demuxer.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/track_decoder.hpp"
+#include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
@@ -89,14 +91,15 @@ Result<void> MatroskaReader::read_version_and_rate() {
     const auto version = demuxer_->tag(clip_tags::version_tag);
     if (!version) return refuse("is not a touchable clip: it has no tag T3D_VERSION");
     const auto number = clip_tags::parse_version(*version);
-    if (!number) return refuse("its tag T3D_VERSION is \"" + *version + "\": must be a whole number from 1");
+    if (!number)
+        return refuse("its tag T3D_VERSION is " + in_quotes(*version) + ": must be a whole number from 1");
     if (*number > clip_format_version)
-        return refuse("is of clip format " + *version + "; this program reads up to " +
+        return refuse("is of clip format " + printable(*version) + "; this program reads up to " +
                       std::to_string(clip_format_version) + ": use a newer one");
     const auto rate = demuxer_->tag(clip_tags::rate_tag);
     const auto parsed = rate ? clip_tags::parse_rate(*rate) : std::nullopt;
     if (!parsed || clip_tags::is_too_fast(*parsed))
-        return refuse("its tag T3D_RATE is " + (rate ? "\"" + *rate + "\"" : "missing") +
+        return refuse("its tag T3D_RATE is " + (rate ? in_quotes(*rate) : "missing") +
                       ": must be a frame rate such as 30000/1001, at most " +
                       std::to_string(clip_tags::fastest_rate) + "/1");
     recorded_rate_ = *parsed;
@@ -142,8 +145,8 @@ Result<void> MatroskaReader::open_tracks() {
             const std::string number = "track " + std::to_string(k + 1);
             const auto tagged = role_named(tag->value);
             if (!tagged)
-                return refuse(number + " has the role \"" + tag->value +
-                              "\": must be depth, colour, haptic or height");
+                return refuse(number + " has the role " + in_quotes(tag->value) +
+                              ": must be depth, colour, haptic or height");
             if (*tagged != role) continue;
             if (!tracks_.empty() && tracks_.back().decoder.role() == role)
                 return refuse(number + " is a second track of role " + tag->value + ": must be one");
@@ -173,7 +176,9 @@ Result<void> MatroskaReader::describe() {
         has_haptic = has_haptic || role == PlaneRole::haptic;
         if (info.width != scene_.width || info.height != scene_.height)
             notes_.push_back(resampling_note(role, info.width, info.height, scene_));
+        if (auto note = lossy_note(role, info.codec)) notes_.push_back(std::move(*note));
     }
+    if (auto note = no_depth_note(*first_, scene_.depth)) notes_.push_back(std::move(*note));
     if (auto note = default_touch_note(has_haptic, scene_)) notes_.push_back(std::move(*note));
     if (!scene_.far_from_frames) return {};
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/frame/stored_code.hpp"
+
 namespace touchable {
 namespace {
 
@@ -105,10 +107,27 @@ Plane resampled(const PlaneView& plane, int width, int height) {
                [bytes](std::uint8_t* to, const std::uint8_t* from) { std::memcpy(to, from, bytes); }));
 }
 
-Plane grey_as_rgb(const PlaneView& plane, int width, int height) {
-    return plane_from(mapped(plane, width, height, 3, [](std::uint8_t* to, const std::uint8_t* from) {
-        to[0] = to[1] = to[2] = *from;
+Plane grey_as_rgb(const PlaneView& plane, int bits, int width, int height) {
+    const int white = bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;  // 2 and 4 bits: whole numbers
+    return plane_from(mapped(plane, width, height, 3, [white](std::uint8_t* to, const std::uint8_t* from) {
+        to[0] = to[1] = to[2] = static_cast<std::uint8_t>(white * *from);
     }));
+}
+
+/// A track of 10 bits holds no code beyond 1023: read as one of 16 bits, all of it would lie at one plane.
+/// Metric codes are lengths, however many bits hold them; a hue is made of three samples.
+Result<void> check_bits(PlaneRole role, int bits, const Scene& scene, std::string_view where) {
+    if (bits == 0) return {};
+    const bool depth = role == PlaneRole::depth;
+    const DepthCodingKind kind = scene.depth.kind;
+    const bool free =
+        depth ? kind == DepthCodingKind::metric || kind == DepthCodingKind::hue : role != PlaneRole::height;
+    const int largest = (1 << bits) - 1,
+              code_max = depth ? scene.depth.code_max : scene.height_coding.code_max;
+    if (free || code_max <= largest) return {};
+    return input_error(std::string(where) + ": is " + std::to_string(bits) + "-bit grey, but the scene's " +
+                       (depth ? "depth.code_max" : "largest height code (height_map.bits)") + " is " +
+                       std::to_string(code_max) + ": must be at most " + std::to_string(largest));
 }
 
 }  // namespace
@@ -141,9 +160,9 @@ PlaneView& plane_of(RawFrame& frame, PlaneRole role) {
     return const_cast<PlaneView&>(plane_of(std::as_const(frame), role));
 }
 
-Plane plane_from(Image image) {
+Plane plane_from(Image image, int bits) {
     const auto owned = std::make_shared<const Image>(std::move(image));
-    return {owned->view(), owned};
+    return {owned->view(), owned, bits};
 }
 
 Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where) {
@@ -157,12 +176,14 @@ Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& sc
 
 Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where) {
     if (auto checked = check_plane(role, plane.view, scene, where); !checked) return checked.error();
+    if (auto checked = check_bits(role, plane.bits, scene, where); !checked) return checked.error();
     const PlaneView& view = plane.view;
     const bool same_size = view.width == scene.width && view.height == scene.height;
     if (role == PlaneRole::depth && !same_size)
         return input_error(std::string(where) + ": is " + size_text(view.width, view.height) +
                            ", but the scene is " + size_text(scene.width, scene.height));
-    if (role == PlaneRole::colour && view.channels == 1) return grey_as_rgb(view, scene.width, scene.height);
+    if (role == PlaneRole::colour && view.channels == 1)
+        return grey_as_rgb(view, plane.bits, scene.width, scene.height);
     return same_size ? std::move(plane) : resampled(view, scene.width, scene.height);
 }
 
@@ -176,6 +197,15 @@ std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scen
     const HapticProperties& felt = scene.default_properties;
     return "no haptic plane: " + number_text(felt.stiffness / 1000.0) + " N/mm everywhere, friction " +
            number_text(felt.static_friction) + " static, " + number_text(felt.dynamic_friction) + " dynamic";
+}
+
+std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCoding& coding) {
+    for (int y = 0; y < frame.depth.height; ++y)
+        for (int x = 0; x < frame.depth.width; ++x)
+            if (coding.is_valid(stored_code(frame.depth, coding, x, y))) return std::nullopt;
+    return "frame " + std::to_string(frame.number) +
+           " has no valid depth, so nothing in it can be touched: do the scene's depth.near, far, code_max "
+           "and invalid fit these pictures?";
 }
 
 void add_plane(RawFrame& frame, PlaneRole role, Plane plane) {

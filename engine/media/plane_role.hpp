@@ -28,15 +28,18 @@ const PlaneView& plane_of(const RawFrame& frame, PlaneRole role);
 struct Plane {
     PlaneView view;
     std::shared_ptr<const void> storage;
+    int bits = 0;  ///< of a grey sample as stored, which may be fewer than its bytes have; 0: all of them
 };
-Plane plane_from(Image image);
+/// `bits`: of a grey sample as stored.
+Plane plane_from(Image image, int bits = 0);
 
 /// Refuses samples of a kind the role does not have, and values beyond what the scene says: depth beyond
 /// depth_bits, height beyond its code_max. Says nothing about the size. Messages begin with `where`.
 Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where);
 
 /// A checked plane of the scene's size: grey colour becomes RGB, and planes other than depth are resampled to
-/// the nearest sample; a depth plane of another size is refused.
+/// the nearest sample; a depth plane of another size is refused, and one whose samples have too few bits for
+/// the codes that the scene speaks of.
 Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where);
 
 /// What a person should know about a plane that `fit_plane` resamples.
@@ -44,6 +47,9 @@ std::string resampling_note(PlaneRole role, int width, int height, const Scene& 
 
 /// What a person should know about touch planes a clip does not have; nothing where it has a haptic plane.
 std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene);
+
+/// What a person should know about a frame in which no pixel of depth is valid; nothing where one is.
+std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCoding& coding);
 
 /// Puts a plane into its place; the frame's storage keeps it alive beside those added before.
 void add_plane(RawFrame& frame, PlaneRole role, Plane plane);

@@ -14,7 +14,12 @@ struct StoredImage {
     Image image;
     std::string codec;  ///< "png" or "mjpeg"
     std::string pixel_format;
+    int bits = 8;             ///< of a sample as stored: of grey also 2 and 4
+    bool interlaced = false;  ///< then a picture that lacks data is not found out
 };
+
+/// All of a picture's file, up to 256 MiB.
+Result<std::string> read_picture_bytes(const std::filesystem::path& file);
 
 /// What `read_image` reads, and how the file had it.
 Result<StoredImage> read_stored_image(const std::filesystem::path& file);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/media/codecs.hpp"
 #include "engine/media/decoded_picture.hpp"
 
 extern "C" {
@@ -42,6 +43,9 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     track.info_.role = role_name(role);
     track.info_.codec = avcodec_get_name(stream.codecpar->codec_id);
     const std::string where = file + ": track " + track.info_.role;
+    if (!is_read(stream.codecpar->codec_id))
+        return input_error(where + ": has codec " + track.info_.codec + ": must be one of " +
+                           codecs_that_are_read());
     const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
     if (!codec)
         return input_error(where + ": has codec " + track.info_.codec + ", which this FFmpeg cannot decode");
@@ -103,12 +107,13 @@ Result<void> TrackDecoder::check_format(const AVFrame& frame) {
 Result<Plane> TrackDecoder::plane(FramePtr frame) const {
     if (role_ == PlaneRole::depth && is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
     if (role_ == PlaneRole::depth || role_ == PlaneRole::height) {
+        const int bits = sample_bits(*frame);
         const auto samples = luma_samples(*frame);
         if (!samples)
             return input_error(where() + ": has pixel format " + info_.pixel_format + "; " + info_.role +
                                " is grey of 8 to 16 bits" +
                                (role_ == PlaneRole::depth ? ", or RGB of 8 bits for hue" : ""));
-        return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame))};
+        return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame)), bits};
     }
     if (const auto grey = grey_samples(*frame); grey && role_ == PlaneRole::colour)
         return Plane{*grey, std::shared_ptr<const AVFrame>(std::move(frame))};

@@ -1,0 +1,147 @@
+#include "engine/media/picture_decoder.hpp"
+
+#include <cstring>
+#include <utility>
+
+extern "C" {
+#include <libavutil/imgutils.h>
+}
+
+namespace touchable {
+namespace {
+
+Error no_memory() {
+    return {ErrorKind::internal, "out of memory"};
+}
+
+/// Bytes followed by the zeros FFmpeg's decoders may read past their end.
+Result<PacketPtr> packet_of(std::string_view bytes) {
+    PacketPtr packet(av_packet_alloc());
+    if (!packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0) return no_memory();
+    std::memcpy(packet->data, bytes.data(), bytes.size());
+    return packet;
+}
+
+/// PNG or JPEG by its first bytes; AV_CODEC_ID_NONE for anything else.
+AVCodecID codec_of(std::string_view bytes) {
+    if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return AV_CODEC_ID_PNG;
+    if (bytes.starts_with("\xff\xd8\xff")) return AV_CODEC_ID_MJPEG;
+    return AV_CODEC_ID_NONE;
+}
+
+/// FFmpeg fills in what a cut file lacks, and says nothing. Neither marker can occur inside coded data, so a
+/// whole JPEG has an end marker after its last start of a scan; a whole PNG ends with its IEND chunk.
+bool is_cut(AVCodecID codec, std::string_view bytes) {
+    if (codec == AV_CODEC_ID_PNG) return bytes.find("IEND\xae\x42\x60\x82") == std::string_view::npos;
+    const auto end = bytes.rfind("\xff\xd9"), scan = bytes.rfind("\xff\xda");
+    return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
+}
+
+/// What the header of a PNG says that its decoder keeps to itself.
+struct PngHeader {
+    int bits = 8;
+    bool grey = false, interlaced = false;
+    bool made_after = false;  ///< FFmpeg makes its samples of others once all are decoded
+};
+
+PngHeader png_header(std::string_view png) {
+    constexpr std::size_t end = 33;  // of signature and IHDR, which comes first
+    if (png.size() < end) return {};
+    const auto byte = [&](std::size_t at) { return static_cast<int>(static_cast<unsigned char>(png[at])); };
+    PngHeader header;
+    header.bits = byte(24);
+    header.grey = byte(25) == 0 || byte(25) == 4;
+    header.interlaced = byte(28) != 0;
+    const bool palette = byte(25) == 3;
+    const bool transparent = png.substr(0, png.find("IDAT")).find("tRNS") != std::string_view::npos;
+    header.made_after = header.bits < 8 || (transparent && !palette);
+    return header;
+}
+
+/// Noise laid where a decoder will put the last row of a picture: where data run out before it, FFmpeg's PNG
+/// decoder says nothing, and the noise stays.
+class LastRow {
+public:
+    explicit LastRow(std::uint8_t seed) : seed_(seed) {}
+    void watch(AVCodecContext& decoder) {
+        decoder.opaque = this;
+        decoder.get_buffer2 = [](AVCodecContext* context, AVFrame* frame, int flags) {
+            const int status = avcodec_default_get_buffer2(context, frame, flags);
+            if (status >= 0) static_cast<const LastRow*>(context->opaque)->lay(*frame);
+            return status;
+        };
+    }
+    bool untouched(const AVFrame& frame) const {
+        const std::uint8_t* row = row_of(frame);
+        for (int k = 0; k < row_bytes(frame); ++k)
+            if (row[k] != noise(k)) return false;
+        return true;
+    }
+    static bool same(const AVFrame& a, const AVFrame& b) {
+        return std::memcmp(row_of(a), row_of(b), static_cast<std::size_t>(row_bytes(a))) == 0;
+    }
+
+private:
+    std::uint8_t noise(int k) const { return static_cast<std::uint8_t>((k * 157 + seed_) ^ (k >> 3)); }
+    void lay(AVFrame& frame) const {
+        for (int k = 0; k < row_bytes(frame); ++k) row_of(frame)[k] = noise(k);
+    }
+    static std::uint8_t* row_of(const AVFrame& frame) {
+        return frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * (frame.height - 1);
+    }
+    static int row_bytes(const AVFrame& frame) {
+        return av_image_get_linesize(static_cast<AVPixelFormat>(frame.format), frame.width, 0);
+    }
+
+    std::uint8_t seed_;
+};
+
+Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPacket& packet,
+                        LastRow* last_row) {
+    const AVCodec* codec = avcodec_find_decoder(codec_id);
+    CodecPtr decoder(avcodec_alloc_context3(codec));
+    FramePtr frame(av_frame_alloc());
+    if (!codec || !decoder || !frame) return no_memory();
+    decoder->thread_count = 1;
+    decoder->max_pixels = std::int64_t{16384} * 16384;
+    decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
+    if (last_row) last_row->watch(*decoder);
+    int status = avcodec_open2(decoder.get(), codec, nullptr);
+    if (status >= 0) status = avcodec_send_packet(decoder.get(), &packet);
+    if (status >= 0) status = avcodec_send_packet(decoder.get(), nullptr);
+    if (status >= 0) status = avcodec_receive_frame(decoder.get(), frame.get());
+    if (status < 0) return input_error(where + ": is damaged: " + ffmpeg_text(status));
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+        return input_error(where + ": is damaged");
+    return frame;
+}
+
+/// A PNG is decoded once more, over other noise, where its last row is the noise, or was made of what was
+/// decoded and may have been noise: no row that was decoded depends on it.
+Result<FramePtr> decode_png(const std::string& where, const AVPacket& packet, const PngHeader& header) {
+    LastRow noise(1), other(2);
+    auto frame = decode(where, AV_CODEC_ID_PNG, packet, &noise);
+    if (!frame || !(header.made_after || noise.untouched(**frame))) return frame;
+    const auto again = decode(where, AV_CODEC_ID_PNG, packet, &other);
+    if (!again) return again.error();
+    if (LastRow::same(**frame, **again)) return frame;
+    return input_error(where + ": is damaged: its data end before the picture does");
+}
+
+}  // namespace
+
+Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string& where) {
+    silence_ffmpeg();
+    const AVCodecID codec = codec_of(bytes);
+    if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
+    if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
+    const auto packet = packet_of(bytes);
+    if (!packet) return packet.error();
+    const PngHeader header = codec == AV_CODEC_ID_PNG ? png_header(bytes) : PngHeader{};
+    auto frame = codec == AV_CODEC_ID_PNG ? decode_png(where, **packet, header)
+                                          : decode(where, codec, **packet, nullptr);
+    if (!frame) return frame.error();
+    return DecodedPicture{std::move(*frame), codec, header.grey ? header.bits : 8, header.interlaced};
+}
+
+}  // namespace touchable

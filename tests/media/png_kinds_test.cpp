@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/media/clip_fixture.hpp"
+#include "tests/media/raw_png.hpp"
+
+namespace touchable::test {
+namespace {
+
+Result<Image> read_png(const TemporaryFolder& folder, const std::string& bytes) {
+    std::filesystem::remove(folder / "image.png");
+    write_bytes(folder / "image.png", bytes);
+    return read_image(folder / "image.png");
+}
+
+/// Rows of bytes that are all different from one another, each after filter number 0.
+std::string rows_of(int row_bytes, int rows) {
+    std::string bytes;
+    for (int y = 0; y < rows; ++y) {
+        bytes += '\0';
+        for (int k = 0; k < row_bytes; ++k) bytes += static_cast<char>(7 * k + 13 * y + 1);
+    }
+    return bytes;
+}
+
+TEST(PngKinds, GreyOfFewBitsIsAsItWasStored) {
+    const TemporaryFolder folder;
+    for (const int bits : {2, 4}) {
+        const std::string rows = rows_of(6 * bits, 5);
+        const auto image = read_png(folder, raw_png({48, 5, bits}, rows));
+        ASSERT_EQ(message(image), "") << bits;
+        ASSERT_EQ(image->channels, 1);
+        for (int y = 0; y < 5; ++y)
+            for (int x = 0; x < 48; ++x) {
+                const int byte = static_cast<unsigned char>(
+                    rows[static_cast<std::size_t>(y * (6 * bits + 1) + 1 + x * bits / 8)]);
+                const int stored = byte >> (8 - bits - x * bits % 8) & ((1 << bits) - 1);
+                ASSERT_EQ(image->view().sample(x, y), stored) << bits << " bits, " << x << "," << y;
+            }
+    }
+}
+
+/// A folder of one depth picture of 4 bits, and a colour picture that is the same.
+std::string refusal_of_four_bits(const std::string& depth, std::vector<RawFrame>* frames = nullptr) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "d.png", raw_png({48, 5, 4}, rows_of(24, 5)));
+    write_bytes(
+        folder / "scene.json",
+        R"({"touchable_scene": 1, "width": 48, "height": 5, "camera": {"fx": 50, "fy": 50, "cx": 24, "cy": 2},
+                    "depth": )" +
+            depth + R"(, "folder": {"depth": "d.png", "colour": "d.png"}})");
+    auto reader = open_clip(folder / "scene.json");
+    if (!reader) return reader.error().message;
+    auto read = read_all(**reader);
+    if (frames && read.ok()) *frames = *read;
+    return message(read);
+}
+
+TEST(PngKinds, FewBitsMustHoldTheScenesCodes) {
+    EXPECT_NE(refusal_of_four_bits(R"({"coding": "linear", "near": 10, "far": 20})")
+                  .find("is 4-bit grey, but the scene's depth.code_max is 255: must be at most 15"),
+              std::string::npos);
+    EXPECT_EQ(refusal_of_four_bits(R"({"coding": "linear", "near": 10, "far": 20, "code_max": 15})"), "");
+    std::vector<RawFrame> frames;
+    EXPECT_EQ(refusal_of_four_bits(R"({"coding": "metric", "scale": 1, "far": 20, "bits": 8})", &frames), "");
+    ASSERT_EQ(frames.size(), 1U);
+    for (int x = 0; x < 48; ++x)  // colour is for the eye: white is white
+        ASSERT_EQ(frames[0].colour.sample(x, 1, 2), 17 * frames[0].depth.sample(x, 1)) << x;
+}
+
+TEST(PngKinds, DataThatEndBeforeThePictureAreFoundOut) {
+    const TemporaryFolder folder;
+    const std::string palette = png_chunk("PLTE", std::string(3 * 256, '\x55'));
+    const std::string transparent = png_chunk("tRNS", std::string(2, '\0'));
+    struct Case {
+        PngKind kind;
+        int row_bytes;
+        std::string others;
+    };
+    for (const auto& [kind, row_bytes, others] :
+         {Case{{20, 9}, 20, ""}, Case{{20, 9, 16}, 40, ""}, Case{{20, 9, 8, 2}, 60, ""},
+          Case{{20, 9, 4}, 10, ""}, Case{{20, 9, 2}, 5, ""}, Case{{1, 9}, 1, ""},
+          Case{{20, 9, 8, 3}, 20, palette}, Case{{20, 9, 8, 0}, 20, transparent},
+          Case{{20, 9, 16, 0}, 40, transparent}}) {
+        const std::string rows = rows_of(row_bytes, 9);
+        ASSERT_EQ(message(read_png(folder, raw_png(kind, rows, true, others))), "") << kind.bits;
+        for (std::size_t length = 0; length < rows.size(); ++length)
+            for (const bool ended : {true, false})
+                ASSERT_NE(message(read_png(folder, raw_png(kind, rows.substr(0, length), ended, others))), "")
+                    << length << " of " << rows.size() << " bytes, bits " << kind.bits << ", kind "
+                    << kind.colour;
+    }
+}
+
+TEST(PngKinds, InterlacedPicturesAreSeenButNotTouched) {
+    const TemporaryFolder folder;
+    // 4x1: passes 1 (pixel 0), 4 (pixel 2) and 6 (pixels 1 and 3).
+    write_bytes(folder / "i.png", raw_png({4, 1, 8, 0, 1}, std::string("\0\x0a\0\x0c\0\x0b\x0d", 7)));
+    const auto image = read_image(folder / "i.png");
+    ASSERT_EQ(message(image), "");
+    EXPECT_EQ(image->samples, (Samples{10, 11, 12, 13}));
+    write_bytes(folder / "d.png", raw_png({4, 1}, std::string("\0\x0a\x0b\x0c\x0d", 5)));
+    Scene scene = small_scene(4, 1);
+    scene.folder = FolderSource{.depth = "d.png", .colour = "i.png", .haptic = "", .height = ""};
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    EXPECT_EQ(message(open_clip(folder / "scene.json")), "");
+    scene.folder->depth = "i.png";
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    EXPECT_NE(message(open_clip(folder / "scene.json")).find("i.png (depth, frame 0): is an interlaced PNG"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test
