@@ -15,9 +15,9 @@ public:
     explicit ContactDamping(double b) : b_(b) {}
 
     /// The damper's force, newtons, beside a spring of `stiffness` (N/m; 0 out of contact). After
-    /// `account.move`. Only ever against the hand's `velocity` (m/s), and never so strong that the surface
-    /// holds the finger back.
-    glm::dvec3 force(const EnergyAccount& account, double stiffness, const glm::dvec3& velocity);
+    /// `account.move`, `ticks` after the one before. Only ever against the hand's `velocity` (m/s), and never
+    /// so strong that the surface holds the finger back.
+    glm::dvec3 force(const EnergyAccount& account, double stiffness, const glm::dvec3& velocity, int ticks);
     void lift() { rate_ = glm::dvec3(0.0); }
 
 private:

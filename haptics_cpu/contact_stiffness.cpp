@@ -4,19 +4,21 @@
 
 namespace touchable {
 
-double ContactStiffness::carried(const Contact& contact) const {
-    return touching_ ? std::min(contact.carried_stiffness, stiffness_) : contact.carried_stiffness;
+std::optional<double> ContactStiffness::carried(const Contact& contact) const {
+    if (!touching_ || !contact.carried_stiffness) return contact.carried_stiffness;
+    return std::min(*contact.carried_stiffness, stiffness_);
 }
 
 double ContactStiffness::in_effect(const Contact& contact, const EnergyAccount& account) {
     const double map = contact.properties.stiffness;
     if (!rise_.limited()) return map;
-    const double before = carried(contact);
+    const std::optional<double> carried = this->carried(contact);
     touching_ = contact.touching;
-    if (!(before > 0) || !touching_) {
+    if (!carried || !touching_) {
         paid_ = 0;
         return stiffness_ = map;
     }
+    const double before = *carried;
     // At a stiffness that stays, holding a force creates a little, friction and drops lose much.
     const double stays = account.energy(before);
     paid_ += std::max(0.0, account.allowed() - stays);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include "haptics_cpu/energy_account.hpp"
 
@@ -21,8 +22,8 @@ class ContactStiffness {
 public:
     explicit ContactStiffness(const StiffnessRise& rise) : rise_(rise) {}
 
-    /// N/m where the surface took the proxy, before the goal moved; 0 without contact.
-    double carried(const Contact& contact) const;
+    /// N/m where the surface took the proxy, before the goal moved; nothing without contact.
+    std::optional<double> carried(const Contact& contact) const;
     /// N/m at the proxy; 0 out of contact. After `account.move`.
     double in_effect(const Contact& contact, const EnergyAccount& account);
     void lift() { touching_ = false; }

@@ -28,22 +28,22 @@ double DeviceSpring::stiffness(double joules, double x2) const {
     return cut > 0 ? 0.5 * max_force / cut : std::numeric_limits<double>::infinity();
 }
 
-void EnergyAccount::move(const Contact& contact, double carried_stiffness, double ramp) {
+void EnergyAccount::move(const Contact& contact, const std::optional<double>& carried_stiffness,
+                         double ramp) {
     if (!started_) goal_ = contact.goal;
     started_ = true;
-    if (figures_.stored == 0 && spring_force_ == dvec3(0.0))
-        before_contact_ = figures_.balance() - figures_.bound;
+    if (!carried_stiffness) excess_ = 0;
 
     // The surface moves, the goal does not.
     ramp_ = ramp;
     stiffness_before_ = carried_stiffness;
     energy_before_ = 0;
     dvec3 before(0.0), fresh(0.0);  // the stretch, and what the spring would exert now
-    if (carried_stiffness > 0) {
+    if (carried_stiffness) {
         before = metres_per_unit_ * (contact.carried - goal_);
         const double before2 = dot(before, before);
-        energy_before_ = ramp * spring_.energy(carried_stiffness, before2);
-        fresh = ramp * spring_.pull(carried_stiffness, before2) * before;
+        energy_before_ = ramp * spring_.energy(*carried_stiffness, before2);
+        fresh = ramp * spring_.pull(*carried_stiffness, before2) * before;
     }
     figures_.surface += energy_before_ - figures_.stored;
 
@@ -51,8 +51,11 @@ void EnergyAccount::move(const Contact& contact, double carried_stiffness, doubl
     step_ = metres_per_unit_ * (contact.goal - goal_);
     work_of_tick_ = dot(held_, step_);
     figures_.work += work_of_tick_;
-    figures_.surface += dot(calmed_, step_);
-    figures_.bound += std::max(0.0, dot(spring_force_ - fresh, step_));
+    const double by_the_jump = dot(calmed_, step_);
+    figures_.surface += by_the_jump;
+    const double bound = std::max(0.0, dot(spring_force_ - fresh, step_));
+    figures_.bound += bound;
+    excess_ += work_of_tick_ - by_the_jump - energy_before_ - bound;
     x_ = metres_per_unit_ * (contact.proxy - contact.goal);
     x2_ = dot(x_, x_);
     stretched_ = x_ - before;
@@ -64,8 +67,10 @@ void EnergyAccount::store(double stiffness) {
     spring_force_ = ramp_ * spring_.pull(stiffness, x2_) * x_;
     // The nearest place to the new goal is no farther from it than the place before was, so that the energy
     // grows by -F.dG + k |dG|^2 / 2 at most.
-    const double k = std::min(stiffness_before_ > 0 ? stiffness_before_ : stiffness, spring_.max_stiffness);
-    figures_.bound += 0.5 * ramp_ * k * dot(step_, step_);
+    const double k = std::min(stiffness_before_.value_or(stiffness), spring_.max_stiffness);
+    const double bound = 0.5 * ramp_ * k * dot(step_, step_);
+    figures_.bound += bound;
+    excess_ += figures_.stored - bound;
     figures_.created = std::max(figures_.created, figures_.balance());
 }
 

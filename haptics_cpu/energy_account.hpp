@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "haptics_cpu/touch_solver.hpp"
 
@@ -41,8 +42,9 @@ public:
         : spring_(spring), metres_per_unit_(metres_per_scene_unit) {}
 
     /// What happened before this tick's force. `carried_stiffness`: k (N/m) in effect where the surface took
-    /// the proxy, 0 where there was no contact; `ramp`: the share of the spring that the guard lets through.
-    void move(const Contact& contact, double carried_stiffness, double ramp);
+    /// the proxy, nothing where there was no contact; `ramp`: the share of the spring that the guard lets
+    /// through.
+    void move(const Contact& contact, const std::optional<double>& carried_stiffness, double ramp);
     /// The spring's new energy, at the stiffness in effect (0 out of contact).
     void store(double stiffness);
     /// The force that is held until the next tick, newtons. `calmed`: what of it is not the spring's because
@@ -70,7 +72,7 @@ public:
 
     const EnergyFigures& figures() const { return figures_; }
     /// Joules created in this contact beyond what holding forces explains.
-    double excess() const { return figures_.balance() - figures_.bound - before_contact_; }
+    double excess() const { return excess_; }
 
 private:
     DeviceSpring spring_;
@@ -82,8 +84,9 @@ private:
     glm::dvec3 spring_force_{0.0};  // the part of it that was the spring's
     glm::dvec3 step_{0.0}, x_{0.0}, stretched_{0.0};
     double ramp_ = 1, x2_ = 0;
-    double stiffness_before_ = 0, energy_before_ = 0, work_of_tick_ = 0;
-    double before_contact_ = 0;
+    std::optional<double> stiffness_before_;
+    double energy_before_ = 0, work_of_tick_ = 0;
+    double excess_ = 0;  // summed for itself: in the sums of a long run its joules would be roundings
     EnergyFigures figures_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "haptics_cpu/tick_velocity.hpp"
 
@@ -58,8 +59,10 @@ void ForceGuard::limit(GuardedForce& out) const {
 }
 
 GuardedForce ForceGuard::guard(const Contact& contact, const glm::dvec3& force, bool calmed) {
+    ticks_held_ = std::min(ticks_held_ + std::clamp(contact.ticks, 1, longest_ticks), longest_ticks);
     if (contact.goal_held || !std::isfinite(glm::dot(contact.force, contact.force))) return ramp_out();
     ticks_faulty_ = 0;
+    const int passed = std::exchange(ticks_held_, 0);
     const bool ramping = ticks_in_ < settings_.ramp_in_ticks;
     const double ramp = ramping ? static_cast<double>(ticks_in_) / settings_.ramp_in_ticks : 1.0;
 
@@ -70,10 +73,10 @@ GuardedForce ForceGuard::guard(const Contact& contact, const glm::dvec3& force, 
     out.force = spring(contact, force, stiffness, out.reasons);
     GuardedForce alone = out;  // before anything is added
     const bool damped = settings_.damping > 0, controlled = settings_.passivity > 0;
-    if (damped || controlled) velocity_ = filtered_velocity(velocity_, account_.step());
+    if (damped || controlled) velocity_ = filtered_velocity(velocity_, account_.step(), passed);
     if (damped) {
         const glm::dvec3 damper =
-            damping_.force(account_, std::min(stiffness, settings_.max_stiffness), velocity_);
+            damping_.force(account_, std::min(stiffness, settings_.max_stiffness), velocity_, passed);
         out.force += damper;
         if (damper != glm::dvec3(0.0)) out.reasons |= guard_damping;
     }

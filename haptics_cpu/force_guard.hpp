@@ -63,6 +63,7 @@ private:
     GuardSettings settings_;
     int ticks_in_ = 0;      // since the ramp in began
     int ticks_faulty_ = 0;  // since the goal stopped being finite
+    int ticks_held_ = 0;    // that have passed since a goal was last known
     glm::dvec3 last_force_{0.0};
     EnergyAccount account_;
     ContactStiffness stiffness_;

@@ -54,22 +54,25 @@ Slip slip_of(const TouchSettings& settings, FingerState& finger) {
 constexpr double never = std::numeric_limits<double>::infinity();
 
 /// How far (scene units) the surface may take a proxy along in this tick before that is sudden: as far as it
-/// gets at the speed that is not, in a tick where frames are interpolated and in a frame where they are held.
-/// A surface that stood still for want of frames and catches up has no more time for it. Infinite where the
-/// surface did not move, and in the metrics of pixels, which know no such thing.
-double sudden_distance(const HeightField& field, const TouchSettings& settings, const FingerState& finger) {
+/// gets at the speed that is not, in the ticks that have passed where frames are interpolated (no longer than
+/// a frame, so that no stall earns a kick) and in a frame where they are held. A surface that stood still for
+/// want of frames and catches up has no more time for it. Infinite where the surface did not move, and in the
+/// metrics of pixels, which know no such thing.
+double sudden_distance(const HeightField& field, const TouchSettings& settings, const FingerState& finger,
+                       int ticks) {
     const Scene& scene = field.scene();
     const double moved_s = 1e-9 * std::abs(field.moment_ns() - finger.moment_ns);
     if (!finger.started || moved_s == 0 || settings.metric != TouchMetric::world) return never;
+    const double frame_s = static_cast<double>(scene.rate.den) / static_cast<double>(scene.rate.num);
     const double due_s = scene.interpolation == FrameInterpolation::hold
-                             ? static_cast<double>(scene.rate.den) / static_cast<double>(scene.rate.num)
-                             : tick_seconds;
+                             ? frame_s
+                             : std::min(ticks * tick_seconds, std::max(frame_s, tick_seconds));
     return settings.sudden_speed * std::min(moved_s, due_s) / settings.metres_per_scene_unit;
 }
 
 template <class Space>
 void book_carried(const Space& space, const Proxy& proxy, Contact& contact) {
-    contact.carried_stiffness = 0;
+    contact.carried_stiffness.reset();
     if (!proxy.on_surface()) return;
     contact.carried = space.to_world(proxy.point);
     contact.carried_stiffness = space.field().stiffness(proxy.i, proxy.j, proxy.a, proxy.b);
@@ -100,11 +103,19 @@ void bring(const Space& space, const TouchSettings& settings, double sudden, con
     }
 }
 
-/// How fast the proxy went over the surface; a surface that moves takes it along and is not counted.
-double slip_speed_after(const TouchSettings& settings, double before, const Contact& contact) {
-    if (!(settings.stribeck_speed > 0) || !contact.touching || contact.carried_stiffness == 0) return 0;
-    const dvec3 way = contact.proxy - contact.carried;
-    return filtered_velocity(before, settings.metres_per_scene_unit * std::sqrt(glm::dot(way, way)));
+/// How fast the proxy went over the surface; a surface that moves takes it along and is not counted. While
+/// its goal is held a proxy rests for want of one, which says nothing of its speed.
+void note_slip(const TouchSettings& settings, const Contact& contact, FingerState& finger) {
+    finger.ticks_held = std::min(finger.ticks_held + contact.ticks, longest_ticks);
+    if (contact.touching && contact.goal_held) return;
+    if (!(settings.stribeck_speed > 0) || !contact.touching || !contact.carried_stiffness) {
+        finger.slip_speed = 0;
+    } else {
+        const dvec3 way = contact.proxy - contact.carried;
+        const double metres = settings.metres_per_scene_unit * std::sqrt(glm::dot(way, way));
+        finger.slip_speed = filtered_velocity(finger.slip_speed, metres, finger.ticks_held);
+    }
+    finger.ticks_held = 0;
 }
 
 template <class Space>
@@ -127,12 +138,13 @@ void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scen
 /// The order of docs/solver.md, A tick, file by file.
 template <class Space>
 void tick_in(const Space& space, const TouchSettings& settings, std::span<const dvec3> goals,
-             std::span<FingerState> fingers, std::span<Contact> contacts) {
+             std::span<FingerState> fingers, std::span<Contact> contacts, int ticks) {
     const HeightField& field = space.field();
     for (std::size_t k = 0; k < goals.size(); ++k) {
         FingerState& finger = fingers[k];
         Contact& contact = contacts[k];
         contact = Contact{};
+        contact.ticks = ticks;
         const bool usable = is_usable(goals[k]) && space.from_world(goals[k]);
         contact.goal_held = !usable;
         const dvec3 goal_before = finger.started ? finger.goal : goals[k];
@@ -143,7 +155,7 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
         Proxy& proxy = finger.proxy;
         const dvec3 goal = *space.from_world(finger.goal);
         if (!finger.started) proxy.point = goal;
-        const double sudden = sudden_distance(field, settings, finger);
+        const double sudden = sudden_distance(field, settings, finger, ticks);
         finger.started = true;
         finger.moment_ns = field.moment_ns();
         if (!proxy.on_surface() && is_clear(space, proxy.point, goal)) {
@@ -155,14 +167,14 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
         }
         if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
-        finger.slip_speed = slip_speed_after(settings, finger.slip_speed, contact);
+        note_slip(settings, contact, finger);
     }
 }
 
 /// Each finger in a space scaled for the place it is at. A free proxy is where its last goal was; that place
 /// is found again in the new space.
 void tick_scaled(const HeightField& field, const TouchSettings& settings, std::span<const dvec3> goals,
-                 std::span<FingerState> fingers, std::span<Contact> contacts) {
+                 std::span<FingerState> fingers, std::span<Contact> contacts, int ticks) {
     const Scene& scene = field.scene();
     for (std::size_t k = 0; k < goals.size(); ++k) {
         FingerState& finger = fingers[k];
@@ -170,7 +182,7 @@ void tick_scaled(const HeightField& field, const TouchSettings& settings, std::s
         if (finger.proxy.on_surface()) place = surface_point(WorldSpace(field), finger.proxy);
         const PixelSpace space(field, place.z < 0 ? kappa_at(scene, place) : 1.0);
         if (finger.started && !finger.proxy.on_surface()) finger.proxy.point = *space.from_world(finger.goal);
-        tick_in(space, settings, goals.subspan(k, 1), fingers.subspan(k, 1), contacts.subspan(k, 1));
+        tick_in(space, settings, goals.subspan(k, 1), fingers.subspan(k, 1), contacts.subspan(k, 1), ticks);
     }
 }
 
@@ -209,14 +221,14 @@ Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings&
 }
 
 void TouchSolver::tick(const HeightField& field, std::span<const dvec3> goals, std::span<FingerState> fingers,
-                       std::span<Contact> contacts) const {
+                       std::span<Contact> contacts, int ticks) const {
     assert(goals.size() == fingers.size() && goals.size() == contacts.size());
     if (settings_.metric == TouchMetric::world)
-        tick_in(WorldSpace(field), settings_, goals, fingers, contacts);
+        tick_in(WorldSpace(field), settings_, goals, fingers, contacts, ticks);
     else if (settings_.metric == TouchMetric::scaled)
-        tick_scaled(field, settings_, goals, fingers, contacts);
+        tick_scaled(field, settings_, goals, fingers, contacts, ticks);
     else
-        tick_in(PixelSpace(field), settings_, goals, fingers, contacts);
+        tick_in(PixelSpace(field), settings_, goals, fingers, contacts, ticks);
 }
 
 bool is_behind_surface(const HeightField& field, const dvec3& point, double tolerance) {

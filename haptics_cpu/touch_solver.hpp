@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -34,6 +35,7 @@ struct FingerState {
     bool started = false;
     glm::dvec3 goal{0.0};   ///< the last one that could be used, world
     double slip_speed = 0;  ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
+    int ticks_held = 0;     ///< that have passed since `goal` was new
     double moment_ns = 0;   ///< of the surface it last met
 };
 
@@ -48,10 +50,11 @@ struct Contact {
     bool goal_held = false;
     double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN where no pixel sees it
     HapticProperties properties;      ///< at the proxy; zero out of contact
-    /// Where the surface of this tick took the proxy, before the goal moved; and k there, N/m, 0 where that
-    /// is off the surface.
+    /// Where the surface of this tick took the proxy, before the goal moved; and k there, N/m. No k where
+    /// that is off the surface: 0 is a stiffness like others.
     glm::dvec3 carried{0.0};
-    double carried_stiffness = 0;
+    std::optional<double> carried_stiffness;
+    int ticks = 1;  ///< that have passed since the finger's tick before: more where some were skipped
     bool off_its_ray = false;  ///< the surface moved suddenly, and took the proxy aside or left it behind
     /// The surface moved suddenly, away or with the proxy: a cut, a frame that was late, an object that came
     /// fast.
@@ -68,9 +71,10 @@ public:
     /// S <= 0.
     static Result<TouchSolver> create(const Scene& scene, const TouchSettings& settings);
 
-    /// `goals`, `fingers` and `contacts` have one element per finger. Wait-free.
+    /// `goals`, `fingers` and `contacts` have one element per finger. `ticks`: that have passed since the
+    /// tick before, 1 or more. Wait-free.
     void tick(const HeightField& field, std::span<const glm::dvec3> goals, std::span<FingerState> fingers,
-              std::span<Contact> contacts) const;
+              std::span<Contact> contacts, int ticks = 1) const;
 
     const TouchSettings& settings() const { return settings_; }
 

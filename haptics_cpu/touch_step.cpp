@@ -1,6 +1,10 @@
 #include "haptics_cpu/touch_step.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
+
+#include "haptics_cpu/tick_velocity.hpp"
 
 namespace touchable {
 
@@ -27,10 +31,16 @@ GuardedForce TouchStep::force_on(std::size_t finger) {
     return guards_[finger].guard_calmed(contacts_[finger], calmed.force);
 }
 
+/// Since the tick before; a count that begins anew has no tick before.
+int TouchStep::ticks_until(std::int64_t tick) {
+    const std::int64_t last = std::exchange(last_tick_, tick).value_or(tick - 1);
+    return last < tick ? static_cast<int>(std::min<std::int64_t>(tick - last, longest_ticks)) : 1;
+}
+
 TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair) {
     const auto start = std::chrono::steady_clock::now();
     const HeightField field(scene, pair);
-    solver_.tick(field, goals_, fingers_, contacts_);
+    solver_.tick(field, goals_, fingers_, contacts_, ticks_until(tick));
     for (std::size_t k = 0; k < guards_.size(); ++k) forces_[k] = force_on(k);
     const auto end = std::chrono::steady_clock::now();
 

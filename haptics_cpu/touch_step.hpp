@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "haptics_cpu/jump_cancellation.hpp"
@@ -19,14 +20,17 @@ public:
     std::span<glm::dvec3> goals() { return goals_; }
     /// What the fingers carry over to the next tick.
     std::span<const FingerState> states() const { return fingers_; }
-    /// No allocation, lock or I/O. The spans stay as they are until the next call.
+    /// No allocation, lock or I/O. The spans stay as they are until the next call. `tick` counts time: where
+    /// it is more than 1 after the last one, that long has passed.
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
 private:
     /// What the finger's device gets for its contact.
     GuardedForce force_on(std::size_t finger);
+    int ticks_until(std::int64_t tick);
 
     const TouchSolver& solver_;
+    std::optional<std::int64_t> last_tick_;
     std::vector<glm::dvec3> goals_;
     std::vector<FingerState> fingers_;
     std::vector<Contact> contacts_;

@@ -164,6 +164,34 @@ TEST_F(TwoStiffnesses, ARiseTakesItsTimeWhereItIsSlewed) {
     EXPECT_NEAR(guard.guard(wall.touch(finger, goal, 0.4)).force.z, before, 1e-9);
 }
 
+/// A finger at rest, 2 mm deep, on ground of that stiffness.
+Contact resting_on(double stiffness) {
+    Contact contact;
+    contact.touching = true;
+    contact.goal = {0, 0, -2};
+    contact.properties.stiffness = stiffness;
+    contact.carried_stiffness = stiffness;
+    contact.force = {0, 0, stiffness * 0.002};
+    return contact;
+}
+
+TEST(ContactStiffness, GroundWithoutStiffnessIsContactToo) {
+    Contact arriving = resting_on(1000);
+    arriving.carried_stiffness = 0;
+    ForceGuard paid(strong(true), 0.001);
+    paid.guard(resting_on(0));
+    for (const Contact& contact : {arriving, resting_on(1000), resting_on(1000)}) {
+        const GuardedForce out = paid.guard(contact);
+        EXPECT_EQ(out.force, glm::dvec3(0.0)) << "nothing was lost that could pay for it";
+        EXPECT_EQ(out.reasons, guard_rise);
+    }
+    GuardSettings settings = without_ramp();
+    settings.damping = 5;
+    ForceGuard damped(settings, 0.001);
+    damped.guard(resting_on(0));
+    EXPECT_EQ(damped.guard(arriving).force, glm::dvec3(0, 0, 2)) << "a hand at rest is not damped";
+}
+
 TEST(DeviceSpring, StiffnessIsTheInverseOfEnergy) {
     const DeviceSpring spring{5000, 4};
     for (const double k : {10.0, 700.0, 3000.0, 4999.0})

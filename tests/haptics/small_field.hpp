@@ -50,11 +50,11 @@ public:
 
     /// One tick of one finger.
     Contact touch(FingerState& finger, const glm::dvec3& goal, double blend = 0,
-                  TouchSettings settings = {}) const {
+                  TouchSettings settings = {}, int ticks = 1) const {
         settings.metres_per_scene_unit = 0.001;
         Contact contact;
         const auto solver = TouchSolver::create(scene, settings);
-        solver.value().tick(field(blend), {&goal, 1}, {&finger, 1}, {&contact, 1});
+        solver.value().tick(field(blend), {&goal, 1}, {&finger, 1}, {&contact, 1}, ticks);
         return contact;
     }
 

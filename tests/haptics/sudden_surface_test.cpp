@@ -115,6 +115,24 @@ TEST(SuddenSurface, RisesThroughAFreeFingerAtAnySpeedAndNeverKicks) {
         }
 }
 
+// The speed of a surface is its way over the time that has passed, however many ticks ran in it; but what
+// came in a stall is no smoother for that.
+TEST(SuddenSurface, ASurfaceIsNotSuddenBecauseTicksWereSkipped) {
+    const auto jumps = [](double metres_per_s, int every) {
+        Stage stage(FrameInterpolation::linear);
+        stage.begin();
+        for (int tick = 0; tick <= 400; tick += every) {
+            stage.field.fill(stage.field.prev, 200 - metres_per_s * tick);  // a unit is a millimetre
+            stage.tick(tick * 1'000'000, still(stage.field.prev, tick, tick * 1'000'000), {0, 0, -199});
+        }
+        EXPECT_GT(stage.touching, 1);
+        return stage.jumped;
+    };
+    for (const int every : {1, 2, 10, 33}) EXPECT_EQ(jumps(0.09, every), 0) << every;
+    for (const int every : {1, 2, 10, 33}) EXPECT_GT(jumps(0.11, every), 0) << every;
+    EXPECT_GT(jumps(0.09, 100), 0) << "9 mm at once";
+}
+
 /// A hand that presses and wanders over frames that have nothing to do with each other.
 class CutEveryFrame : public testing::TestWithParam<FrameInterpolation> {};
 
