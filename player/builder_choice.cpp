@@ -35,8 +35,8 @@ void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector
     auto* builder =
         sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();
     sub.add_option("--gpu", choice.gpu,
-                   "for --builder vulkan and --picture: auto, or index or part of the name of a device "
-                   "(touchable check)")
+                   "the GPU of --builder vulkan and --picture, which auto may take: auto, cpu (a Vulkan in "
+                   "software, as lavapipe), or index or part of the name of a device (touchable check)")
         ->capture_default_str();
     sub.add_flag("--gpu-fallback", choice.gpu_fallback,
                  "with --builder vulkan: where no GPU is usable, the cpu builder instead of exit code 4")
@@ -47,8 +47,9 @@ Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
     if (choice.name == "vulkan") return {};
     if (choice.gpu_fallback)
         return usage_error("--gpu-fallback goes with --builder vulkan, not " + choice.name);
-    if (choice.gpu != "auto" && !draws_on_gpu)
-        return usage_error("--gpu goes with --builder vulkan, or a --picture that is not painted by the cpu");
+    if (choice.names_gpu() && choice.name != "auto" && !draws_on_gpu)
+        return usage_error(
+            "--gpu goes with --builder vulkan or auto, or a --picture that is not painted by the cpu");
     return {};
 }
 

@@ -17,6 +17,8 @@ struct BuilderChoice {
     std::string name = "cpu";
     std::string gpu = "auto";   ///< as in choose_gpu; for the vulkan builder and for pictures
     bool gpu_fallback = false;  ///< the cpu builder where there is no usable GPU
+
+    bool names_gpu() const { return gpu != "auto"; }
 };
 
 /// Adds --builder, which may be one of `names`, --gpu and --gpu-fallback.

@@ -56,19 +56,24 @@ Result<void> check_guard(const GuardSettings& guard) {
     return {};
 }
 
-/// The builder that was asked for, or what auto is in this run.
-void choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames, int fingers,
-                    const TouchOptions& options) {
+/// The builder that was asked for, or what auto is in this run. A GPU that was named may be a software one,
+/// and has to be there whether auto takes it or not.
+Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames, int fingers,
+                            const TouchOptions& options) {
     setup.builder = options.builder;
-    if (options.builder.name != "auto") return;
+    if (options.builder.name != "auto") return {};
+    const bool named = options.builder.names_gpu();
+    if (named)
+        if (auto opened = setup.gpu->open(); !opened.ok()) return opened.error();
     const TouchLoad load{setup.scene, frames != 1, fingers, options.live};
     const auto pick = pick_builder(load, [&] {
         const auto device = setup.gpu->open();
-        return device.ok() && (*device)->facts().kind != GpuKind::software;
+        return device.ok() && (named || (*device)->facts().kind != GpuKind::software);
     });
     setup.builder.name = pick.name;
     setup.builder.gpu_fallback = pick.name == "vulkan";  // nobody asked for it
     setup.builder_why = pick.why;
+    return {};
 }
 
 /// Opens the clip and makes its feed; `recorded` is what the run applies where it is done again.
@@ -92,7 +97,8 @@ Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, 
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(setup.scene.width) + "x" + std::to_string(setup.scene.height));
     setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
-    choose_builder(setup, (*reader)->frame_count(), fingers, options);
+    if (auto chosen = choose_builder(setup, (*reader)->frame_count(), fingers, options); !chosen.ok())
+        return chosen;
     auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
     setup.feed = std::make_unique<SurfaceFeed>(std::move(*reader), std::move(*builder), setup.scene);

@@ -12,7 +12,9 @@ double mebibytes(std::uint64_t bytes) {
 }
 
 void print_device(std::ostream& out, const GpuFacts& gpu) {
-    out << gpu.name << ", " << name_of(gpu.kind) << ", Vulkan " << gpu.api;
+    out << gpu.name << ", " << name_of(gpu.kind);
+    if (const auto nickname = nickname_of(gpu.name); !nickname.empty()) out << " (" << nickname << ')';
+    out << ", Vulkan " << gpu.api;
     if (!gpu.driver.empty()) out << ", driver " << gpu.driver << ' ' << gpu.driver_info;
     for (const std::string& missing : gpu.missing)
         out << (&missing == &gpu.missing.front() ? "; lacks " : ", ") << missing;

@@ -16,6 +16,15 @@ bool contains(std::string_view name, std::string_view part) {
     return std::search(name.begin(), name.end(), part.begin(), part.end(), same) != name.end();
 }
 
+bool is_same(std::string_view name, std::string_view other) {
+    return name.size() == other.size() && contains(name, other);
+}
+
+bool answers_to(const GpuFacts& gpu, std::string_view word) {
+    return contains(gpu.name, word) || contains(nickname_of(gpu.name), word) ||
+           is_same(name_of(gpu.kind), word) || (gpu.kind == GpuKind::software && is_same("cpu", word));
+}
+
 std::string joined(const std::vector<std::string>& words) {
     std::string all;
     for (const std::string& word : words) all.append(all.empty() ? "" : ", ").append(word);
@@ -28,7 +37,9 @@ std::string described(std::span<const GpuFacts> gpus) {
         const GpuFacts& gpu = gpus[i];
         if (i > 0) all += "; ";
         all.append(std::to_string(i)).append(" ").append(gpu.name);
-        all.append(" (").append(name_of(gpu.kind)).append(")");
+        all.append(" (").append(name_of(gpu.kind));
+        if (const auto nickname = nickname_of(gpu.name); !nickname.empty()) all.append(", ").append(nickname);
+        all.append(")");
         if (!gpu.usable()) all.append(" lacks ").append(joined(gpu.missing));
     }
     return all;
@@ -55,7 +66,7 @@ Result<std::size_t> best(std::span<const GpuFacts> gpus) {
 Result<std::size_t> by_name(std::span<const GpuFacts> gpus, std::string_view part) {
     std::vector<std::size_t> named, usable;
     for (std::size_t i = 0; i < gpus.size(); ++i)
-        if (contains(gpus[i].name, part)) {
+        if (answers_to(gpus[i], part)) {
             named.push_back(i);
             if (gpus[i].usable()) usable.push_back(i);
         }
@@ -82,6 +93,10 @@ std::string_view name_of(GpuKind kind) {
             break;
     }
     return "other";
+}
+
+std::string_view nickname_of(std::string_view device_name) {
+    return contains(device_name, "llvmpipe") ? "lavapipe" : "";
 }
 
 Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request) {

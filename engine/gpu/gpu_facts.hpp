@@ -35,6 +35,9 @@ struct GpuLimits {
     std::uint32_t timestamp_bits = 0;  ///< of a timestamp that count; beyond, it begins anew
 };
 
+/// What people call a device that calls itself otherwise: "lavapipe", where it says llvmpipe; else empty.
+std::string_view nickname_of(std::string_view device_name);
+
 /// What a Vulkan device says of itself, and what this engine needs and it lacks.
 struct GpuFacts {
     std::string name;         ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
@@ -54,9 +57,9 @@ struct GpuFacts {
 };
 
 /// Which device a request means: "auto" (discrete before integrated, virtual and software; the first of a
-/// kind), the index of a device, or a part of one's name, upper or lower case alike. Refused (ErrorKind::gpu)
-/// where there is no such device, where a part of a name means several usable ones, or where it lacks
-/// something; the message names every device and what it lacks.
+/// kind), the index of a device, or, upper or lower case alike, a part of one's name or nickname or its kind
+/// ("software", or "cpu"). Refused (ErrorKind::gpu) where there is no such device, where a word means several
+/// usable ones, or where it lacks something; the message names every device and what it lacks.
 Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request);
 
 }  // namespace touchable

@@ -63,6 +63,16 @@ TEST(ChooseGpu, TakesAnIndexOrAPartOfAName) {
     EXPECT_EQ(chosen(four, "radeon pro"), 3U);
 }
 
+TEST(ChooseGpu, TakesTheNamesThatPeopleKnow) {
+    for (const char* name : {"lavapipe", "Lavapipe", "llvmpipe", "cpu", "CPU", "software"})
+        EXPECT_EQ(chosen(four, name), 0U) << name;
+    EXPECT_EQ(chosen(four, "integrated"), 2U);
+    EXPECT_EQ(chosen(four, "discrete"), 3U) << "the other one lacks something";
+    expect_refused({four.begin() + 1, four.end()}, "lavapipe", "no GPU is called 'lavapipe'");
+    expect_refused({four.begin() + 1, four.end()}, "cpu", "no GPU is called 'cpu'");
+    expect_refused(four, "geforce", "llvmpipe (LLVM 15) (software, lavapipe)");
+}
+
 TEST(ChooseGpu, OfANameOnlyTheUsableOnesCount) {
     auto gpus = four;
     gpus[2].missing = {"shaderInt64"};

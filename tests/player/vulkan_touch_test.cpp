@@ -137,11 +137,24 @@ TEST(VulkanTouch, ADeviceThatIsNotThereIsRefusedWithThoseThatAre) {
     EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
 }
 
+TEST(VulkanTouch, AutoMayTakeTheGpuThatIsNamedWhichHasToBeThere) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const Words words{folder / "clip.mkv", "--seconds", "0.1"};
+    Words named = words;
+    named.insert(named.end(), {"--gpu", "0"});
+    const auto report = touch(named);
+    EXPECT_EQ(report["builder"], "cpu") << "small frames are not worth a GPU";
+    EXPECT_EQ(report["force_hash"], force_hash(words));
+    const Outcome none = run_touchable({"touch", folder / "clip.mkv", "--gpu", "no such device"});
+    EXPECT_EQ(none.code, 4) << none.err;
+    EXPECT_TRUE(none.one_line_of_error()) << none.err;
+}
+
 TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
-    for (const Words& words : {Words{"--gpu", "0"},
-                               {"--gpu-fallback"},
+    for (const Words& words : {Words{"--gpu-fallback"},
                                {"--builder", "cpu", "--gpu", "0"},
                                {"--builder", "lazy", "--gpu-fallback"}}) {
         Words all{"touch", folder / "clip.mkv"};
