@@ -3,7 +3,7 @@
 namespace touchable {
 
 Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
-    if (device_) return device_;
+    if (device_ && !device_->lost()) return device_;
     auto opened = GpuDevice::open({.request = request_});
     if (opened.ok()) device_ = *opened;
     return opened;

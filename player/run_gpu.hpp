@@ -7,7 +7,7 @@
 
 namespace touchable {
 
-/// The GPU of a run: opened when it is first needed, one for all who need it.
+/// The GPU of a run: opened when it is first needed, one for all who need it, and anew where it was lost.
 class RunGpu {
 public:
     /// `request` as in choose_gpu.

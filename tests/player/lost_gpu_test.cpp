@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -121,7 +122,21 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
     }
 }
 
-TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
+TEST(LostGpu, IsHandedOutToNobodyElse) {
+    RunGpu gpu("auto");
+    const auto first = gpu.open();
+    ASSERT_TRUE(first.ok()) << first.error().message;
+    EXPECT_EQ(*gpu.open(), *first) << "one for all";
+    (*first)->lose();
+    const auto second = gpu.open();
+    ASSERT_TRUE(second.ok()) << second.error().message;
+    EXPECT_FALSE((*second)->lost());
+    EXPECT_EQ(*gpu.open(), *second);
+    EXPECT_EQ(gpu.name(), (*second)->facts().name);
+}
+
+/// `spoil` makes a GPU, which the picture was to be drawn on, one that cannot.
+void expect_a_picture_by_any_painter(const std::function<void(GpuDevice&)>& spoil) {
     const TemporaryFolder folder;
     make_clip("globe", folder / "clip.mkv", {"--size", "72x48", "--frames", "1"});
     auto reader = open_clip(folder / "clip.mkv", std::nullopt);
@@ -141,7 +156,7 @@ TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
         auto order = order_picture(options, {}, gpu);
         ASSERT_TRUE(order.ok() && *order);
         EXPECT_FALSE((*order)->painter->gpu_name().empty());
-        (*gpu.open())->lose();
+        spoil(**gpu.open());
         const auto drawn = (*order)->deliver(HeightField(scene, still), still, (*raw)->colour, {});
         const bool any = options.painter == "auto";
         EXPECT_EQ(drawn.ok(), any);
@@ -152,6 +167,15 @@ TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
             EXPECT_EQ(drawn.error().kind, ErrorKind::gpu);
         }
     }
+}
+
+TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
+    expect_a_picture_by_any_painter([](GpuDevice& gpu) { gpu.lose(); });
+}
+
+TEST(SmallGpu, CostsNoPictureThatAnyPainterMayDraw) {
+    expect_a_picture_by_any_painter(
+        [](GpuDevice& gpu) { gpu.vulkan()->facts.limits.max_texel_buffer_elements = 1; });
 }
 
 }  // namespace
