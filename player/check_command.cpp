@@ -1,6 +1,7 @@
 #include "player/check_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,8 @@
 #include "player/builder_facts.hpp"
 #include "player/interrupt.hpp"
 #include "player/machine_facts.hpp"
+#include "player/memory.hpp"
+#include "player/typed_numbers.hpp"
 #include "player/vulkan_facts.hpp"
 #include "player/vulkan_report.hpp"
 
@@ -36,15 +39,25 @@ struct MachineReport {
     }
 };
 
+void print_cpu(const CpuFacts& cpu) {
+    std::cout << "cpu       " << cpu.model << ", " << cpu.cores << " cores\n";
+}
+
+void print_realtime(const TimerFacts& timer) {
+    std::cout << "wake-up   " << timer.late_p50_us << " us late at the median, " << timer.late_max_us
+              << " us at worst, of 200 sleeps to a 1 ms grid\n"
+              << "realtime  SCHED_FIFO is " << (timer.realtime_permitted ? "permitted\n" : "not permitted");
+    if (timer.realtime_permitted) return;
+    std::cout << ", so that ticks are late while others compute; it is permitted by one of\n";
+    for (const std::string& way : ways_to_realtime()) std::cout << "          - " << way << '\n';
+}
+
 void print_machine(const MachineReport& report) {
-    std::cout << "cpu       " << report.cpu.model << ", " << report.cpu.cores << " cores\n"
-              << "clock     " << report.timer.clock_resolution_ns << " ns resolution, "
-              << report.timer.timer_slack_ns / 1000.0 << " us timer slack\n"
-              << "wake-up   " << report.timer.late_p50_us << " us late at the median, "
-              << report.timer.late_max_us << " us at worst, of 200 sleeps to a 1 ms grid\n"
-              << "realtime  SCHED_FIFO is " << (report.timer.realtime_permitted ? "" : "not ")
-              << "permitted\n"
-              << "ffmpeg    " << report.ffmpeg.version << ':';
+    print_cpu(report.cpu);
+    std::cout << "clock     " << report.timer.clock_resolution_ns << " ns resolution, "
+              << report.timer.timer_slack_ns / 1000.0 << " us timer slack\n";
+    print_realtime(report.timer);
+    std::cout << "ffmpeg    " << report.ffmpeg.version << ':';
     for (const CodecFact& codec : report.ffmpeg.needed)
         std::cout << (&codec == &report.ffmpeg.needed.front() ? " " : ", ") << (codec.present ? "" : "NO ")
                   << codec.name;
@@ -64,15 +77,21 @@ void print_verdict(const MachineReport& report, const std::vector<std::string>& 
               << (report.vulkan.unusable.empty() ? "\n" : ", without Vulkan\n");
 }
 
+nlohmann::ordered_json timer_json(const TimerFacts& timer) {
+    nlohmann::ordered_json out{{"clock_resolution_ns", timer.clock_resolution_ns},
+                               {"timer_slack_ns", timer.timer_slack_ns},
+                               {"late_p50_us", timer.late_p50_us},
+                               {"late_max_us", timer.late_max_us},
+                               {"realtime_permitted", timer.realtime_permitted}};
+    if (!timer.realtime_permitted) out["ways_to_realtime"] = ways_to_realtime();
+    return out;
+}
+
 void print_json(const MachineReport& report, const std::vector<std::string>& faults) {
     using nlohmann::ordered_json;
     ordered_json out;
     out["cpu"] = {{"model", report.cpu.model}, {"cores", report.cpu.cores}};
-    out["timer"] = {{"clock_resolution_ns", report.timer.clock_resolution_ns},
-                    {"timer_slack_ns", report.timer.timer_slack_ns},
-                    {"late_p50_us", report.timer.late_p50_us},
-                    {"late_max_us", report.timer.late_max_us},
-                    {"realtime_permitted", report.timer.realtime_permitted}};
+    out["timer"] = timer_json(report.timer);
     out["ffmpeg"] = {{"version", report.ffmpeg.version}, {"needed", ordered_json::object()}};
     for (const CodecFact& codec : report.ffmpeg.needed) out["ffmpeg"]["needed"][codec.name] = codec.present;
     out["vulkan"] = vulkan_json(report.vulkan);
@@ -108,9 +127,47 @@ Result<MachineReport> look_around(bool tell) {
     return report;
 }
 
+Result<void> answer(const TouchDemand& demand, bool json) {
+    const auto figures = try_touch(demand);
+    if (!figures.ok()) return figures.error();
+    const CpuFacts cpu = cpu_facts();
+    const TimerFacts timer = timer_facts();
+    const TrialVerdict verdict = judge(demand, *figures, cpu.cores);
+    if (json) {
+        auto out = trial_json(demand, *figures, verdict, cpu.cores);
+        out["timer"] = timer_json(timer);
+        std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    } else {
+        std::cout << trial_to_text(demand, *figures, verdict, cpu.cores);
+        print_cpu(cpu);
+        print_realtime(timer);
+    }
+    if (verdict.can) return {};
+    return Error{ErrorKind::check, demand.in_words() + " is too much for this machine: " + verdict.why};
+}
+
+struct CheckWords {
+    CheckOptions options;
+    TouchDemand demand;
+    std::string size = "720x480";
+};
+
+Result<CheckOptions> read_words(const CheckWords& words, bool asks) {
+    CheckOptions options = words.options;
+    if (!asks) return options;
+    options.demand = words.demand;
+    const auto size = read_pixel_size("--size", words.size, 16, 8192);
+    if (!size.ok()) return size.error();
+    options.demand->width = size->width;
+    options.demand->height = size->height;
+    return options;
+}
+
 }  // namespace
 
 Result<void> run_check(const CheckOptions& options) {
+    if (options.demand)
+        return within_memory("frames of that size", [&] { return answer(*options.demand, options.json); });
     const auto report = look_around(!options.json);
     if (!report.ok()) return report.error();
     const std::vector<std::string> faults = report->faults();
@@ -120,10 +177,27 @@ Result<void> run_check(const CheckOptions& options) {
 }
 
 void add_check_command(CLI::App& app, Command& command) {
-    auto* check = app.add_subcommand("check", "say what this machine is and whether it can do the work");
-    auto options = std::make_shared<CheckOptions>();
-    check->add_flag("--json", options->json, "the same as JSON");
-    check->callback([options, &command] { command = [options] { return run_check(*options); }; });
+    auto* check = app.add_subcommand(
+        "check", "say what this machine is, or whether it can: --size 1920x1080 --fingers 5 --rate 30");
+    auto words = std::make_shared<CheckWords>();
+    check->add_flag("--json", words->options.json, "the same as JSON");
+    const std::vector<CLI::Option*> question{
+        check->add_option("--size", words->size, "can it: WxH of the clip, pixels")->capture_default_str(),
+        check->add_option("--fingers", words->demand.fingers, "can it: that touch it")
+            ->check(CLI::Range(1, 256))
+            ->capture_default_str(),
+        check->add_option("--rate", words->demand.rate, "can it: frames per second")
+            ->check(CLI::Range(1, 1000))
+            ->capture_default_str()};
+    check->callback([words, question, &command] {
+        command = [words, question]() -> Result<void> {
+            const bool asks = std::any_of(question.begin(), question.end(),
+                                          [](const CLI::Option* option) { return option->count() > 0; });
+            const auto options = read_words(*words, asks);
+            if (!options.ok()) return options.error();
+            return run_check(*options);
+        };
+    });
 }
 
 }  // namespace touchable

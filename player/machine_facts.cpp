@@ -1,12 +1,15 @@
 #include "player/machine_facts.hpp"
 
 #include <pthread.h>
+#include <pwd.h>
 #include <sched.h>
 #include <sys/prctl.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -40,6 +43,22 @@ bool may_run_realtime() {
 }
 
 }  // namespace
+
+std::vector<std::string> ways_to_realtime(const std::string& user, const std::string& program) {
+    const std::string priority = std::to_string(haptic_priority);
+    return {"lines \"" + user + " - rtprio " + priority + "\" and \"" + user +
+                " - memlock unlimited\" in /etc/security/limits.d/touchable.conf, then log in again",
+            "sudo setcap cap_sys_nice,cap_ipc_lock=ep " + program,
+            "as a systemd service: LimitRTPRIO=" + priority + " and LimitMEMLOCK=infinity in its unit",
+            "in a container: start it with --cap-add=SYS_NICE --cap-add=IPC_LOCK"};
+}
+
+std::vector<std::string> ways_to_realtime() {
+    const passwd* user = getpwuid(getuid());
+    std::error_code fault;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", fault);
+    return ways_to_realtime(user ? user->pw_name : "USER", fault ? "touchable" : program.string());
+}
 
 CpuFacts cpu_facts() {
     CpuFacts facts;

@@ -13,6 +13,11 @@ struct TimerFacts {
     bool realtime_permitted = false;          ///< SCHED_FIFO
 };
 
+/// How a person permits SCHED_FIFO and locked memory to `program`: one way on each line.
+std::vector<std::string> ways_to_realtime(const std::string& user, const std::string& program);
+/// For who runs this program, and it.
+std::vector<std::string> ways_to_realtime();
+
 struct CpuFacts {
     std::string model;
     int cores = 0;  ///< that this program may use

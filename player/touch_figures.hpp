@@ -22,6 +22,7 @@ public:
     Result<void> take(const TouchTick& tick) override;
 
     std::int64_t ticks() const { return ticks_; }
+    Spread tick_us() const { return spread_of(tick_us_); }
     /// How late ticks began; all 0 in virtual time.
     Spread late_us() const { return spread_of(late_us_); }
     /// Ticks by how late they began: {"below_us", "ticks"}, each counting what the ones before do not; the

@@ -37,13 +37,7 @@ Result<Bench> make_bench(const std::string& request) {
     return Bench{std::move(*gpu), std::move(*program), std::move(*in), std::move(*out)};
 }
 
-struct Run {
-    double ms = 0;
-    std::optional<double> device_ms;
-    bool same_bits = false;
-};
-
-Result<Run> run(const Bench& bench, std::uint32_t salt) {
+Result<KernelRun> run(const Bench& bench, std::uint32_t salt) {
     const auto begun = std::chrono::steady_clock::now();
     auto commands = GpuCommands::begin(bench.gpu, "self-check");
     if (!commands.ok()) return commands.error();
@@ -54,7 +48,7 @@ Result<Run> run(const Bench& bench, std::uint32_t salt) {
     if (!submission.ok()) return submission.error();
     if (auto waited = submission->wait(); !waited.ok()) return waited.error();
 
-    Run facts;
+    KernelRun facts;
     facts.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count();
     if (const auto times = submission->times(); !times.empty()) facts.device_ms = times.front().ms;
     const auto in = bench.in.mapped<std::uint32_t>(), out = bench.out.mapped<std::uint32_t>();
@@ -67,25 +61,34 @@ Result<Run> run(const Bench& bench, std::uint32_t salt) {
 Result<KernelFacts> run_often(const Bench& bench) {
     const auto first = run(bench, 0);
     if (!first.ok()) return first.error();
-    KernelFacts facts;
-    facts.first_ms = first->ms;
-    facts.same_bits = first->same_bits;
-    facts.least_device_ms = first->device_ms;
-    std::array<double, KernelFacts::runs> ms{};
-    for (std::size_t i = 0; i < ms.size(); ++i) {
+    std::array<KernelRun, KernelFacts::runs> later;
+    for (std::size_t i = 0; i < later.size(); ++i) {
         const auto next = run(bench, static_cast<std::uint32_t>(i) + 1);
         if (!next.ok()) return next.error();
-        ms[i] = next->ms;
-        facts.same_bits = facts.same_bits && next->same_bits;
-        if (next->device_ms) facts.least_device_ms = std::min(*facts.least_device_ms, *next->device_ms);
+        later[i] = *next;
+    }
+    return facts_of(*first, later);
+}
+
+}  // namespace
+
+KernelFacts facts_of(const KernelRun& first, std::span<const KernelRun> later) {
+    KernelFacts facts;
+    facts.first_ms = first.ms;
+    facts.same_bits = first.same_bits;
+    facts.least_device_ms = first.device_ms;
+    std::vector<double> ms;
+    for (const KernelRun& run : later) {
+        ms.push_back(run.ms);
+        facts.same_bits = facts.same_bits && run.same_bits;
+        if (run.device_ms)
+            facts.least_device_ms = std::min(facts.least_device_ms.value_or(*run.device_ms), *run.device_ms);
     }
     std::sort(ms.begin(), ms.end());
     facts.least_ms = ms.front();
     facts.p50_ms = ms[ms.size() / 2];
     return facts;
 }
-
-}  // namespace
 
 VulkanFacts vulkan_facts() {
     VulkanFacts facts;

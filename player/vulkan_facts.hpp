@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,14 @@ struct VulkanFacts {
     std::string unusable;  ///< why there is none, or what failed on it; empty: Vulkan does the work
     std::optional<KernelFacts> kernel;
 };
+
+struct KernelRun {
+    double ms = 0;                    ///< from submission to its end
+    std::optional<double> device_ms;  ///< nothing: the queue gave no times
+    bool same_bits = false;
+};
+/// What the first run, with the driver's compilation, and at least one later one come to.
+KernelFacts facts_of(const KernelRun& first, std::span<const KernelRun> later);
 
 /// Opens the device and runs the kernel. Never fails: what is wrong is a fact too.
 VulkanFacts vulkan_facts();

@@ -63,5 +63,52 @@ TEST(Check, TellsAPersonTheVerdict) {
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact;
 }
 
+TEST(Check, AnswersWhetherTheMachineCan) {
+    const Outcome easy = run_touchable({"check", "--size", "64x48", "--fingers", "2", "--rate", "1"});
+    EXPECT_EQ(easy.code, 0) << easy.err;
+    EXPECT_EQ(easy.out.rfind("yes: 64x48 at 1 frames/s with 2 fingers; ", 0), 0U) << easy.out;
+    for (const char* fact : {"decode", "build", "tick", "cpu time", "at most", "SCHED_FIFO"})
+        EXPECT_NE(easy.out.find(fact), std::string::npos) << fact;
+
+    const Outcome hard = run_touchable({"check", "--json", "--size", "640x480", "--rate", "1000"});
+    EXPECT_EQ(hard.code, 6) << hard.out;
+    EXPECT_TRUE(hard.one_line_of_error()) << hard.err;
+    EXPECT_NE(hard.err.find("640x480 at 1000 frames/s with 1 finger is too much for this machine"),
+              std::string::npos)
+        << hard.err;
+    const auto facts = nlohmann::json::parse(hard.out, nullptr, false);
+    ASSERT_TRUE(facts.is_object()) << hard.out;
+    EXPECT_FALSE(facts["can"].get<bool>());
+    EXPECT_LT(facts["most_rate"].get<double>(), 1000);
+    EXPECT_EQ(facts["ticks"], 1000);
+    for (const char* measured : {"decode_ms", "build_ms", "tick_us"})
+        EXPECT_GT(facts[measured]["mean"].get<double>(), 0) << measured;
+    EXPECT_GT(facts["cpu_ms_per_second"].get<double>(), 0);
+}
+
+TEST(Check, LeavesNoFileOfItsTrialBehind) {
+    const TemporaryFolder folder;
+    setenv("TMPDIR", folder.path().c_str(), 1);
+    const Outcome run = run_touchable({"check", "--size", "64x48", "--rate", "1"});
+    const Outcome stopped = run_interrupted({"check", "--size", "1920x1080"}, folder.path());
+    unsetenv("TMPDIR");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(stopped.code, 130) << stopped.err;
+    EXPECT_EQ(folder.file_count(), 0U);
+}
+
+TEST(Check, QuestionsThatMakeNoSenseAreCode2) {
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"--size", "big"},
+                                                  {"--size", "8x8"},
+                                                  {"--fingers", "0"},
+                                                  {"--rate", "0"}}) {
+        std::vector<std::string> all{"check"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome run = run_touchable(all);
+        EXPECT_EQ(run.code, 2) << words[1];
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    }
+}
+
 }  // namespace
 }  // namespace touchable::test
