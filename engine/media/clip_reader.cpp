@@ -5,6 +5,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "engine/media/bare_picture.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/media/depthkit_clip.hpp"
 #include "engine/media/gdepth_image.hpp"
@@ -24,22 +25,48 @@ bool is_scene_file(const std::filesystem::path& path) {
     return extension == ".json";
 }
 
-/// Whatever the file is by its first bytes, its name and what lies beside it.
-Result<std::unique_ptr<ClipReader>> open_file(const std::filesystem::path& file,
-                                              const std::optional<Scene>& scene) {
-    std::array<char, 4> first{};
+/// What a file begins with.
+enum class Begin { matroska, jpeg, png, other };
+
+Begin begin_of(const std::filesystem::path& file) {
+    std::array<char, 8> first{};
     std::ifstream in(file, std::ios::binary);
     in.read(first.data(), first.size());
     const std::string_view magic(first.data(), static_cast<std::size_t>(in.gcount()));
-    if (magic.starts_with("\xff\xd8\xff")) return open_gdepth_image(file, scene);
-    if (magic.size() == first.size() && magic != "\x1a\x45\xdf\xa3") {  // what a Matroska file begins with
-        if (const auto metadata = depthkit_metadata_of(file))
-            return open_depthkit_clip(file, *metadata, scene);
-        return input_error(file.string() +
-                           ": is not a Matroska file, nor a JPEG, nor a Depthkit video with " +
-                           depthkit_metadata_name(file).string() + " beside it");
+    if (magic.starts_with("\xff\xd8\xff")) return Begin::jpeg;
+    if (magic == "\x89PNG\r\n\x1a\n") return Begin::png;
+    return magic.starts_with("\x1a\x45\xdf\xa3") || magic.size() < 4 ? Begin::matroska : Begin::other;
+}
+
+/// Whatever the file is by its first bytes, its name and what lies beside it.
+Result<std::unique_ptr<ClipReader>> open_file(const std::filesystem::path& file,
+                                              const std::optional<Scene>& scene) {
+    switch (begin_of(file)) {
+        case Begin::matroska:
+            return open_matroska_clip(file, scene);
+        case Begin::jpeg:
+            return open_gdepth_image(file, scene);
+        case Begin::png:
+            return scene ? open_bare_picture(file, *scene) : no_description(file);
+        case Begin::other:
+            break;
     }
-    return open_matroska_clip(file, scene);
+    if (const auto metadata = depthkit_metadata_of(file)) return open_depthkit_clip(file, *metadata, scene);
+    return input_error(file.string() +
+                       ": is not a Matroska file, nor a PNG or JPEG, nor a Depthkit video with " +
+                       depthkit_metadata_name(file).string() + " beside it");
+}
+
+/// A single depth picture, of a camera that somebody names.
+Result<std::unique_ptr<ClipReader>> open_picture(const std::filesystem::path& file,
+                                                 const PictureCamera& camera) {
+    const Begin begin = begin_of(file);
+    if (begin != Begin::png && begin != Begin::jpeg)
+        return usage_error(file.string() +
+                           ": is no PNG or JPEG, so --intrinsics says nothing of it: leave it out");
+    auto scene = bare_picture_scene(file, camera);
+    if (!scene) return scene.error();
+    return open_bare_picture(file, std::move(*scene));
 }
 
 Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,
@@ -56,13 +83,19 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
-                                              const std::optional<std::filesystem::path>& scene_file) {
+                                              const std::optional<std::filesystem::path>& scene_file,
+                                              const std::optional<PictureCamera>& camera) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
     const bool is_folder = std::filesystem::is_directory(status);
     if (!is_folder && !std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
+    if (camera) {
+        if (scene_file)
+            return usage_error(path.string() + ": has --scene and --intrinsics: must be one of them");
+        return open_picture(path, *camera);
+    }
     if (is_folder && !scene_file) {
         const auto own = path / own_scene_file;
         if (std::filesystem::is_regular_file(own, failure)) return open_clip(own);

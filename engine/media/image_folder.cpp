@@ -1,6 +1,7 @@
 #include "engine/media/image_folder.hpp"
 
-#include <limits>
+#include <algorithm>
+#include <charconv>
 #include <string>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "engine/media/far_plane.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/media/stored_image.hpp"
+#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
@@ -30,6 +32,25 @@ public:
         std::string field = std::to_string(number);
         if (field.size() < digits_) field.insert(0, digits_ - field.size(), '0');
         return folder / (before_ + field + after_);
+    }
+    /// Numbers of the files that are there, from `first` on, in order.
+    std::vector<std::int64_t> numbers(const std::filesystem::path& folder, std::int64_t first) const {
+        std::vector<std::int64_t> found;
+        const std::string before = (folder / before_).filename().string();
+        std::error_code ignored;
+        for (const auto& entry :
+             std::filesystem::directory_iterator((folder / before_).parent_path() / "", ignored)) {
+            const std::string name = entry.path().filename().string();
+            if (!name.starts_with(before) || name.size() <= before.size() + after_.size()) continue;
+            const char* digits = name.data() + before.size();
+            std::int64_t number = 0;
+            const auto [end, failure] =
+                std::from_chars(digits, name.data() + name.size() - after_.size(), number);
+            const bool named_so = failure == std::errc() && file(folder, number).filename() == name;
+            if (named_so && number >= first) found.push_back(number);
+        }
+        std::sort(found.begin(), found.end());
+        return found;
     }
 
 private:
@@ -87,6 +108,7 @@ private:
                std::to_string(frame) + ")";
     }
     Result<void> count_frames();
+    std::string beyond(std::int64_t frame) const;
     Result<void> read_first();
     Result<void> find_far_plane();
     Result<StoredImage> read(const Track& track, std::int64_t frame) const;
@@ -121,15 +143,35 @@ Result<void> ImageFolderReader::count_frames() {
     const std::int64_t checked = count_ == 0 ? 1 : count_;
     for (const Track& track : tracks_)
         for (std::int64_t frame = 0; frame < checked; ++frame) {
-            if (!is_file(file(track, frame))) return input_error(where(track, frame) + ": is missing");
+            if (!is_file(file(track, frame)))
+                return input_error(where(track, frame) + ": is missing" + (count_ == 0 ? beyond(0) : ""));
             add_input(file(track, frame));
         }
     const bool to_the_end = scene_.folder->count == 0 && !is_still(scene_.folder->depth);
-    if (to_the_end && is_file(file(tracks_.front(), count_ + 1)))
-        notes_.push_back("ends after " + std::to_string(count_) +
-                         " frames: " + file(tracks_.front(), count_).filename().string() +
-                         " is missing, though later ones exist");
+    const std::string later = to_the_end ? beyond(count_) : "";
+    if (!later.empty())
+        notes_.push_back("ends after " + std::to_string(count_) + " frames: " +
+                         file(tracks_.front(), count_).filename().string() + " is missing" + later);
     return {};
+}
+
+/// Where depth's picture of this frame is missing and later ones are there: which numbers are missing.
+std::string ImageFolderReader::beyond(std::int64_t frame) const {
+    const Track& depth = tracks_.front();
+    std::int64_t expected = scene_.folder->first + frame;
+    if (is_still(scene_.folder->depth)) return "";
+    const auto later = depth.pattern.numbers(folder_, expected);
+    if (later.empty()) return "";
+    if (frame == 0)
+        return "; the first that is there is number " + std::to_string(later.front()) + ": give folder.first";
+    std::string missing;
+    for (const std::int64_t number : later) {
+        if (number > expected) missing += (missing.empty() ? "" : ", ") + std::to_string(expected);
+        if (number > expected + 1) missing += " to " + std::to_string(number - 1);
+        expected = number + 1;
+    }
+    return ", though later ones exist up to number " + std::to_string(later.back()) +
+           "; missing numbers: " + printable(missing, 120);
 }
 
 /// How frame 0 is stored stands for all.

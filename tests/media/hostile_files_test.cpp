@@ -35,7 +35,7 @@ const std::string segment_id = "\x18\x53\x80\x67", head = "\x1a\x45\xdf\xa3\x80"
 
 TEST(HostileFiles, AnElementWhoseHeaderLeavesItsSegment) {
     const TemporaryFolder folder;
-    const std::string clip = head + segment_id + '\x81' + element("\x11", 8 * gibibyte);
+    const std::string clip = head + segment_id + '\x81' + element("\x81", 8 * gibibyte);
     ASSERT_EQ(clip.size(), 19U);
     write_bytes(folder / "clip.mkv", clip);
     EXPECT_NE(refusal_in(folder / "clip.mkv", 256).find("is damaged near byte 10"), std::string::npos);

@@ -129,11 +129,24 @@ TEST(ImageFolder, AGapIsAnErrorWhereACountIsGivenAndANoteElsewhere) {
     ASSERT_EQ(message(reader), "");
     EXPECT_EQ((*reader)->frame_count(), 2);
     EXPECT_EQ((*reader)->notes().at(0),
-              "ends after 2 frames: depth_002.png is missing, though later ones exist");
+              "ends after 2 frames: depth_002.png is missing, though later ones exist up to number 4; "
+              "missing numbers: 2");
+    std::filesystem::rename(folder / "depth_004.png", folder / "depth_009.png");
+    write_bytes(folder / "depth_0011.png", "no number of three digits");
+    reader = open_clip(folder / "scene.json");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE((*reader)->notes().at(0).ends_with("up to number 9; missing numbers: 2, 4 to 8"))
+        << (*reader)->notes().at(0);
     FolderSource counted = depth_only_source;
     counted.count = 5;
     write_bytes(folder / "scene.json", scene_to_json(folder_scene(counted)));
     EXPECT_NE(refusal(folder).find("depth_002.png (depth, frame 2): is missing"), std::string::npos)
+        << refusal(folder);
+    write_bytes(folder / "scene.json", scene_to_json(folder_scene(depth_only_source)));
+    std::filesystem::remove(folder / "depth_000.png");
+    EXPECT_NE(refusal(folder).find("depth_000.png (depth, frame 0): is missing; the first that is there is "
+                                   "number 1: give folder.first"),
+              std::string::npos)
         << refusal(folder);
 }
 
