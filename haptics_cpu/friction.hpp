@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
+
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/proxy.hpp"
 #include "haptics_cpu/tangent_cone.hpp"
+#include "haptics_cpu/world_space.hpp"
 
 namespace touchable {
 
@@ -10,8 +13,13 @@ namespace touchable {
 /// rests where the rest of its way to the minimum is at most mu times the load, mu static while it sticks and
 /// dynamic while it slides.
 struct FrictionCone {
-    double resting = 0;   ///< within this mu it rests where it is
-    double stopping = 0;  ///< sliding, it comes to rest at this mu
+    double resting = 0;     ///< within this mu it rests where it is
+    double stopping = 0;    ///< mu of a slide where it is; all along its way where friction is level
+    bool level = true;      ///< the cell it moves over has the same mu everywhere
+    bool presumed = false;  ///< level but for one corner of the cell, which was not looked at
+    // Else, at the corners (0, 0), (1, 0), (0, 1), (1, 1) of the cell: of two bilinear maps the lesser
+    // counts.
+    std::array<double, 4> sliding{}, most{};
 };
 
 /// What friction depends on beside the place. By default Coulomb's: mu dynamic at any speed.
@@ -40,24 +48,53 @@ HapticProperties properties_at(const Space& space, const Place& at) {
         {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)});
 }
 
-/// The cone of a proxy on the surface; all zero where the field has no friction. `corners_valid`: of its
-/// motion.
+/// Where in a cell: (a, b), 0 to 1.
+struct CellPoint {
+    double a, b;
+};
+/// A place in the cell of a motion that begins there.
+inline CellPoint in_cell_of(const Motion& motion, const Place& at) {
+    return {static_cast<double>(at.i - motion.i) + at.a, static_cast<double>(at.j - motion.j) + at.b};
+}
+
+/// The cone of a proxy at `at` in a cell with such corners.
+FrictionCone cone_over(const CornerProperties& corners, const CellPoint& at, bool sliding, const Slip& slip);
+
+/// The cone of a proxy about to move through a cell whose friction may differ from place to place.
 template <class Space>
-FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Slip& slip, bool corners_valid) {
+FrictionCone uneven_cone(const Space& space, const Proxy& proxy, const Motion& motion, const Slip& slip) {
+    // Along a side of the cell the other side's corners have no weight.
+    const bool right = motion.feature != Feature::edge_v, below = motion.feature != Feature::edge_h;
+    const auto valid = [&](int di, int dj) { return space.vertex(motion.i + di, motion.j + dj).valid; };
+    CornerProperties corners = space.field().corner_properties(
+        motion.i, motion.j,
+        {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)});
+    if (!right) corners = {corners[0], corners[0], corners[2], corners[2]};
+    if (!below) corners = {corners[0], corners[1], corners[0], corners[1]};
+    return cone_over(corners, in_cell_of(motion, proxy), proxy.sliding, slip);
+}
+
+/// The cone of a proxy about to move; all zero where the field has no friction.
+template <class Space>
+FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Motion& motion, const Slip& slip) {
     const HeightField& field = space.field();
     if (!field.has_friction()) return {};
-    const HapticProperties properties =
-        corners_valid ? field.properties(proxy.i, proxy.j, proxy.a, proxy.b, {true, true, true, true})
-                      : properties_at(space, proxy);
-    const double sliding = properties.dynamic_friction +
-                           slip.static_share * (properties.static_friction - properties.dynamic_friction);
-    return {proxy.sliding ? sliding : properties.static_friction, sliding};
+    if (field.has_haptic_image() || !motion.corners_valid) return uneven_cone(space, proxy, motion, slip);
+    const HapticProperties p = field.properties(proxy.i, proxy.j, proxy.a, proxy.b, {true, true, true, true});
+    FrictionCone cone;
+    cone.stopping = p.dynamic_friction + slip.static_share * (p.static_friction - p.dynamic_friction);
+    cone.resting = proxy.sliding ? cone.stopping : p.static_friction;
+    cone.presumed = motion.kind == Motion::Kind::face && proxy.feature != motion.feature;
+    return cone;
 }
 
 /// True where the proxy need not move: the way is inside the cone.
 bool rests(const FrictionCone& cone, const Motion& motion);
 
-/// The share (0 to 1) of the motion's way after which a sliding proxy comes to rest.
-double sliding_share(const FrictionCone& cone, const Motion& motion);
+/// After how many image steps from `from` friction holds a sliding proxy for the first time: where the rest
+/// of its way is mu times the load, with mu of that very place. Without friction the length of its whole way;
+/// maybe infinite where it comes to `reach`, the end of the cell, before.
+double stopping_length(const FrictionCone& cone, const Motion& motion, const ImageStep& step,
+                       const CellPoint& from, double reach);
 
 }  // namespace touchable

@@ -4,16 +4,6 @@
 
 namespace touchable {
 
-namespace {
-
-double bilinear(double a, double b, double v00, double v10, double v01, double v11) {
-    const double top = v00 + (v10 - v00) * a;
-    const double bottom = v01 + (v11 - v01) * a;
-    return top + (bottom - top) * b;
-}
-
-}  // namespace
-
 HeightField::HeightField(const Scene& scene, const FramePair& pair)
     : scene_(scene),
       prev_(pair.prev.frame),
@@ -29,6 +19,7 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
             if (blend_ >= 0.5) nearer_ = next_;
         }
     }
+    has_haptic_image_ = !prev_->haptic.empty() || (next_ && !next_->haptic.empty());
     tiles_ = TileGrid::of(scene.width, scene.height);
     const bool has_heights = !prev_->heights.empty() || (next_ && !next_->heights.empty());
     if (has_heights) {
@@ -43,7 +34,7 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
     default_properties_ = scene.default_properties;
     default_properties_.dynamic_friction =
         std::min(default_properties_.dynamic_friction, default_properties_.static_friction);
-    has_friction_ = has_haptic_image() || scene.default_properties.static_friction > 0;
+    has_friction_ = has_haptic_image_ || scene.default_properties.static_friction > 0;
 }
 
 FieldVertex HeightField::frame_vertex(const SurfaceFrame& frame, const SurfaceFrame* codes, int x,
@@ -76,20 +67,38 @@ double HeightField::nearest_depth(int tile_x, int tile_y) const {
     return nearest - largest_height_;
 }
 
+HapticProperties HeightField::properties_in(const SurfaceFrame& frame, int x, int y) const {
+    if (frame.haptic.empty()) return scene_.default_properties;
+    const std::uint8_t* p = &frame.haptic[3 * frame.index(x, y)];
+    return scene_.haptic.at(p[0], p[1], p[2]);
+}
+
 HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j, bool valid) const {
-    // Stiffness of the ring is the picture's edge's: what one feels there is a wall of the same stuff.
-    const int x = static_cast<int>(std::clamp<std::int64_t>(i, 0, scene_.width - 1));
-    const int y = static_cast<int>(std::clamp<std::int64_t>(j, 0, scene_.height - 1));
     HapticProperties properties = default_properties_;
-    if (has_haptic_image()) {
-        const std::uint8_t* p = &nearer_->haptic[3 * nearer_->index(x, y)];
-        properties = scene_.haptic.at(p[0], p[1], p[2]);
+    if (has_haptic_image_) {
+        // Stiffness of the ring is the picture's edge's: what one feels there is a wall of the same stuff.
+        const int x = static_cast<int>(std::clamp<std::int64_t>(i, 0, scene_.width - 1));
+        const int y = static_cast<int>(std::clamp<std::int64_t>(j, 0, scene_.height - 1));
+        properties = properties_in(*prev_, x, y);
+        if (next_) {
+            const HapticProperties next = properties_in(*next_, x, y);
+            const auto go_on = [this](double& from, double to) { from += (to - from) * blend_; };
+            go_on(properties.stiffness, next.stiffness);
+            go_on(properties.static_friction, next.static_friction);
+            go_on(properties.dynamic_friction, next.dynamic_friction);
+        }
     }
     if (!valid) {
         properties.static_friction = 0;
         properties.dynamic_friction = 0;
     }
     return properties;
+}
+
+CornerProperties HeightField::corner_properties(std::int64_t i, std::int64_t j,
+                                                const std::array<bool, 4>& valid) const {
+    return {vertex_properties(i, j, valid[0]), vertex_properties(i + 1, j, valid[1]),
+            vertex_properties(i, j + 1, valid[2]), vertex_properties(i + 1, j + 1, valid[3])};
 }
 
 HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double a, double b) const {
@@ -100,13 +109,10 @@ HapticProperties HeightField::properties(std::int64_t i, std::int64_t j, double 
 
 HapticProperties HeightField::mixed_properties(std::int64_t i, std::int64_t j, double a, double b,
                                                const std::array<bool, 4>& valid) const {
-    const HapticProperties p00 = vertex_properties(i, j, valid[0]),
-                           p10 = vertex_properties(i + 1, j, valid[1]);
-    const HapticProperties p01 = vertex_properties(i, j + 1, valid[2]),
-                           p11 = vertex_properties(i + 1, j + 1, valid[3]);
+    const CornerProperties p = corner_properties(i, j, valid);
     HapticProperties out;
     const auto mean = [&](double HapticProperties::*property) {
-        return bilinear(a, b, p00.*property, p10.*property, p01.*property, p11.*property);
+        return bilinear(a, b, p[0].*property, p[1].*property, p[2].*property, p[3].*property);
     };
     out.stiffness = mean(&HapticProperties::stiffness);
     out.static_friction = mean(&HapticProperties::static_friction);

@@ -14,6 +14,16 @@ struct FieldVertex {
     bool valid;    ///< false: an invalid pixel or the ring, at the far plane
 };
 
+/// Stiffness and friction at the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) of a cell.
+using CornerProperties = std::array<HapticProperties, 4>;
+
+/// Bilinear at (a, b) of a cell, 0 <= a, b <= 1, by its corners in that order.
+inline double bilinear(double a, double b, double v00, double v10, double v01, double v11) {
+    const double top = v00 + (v10 - v00) * a;
+    const double bottom = v01 + (v11 - v01) * a;
+    return top + (bottom - top) * b;
+}
+
 /// The surface under the hand at one moment: a pair of frames and a blend, seen as a lattice of vertices with
 /// one per pixel, a ring at the far plane around the picture, and flat strips beyond it, so that every
 /// integer (i, j) is a vertex (docs/conventions.md, From stored value to surface 6 to 9, and Time). Nothing
@@ -41,9 +51,9 @@ public:
     /// True where a finger may meet friction at all.
     bool has_friction() const { return has_friction_; }
     /// True where properties differ from place to place.
-    bool has_haptic_image() const { return nearer_->haptic.size() > 0; }
-    /// Stiffness and friction at (i + a, j + b), 0 <= a, b <= 1: of the frame nearer in time, bilinear.
-    /// Friction is 0 at invalid and ring vertices, and dynamic friction never exceeds static.
+    bool has_haptic_image() const { return has_haptic_image_; }
+    /// Stiffness and friction at (i + a, j + b), 0 <= a, b <= 1: each frame's, linear in time, bilinear in
+    /// space. Friction is 0 at invalid and ring vertices, and dynamic friction never exceeds static.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b) const;
     /// The same, where the validity of the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) is known already.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b,
@@ -53,10 +63,15 @@ public:
     }
     /// Stiffness alone, N/m.
     double stiffness(std::int64_t i, std::int64_t j, double a, double b) const;
+    /// What the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) bring into the mean, where their validity is
+    /// known: here dynamic friction may exceed static.
+    CornerProperties corner_properties(std::int64_t i, std::int64_t j,
+                                       const std::array<bool, 4>& valid) const;
 
 private:
     HapticProperties mixed_properties(std::int64_t i, std::int64_t j, double a, double b,
                                       const std::array<bool, 4>& valid) const;
+    HapticProperties properties_in(const SurfaceFrame& frame, int x, int y) const;
     HapticProperties vertex_properties(std::int64_t i, std::int64_t j, bool valid) const;
     FieldVertex frame_vertex(const SurfaceFrame& frame, const SurfaceFrame* codes, int x, int y) const;
 
@@ -65,7 +80,8 @@ private:
     const SurfaceFrame* prev_codes_;            // VertexSource::read_from
     const SurfaceFrame* next_ = nullptr;        // nothing to interpolate, or both frames are one
     const SurfaceFrame* next_codes_ = nullptr;  // likewise
-    const SurfaceFrame* nearer_;  // in time: gives haptic properties, and the state of half-valid pixels
+    const SurfaceFrame* nearer_;                // in time: gives the state of half-valid pixels
+    bool has_haptic_image_;
     double blend_ = 0;
     double moment_ns_;
     TileGrid tiles_;

@@ -34,7 +34,8 @@ struct Proxy : Place {
     /// In the space of the solve (the world, or pixels and levels): the free point; of a place, where the
     /// surface had it when it was last looked at.
     glm::dvec3 point{0.0};
-    bool sliding = false;  ///< dynamic friction holds it back, not static
+    /// It has moved along the surface in its last tick: dynamic friction holds it back, not static.
+    bool sliding = false;
 };
 
 }  // namespace touchable

@@ -61,47 +61,17 @@ FaceExit exit_of_face(Feature face, double a, double b, double dx, double dy, co
     return exit;
 }
 
-/// True where it is certain, without a root or a division, that a motion goes on beyond `length` image steps:
-/// that the share of its way to there, s = length / (1 - length stretch), is less than friction leaves it.
-bool goes_beyond(double length, const ImageStep& step, const FrictionCone& cone, const Motion& motion) {
-    constexpr double certain = 1.0 + 1e-6;  // by far more than roundings can be wrong
-    const double rest = 1.0 - length * (1.0 + step.stretch), whole = rest + length;  // (1 - s) : 1
-    const double held = cone.stopping * whole;
-    return rest > 1e-6 &&
-           held * held * motion.load2 * certain < rest * rest * glm::dot(motion.way, motion.way);
-}
-
-/// Over a face of cell (motion.i, motion.j). True if it went all the way that friction leaves it and is
-/// inside the face: on the rim the other side has its say too.
-bool move_over_face(const Place& from, const Motion& motion, const ImageStep& step, const FrictionCone& cone,
-                    Place& to) {
-    const double a = static_cast<double>(from.i - motion.i) + from.a;
-    const double b = static_cast<double>(from.j - motion.j) + from.b;
-    const FaceExit exit =
-        exit_of_face(motion.feature, a, b, step.dx, step.dy, start_edges(from.feature, motion.feature, a, b));
-    if (!goes_beyond(exit.length, step, cone, motion)) {
-        const double length = step.length_at(sliding_share(cone, motion));
-        if (length < exit.length) {
-            to = face_or_rim_place(motion.feature, motion.i, motion.j, a + length * step.dx,
-                                   b + length * step.dy);
-            return to.feature == motion.feature;
-        }
-    }
-    if (exit.edge == Feature::free) {  // no way out and none to go: a motion of no length
-        to = from;
-        return true;
-    }
-    const double end_a = a + exit.length * step.dx, end_b = b + exit.length * step.dy;
+/// The place on the rim where a motion leaves a face of cell (motion.i, motion.j).
+Place rim_place(const Motion& motion, const ImageStep& step, const CellPoint& from, const FaceExit& exit) {
     const bool lower = motion.feature == Feature::face_lower;
     const int below = exit.edge == Feature::edge_h && !lower, right = exit.edge == Feature::edge_v && lower;
-    to = edge_place(exit.edge, motion.i + right, motion.j + below,
-                    exit.edge == Feature::edge_v ? end_b : end_a);
-    return false;
+    return edge_place(
+        exit.edge, motion.i + right, motion.j + below,
+        exit.edge == Feature::edge_v ? from.b + exit.length * step.dy : from.a + exit.length * step.dx);
 }
 
-/// The distance to the goal is the same after such a way: it is gone whole, whatever friction says. Friction
-/// may end each way at the same share, because it vanishes at an invalid vertex, and so would never get
-/// there.
+/// The distance to the goal is the same after such a way: it is gone whole, whatever friction says, which
+/// could end ever shorter ones and never let it arrive.
 bool too_short_to_tell(const Motion& motion, const dvec3& pull) {
     return glm::dot(motion.way, motion.way) <= 0x1p-52 * glm::dot(pull, pull);
 }
@@ -109,17 +79,6 @@ bool too_short_to_tell(const Motion& motion, const dvec3& pull) {
 /// A way that is made of roundings. A proxy that may not leave would go to and fro on such.
 bool is_rounding(const Motion& motion, const dvec3& pull) {
     return glm::dot(motion.way, motion.way) <= 0x1p-96 * glm::dot(pull, pull);
-}
-
-/// Along an edge. True if it went all the way that friction leaves it.
-bool move_along_edge(const Place& from, const Motion& motion, const ImageStep& step, const FrictionCone& cone,
-                     Place& to) {
-    const double length = step.length_at(sliding_share(cone, motion));
-    const bool vertical = motion.feature == Feature::edge_v;
-    const double start = vertical ? static_cast<double>(from.j - motion.j) + from.b
-                                  : static_cast<double>(from.i - motion.i) + from.a;
-    to = edge_place(motion.feature, motion.i, motion.j, start + length * (vertical ? step.dy : step.dx));
-    return to.feature != Feature::vertex;
 }
 
 constexpr int stall_limit = 8;
@@ -153,7 +112,7 @@ public:
                 if (!hit) return fly();
                 next = *hit;
             } else {
-                const FrictionCone cone = friction_cone(space_, proxy_, slip_, motion.corners_valid);
+                const FrictionCone cone = friction_cone(space_, proxy_, motion, slip_);
                 if (rests(cone, motion) || (!may_leave && is_rounding(motion, pull))) {
                     if (settled(may_leave, stalls)) return rest();
                     continue;
@@ -161,7 +120,8 @@ public:
                 // Held back by friction, the place may have another cone than the start: look again.
                 const bool whole = stalls > 0 && too_short_to_tell(motion, pull);
                 arrived = move(motion, whole ? FrictionCone{} : cone, next) && cone.stopping == 0;
-                sliding = cone.stopping > 0;
+                // Also where there is no friction yet: what was in motion is, where it meets some.
+                sliding = space_.field().has_friction();
             }
             const Progress progress = take(next, sliding, pull);
             if (progress == Progress::nearer) {
@@ -182,8 +142,48 @@ private:
     bool move(const Motion& motion, const FrictionCone& cone, Place& to) {
         ++counts_.cells;
         const ImageStep step = space_.image_step(proxy_.point, motion.way);
-        return motion.kind == Motion::Kind::face ? move_over_face(proxy_, motion, step, cone, to)
-                                                 : move_along_edge(proxy_, motion, step, cone, to);
+        return motion.kind == Motion::Kind::face ? move_over_face(motion, step, cone, to)
+                                                 : move_along_edge(motion, step, cone, to);
+    }
+
+    /// True if it went all the way that friction leaves it and is inside the face: on the rim the other side
+    /// has its say too.
+    bool move_over_face(const Motion& motion, const ImageStep& step, const FrictionCone& cone,
+                        Place& to) const {
+        const CellPoint from = in_cell_of(motion, proxy_);
+        const FaceExit exit = exit_of_face(motion.feature, from.a, from.b, step.dx, step.dy,
+                                           start_edges(proxy_.feature, motion.feature, from.a, from.b));
+        double length = stopping_length(cone, motion, step, from, exit.length);
+        if (length < exit.length && cone.presumed)
+            length =
+                stopping_length(uneven_cone(space_, proxy_, motion, slip_), motion, step, from, exit.length);
+        if (length < exit.length) {
+            to = face_or_rim_place(motion.feature, motion.i, motion.j, from.a + length * step.dx,
+                                   from.b + length * step.dy);
+            return to.feature == motion.feature;
+        }
+        if (exit.edge == Feature::free) {  // no way out and none to go: a motion of no length
+            to = proxy_;
+            return true;
+        }
+        to = rim_place(motion, step, from, exit);
+        return false;
+    }
+
+    /// True if it went all the way that friction leaves it.
+    bool move_along_edge(const Motion& motion, const ImageStep& step, const FrictionCone& cone,
+                         Place& to) const {
+        const bool vertical = motion.feature == Feature::edge_v;
+        const CellPoint from = in_cell_of(motion, proxy_);
+        const double start = vertical ? from.b : from.a, speed = vertical ? step.dy : step.dx;
+        const double reach = (speed > 0 ? 1.0 - start : start) / std::abs(speed);
+        // What roundings add across the edge is no way.
+        const ImageStep along{vertical ? 0.0 : speed, motion.feature == Feature::edge_h ? 0.0 : speed,
+                              step.stretch};
+        const double length = stopping_length(cone, motion, along, from, reach);
+        const double end = length < reach ? start + length * speed : (speed > 0 ? 1.0 : 0.0);
+        to = edge_place(motion.feature, motion.i, motion.j, speed == 0 ? start : end);
+        return to.feature != Feature::vertex;
     }
 
     enum class Progress { nearer, same, none };

@@ -78,21 +78,31 @@ void book_carried(const Space& space, const Proxy& proxy, Contact& contact) {
     contact.carried_stiffness = space.field().stiffness(proxy.i, proxy.j, proxy.a, proxy.b);
 }
 
-/// Brings a proxy to the surface of this tick, and finds what a sudden one exerts at `goal`, of the tick
-/// before.
+/// Of a change of stiffness from tick to tick under a finger that rests, N: more is a jump of the surface.
+constexpr double largest_step = 0.1;
+
+/// Brings a proxy to the surface of this tick, and finds what one that jumped exerts at `goal`, of the tick
+/// before. `stiffness`: k at the proxy in that tick.
 template <class Space>
 void bring(const Space& space, const TouchSettings& settings, double sudden, const dvec3& goal,
-           const Slip& slip, Proxy& proxy, Contact& contact) {
+           double stiffness, const Slip& slip, Proxy& proxy, Contact& contact) {
     const dvec3 before = proxy.point;
+    const bool was_touching = proxy.on_surface();
     contact.off_its_ray = !carry(space, proxy, sudden);
     book_carried(space, proxy, contact);
-    if (sudden == never) return;
+    const double per_metre =
+        was_touching && contact.carried_stiffness ? *contact.carried_stiffness - stiffness : 0.0;
+    const bool other_stuff = per_metre != 0 && std::abs(per_metre) * settings.metres_per_scene_unit *
+                                                       glm::distance(contact.carried, goal) >
+                                                   largest_step;
     const bool left_behind = contact.off_its_ray && !proxy.on_surface();
-    if (!left_behind && !(glm::distance(before, proxy.point) > sudden)) return;
+    if (!other_stuff && !left_behind && !(glm::distance(before, proxy.point) > sudden)) return;
+    const auto there = space.from_world(goal);
+    if (!there) return;
     contact.jumped = true;
     Proxy still = proxy;
     SolveCounts of_the_jump;
-    solve(space, still, goal, settings.event_limit, slip, of_the_jump);
+    solve(space, still, *there, settings.event_limit, slip, of_the_jump);
     if (still.on_surface())
         contact.jumped_force = properties_at(space, still).stiffness * settings.metres_per_scene_unit *
                                (space.to_world(still.point) - goal);
@@ -162,11 +172,12 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
             proxy.point = goal;
         } else {
             const Slip slip = slip_of(settings, finger);
-            bring(space, settings, sudden, goal_before, slip, proxy, contact);
+            bring(space, settings, sudden, goal_before, finger.stiffness, slip, proxy, contact);
             solve(space, proxy, goal, settings.event_limit, slip, contact.counts);
         }
         if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
+        finger.stiffness = contact.properties.stiffness;
         note_slip(settings, contact, finger);
     }
 }

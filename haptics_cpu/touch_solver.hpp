@@ -37,6 +37,7 @@ struct FingerState {
     double slip_speed = 0;  ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
     int ticks_held = 0;     ///< that have passed since `goal` was new
     double moment_ns = 0;   ///< of the surface it last met
+    double stiffness = 0;   ///< at the proxy, N/m; 0 out of contact
 };
 
 /// What a finger met in a tick. World, scene units, newtons.
@@ -57,7 +58,7 @@ struct Contact {
     int ticks = 1;  ///< that have passed since the finger's tick before: more where some were skipped
     bool off_its_ray = false;  ///< the surface moved suddenly, and took the proxy aside or left it behind
     /// The surface moved suddenly, away or with the proxy: a cut, a frame that was late, an object that came
-    /// fast.
+    /// fast. Or it became so much stiffer or softer under the proxy.
     bool jumped = false;
     glm::dvec3 jumped_force{0.0};  ///< then: what the goal of the tick before meets on this tick's surface
     SolveCounts counts;

@@ -141,9 +141,9 @@ TEST_F(TwoStiffnesses, AConstantStiffnessIsLeftAlone) {
 }
 
 TEST_F(TwoStiffnesses, ARiseTakesItsTimeWhereItIsSlewed) {
-    // The map changes under a finger at rest: half-way between two frames the later one's counts.
-    paint(wall.next, 0);
-    for (auto& value : wall.next.haptic) value = 255;  // stiff everywhere
+    // The map changes under a finger at rest, from one tick to the next.
+    auto stiff_everywhere = wall.prev.haptic;
+    for (auto& value : stiff_everywhere) value = 255;
     GuardSettings settings = strong(false);
     settings.rise.per_tick = 100;
     ForceGuard guard(settings, 0.001);
@@ -153,15 +153,17 @@ TEST_F(TwoStiffnesses, ARiseTakesItsTimeWhereItIsSlewed) {
     const double before = guard.guard(wall.touch(finger, goal)).force.z;
     EXPECT_NEAR(before, soft * depth * 1e-3, 1e-9);
     double last = before;
+    wall.prev.haptic.swap(stiff_everywhere);
     for (int k = 1; k <= 98; ++k) {
-        const GuardedForce out = guard.guard(wall.touch(finger, goal, 0.5));
+        const GuardedForce out = guard.guard(wall.touch(finger, goal));
         ASSERT_EQ(out.reasons, guard_rise);
         ASSERT_NEAR(out.force.z - last, 100 * depth * 1e-3, 1e-9);
         last = out.force.z;
     }
-    EXPECT_EQ(guard.guard(wall.touch(finger, goal, 0.5)).reasons, guard_none);
+    EXPECT_EQ(guard.guard(wall.touch(finger, goal)).reasons, guard_none);
     // Down again at once.
-    EXPECT_NEAR(guard.guard(wall.touch(finger, goal, 0.4)).force.z, before, 1e-9);
+    wall.prev.haptic.swap(stiff_everywhere);
+    EXPECT_NEAR(guard.guard(wall.touch(finger, goal)).force.z, before, 1e-9);
 }
 
 /// A finger at rest, 2 mm deep, on ground of that stiffness.

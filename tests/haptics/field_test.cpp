@@ -65,17 +65,47 @@ TEST(HeightField, APixelValidInOneFrameTakesTheStateOfTheNearerOne) {
     EXPECT_FALSE(small.field(0.5).vertex(1, 1).valid);
 }
 
-TEST(HeightField, PropertiesAreBilinearAndOfTheNearerFrame) {
+TEST(HeightField, PropertiesAreBilinearInSpaceAndLinearInTime) {
     SmallField small(3, 3, 100.0);
     small.scene.haptic = {{0.0, 2.55}, {0.0, 1.0}, {0.0, 1.0}};
     small.prev.haptic.assign(27, 0);
     small.next.haptic.assign(27, 255);
     small.prev.haptic[3 * 4] = 100;  // stiffness at (1, 1)
-    const HapticProperties near_prev = small.field(0.4).properties(0, 0, 0.5, 0.5);
-    EXPECT_DOUBLE_EQ(near_prev.stiffness, 1000.0 / 4);
-    const HapticProperties near_next = small.field(0.6).properties(0, 0, 0.5, 0.5);
-    EXPECT_DOUBLE_EQ(near_next.stiffness, 2550);
-    EXPECT_DOUBLE_EQ(near_next.static_friction, 1.0);
+    const HapticProperties before = small.field().properties(0, 0, 0.5, 0.5);
+    EXPECT_DOUBLE_EQ(before.stiffness, 1000.0 / 4);
+    for (const double blend : {0.25, 0.4999, 0.5, 0.75}) {
+        const HapticProperties between = small.field(blend).properties(0, 0, 0.5, 0.5);
+        EXPECT_NEAR(between.stiffness, 250 + blend * (2550 - 250), 1e-11);
+        EXPECT_NEAR(between.static_friction, blend, 1e-15);
+        EXPECT_NEAR(between.dynamic_friction, blend, 1e-15);
+        EXPECT_EQ(small.field(blend).stiffness(0, 0, 0.5, 0.5), between.stiffness);
+    }
+    small.scene.interpolation = FrameInterpolation::hold;
+    EXPECT_EQ(small.field(0.75).properties(0, 0, 0.5, 0.5).stiffness, before.stiffness);
+}
+
+TEST(HeightField, AFrameWithoutAHapticImageHasTheDefaults) {
+    SmallField small(3, 3, 100.0);
+    small.scene.default_properties = {700, 0.8, 0.4};
+    small.scene.haptic = {{0.1, 0.1}, {0.0, 1.0}, {0.0, 1.0}};
+    small.next.haptic.assign(27, 0);
+    EXPECT_FALSE(small.field().has_haptic_image());
+    EXPECT_TRUE(small.field(0.25).has_haptic_image());
+    EXPECT_DOUBLE_EQ(small.field(0.25).properties(0, 0, 0.5, 0.5).stiffness, 550);
+    EXPECT_DOUBLE_EQ(small.field(0.25).properties(0, 0, 0.5, 0.5).static_friction, 0.6);
+    EXPECT_DOUBLE_EQ(small.field(0.25).properties(0, 0, 0.5, 0.5).dynamic_friction, 0.3);
+}
+
+TEST(HeightField, OfBothFrictionsTheLesserIsTakenOfTheMeans) {
+    SmallField small(3, 3, 100.0);
+    small.scene.haptic = {{1, 1}, {0.0, 1.0}, {0.0, 1.0}};
+    small.prev.haptic.assign(27, 0);
+    small.next.haptic.assign(27, 0);
+    for (std::size_t k = 0; k < 9; ++k) small.prev.haptic[3 * k + 2] = 51;  // mu_d 0.2, mu_s 0
+    for (std::size_t k = 0; k < 9; ++k) small.next.haptic[3 * k + 1] = 51;  // mu_s 0.2, mu_d 0
+    EXPECT_EQ(small.field().properties(0, 0, 0.5, 0.5).dynamic_friction, 0);
+    EXPECT_NEAR(small.field(0.25).properties(0, 0, 0.5, 0.5).dynamic_friction, 0.05, 1e-15);
+    EXPECT_NEAR(small.field(0.75).properties(0, 0, 0.5, 0.5).dynamic_friction, 0.05, 1e-15);
 }
 
 TEST(HeightField, FrictionIsZeroAtInvalidAndRingVertices) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <fstream>
 
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
@@ -98,6 +99,29 @@ TEST(TouchFinerCodes, EveryForceIsVerified) {
         touched.insert(touched.end(), filter.begin(), filter.end());
         ASSERT_EQ(run_touchable(words).code, 0);
         expect_verified(touched, exported);
+    }
+}
+
+/// A planet whose stiffness, friction and heights travel; and one on which dynamic friction is painted above
+/// static in places.
+TEST(TouchFeltGlobe, EveryForceIsVerifiedWhereFramesBlendAndWhereTheyAreHeld) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", odd = folder / "odd.json";
+    make_clip("globe", clip, {"--size", "120x80", "--frames", "6"});
+    auto scene = scene_of(clip);
+    scene["haptic"]["static_friction"] = {0.0, 0.6};
+    scene["haptic"]["dynamic_friction"] = {0.05, 1.0};
+    std::ofstream(odd) << scene;
+    for (const Words& meaning : {Words{}, Words{"--scene", odd}}) {
+        const std::string exported = folder / (meaning.empty() ? "frames" : "odd");
+        Words words{"export", clip, "--frames", "all", "--out", exported};
+        words.insert(words.end(), meaning.begin(), meaning.end());
+        ASSERT_EQ(run_touchable(words).code, 0);
+        for (const std::string interpolation : {"linear", "hold"}) {
+            Words touched{clip, "--fingers", "5", "--interpolation", interpolation, "--seconds", "0.8"};
+            touched.insert(touched.end(), meaning.begin(), meaning.end());
+            expect_verified(touched, exported);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 #include "tests/reference/solver.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -78,6 +79,59 @@ bool advance(const Surface& surface, const Place& from, const Way& way, Real sha
     return out == weight.size();
 }
 
+/// Friction at the corners of the cells that a way goes through is the same.
+bool is_level(const Surface& surface, const Way& way) {
+    const auto friction = [&](std::int64_t i, std::int64_t j) {
+        const Properties p = surface.properties({i, j}, 0, 0);
+        return std::array{p.static_friction, p.dynamic_friction};
+    };
+    const auto& c = way.corners;
+    const auto [low_i, high_i] =
+        std::minmax_element(c.begin(), c.end(), [](Corner a, Corner b) { return a.i < b.i; });
+    const auto [low_j, high_j] =
+        std::minmax_element(c.begin(), c.end(), [](Corner a, Corner b) { return a.j < b.j; });
+    const auto first = friction(low_i->i, low_j->j);
+    return friction(high_i->i, low_j->j) == first && friction(low_i->i, high_j->j) == first &&
+           friction(high_i->i, high_j->j) == first;
+}
+
+/// The least share of a way, found by looking, after which the rest is at most mu dynamic times the load. A
+/// place that holds for less than a look's distance may be missed.
+Real stopping_share(const Surface& surface, const Place& from, const Way& way) {
+    const Real whole = length(way.step);
+    const auto beyond = [&](Real share, Place& there) {
+        const bool inside = advance(surface, from, way, share, there);
+        const Real left = (1 - share) * whole;
+        return inside ? left - properties_at(surface, there).dynamic_friction * way.load : left;
+    };
+    Place place;
+    if (is_level(surface, way)) {
+        const Real mu = properties_at(surface, from).dynamic_friction;
+        return mu > 0 ? std::max(Real(0), 1 - mu * way.load / whole) : 1;
+    }
+    // Up to where the way ends or leaves the triangle.
+    Real end = 1;
+    if (!advance(surface, from, way, 1, place)) {
+        Real inside = 0;
+        for (int k = 0; k < 80; ++k) {
+            const Real middle = (inside + end) / 2;
+            (advance(surface, from, way, middle, place) ? inside : end) = middle;
+        }
+        end = inside;
+    }
+    constexpr int looks = 64;
+    for (int k = 1; k <= looks; ++k) {
+        Real low = end * (k - 1) / looks, high = end * k / looks;
+        if (beyond(high, place) > 0) continue;
+        for (int n = 0; n < 80; ++n) {
+            const Real middle = (low + high) / 2;
+            (beyond(middle, place) > 0 ? low : high) = middle;
+        }
+        return high;
+    }
+    return 1;
+}
+
 /// The flow towards one goal.
 class Flow {
 public:
@@ -138,11 +192,10 @@ private:
         const Real holds = resting_mu(finger_, here) * way.load;
         // What was stopped on the cone in double may lie beyond it by a rounding.
         if (holds > 0 && whole <= holds * (1 + Real(1e-9))) return false;
-        const Real mu = here.dynamic_friction;
-        const Real share = mu > 0 ? std::max(Real(0), 1 - mu * way.load / whole) : 1;
+        const Real share = stopping_share(surface_, *finger_.place, way);
         next.place.emplace();
-        arrived = advance(surface_, *finger_.place, way, share, *next.place) && mu == 0;
-        next.sliding = mu > 0;
+        arrived = advance(surface_, *finger_.place, way, share, *next.place) && here.dynamic_friction == 0;
+        next.sliding = true;
         return true;
     }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace touchable::reference {
 
@@ -77,8 +78,16 @@ Real Surface::q(Real x, Real y) const {
     return (1 - b) * q00 + (b - a) * vertex({c.i, c.j + 1}).q + a * q11;
 }
 
+Properties Surface::felt_at(const SurfaceFrame& frame, int x, int y) const {
+    const HapticProperties& usual = scene_.default_properties;
+    if (frame.haptic.empty()) return {usual.stiffness, usual.static_friction, usual.dynamic_friction};
+    const std::uint8_t* byte = &frame.haptic[3 * frame.index(x, y)];
+    auto at = [](const PropertyRange& r, std::uint8_t v) { return r.min + (Real(r.max) - r.min) * v / 255; };
+    return {1000 * at(scene_.haptic.stiffness, byte[0]), at(scene_.haptic.static_friction, byte[1]),
+            at(scene_.haptic.dynamic_friction, byte[2])};
+}
+
 Properties Surface::properties(Corner cell, Real a, Real b) const {
-    const SurfaceFrame& frame = blend_ < Real(0.5) ? earlier_ : later_;
     Properties sum;
     for (const int di : {0, 1})
         for (const int dj : {0, 1}) {
@@ -87,20 +96,14 @@ Properties Surface::properties(Corner cell, Real a, Real b) const {
             const Corner corner{cell.i + di, cell.j + dj};
             const auto x = static_cast<int>(std::clamp<std::int64_t>(corner.i, 0, scene_.width - 1));
             const auto y = static_cast<int>(std::clamp<std::int64_t>(corner.j, 0, scene_.height - 1));
-            const HapticProperties& usual = scene_.default_properties;
-            Properties p{usual.stiffness, usual.static_friction, usual.dynamic_friction};
-            if (!frame.haptic.empty()) {
-                const std::uint8_t* byte = &frame.haptic[3 * frame.index(x, y)];
-                auto at = [](const PropertyRange& r, std::uint8_t v) {
-                    return r.min + (Real(r.max) - r.min) * v / 255;
-                };
-                p = {1000 * at(scene_.haptic.stiffness, byte[0]), at(scene_.haptic.static_friction, byte[1]),
-                     at(scene_.haptic.dynamic_friction, byte[2])};
+            const bool solid = vertex(corner).valid;  // no friction at holes and at the ring
+            for (const auto& [frame, share] : {std::pair{&earlier_, 1 - blend_}, {&later_, blend_}}) {
+                const Properties p = felt_at(*frame, x, y);
+                sum.stiffness += weight * share * p.stiffness;
+                if (!solid) continue;
+                sum.static_friction += weight * share * p.static_friction;
+                sum.dynamic_friction += weight * share * p.dynamic_friction;
             }
-            sum.stiffness += weight * p.stiffness;
-            if (!vertex(corner).valid) continue;  // no friction at holes and at the ring
-            sum.static_friction += weight * p.static_friction;
-            sum.dynamic_friction += weight * p.dynamic_friction;
         }
     sum.dynamic_friction = std::min(sum.dynamic_friction, sum.static_friction);
     return sum;

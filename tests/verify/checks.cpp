@@ -120,15 +120,14 @@ void Verifier::check_contact(const ForceRow& row, const Surface& surface) {
         return;
     }
     const Star star = star_at(surface, at);
-    const real mu = std::max(touch.mu_static, touch.mu_dynamic);
-    cover(surface, star, mu);
+    cover(surface, star, touch.mu_static);
     if (row.capped) {
         ++coverage_.capped;
         trails_.erase(row.finger);
         return;
     }
-    check_minimum(row, star, mu);
-    if (settings_.check_slip) check_slip(row, star, touch);
+    check_minimum(row, star, touch.mu_static);
+    if (settings_.check_slip) check_slip(row, star, surface);
 }
 
 bool Verifier::check_place(const ForceRow& row, const Surface& surface) {
@@ -188,7 +187,7 @@ void Verifier::check_minimum(const ForceRow& row, const Star& star, real mu) {
               where + text("slides ", j.tangential, " to the closest point, friction holds ", j.allowed));
 }
 
-void Verifier::check_slip(const ForceRow& row, const Star& star, const Touch& touch) {
+void Verifier::check_slip(const ForceRow& row, const Star& star, const Surface& surface) {
     const auto trail = trails_.find(row.finger);
     const Vec3 pixel{row.pixel_x, row.pixel_y, 0};
     if (star.facets.size() > 1) {
@@ -196,14 +195,21 @@ void Verifier::check_slip(const ForceRow& row, const Star& star, const Touch& to
         return;
     }
     const Facet& facet = star.facets[0];
-    if (trail != trails_.end() && trail->second.before) {
-        std::string why;
-        const Step step = judge_step(*trail->second.before, row, facet, touch, why);
-        coverage_.slip_checked += step != Step::unknown;
-        if (step == Step::wrong) found(Check::slip, row, why);
+    Motion motion = Motion::unknown;
+    if (trail != trails_.end()) {
+        const Trail& last = trail->second;
+        if (last.before) {
+            std::string why;
+            const Step step = judge_step(*last.before, row, facet, surface, why);
+            coverage_.slip_checked += step != Step::unknown;
+            if (step == Step::wrong) found(Check::slip, row, why);
+        }
+        if (last.pixel == pixel)
+            motion = Motion::none;
+        else if (last.before && last.before->facet == facet && length(last.pixel - pixel) > 1e-9L)
+            motion = Motion::slid;
     }
-    const bool at_rest = trail != trails_.end() && length(trail->second.pixel - pixel) < 1e-9L;
-    trails_[row.finger] = {pixel, Before{row.tick, facet, row.proxy, touch, at_rest}};
+    trails_[row.finger] = {pixel, Before{row.tick, facet, row.proxy, motion}};
 }
 
 void Verifier::cover(const Surface& surface, const Star& star, real mu) {

@@ -88,7 +88,7 @@ private:
     void check_force(const ForceRow& row);
     void check_properties(const ForceRow& row, const Touch& touch);
     void check_minimum(const ForceRow& row, const Star& star, real mu);
-    void check_slip(const ForceRow& row, const Star& star, const Touch& touch);
+    void check_slip(const ForceRow& row, const Star& star, const Surface& surface);
     void cover(const Surface& surface, const Star& star, real mu);
 
     FrameStore& frames_;

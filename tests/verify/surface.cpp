@@ -24,6 +24,16 @@ real between(real a, real b, real t) {
     return a + t * (b - a);
 }
 
+/// What a pixel of a frame says of stiffness and friction.
+Touch meant(const ExportedFrame& frame, std::size_t index) {
+    const Meaning& m = frame.meaning;
+    if (frame.haptic.empty()) return m.by_default;
+    const std::uint8_t* p = &frame.haptic[3 * index];
+    return {between(m.low.stiffness, m.high.stiffness, p[0] / 255.0L),
+            between(m.low.mu_static, m.high.mu_static, p[1] / 255.0L),
+            between(m.low.mu_dynamic, m.high.mu_dynamic, p[2] / 255.0L)};
+}
+
 }  // namespace
 
 Surface::Surface(const ExportedFrame& earlier, const ExportedFrame& later, real blend)
@@ -115,13 +125,10 @@ Touch Surface::touch_of_pixel(int i, int j) const {
     const int ci = std::clamp(i, 0, meaning_.width - 1), cj = std::clamp(j, 0, meaning_.height - 1);
     const auto index = static_cast<std::size_t>(cj) * static_cast<std::size_t>(meaning_.width) +
                        static_cast<std::size_t>(ci);
-    Touch t = meaning_.by_default;
-    if (!nearer_.haptic.empty()) {
-        const std::uint8_t* p = &nearer_.haptic[3 * index];
-        t = {between(meaning_.low.stiffness, meaning_.high.stiffness, p[0] / 255.0L),
-             between(meaning_.low.mu_static, meaning_.high.mu_static, p[1] / 255.0L),
-             between(meaning_.low.mu_dynamic, meaning_.high.mu_dynamic, p[2] / 255.0L)};
-    }
+    const Touch before = meant(earlier_, index), after = meant(later_, index);
+    Touch t{between(before.stiffness, after.stiffness, blend_),
+            between(before.mu_static, after.mu_static, blend_),
+            between(before.mu_dynamic, after.mu_dynamic, blend_)};
     if (ci != i || cj != j || nearer_.valid[index] == 0) t.mu_static = t.mu_dynamic = 0;
     return t;
 }
@@ -141,6 +148,7 @@ Touch Surface::touch_at(ImagePosition at) const {
         sum.mu_static += weight * t.mu_static;
         sum.mu_dynamic += weight * t.mu_dynamic;
     }
+    sum.mu_dynamic = std::fmin(sum.mu_dynamic, sum.mu_static);
     return sum;
 }
 

@@ -44,7 +44,7 @@ public:
     Facet facet_at(ImagePosition at) const;
     /// 1 / planar depth of the surface.
     real q_at(ImagePosition at) const;
-    /// Bilinear in the frame nearer in time.
+    /// Linear in time, bilinear in space; mu_dynamic is at most mu_static.
     Touch touch_at(ImagePosition at) const;
 
     /// Ray (u, v, -1).

@@ -135,7 +135,7 @@ TEST(Surface, PixelValidInOneFrameTakesTheNearerFramesState) {
     EXPECT_EQ(Surface(a, b, 0.5L).vertex(0, 0).position.z, -150);
 }
 
-TEST(Touch, IsBilinearInTheNearerFrameAndSlipsOverHolesAndRing) {
+TEST(Touch, IsBilinearInSpaceAndLinearInTimeAndSlipsOverHolesAndRing) {
     ExportedFrame a = round_frame(), b = round_frame();
     for (ExportedFrame* frame : {&a, &b}) {
         frame->meaning.low = {1000, 0, 0};
@@ -145,20 +145,24 @@ TEST(Touch, IsBilinearInTheNearerFrameAndSlipsOverHolesAndRing) {
     const std::size_t p = 3 * 5;  // pixel (1, 1) of the later frame
     b.haptic[p] = 100;            // 2000 N/m
     b.haptic[p + 1] = b.haptic[p + 2] = 200;
-    EXPECT_EQ(Surface(a, b, 0.4L).touch_at({1, 1}).stiffness, 1000);
+    EXPECT_NEAR(static_cast<double>(Surface(a, b, 0.4L).touch_at({1, 1}).stiffness), 1400, 1e-12);
     const Touch t = Surface(a, b, 0.5L).touch_at({1.25L, 0.5L});  // weight 0.75 x 0.5
-    EXPECT_NEAR(static_cast<double>(t.stiffness), 1375, 1e-12);
-    EXPECT_NEAR(static_cast<double>(t.mu_static), 0.15, 1e-15);
-    EXPECT_NEAR(static_cast<double>(t.mu_dynamic), 0.075, 1e-15);
+    EXPECT_NEAR(static_cast<double>(t.stiffness), 1187.5, 1e-12);
+    EXPECT_NEAR(static_cast<double>(t.mu_static), 0.075, 1e-15);
+    EXPECT_NEAR(static_cast<double>(t.mu_dynamic), 0.0375, 1e-15);
     b.valid[5] = 0;
     EXPECT_EQ(Surface(a, b, 0.5L).touch_at({1.25L, 0.5L}).mu_static, 0);
-    EXPECT_NEAR(static_cast<double>(Surface(a, b, 0.5L).touch_at({1.25L, 0.5L}).stiffness), 1375, 1e-12);
+    EXPECT_NEAR(static_cast<double>(Surface(a, b, 0.5L).touch_at({1.25L, 0.5L}).stiffness), 1187.5, 1e-12);
     b.haptic.assign(48, 100);
     b.valid[5] = 255;
     const Touch beyond = Surface(a, b, 1).touch_at({-3, 2});
     EXPECT_EQ(beyond.stiffness, 2000);
     EXPECT_EQ(beyond.mu_static, 0);
     EXPECT_NEAR(static_cast<double>(Surface(a, b, 1).touch_at({-0.5L, 2}).mu_static), 0.1, 1e-15);
+    for (std::size_t k = 2; k < 48; k += 3) b.haptic[k] = 240;  // mu_d 0.24 where mu_s is 0.2
+    EXPECT_NEAR(static_cast<double>(Surface(a, b, 1).touch_at({1.5L, 2}).mu_dynamic), 0.2, 1e-15);
+    b.haptic.clear();  // the defaults, without friction
+    EXPECT_NEAR(static_cast<double>(Surface(a, b, 0.75L).touch_at({1, 1}).stiffness), 700, 1e-12);
 }
 
 }  // namespace
