@@ -49,8 +49,9 @@ bool ClipFacts::has_track(const std::string& role) const {
 }
 
 Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
-                             const std::optional<std::filesystem::path>& scene) {
-    auto reader = open_clip(clip, scene);
+                             const std::optional<std::filesystem::path>& scene,
+                             const std::optional<PictureCamera>& described_by) {
+    auto reader = open_clip(clip, scene, described_by);
     if (!reader.ok()) return reader.error();
     ClipFacts facts;
     facts.clip = clip.string();

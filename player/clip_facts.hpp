@@ -35,8 +35,10 @@ struct ClipFacts {
     bool has_track(const std::string& role) const;
 };
 
-/// Reads the description and the first frame; both can fail.
+/// Reads the description and the first frame; both can fail. `scene`, or of a single depth picture
+/// `described_by`, stands in for the clip's own description.
 Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
-                             const std::optional<std::filesystem::path>& scene);
+                             const std::optional<std::filesystem::path>& scene,
+                             const std::optional<PictureCamera>& described_by);
 
 }  // namespace touchable

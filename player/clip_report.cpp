@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -279,7 +280,8 @@ Json to_json(const ClipFacts& facts) {
 
 std::string to_text(const ClipFacts& facts) {
     Lines lines;
-    lines.plain() << facts.clip << (facts.scene.name.empty() ? "" : ": ") << facts.scene.name << '\n';
+    lines.plain() << facts.clip << (facts.scene.name.empty() ? "" : ": ") << printable(facts.scene.name)
+                  << '\n';
     tell_picture(facts, lines);
     tell_depth(facts, lines);
     tell_touch(facts, lines);

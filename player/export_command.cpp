@@ -10,6 +10,7 @@
 
 #include "engine/media/clip.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/camera_options.hpp"
 #include "player/file_option.hpp"
 #include "player/frame_files.hpp"
 #include "player/interrupt.hpp"
@@ -150,7 +151,7 @@ Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const
 Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
         return checked;
-    auto reader = open_clip(options.clip, options.scene);
+    auto reader = open_clip(options.clip, options.scene, options.camera);
     if (!reader.ok()) return reader.error();
     at_work = frames_in_words((*reader)->scene());
     const auto frames = (*reader)->frame_count();
@@ -185,7 +186,9 @@ void add_export_command(CLI::App& app, Command& command) {
     auto options = std::make_shared<ExportOptions>();
     auto typed = std::make_shared<FramesTyped>();
     auto mesh = std::make_shared<bool>(false);
-    add_file_option(*sub, "CLIP", options->clip, "a clip, a folder of images, or a scene file")->required();
+    add_file_option(*sub, "CLIP", options->clip,
+                    "a clip, a folder of images, a depth picture, or a scene file")
+        ->required();
     add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture");
     add_overwrite_option(*sub, options->overwrite);
     auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
@@ -195,17 +198,22 @@ void add_export_command(CLI::App& app, Command& command) {
     add_picture_options(*sub, options->picture);
     sub->add_flag("--mesh", *mesh, "with --frames: write the meshes too")->needs(many);
     add_file_option(*sub, "--scene", options->scene, "scene file that describes the clip instead of its own");
+    auto camera = std::make_shared<CameraTyped>();
+    add_camera_options(*sub, *camera);
     sub->add_option("--median", options->median, "window side instead of the scene's: 0 (off), 3 or 5");
     sub->add_option("--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
     add_terrace_option(*sub, options->terraces);
     add_temporal_option(*sub, options->temporal);
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
-    sub->callback([options, typed, mesh, &command] {
+    sub->callback([options, typed, camera, mesh, &command] {
         command = [=]() -> Result<void> {
             ExportOptions chosen = *options;
             if (chosen.out.empty() && !chosen.picture.file)
                 return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
             if (auto read = read_words(*typed, chosen); !read.ok()) return read;
+            const auto of_picture = read_camera(*camera);
+            if (!of_picture.ok()) return of_picture.error();
+            chosen.camera = *of_picture;
             chosen.mesh = *mesh || typed->one.has_value();
             return run_export(chosen);
         };

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/builder_choice.hpp"
@@ -20,8 +21,9 @@ namespace touchable {
 struct ExportOptions {
     std::filesystem::path clip;
     std::optional<std::filesystem::path> scene;
-    std::filesystem::path out;  ///< empty: only the picture
-    bool overwrite = false;     ///< files there may be replaced
+    std::optional<PictureCamera> camera;  ///< of a single depth picture
+    std::filesystem::path out;            ///< empty: only the picture
+    bool overwrite = false;               ///< files there may be replaced
     std::int64_t first = 0;
     std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "player/command.hpp"
 
@@ -15,6 +16,7 @@ namespace touchable {
 struct InfoOptions {
     std::filesystem::path clip;
     std::optional<std::filesystem::path> scene;
+    std::optional<PictureCamera> camera;  ///< of a single depth picture
     bool json = false;
 };
 

@@ -1,7 +1,5 @@
 #include "player/planes_hash.hpp"
 
-#include "engine/media/clip.hpp"
-
 namespace touchable {
 
 void PlanesHash::add(const RawFrame& frame) {
@@ -14,14 +12,10 @@ void PlanesHash::add(const RawFrame& frame) {
     }
 }
 
-Result<std::string> planes_hash_of(const std::filesystem::path& clip,
-                                   const std::optional<std::filesystem::path>& scene_file,
-                                   std::int64_t frames) {
-    auto reader = open_clip(clip, scene_file);
-    if (!reader.ok()) return reader.error();
+Result<std::string> planes_hash_of(ClipReader& clip, std::int64_t frames) {
     PlanesHash hash;
     for (std::int64_t number = 0; number < frames; ++number) {
-        const auto frame = (*reader)->next();
+        const auto frame = clip.next();
         if (!frame.ok()) return frame.error();
         if (!*frame) break;
         hash.add(**frame);

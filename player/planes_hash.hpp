@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <optional>
 #include <string>
 
 #include "engine/byte_hash.hpp"
 #include "engine/frame/raw_frame.hpp"
+#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -22,9 +21,7 @@ private:
     ByteHash hash_;
 };
 
-/// Of a clip's first `frames`, read from its beginning; of all it has where those are fewer.
-Result<std::string> planes_hash_of(const std::filesystem::path& clip,
-                                   const std::optional<std::filesystem::path>& scene_file,
-                                   std::int64_t frames);
+/// Of a clip's next `frames`; of all it has where those are fewer.
+Result<std::string> planes_hash_of(ClipReader& clip, std::int64_t frames);
 
 }  // namespace touchable

@@ -104,12 +104,13 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     Bytes body(bytes.substr(head_size));
     for (std::uint64_t k = 0; k < ticks; ++k)
         recording.ticks.push_back(read_tick(body, static_cast<std::size_t>(fingers)));
+    const std::string_view facts = bytes.substr(bytes.size() - tail_size - facts_size, facts_size);
     try {
-        recording.facts =
-            checked_json::parse(bytes.substr(bytes.size() - tail_size - facts_size, facts_size));
+        (void)checked_json::parse(facts);
     } catch (const checked_json::Refusal& reason) {
-        return refuse("its facts will not do: " + reason.message);
+        return refuse(damaged + ": its facts, " + reason.message);
     }
+    recording.facts = nlohmann::ordered_json::parse(facts, nullptr, false);
     if (!recording.facts.is_object()) return refuse(damaged);
     if (recording.ticks.empty()) return refuse("has no ticks; there is nothing to replay");
     for (std::size_t k = 1; k < recording.ticks.size(); ++k)

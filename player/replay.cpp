@@ -29,7 +29,9 @@ bool has_other_frames(const Recording& recording, const TouchSetup& setup) {
     const auto recorded = recording.facts.at("planes_hash").get<std::string>();
     if (!recording.facts.contains("frames")) return !setup.live && recorded != setup.feed->planes_hash();
     const auto frames = recording.facts["frames"].get<std::int64_t>();
-    const auto found = planes_hash_of(setup.clip, setup.scene_file, frames);
+    const auto reader = setup.open();
+    if (!reader.ok()) return true;
+    const auto found = planes_hash_of(**reader, frames);
     return !found.ok() || *found != recorded;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "haptics_cpu/tick_velocity.hpp"
+#include "player/camera_options.hpp"
 #include "player/file_option.hpp"
 #include "player/outputs.hpp"
 #include "player/temporal_option.hpp"
@@ -22,6 +23,7 @@ struct TouchWords {
     double max_stiffness_n_mm = 10;
     double stiffness_slew = 0;  // N/mm per second
     double seconds = 0, picture_seconds = 0;
+    CameraTyped camera;
     std::vector<CLI::Option*> fixed_by_recording;
     CLI::Option* clip = nullptr;
     CLI::Option* duration = nullptr;
@@ -32,6 +34,9 @@ struct TouchWords {
 Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     options.guard.max_stiffness = words.max_stiffness_n_mm * 1000;
+    const auto camera = read_camera(words.camera);
+    if (!camera.ok()) return camera.error();
+    options.camera = *camera;
     if (words.slew->count() > 0) options.guard.rise.per_tick = words.stiffness_slew * 1000 * tick_seconds;
     if (std::isnan(words.seconds)) return usage_error("--seconds is not a number; must be 0.001 to 1e6");
     if (std::isnan(words.picture_seconds))
@@ -66,7 +71,8 @@ void add_touch_command(CLI::App& app, Command& command) {
 
     const Words<bool> rises{{"map", false}, {"passive", true}};
 
-    words->clip = add_file_option(*sub, "CLIP", o.clip, "a clip, a folder of images, or a scene file");
+    words->clip =
+        add_file_option(*sub, "CLIP", o.clip, "a clip, a folder of images, a depth picture, or a scene file");
     add_file_option(*sub, "--scene", o.scene, "scene file that describes the clip instead of its own");
     add_builder_options(*sub, o.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
     add_file_option(*sub, "--json", o.json, "write the figures as JSON");
@@ -133,6 +139,8 @@ void add_touch_command(CLI::App& app, Command& command) {
                         "N s/m: the most by which a controller may brake to take back created energy; 0: off")
             ->capture_default_str()};
 
+    for (CLI::Option* option : add_camera_options(*sub, words->camera))
+        words->fixed_by_recording.push_back(option);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
             const auto options = read_words(*words);

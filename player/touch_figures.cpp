@@ -135,6 +135,7 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     };
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
+    for (const auto& note : r["notes"]) line("note", note.get<std::string>());
     const auto why = r["builder_why"].get<std::string>();
     line("surface", r["builder"].get<std::string>() + " builder on " + r["device_name"].get<std::string>() +
                         (why.empty() ? "" : ": " + why));

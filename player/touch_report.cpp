@@ -26,6 +26,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     const std::string cpu = cpu_facts().model;
     Json report{{"format", 1},
                 {"clip", setup.clip.string()},
+                {"notes", setup.notes},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},
                 {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder_why : ""},

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/force_guard.hpp"
@@ -17,6 +18,7 @@ namespace touchable {
 struct TouchOptions {
     std::filesystem::path clip;  ///< may be empty with `replay`: the recorded one then
     std::optional<std::filesystem::path> scene;
+    std::optional<PictureCamera> camera;  ///< of a single depth picture
     std::string hand = "wander";
     int fingers = 1;
     std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s

@@ -79,7 +79,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
 /// Opens the clip and makes its feed; `recorded` is what the run applies where it is done again.
 Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, int fingers,
                        const TouchOptions& options) {
-    auto reader = open_clip(setup.clip, setup.scene_file);
+    auto reader = setup.open();
     if (!reader.ok()) return reader.error();
     setup.scene = recorded ? *recorded : (*reader)->scene();
     if (!recorded) {
@@ -96,6 +96,7 @@ Result<void> open_feed(TouchSetup& setup, const std::optional<Scene>& recorded, 
         return input_error(setup.clip.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(setup.scene.width) + "x" + std::to_string(setup.scene.height));
+    setup.notes = (*reader)->notes();
     setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, (*reader)->frame_count(), fingers, options); !chosen.ok())
         return chosen;
@@ -132,6 +133,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     auto setup = std::make_unique<TouchSetup>();
     setup->clip = options.clip;
     setup->scene_file = options.scene;
+    setup->camera = options.camera;
     setup->hand_words = options.hand;
     if (auto opened = open_feed(*setup, std::nullopt, options.fingers, options); !opened.ok())
         return opened.error();
@@ -183,6 +185,12 @@ Json TouchSetup::facts() const {
                  {"passivity", guard.passivity}}}};
     if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
     if (scene_file) facts["scene_file"] = scene_file->string();
+    if (camera) {
+        facts["intrinsics"] = {camera->fx, camera->fy};
+        if (camera->cx && camera->cy)
+            facts["intrinsics"].insert(facts["intrinsics"].end(), {*camera->cx, *camera->cy});
+        facts["depth_unit"] = camera->metres_per_code;
+    }
     if (!device_words.empty()) facts["device"] = device_words;
     return facts;
 }
@@ -232,11 +240,25 @@ TouchMetric metric_named(const std::string& name) {
     throw std::out_of_range("metric must be world, pixel or scaled");
 }
 
+/// Of a single depth picture, what stood in for its scene file.
+std::optional<PictureCamera> camera_of(const Json& facts) {
+    if (!facts.contains("intrinsics")) return std::nullopt;
+    const auto numbers = member<std::vector<double>>(facts, "intrinsics", "numbers");
+    if (numbers.size() != 2 && numbers.size() != 4)
+        throw std::out_of_range("intrinsics must be two numbers, or four");
+    PictureCamera camera{.fx = numbers[0], .fy = numbers[1]};
+    if (numbers.size() == 4) camera.cx = numbers[2];
+    if (numbers.size() == 4) camera.cy = numbers[3];
+    camera.metres_per_code = number(facts, "depth_unit");
+    return camera;
+}
+
 /// Reads what `TouchSetup::facts` wrote, and gives the recorded scene. Throws std::out_of_range where
 /// something is missing, of another kind or impossible.
 Json read_facts(const Json& facts, TouchSetup& setup) {
     setup.clip = text(facts, "clip");
     if (facts.contains("scene_file")) setup.scene_file = text(facts, "scene_file");
+    setup.camera = camera_of(facts);
     setup.hand_words = text(facts, "hand");
     setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
     if (facts.contains("device")) setup.device_words = text(facts, "device");
@@ -291,7 +313,10 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     const auto scene = parse_scene(scene_text, name);
     if (!scene.ok()) return scene.error();
     if (!options.clip.empty()) setup->clip = options.clip;
-    if (options.scene) setup->scene_file = options.scene;
+    if (options.scene) {
+        setup->scene_file = options.scene;
+        setup->camera.reset();
+    }
     if (auto opened = open_feed(*setup, *scene, recording.fingers, options); !opened.ok())
         return gone(opened.error(), *setup, options);
     setup->hand = std::make_unique<ReplayHand>(recording);

@@ -1,0 +1,70 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/media/image_file.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// A bowl of millimetres, 60 x 40, beside which nothing lies.
+class BarePicture : public ::testing::Test {
+protected:
+    BarePicture() {
+        Image image{60, 40, 2, 1, {}};
+        for (int y = 0; y < 40; ++y)
+            for (int x = 0; x < 60; ++x) {
+                const int depth = 400 + (x - 30) * (x - 30) / 20 + (y - 20) * (y - 20) / 20;
+                image.samples.push_back(static_cast<std::uint8_t>(depth & 255));
+                image.samples.push_back(static_cast<std::uint8_t>(depth >> 8));
+            }
+        EXPECT_TRUE(write_png(folder / "my.png", image.view()).ok());
+    }
+    std::string picture() const { return folder / "my.png"; }
+    const Words camera{"--intrinsics", "50,50", "--depth-unit", "0.001"};
+    Outcome run(Words words, const Words& more) const {
+        words.insert(words.end(), more.begin(), more.end());
+        return run_touchable(words);
+    }
+    TemporaryFolder folder;
+};
+
+TEST_F(BarePicture, IsTouchedReplayedExportedAndDescribedByItsCamera) {
+    const std::string recording = folder / "run.rec", report = folder / "report.json";
+    const Outcome touched =
+        run({"touch", picture(), "--seconds", "0.5", "--record", recording, "--json", report}, camera);
+    ASSERT_EQ(touched.code, 0) << touched.err;
+    EXPECT_GT(nlohmann::json::parse(file_contents(report))["contact_ticks"], 100);
+    const Outcome replayed = run_touchable({"touch", "--replay", recording});
+    EXPECT_EQ(replayed.code, 0) << replayed.err;
+    EXPECT_EQ(run({"touch", "--replay", recording}, camera).code, 2);
+    const Outcome told = run({"info", picture(), "--json"}, camera);
+    ASSERT_EQ(told.code, 0) << told.err;
+    EXPECT_EQ(nlohmann::json::parse(told.out)["first_frame"]["nearest"], 0.4);
+    const Outcome exported = run({"export", picture(), "--frame", "0", "--out", folder / "out"}, camera);
+    EXPECT_EQ(exported.code, 0) << exported.err;
+}
+
+TEST_F(BarePicture, WithoutACameraATemplateOfASceneFileIsPrinted) {
+    for (const char* command : {"touch", "info"}) {
+        const Outcome refused = run_touchable({command, picture()});
+        EXPECT_EQ(refused.code, 3);
+        EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
+        EXPECT_NE(refused.err.find("{\"touchable_scene\": 1, \"width\": 60"), std::string::npos)
+            << refused.err;
+    }
+}
+
+TEST_F(BarePicture, ACameraThatIsNoneIsCode2) {
+    for (const char* text : {"", "50", "50,50,3", "50,fifty", "50,50,1,2,3", "50,nan", "0,50", "50,50,"})
+        EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", text}).code, 2) << text;
+    EXPECT_EQ(run_touchable({"info", picture(), "--depth-unit", "0.001"}).code, 2);
+    EXPECT_EQ(run({"info", picture(), "--scene", picture()}, camera).code, 2);
+    EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", "50,50", "--depth-unit", "0"}).code, 2);
+}
+
+}  // namespace
+}  // namespace touchable::test
