@@ -26,11 +26,7 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
         largest_height_ = largest_height(scene.height_coding, scene.depth);
         height_per_code_ = largest_height_ / scene.height_coding.code_max;
     }
-    const DepthCoding& coding = scene.depth;
-    const double nearest = coding.kind == DepthCodingKind::metric
-                               ? std::max(coding.near, coding.scale * coding.valid_min)
-                               : coding.near;
-    nearest_anywhere_ = nearest - largest_height_;
+    nearest_anywhere_ = scene.depth.nearest_depth() - largest_height_;
     default_properties_ = scene.default_properties;
     default_properties_.dynamic_friction =
         std::min(default_properties_.dynamic_friction, default_properties_.static_friction);

@@ -164,9 +164,9 @@ Result<Scene> scene_from(const Metadata& metadata) {
     scene.depth.far = scene.depth.near + (scene.depth.far - scene.depth.near) * deepest_code /
                                              static_cast<double>(DepthCoding::hue_circle);
     scene.depth.least_sum = least_sum;
+    derive_valid_range(scene.depth);
     if (auto valid = validate(scene); !valid)
         return input_error(metadata.file() + ": " + valid.error().message);
-    derive_valid_range(scene.depth);
     return scene;
 }
 

@@ -143,8 +143,8 @@ Result<void> GdepthImage::describe(const Image& depth) {
     scene_.camera = {focal_length, focal_length, 0.5 * (depth.width - 1), 0.5 * (depth.height - 1)};
     notes_.push_back(
         "the file describes no camera: 60 degrees across are assumed, the axis through the middle");
-    if (auto valid = validate(scene_); !valid) return refuse(valid.error().message);
     derive_valid_range(scene_.depth);
+    if (auto valid = validate(scene_); !valid) return refuse(valid.error().message);
     return {};
 }
 

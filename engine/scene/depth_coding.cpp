@@ -43,9 +43,12 @@ std::uint16_t DepthCoding::code(double depth) const {
 }
 
 void derive_valid_range(DepthCoding& coding) {
+    const auto marked = coding.invalid_codes.begin() +
+                        std::clamp(coding.invalid_code_count, 0, DepthCoding::max_invalid_codes);
     const auto fits = [&](int code) {
         const double depth = coding.depth(static_cast<std::uint16_t>(code));
-        return depth > 0.0 && depth >= coding.near && depth <= coding.far;
+        return depth > 0.0 && depth >= coding.near && depth <= coding.far &&
+               std::find(coding.invalid_codes.begin(), marked, code) == marked;
     };
     int low = 0, high = coding.code_max;
     while (low <= high && !fits(low)) ++low;

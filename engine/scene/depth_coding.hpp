@@ -30,7 +30,8 @@ struct DepthCoding {
     int least_sum = 0;             ///< hue: pixels with R + G + B below this, 0 to 765, are invalid
     std::array<std::uint16_t, max_invalid_codes> invalid_codes{};
     int invalid_code_count = 0;
-    /// Codes outside this range are invalid; derived by `derive_valid_range` from the members above.
+    /// The least and the greatest valid code, so codes outside are invalid; derived by `derive_valid_range`
+    /// from the members above. Least > greatest: none is valid.
     std::uint16_t valid_min = 0, valid_max = 255;
 
     bool is_valid(std::uint16_t code) const {
@@ -51,6 +52,8 @@ struct DepthCoding {
                                    : far + (near - far) * share;
         return std::clamp(between, near, far);
     }
+    /// Of all valid codes the smallest depth. Needs one.
+    double nearest_depth() const { return depth(deeper_is_higher() ? valid_min : valid_max); }
     /// The valid code whose depth is nearest to `depth` (ties: the lower code).
     std::uint16_t code(double depth) const;
     /// True where a larger code is a larger depth.
@@ -61,8 +64,8 @@ struct DepthCoding {
     bool operator==(const DepthCoding&) const = default;
 };
 
-/// Sets valid_min and valid_max so that exactly the codes with 0 < depth, near <= depth <= far and
-/// code <= code_max remain.
+/// Sets valid_min and valid_max to the least and the greatest code with 0 < depth, near <= depth <= far and
+/// code <= code_max that is none of the invalid ones. All between them fit too, but for invalid ones.
 void derive_valid_range(DepthCoding& coding);
 
 }  // namespace touchable

@@ -76,17 +76,22 @@ Result<void> check_planes(const DepthCoding& depth) {
                          [&] { return check_length("depth.far", depth.far); });
 }
 
-/// The smallest depth a valid code can stand for; nothing where no code is valid. Codes of a valid range are
-/// monotone in depth, so it is the one nearest to the shallow end that is not marked invalid.
-std::optional<double> smallest_valid_depth(DepthCoding depth) {
-    derive_valid_range(depth);
-    const int count = depth.valid_max - depth.valid_min + 1;
-    for (int k = 0; k < count; ++k) {
-        const int code = depth.deeper_is_higher() ? depth.valid_min + k : depth.valid_max - k;
-        if (depth.is_valid(static_cast<std::uint16_t>(code)))
-            return depth.depth(static_cast<std::uint16_t>(code));
-    }
-    return std::nullopt;
+/// What valid_min and valid_max have to be; nobody writes them in a file, but who makes a Scene can forget
+/// them.
+Result<void> check_valid_range(const DepthCoding& depth) {
+    DepthCoding derived = depth;
+    derive_valid_range(derived);
+    if (derived.valid_min > derived.valid_max)
+        return refuse("depth.far", depth.far,
+                      "the depth of at least one code; no code lies between depth.near, which is " +
+                          text(depth.near) + ", and depth.far that is not in depth.invalid");
+    if (depth.valid_min != derived.valid_min)
+        return refuse("depth.valid_min", int{depth.valid_min},
+                      text(int{derived.valid_min}) + ", the least valid code: derive_valid_range sets it");
+    if (depth.valid_max != derived.valid_max)
+        return refuse("depth.valid_max", int{depth.valid_max},
+                      text(int{derived.valid_max}) + ", the greatest valid code: derive_valid_range sets it");
+    return {};
 }
 
 Result<void> check_depth(const Scene& scene) {
@@ -105,12 +110,12 @@ Result<void> check_depth(const Scene& scene) {
                                   DepthCoding::max_invalid_codes);
         !count)
         return count;
-    if (!smallest_valid_depth(depth))
-        return refuse("depth.far", depth.far,
-                      "the depth of at least one code; no code lies between depth.near, which is " +
-                          text(depth.near) + ", and depth.far that is not in depth.invalid");
-    return {};
+    return check_valid_range(depth);
 }
+
+/// Of the nearest depth at least this share has to be left under the largest height: nearer to the camera's
+/// plane a pixel is a place so small beside its neighbours that no fraction of a pixel finds it.
+constexpr double least_share_under_height = 1e-3;
 
 /// Needs a depth coding that passed check_depth.
 Result<void> check_height(const Scene& scene) {
@@ -123,13 +128,14 @@ Result<void> check_height(const Scene& scene) {
     if (height.max_height == 0.0) return {};
     if (height.units == HeightUnits::levels && scene.depth.kind != DepthCodingKind::linear)
         return input_error("height_map.units is levels: must be world, because depth.coding is not linear");
-    const double nearest = *smallest_valid_depth(scene.depth);
-    if (nearest - largest_height(height, scene.depth) > 0.0) return {};
+    const double nearest = scene.depth.nearest_depth(), left = least_share_under_height * nearest;
+    if (nearest - largest_height(height, scene.depth) >= left) return {};
     const bool in_levels = height.units == HeightUnits::levels;
     return refuse("height_map.max", height.max_height,
-                  "less than " + text(in_levels ? nearest / scene.depth.level() : nearest) +
+                  "at most " + text((nearest - left) / (in_levels ? scene.depth.level() : 1.0)) +
                       (in_levels ? " levels" : " scene units") +
-                      ", because it is taken off depths as small as " + text(nearest));
+                      ", because it is taken off depths as small as " + text(nearest) +
+                      ", of which a thousandth has to be left");
 }
 
 Result<void> check_range(const std::string& member, const PropertyRange& range) {

@@ -113,7 +113,8 @@ struct Scene {
 };
 
 /// Everything that cannot be is refused here by a message that names the member and its number: sizes,
-/// planes, ranges, scales, non-finite numbers, and a height that could bring a depth to zero or below.
+/// planes, ranges, scales, non-finite numbers, a valid range that `derive_valid_range` would set otherwise,
+/// and a height that could leave less than a thousandth of the nearest depth.
 Result<void> validate(const Scene& scene);
 
 }  // namespace touchable

@@ -260,8 +260,8 @@ Result<Scene> parse_scene(std::string_view json, std::string_view where) {
     } catch (const checked_json::Json::exception& fault) {
         return refusal(fault.what());
     }
-    if (const auto valid = validate(scene); !valid) return refusal(valid.error().message);
     derive_valid_range(scene.depth);
+    if (const auto valid = validate(scene); !valid) return refusal(valid.error().message);
     return scene;
 }
 

@@ -23,9 +23,6 @@ int largest_code(const DepthCoding& coding) {
 DepthCoding finer(const DepthCoding& coding, int factor) {
     const auto fine = [factor](int code) { return static_cast<std::uint16_t>(code * factor); };
     DepthCoding result = coding;
-    // Codes at the ends that stand for no depth are none of those in between either.
-    while (result.valid_min < result.valid_max && !coding.is_valid(result.valid_min)) ++result.valid_min;
-    while (result.valid_max > result.valid_min && !coding.is_valid(result.valid_max)) --result.valid_max;
     result.code_max = fine(largest_code(coding));
     result.scale = coding.scale / factor;
     result.valid_min = fine(result.valid_min);

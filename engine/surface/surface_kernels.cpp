@@ -51,9 +51,7 @@ SurfacePlan plan_for(const GpuFacts& facts) {
 }
 
 ValidCodes valid_codes_of(const DepthCoding& coding) {
-    int low = coding.valid_min, high = coding.valid_max;
-    while (low <= high && !coding.is_valid(static_cast<std::uint16_t>(low))) ++low;
-    while (low <= high && !coding.is_valid(static_cast<std::uint16_t>(high))) --high;
+    const int low = coding.valid_min, high = coding.valid_max;
     ValidCodes codes{no_such_code, 0, {no_such_code, no_such_code, no_such_code, no_such_code}};
     if (low > high) return codes;
     codes.valid_min = static_cast<std::uint32_t>(low);

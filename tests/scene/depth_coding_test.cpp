@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -63,6 +64,7 @@ DepthCoding random_coding(Random& random) {
     for (int k = 0; k < coding.invalid_code_count; ++k)
         coding.invalid_codes[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(
             together ? first + static_cast<std::uint64_t>(k) : random.below(coding.code_max + 1u));
+    if (random.below(2)) derive_valid_range(coding);
     return coding;
 }
 
@@ -142,6 +144,7 @@ TEST(DepthCoding, ValidRangeHoldsExactlyTheCodesWhoseDepthFits) {
     for (int k = 0; k < 300; ++k) {
         DepthCoding coding = random_coding(random);
         coding.invalid_code_count = 0;
+        derive_valid_range(coding);
         for (int c = 0; c <= 65535; ++c) {
             const auto code = static_cast<std::uint16_t>(c);
             const bool fits = code <= coding.code_max && coding.depth(code) > 0 &&
@@ -162,6 +165,39 @@ TEST(DepthCoding, MarkedCodesAreInvalidWhereverTheyLie) {
     coding.invalid_code_count = 3;
     EXPECT_EQ(valid_codes(coding).size(), 253u);
     EXPECT_FALSE(coding.is_valid(17));
+}
+
+TEST(DepthCoding, TheValidRangeEndsAtValidCodesWhateverIsMarked) {
+    Random random(25);
+    int trimmed = 0, nothing_left = 0;
+    for (int k = 0; k < 2000; ++k) {
+        DepthCoding coding = random_coding(random);
+        coding.invalid_codes = {0, coding.code_max, 1, static_cast<std::uint16_t>(coding.code_max - 1)};
+        coding.invalid_code_count = static_cast<int>(random.below(5));
+        derive_valid_range(coding);
+        std::vector<std::uint16_t> fitting;
+        for (int c = 0; c <= coding.code_max; ++c) {
+            const auto code = static_cast<std::uint16_t>(c);
+            const auto last = coding.invalid_codes.begin() + coding.invalid_code_count;
+            if (coding.depth(code) > 0 && coding.depth(code) >= coding.near &&
+                coding.depth(code) <= coding.far &&
+                std::find(coding.invalid_codes.begin(), last, code) == last)
+                fitting.push_back(code);
+        }
+        if (fitting.empty()) {
+            ++nothing_left;
+            EXPECT_GT(coding.valid_min, coding.valid_max);
+            continue;
+        }
+        ASSERT_EQ(coding.valid_min, fitting.front());
+        ASSERT_EQ(coding.valid_max, fitting.back());
+        double nearest = HUGE_VAL;
+        for (const std::uint16_t code : fitting) nearest = std::min(nearest, coding.depth(code));
+        ASSERT_EQ(coding.nearest_depth(), nearest);
+        trimmed += coding.invalid_code_count > 0 && coding.valid_min > 0;
+    }
+    EXPECT_GT(trimmed, 500);
+    EXPECT_GT(nothing_left, 0);
 }
 
 TEST(DepthCoding, CodeUndoesDepthForEveryValidCode) {

@@ -156,7 +156,7 @@ TEST(SceneRefusal, WrongTypesAndValuesAreNamedByTheirPath) {
         {"[0, 1023]", "[0, -1]", {"depth.invalid[1] is -1"}},
         {"[0, 1023]", "[1, 2, 3, 4, 5]", {"depth.invalid is [1,2,3,4,5]", "at most 4"}},
         {"[0, 1023]", "0", {"depth.invalid is 0", "an array"}},
-        {"\"max\": 2.5", "\"max\": 80", {"height_map.max is 80", "less than 72.8"}},
+        {"\"max\": 2.5", "\"max\": 80", {"height_map.max is 80", "at most 72.784"}},
         {"\"levels\"", "\"mm\"", {"height_map.units is \"mm\"", "\"levels\", \"world\""}},
         {"\"units\": \"levels\", \"bits\": 8", "\"bits\": 17", {"height_map.bits is 17", "8 to 16"}},
         {"[0.1, 10]", "[10, 0.1]", {"haptic.stiffness", "is 0.1", "10"}},

@@ -102,6 +102,7 @@ TEST(Validate, AcceptsWhatIsPossible) {
     scene.width = scene.height = 16384;
     scene.depth_bits = 16;
     scene.depth.code_max = 65535;
+    derive_valid_range(scene.depth);
     scene.height_coding.max_height = 72;
     scene.filter = {5, 16};
     scene.haptic.dynamic_friction = {0.5, 2.0};  // above the static one: a map may have reasons
@@ -150,12 +151,12 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
         {"height code", [](Scene& s) { s.height_coding.code_max = 1000; }, {"height", "1000", "bits"}},
         {"too high",
          [](Scene& s) { s.height_coding.max_height = 73; },
-         {"height_map.max is 73", "less than 72.857"}},
+         {"height_map.max is 73", "at most 72.78428", "a thousandth"}},
         {"world high",
          [](Scene& s) {
              s.height_coding = {40, HeightUnits::world, 255};
          },
-         {"height_map.max is 40", "less than 40 scene units"}},
+         {"height_map.max is 40", "at most 39.96 scene units"}},
         {"stiffness range",
          [](Scene& s) {
              s.haptic.stiffness = {2, 1};
@@ -253,7 +254,7 @@ TEST(Validate, NamesTheMemberAndTheNumberOfMetricScenes) {
          [](Scene& s) {
              s.height_coding = {0.01, HeightUnits::world, 255};
          },
-         {"height_map.max is 0.01", "less than 0.001"}},
+         {"height_map.max is 0.01", "at most 0.000999"}},
     };
     for (const Refused& refused : cases) {
         SCOPED_TRACE(refused.name);
@@ -267,6 +268,7 @@ TEST(Validate, HeightIsMeasuredAgainstTheNearestCodeThatCanOccur) {
     Scene scene = metric_scene();
     scene.height_coding = {0.01, HeightUnits::world, 255};
     scene.depth.near = 0.02;
+    derive_valid_range(scene.depth);
     EXPECT_TRUE(validate(scene).ok());
 
     scene = good_scene();  // code 255 stands for 40; without it, the nearest is a level further
@@ -274,10 +276,25 @@ TEST(Validate, HeightIsMeasuredAgainstTheNearestCodeThatCanOccur) {
     EXPECT_FALSE(validate(scene).ok());
     scene.depth.invalid_codes[0] = 255;
     scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
     EXPECT_TRUE(validate(scene).ok());
 }
 
-TEST(Validate, HeightThatJustFitsLeavesEveryDepthPositive) {
+TEST(Validate, TheValidRangeIsTheDerivedOne) {
+    Scene scene = good_scene();
+    scene.depth.invalid_codes[0] = 255;
+    scene.depth.invalid_code_count = 1;
+    expect_refused(scene, {"depth.valid_max is 255", "must be 254"});
+    derive_valid_range(scene.depth);
+    EXPECT_TRUE(validate(scene).ok());
+    scene.depth.valid_min = 3;
+    expect_refused(scene, {"depth.valid_min is 3", "must be 0"});
+    scene.depth.invalid_code_count = 99;  // must not be read as far as that
+    derive_valid_range(scene.depth);
+    expect_refused(scene, {"depth.invalid", "is 99"});
+}
+
+TEST(Validate, HeightThatJustFitsLeavesAThousandthOfEveryDepth) {
     Random random(31);
     int accepted = 0;
     for (int k = 0; k < 5000; ++k) {
@@ -289,7 +306,7 @@ TEST(Validate, HeightThatJustFitsLeavesEveryDepthPositive) {
         double nearest = infinity;
         for (int code = 0; code < 256; ++code)
             nearest = std::min(nearest, scene.depth.depth(static_cast<std::uint16_t>(code)));
-        ASSERT_GT(nearest - largest_height(scene.height_coding, scene.depth), 0.0);
+        ASSERT_GE(nearest - largest_height(scene.height_coding, scene.depth), 1e-3 * nearest);
     }
     EXPECT_GT(accepted, 1000);
     EXPECT_LT(accepted, 4000);

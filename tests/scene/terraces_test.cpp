@@ -58,6 +58,7 @@ TEST(Terraces, FinerCodesAreValidFromTheLeastToTheLargestValidOne) {
     Scene scene = coded(DepthCodingKind::linear, 8);
     scene.depth.invalid_codes = {0, 255, 1, 90};
     scene.depth.invalid_code_count = 4;
+    derive_valid_range(scene.depth);
     const DepthCoding fine = finer(scene.depth, 10);
     EXPECT_FALSE(fine.is_valid(19));
     for (int code = 20; code <= 2540; ++code) EXPECT_TRUE(fine.is_valid(static_cast<std::uint16_t>(code)));
