@@ -6,21 +6,12 @@
 #include "haptics_cpu/contact_damping.hpp"
 #include "haptics_cpu/contact_stiffness.hpp"
 #include "haptics_cpu/energy_account.hpp"
+#include "haptics_cpu/guard_settings.hpp"
+#include "haptics_cpu/jump_cancellation.hpp"
 #include "haptics_cpu/passivity_controller.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable {
-
-/// What the device can bear, how forces come and go, and what is done to them on the way.
-struct GuardSettings {
-    double max_force = 10.0;         ///< N, per finger
-    double max_stiffness = 10000.0;  ///< N/m
-    int ramp_in_ticks = 100;         ///< from the first tick, and again after a fault
-    int ramp_out_ticks = 100;        ///< to zero once goals are no longer finite
-    StiffnessRise rise;              ///< how stiffness may rise in contact; by default as the map does
-    double damping = 0;              ///< N s/m
-    double passivity = 0;            ///< largest damping of the passivity controller, N s/m; 0: off
-};
 
 /// Why a guarded force is not the solver's; bits of the `guard` column.
 enum GuardReason : std::uint32_t {
@@ -28,11 +19,12 @@ enum GuardReason : std::uint32_t {
     guard_stiffness = 1,   ///< k limited to the device's
     guard_force = 2,       ///< |F| limited to the device's
     guard_ramp = 4,        ///< ramping in
-    guard_fault = 8,       ///< goal not finite: ramping to zero, or zero
+    guard_fault = 8,       ///< what came in was no number: ramping to zero; or what would go out: zero
     guard_rise = 16,       ///< k not yet risen to the map's
     guard_damping = 32,    ///< a damper's force added
     guard_passivity = 64,  ///< the passivity controller's force added
-    guard_jump = 128       ///< the surface jumped: JumpCancellation
+    guard_jump = 128,      ///< the surface jumped: JumpCancellation
+    guard_waiting = 256    ///< with guard_jump: no force until the finger has been free of a new surface
 };
 
 struct GuardedForce {
@@ -43,25 +35,44 @@ struct GuardedForce {
 
 /// Stands between the solver's force and one finger's device: device limits, ramp in, ramp out on a fault,
 /// and the books of energy (docs/solver.md, Guard). Unless a damper or the passivity controller is asked for
-/// it only ever shortens a force. No allocation; a pure function of what it was given so far.
+/// it only ever shortens a force. It trusts nobody: what comes in and cannot be is a fault; a force that is
+/// no number or longer than the device's does not go out, and the guard begins anew. No allocation; a pure
+/// function of what it was given so far.
 class ForceGuard {
 public:
+    /// Of settings that `validate` refuses, or of a scale that is no positive number, it is a guard that
+    /// exerts no force: every tick is a fault.
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);
-    GuardedForce guard(const Contact& contact) { return guard(contact, contact.force, false); }
+    GuardedForce guard(const Contact& contact) { return guard(contact, {contact.force}, false); }
     /// After a jump of the surface: `calmed` takes the place of the contact's force.
-    GuardedForce guard_calmed(const Contact& contact, const glm::dvec3& calmed) {
+    GuardedForce guard_calmed(const Contact& contact, const CalmedForce& calmed) {
         return guard(contact, calmed, true);
     }
+    /// Goals have been missing for so long that no force is left: what comes next is a new beginning.
+    bool has_let_go() const { return ticks_faulty_ >= ramp_out_ticks(); }
+
+    /// Of a tick with a fault: what would have gone out could not, and all that led to it is forgotten.
+    bool has_begun_anew() const { return ticks_faulty_ == 0; }
 
 private:
+    int ramp_out_ticks() const;
+    bool is_sound(const Contact& contact, const CalmedForce& calmed) const;
     GuardedForce ramp_out();
-    GuardedForce guard(const Contact& contact, const glm::dvec3& force, bool calmed);
+    GuardedForce guard(const Contact& contact, const CalmedForce& calmed, bool is_calmed);
     glm::dvec3 spring(const Contact& contact, const glm::dvec3& force, double stiffness,
                       std::uint32_t& reasons) const;
+    void brake(const Contact& contact, const CalmedForce& calmed, double stiffness, int ticks,
+               GuardedForce& out);
     void limit(GuardedForce& out) const;
+    bool can_go_out(const GuardedForce& out) const;
+    GuardedForce begin_anew();
 
     GuardSettings settings_;
-    int ticks_in_ = 0;      // since the ramp in began
+    double metres_per_unit_;
+    double surely_;         // a force of less than this, N^2, is within the limit, whatever rounding says
+    double farthest_;       // a place may be, scene units; below 0: settings are not sound, and nothing is
+    double ticks_in_ = 0;   // since the ramp in began; after a fault, where it goes on from
+    double ramp_ = 0;       // share let through in the last tick without a fault
     int ticks_faulty_ = 0;  // since the goal stopped being finite
     int ticks_held_ = 0;    // that have passed since a goal was last known
     glm::dvec3 last_force_{0.0};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "haptics_cpu/sound_contact.hpp"
+
 namespace touchable {
 
 namespace {
@@ -33,18 +35,45 @@ bool JumpCancellation::beyond_device(const dvec3& force, double stiffness) const
     return share * share * dot(force, force) > device_.max_force * device_.max_force;
 }
 
-void JumpCancellation::begin(const Contact& contact) {
+void JumpCancellation::reset() {
+    surface_is_new_ = device_.waits_to_be_free;
+    waiting_ = buried_ = false;
+    presence_ = 1;
+    jump_ = wanted_ = given_ = dvec3(0.0);
+    ticks_ = fade_ticks;
+}
+
+/// From what the hand gets now to nothing.
+void JumpCancellation::fall_silent() {
+    jump_ = -given_;
+    ticks_ = 0;
+    if (given_ == dvec3(0.0)) presence_ = 0;
+}
+
+void JumpCancellation::meet_new(const Contact& contact) {
+    surface_is_new_ = false;
+    waiting_ = device_.waits_to_be_free;
+    if (waiting_)
+        fall_silent();
+    else
+        begin(contact, contact.force);
+}
+
+void JumpCancellation::begin(const Contact& contact, const dvec3& jumped_force) {
     const bool was_buried = buried_;
-    buried_ = beyond_device(contact.jumped_force, contact.properties.stiffness);
-    if (buried_ && was_buried) return;
-    if (buried_ || was_buried) {
-        jump_ = (buried_ ? dvec3(0.0) : contact.jumped_force) - given_;
+    buried_ = beyond_device(jumped_force, contact.properties.stiffness);
+    if (buried_) {
+        if (!was_buried) fall_silent();
+        return;
+    }
+    if (was_buried) {
+        jump_ = jumped_force - given_;
         ticks_ = 0;
         return;
     }
     // What is left of an earlier jump fades on, from where it is. For both there is one clock; it shows the
     // mean of theirs, so that a row of small jumps is followed and not held back for ever.
-    const dvec3 added = contact.jumped_force - wanted_;
+    const dvec3 added = jumped_force - wanted_;
     const double left = fade(ticks_) > 0 ? fade(ticks_) / fade(ticks_ - 1) : 0.0;
     const dvec3 rest = (wanted_ - given_) * left;
     const double rest_n = std::sqrt(dot(rest, rest)), added_n = std::sqrt(dot(added, added));
@@ -53,20 +82,38 @@ void JumpCancellation::begin(const Contact& contact) {
 }
 
 CalmedForce JumpCancellation::calm(const Contact& contact) {
+    if (!has_sound_forces(contact)) return {contact.force};
+    // Most ticks by far: a contact that did not jump, and nothing to fade.
+    if (contact.touching && !surface_is_new_ && !contact.jumped && !is_silent() && ticks_ >= fade_ticks &&
+        presence_ >= 1) {
+        wanted_ = given_ = contact.force;
+        return {contact.force};
+    }
     if (!contact.touching) {
         buried_ = false;
         ticks_ = fade_ticks;
-    } else if (contact.jumped) {
-        begin(contact);
+        presence_ = 1;
+        // A finger whose goal is not known is not known to be free.
+        if (!contact.goal_held) surface_is_new_ = waiting_ = false;
+    } else if (surface_is_new_) {
+        meet_new(contact);
+    } else if (contact.jumped && !waiting_) {
+        begin(contact, contact.jumped_force);
     }
-    wanted_ = buried_ ? dvec3(0.0) : contact.force;
+    CalmedForce out;
+    out.presence = presence_;
+    out.waiting = waiting_ && contact.touching;
+    wanted_ = is_silent() ? dvec3(0.0) : contact.force;
     given_ = contact.force;
-    if (buried_ || ticks_ < fade_ticks) {
+    if (is_silent() || ticks_ < fade_ticks) {
         given_ = within(contact.force, wanted_ - fade(ticks_) * jump_);
         ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
     }
-    const dvec3 difference = given_ - contact.force;
-    return {given_, difference, difference != dvec3(0.0)};
+    presence_ = std::clamp(presence_ + (is_silent() ? -1.0 : 1.0) / fade_ticks, 0.0, 1.0);
+    out.force = given_;
+    out.difference = given_ - contact.force;
+    out.active = out.difference != dvec3(0.0);
+    return out;
 }
 
 }  // namespace touchable

@@ -2,7 +2,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/guard_settings.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable {
@@ -12,6 +12,10 @@ struct CalmedForce {
     glm::dvec3 force{0.0};       ///< N; never longer than the solver's, never against it
     glm::dvec3 difference{0.0};  ///< force less the solver's: what the jump's cancellation does to the hand
     bool active = false;         ///< the difference is not 0
+    /// How much of the contact the hand is to feel, 0 to 1: what is added to the spring goes with it. 1 but
+    /// where there is to be no force, and for a fade's length before and after.
+    double presence = 1;
+    bool waiting = false;  ///< there is none because the finger has not been free of a new surface
 };
 
 /// Keeps a surface that jumps under one finger - a cut, an object from the side, a frame that was late - from
@@ -22,23 +26,36 @@ struct CalmedForce {
 /// It only takes away: the result is never longer than F, nor does it pull against F. Jumps that overlap go
 /// on from the current result; the end of contact ends it at once. Where a jump leaves
 /// the goal so deep that the spring exceeds what the device can bear (F_max / k), there is no force at all,
-/// until the goal surfaces or another jump brings it near.
+/// until the goal surfaces or another jump brings it near. A surface that is new is a jump for who is inside
+/// it; with `waits_to_be_free` there is no force then until the finger has been free once.
 ///
 /// No allocation; a pure function of what it was given so far; what never jumps goes through unchanged, to
-/// the bit.
+/// the bit. A contact with forces that are none goes through unchanged too, for the guard to refuse, and
+/// leaves no trace.
 class JumpCancellation {
 public:
     static constexpr int fade_ticks = 100;
 
-    explicit JumpCancellation(const GuardSettings& device) : device_(device) {}
+    explicit JumpCancellation(const GuardSettings& device) : device_(device) { reset(); }
     CalmedForce calm(const Contact& contact);
+    /// The next contact is with a surface that is new to the finger; the first one is (the guard's ramp is
+    /// its fade where nothing waits).
+    void surface_is_new() { surface_is_new_ = true; }
+    /// As it was made.
+    void reset();
 
 private:
     bool beyond_device(const glm::dvec3& force, double stiffness) const;
-    void begin(const Contact& contact);
+    bool is_silent() const { return buried_ || waiting_; }
+    void fall_silent();
+    void begin(const Contact& contact, const glm::dvec3& jumped_force);
+    void meet_new(const Contact& contact);
 
     GuardSettings device_;
-    bool buried_ = false;
+    bool surface_is_new_ = false;  // and not met yet
+    bool waiting_ = false;         // inside a surface that was new, and never free since
+    bool buried_ = false;          // by a jump, deeper than the device can bear
+    double presence_ = 1;
     glm::dvec3 jump_{0.0};       // J, at w = 1
     double ticks_ = fade_ticks;  // since w was 1, of the coming tick
     // Of the tick before: what the hand would have got without J, and what it got.

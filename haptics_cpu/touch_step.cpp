@@ -15,20 +15,26 @@ constexpr double behind_tolerance = 1e-9;
 
 }  // namespace
 
-TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers) : solver_(solver) {
+TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers)
+    : solver_(solver), waits_to_be_free_(guard.waits_to_be_free) {
     const auto count = static_cast<std::size_t>(fingers);
     goals_.resize(count);
     fingers_.resize(count);
     contacts_.resize(count);
-    jumps_.assign(count, JumpCancellation(guard));
-    guards_.assign(count, ForceGuard(guard, solver.settings().metres_per_scene_unit));
+    guards_.assign(count, FingerGuard(guard, solver.settings().metres_per_scene_unit));
     forces_.resize(count);
 }
 
-GuardedForce TouchStep::force_on(std::size_t finger) {
-    const CalmedForce calmed = jumps_[finger].calm(contacts_[finger]);
-    if (!calmed.active) return guards_[finger].guard(contacts_[finger]);
-    return guards_[finger].guard_calmed(contacts_[finger], calmed.force);
+/// As at the start, but for the last goal, which stands in where there is none.
+void TouchStep::meet_anew(std::size_t finger) {
+    const glm::dvec3 goal = fingers_[finger].goal;
+    fingers_[finger] = {};
+    fingers_[finger].goal = goal;
+    guards_[finger].surface_is_new();
+}
+
+void TouchStep::begin_epoch() {
+    for (std::size_t k = 0; k < fingers_.size(); ++k) meet_anew(k);
 }
 
 /// Since the tick before; a count that begins anew has no tick before.
@@ -41,7 +47,11 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     const auto start = std::chrono::steady_clock::now();
     const HeightField field(scene, pair);
     solver_.tick(field, goals_, fingers_, contacts_, ticks_until(tick));
-    for (std::size_t k = 0; k < guards_.size(); ++k) forces_[k] = force_on(k);
+    for (std::size_t k = 0; k < guards_.size(); ++k) {
+        forces_[k] = guards_[k].guard(contacts_[k]);
+        // Whoever comes back may be anywhere by then.
+        if (waits_to_be_free_ && contacts_[k].goal_held && guards_[k].has_let_go()) meet_anew(k);
+    }
     const auto end = std::chrono::steady_clock::now();
 
     TouchTick done;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "haptics_cpu/jump_cancellation.hpp"
+#include "haptics_cpu/finger_guard.hpp"
 #include "haptics_cpu/touch_tick.hpp"
 
 namespace touchable {
@@ -20,22 +20,25 @@ public:
     std::span<glm::dvec3> goals() { return goals_; }
     /// What the fingers carry over to the next tick.
     std::span<const FingerState> states() const { return fingers_; }
+    /// What the next `run` touches is new to all fingers: another clip, another moment of it. The first one
+    /// is. Each begins anew where its goal is; what is inside a surface then waits to be free
+    /// (GuardSettings), or feels it come on as after a jump. Time goes on.
+    void begin_epoch();
     /// No allocation, lock or I/O. The spans stay as they are until the next call. `tick` counts time: where
     /// it is more than 1 after the last one, that long has passed.
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
 private:
-    /// What the finger's device gets for its contact.
-    GuardedForce force_on(std::size_t finger);
+    void meet_anew(std::size_t finger);
     int ticks_until(std::int64_t tick);
 
     const TouchSolver& solver_;
+    bool waits_to_be_free_;
     std::optional<std::int64_t> last_tick_;
     std::vector<glm::dvec3> goals_;
     std::vector<FingerState> fingers_;
     std::vector<Contact> contacts_;
-    std::vector<JumpCancellation> jumps_;
-    std::vector<ForceGuard> guards_;
+    std::vector<FingerGuard> guards_;
     std::vector<GuardedForce> forces_;
 };
 

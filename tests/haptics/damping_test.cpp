@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "haptics_cpu/finger_guard.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {
@@ -83,6 +84,143 @@ TEST_F(DampedWall, ASurfaceThatMovesUnderAHandAtRestIsNotDamped) {
     for (int k = 0; k < 200; ++k) {
         const Contact contact = wall.touch(finger, {0, 0, -99.5}, k * 0.004);
         ASSERT_EQ(guard.guard(contact).force, contact.force) << k;
+    }
+}
+
+/// Contacts made by hand: the goal goes along x at 0.2 m/s, `depth` mm under its proxy.
+class Dragged : public testing::Test {
+protected:
+    static Contact at(int tick, double depth, double stiffness = 1000) {
+        Contact contact;
+        contact.touching = true;
+        contact.proxy = {0.2 * tick, 0, 0};
+        contact.goal = {0.2 * tick, 0, -depth};
+        contact.carried = {0.2 * (tick - 1), 0, 0};
+        contact.properties.stiffness = stiffness;
+        contact.carried_stiffness = stiffness;
+        contact.force = stiffness * 0.001 * (contact.proxy - contact.goal);
+        return contact;
+    }
+};
+
+TEST_F(Dragged, ADamperThatWouldPushTheHandAlongIsDropped) {
+    ForceGuard guard(damped(10), 0.001);
+    for (int tick = 0; tick < 20; ++tick) {
+        // Over an edge, say: the proxy runs ahead of the goal, and stretches the spring the way the hand
+        // goes.
+        Contact ahead = at(tick, 1);
+        ahead.proxy.x += 0.1 * tick;
+        ahead.carried.x = tick == 0 ? 0 : ahead.proxy.x - 0.3;
+        ahead.force = ahead.proxy - ahead.goal;
+        const GuardedForce out = guard.guard(ahead);
+        EXPECT_EQ(out.force, ahead.force) << tick;
+        EXPECT_EQ(out.reasons, guard_none) << tick;
+        // The other way round it brakes.
+        if (tick < 19) continue;
+        Contact behind = at(tick + 1, 1);
+        behind.carried = ahead.proxy;
+        behind.proxy.x = ahead.proxy.x - 5;
+        behind.force = behind.proxy - behind.goal;
+        EXPECT_LT(guard.guard(behind).force.x, behind.force.x);
+    }
+}
+
+TEST_F(Dragged, AnOutageIsNoHasteToADamper) {
+    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
+    GuardSettings settings = damped(10);
+    settings.max_force = 1000;
+    settings.ramp_in_ticks = 100;
+    ForceGuard guard(settings, 0.001);
+    FingerState finger;
+    const auto press = [&](int tick) {
+        const Contact contact = wall.touch(finger, {0, 0, -99 - 0.2 * tick});  // 0.2 m/s
+        return std::pair(contact.force.z, guard.guard(contact).force.z);
+    };
+    for (int tick = 0; tick < 150; ++tick) press(tick);
+    for (int tick = 150; tick < 159; ++tick) guard.guard(wall.touch(finger, {NAN, 0, 0}));
+    const auto [spring, force] = press(159);
+    EXPECT_NEAR(force, 0.91 * (spring + 10 * 0.2), 1e-6) << "nine steps of the ramp down";
+}
+
+// With energy from nowhere: a finger comes from soft to hard ground.
+TEST_F(Dragged, TheBrakeTakesTheHandsSpeedThroughAnOutage) {
+    GuardSettings settings = without_ramp();
+    settings.passivity = 20;
+    settings.max_force = 1000;
+    ForceGuard guard(settings, 0.001);
+    int tick = 0;
+    for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
+    Contact arriving = at(tick++, 10, 10000);
+    arriving.carried_stiffness = 100;
+    EXPECT_NEAR(guard.guard(arriving).force.x, -20 * 0.2, 1e-6) << "the most there may be";
+    for (; tick < 70; ++tick) EXPECT_NEAR(guard.guard(at(tick, 10, 10000)).force.x, -20 * 0.2, 1e-6);
+    for (; tick < 79; ++tick) {
+        Contact held = at(tick, 10, 10000);
+        held.goal_held = true;
+        guard.guard(held);
+    }
+    EXPECT_NEAR(guard.guard(at(tick, 10, 10000)).force.x, -20 * 0.2, 1e-6);
+}
+
+TEST_F(Dragged, TheBrakeIsRampedAsTheSpringIs) {
+    GuardSettings settings;
+    settings.passivity = 20;
+    settings.max_force = 1000;
+    ForceGuard guard(settings, 0.001);
+    int tick = 0;
+    for (; tick < 50; ++tick) guard.guard(at(tick, 10, 100));
+    for (; tick < 60; ++tick) {
+        Contact contact = at(tick, 10, 10000);
+        if (tick == 50) contact.carried_stiffness = 100;
+        const GuardedForce out = guard.guard(contact);
+        const double ramp = 0.01 * tick;
+        EXPECT_NEAR(out.force.x, -ramp * 20 * 0.2, 1e-6) << tick;
+        EXPECT_NEAR(out.force.z, ramp * 100, 1e-9) << tick;
+        EXPECT_EQ(out.reasons, std::uint32_t{guard_ramp | guard_passivity});
+    }
+}
+
+TEST_F(Dragged, NothingIsAddedToAForceThatACutHasBuried) {
+    GuardSettings settings = damped(10);
+    settings.passivity = 20;
+    FingerGuard guard(settings, 0.001);
+    // Into the ground at 0.05 m/s, 0.5 N of damper; then a cut raises the ground by 60 mm, and the hand goes
+    // on, and back.
+    double last = 0;
+    const auto press = [&](double depth, double risen, bool cut) {
+        Contact contact = at(0, depth);
+        contact.proxy.z = risen;
+        contact.carried = contact.proxy;
+        contact.force = contact.proxy - contact.goal;
+        contact.jumped = cut;
+        contact.jumped_force = contact.force;
+        const double force = guard.guard(contact).force.z, step = force - last;
+        last = force;
+        return step;
+    };
+    double depth = 0.05;
+    for (int k = 0; k < 110; ++k, depth += k < 80 ? 0.05 : 0) press(depth, 0, false);
+    EXPECT_NEAR(last, 4, 1e-6);
+    for (int k = 0; k < 30; ++k, depth += 0.05) press(depth, 0, false);
+    EXPECT_NEAR(last, 5.45 + 0.5, 1e-6);
+    for (int k = 0; k < 100; ++k, depth += 0.05)
+        EXPECT_LE(std::abs(press(depth, 60, k == 0)), 1.5 / 100 * 6 + 0.5 / 100 + 1e-3) << k;
+    for (int k = 0; k < 200; ++k, depth += k < 100 ? 0.05 : -0.3) {
+        press(depth, 60, false);
+        ASSERT_EQ(last, 0) << k;
+    }
+}
+
+TEST_F(Dragged, ADamperHoldsNoFingerBackWhereTheForceIsStillToCome) {
+    FingerGuard guard(damped(50), 0.001);
+    // A free finger; a surface comes through it at once, 5 mm; it withdraws at 0.05 m/s.
+    guard.guard(Contact{});
+    for (int k = 0; k < 60; ++k) {
+        Contact contact = at(0, 5 - 0.05 * k);
+        contact.carried.x = 0;
+        contact.jumped = k == 0;
+        contact.jumped_force = {0, 0, 5};
+        ASSERT_GE(guard.guard(contact).force.z, -1e-12) << k;
     }
 }
 

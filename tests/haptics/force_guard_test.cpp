@@ -1,6 +1,7 @@
 // What stands between a solver and a hand.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -105,6 +106,74 @@ TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
     EXPECT_EQ(guard.guard(wall.touch(finger, {nan, 0, -102})).force, glm::dvec3(0.0));
     EXPECT_EQ(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, 0);
     EXPECT_LT(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, before / 5);
+}
+
+Contact without_goal() {
+    Contact contact = pressing(5);
+    contact.goal_held = true;
+    return contact;
+}
+
+TEST(ForceGuard, ABadSampleSinksTheForceByAStepOfTheRampAndItRisesFromThere) {
+    ForceGuard guard(GuardSettings{}, 0.001);
+    for (int k = 0; k < 150; ++k) guard.guard(pressing(5));
+    EXPECT_DOUBLE_EQ(guard.guard(without_goal()).force.z, 5 * 0.99);
+    EXPECT_DOUBLE_EQ(guard.guard(pressing(5)).force.z, 5 * 0.99);
+    EXPECT_DOUBLE_EQ(guard.guard(pressing(5)).force.z, 5);
+    EXPECT_EQ(guard.guard(pressing(5)).reasons, guard_none);
+}
+
+TEST(ForceGuard, NoFaultMakesAStepLongerThanTheRampsOwn) {
+    SplitMix64 random(8);
+    for (const int in : {1, 7, 100})
+        for (const int out : {1, 10, 100}) {
+            GuardSettings settings;
+            settings.ramp_in_ticks = in;
+            settings.ramp_out_ticks = out;
+            ForceGuard guard(settings, 0.001);
+            double last = 0, least = 5, most = 0;
+            for (int k = 0; k < 5000; ++k) {
+                const unsigned one_in = std::array{20U, 2U, 5U, 1U}[static_cast<std::size_t>(k / 500 % 4)];
+                const bool fails = random.next() % one_in == 0 && k > 200;
+                const double force = guard.guard(fails ? without_goal() : pressing(5)).force.z;
+                ASSERT_LE(force - last, 5.0 / in + 1e-9) << in << ' ' << out << ' ' << k;
+                ASSERT_LE(last - force, 5.0 / out + 1e-9) << in << ' ' << out << ' ' << k;
+                last = force;
+                if (k > 200) least = std::min(least, force);
+                most = std::max(most, force);
+            }
+            EXPECT_LT(least, 0.5);
+            EXPECT_EQ(most, 5);
+        }
+}
+
+TEST(ForceGuard, ARampOfNoTicksIsAtOnce) {
+    GuardSettings settings = without_ramp();
+    settings.ramp_out_ticks = 0;
+    ForceGuard guard(settings, 0.001);
+    EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
+    EXPECT_EQ(guard.guard(without_goal()).force, glm::dvec3(0.0));
+    EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
+}
+
+TEST(ForceGuard, ABadSampleIsNoNewContactToAStiffnessThatMustBePaidFor) {
+    GuardSettings settings = without_ramp();
+    settings.rise.paid = true;
+    ForceGuard guard(settings, 0.001);
+    const auto resting = [](double stiffness) {  // 2 mm deep
+        Contact contact = pressing(0.002 * stiffness, stiffness);
+        contact.goal.z = -2;
+        contact.carried_stiffness = stiffness;
+        return contact;
+    };
+    guard.guard(resting(100));
+    ASSERT_NEAR(guard.guard(resting(4000)).force.z, 0.2, 1e-12);
+    Contact bad = resting(4000);
+    bad.goal_held = true;
+    guard.guard(bad);
+    EXPECT_NEAR(guard.guard(resting(4000)).force.z, 0.2, 1e-12);
+    for (int k = 0; k < settings.ramp_out_ticks; ++k) guard.guard(bad);
+    EXPECT_NEAR(guard.guard(resting(4000)).force.z, 8, 1e-12) << "after a while it is one";
 }
 
 TEST(ForceGuard, LimitsHoldWithEverythingOnAndGoalsThatJumpAndFail) {

@@ -166,6 +166,22 @@ TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
     EXPECT_EQ(out.force, dvec3(0, 0, 3));
 }
 
+TEST(JumpCancellation, AForceThatIsNoNumberLeavesNoTrace) {
+    JumpCancellation calm(device()), other(device());
+    for (JumpCancellation* one : {&calm, &other}) {
+        one->calm(pressing({0, 0, 1}));
+        one->calm(jumping({0, 0, 5}));
+    }
+    for (const double bad : {std::nan(""), HUGE_VAL, 1e200}) {
+        EXPECT_FALSE(calm.calm(pressing({0, 0, bad})).active);
+        Contact contact = jumping({0, 0, 4});
+        contact.jumped_force.x = bad;
+        EXPECT_EQ(calm.calm(contact).force, contact.force);
+    }
+    for (int tick = 0; tick < 110; ++tick)
+        ASSERT_EQ(calm.calm(pressing({0, 0, 5})).force, other.calm(pressing({0, 0, 5})).force) << tick;
+}
+
 TEST(JumpCancellation, AForceThatIsNoNumberIsLeftToTheGuard) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 1}));

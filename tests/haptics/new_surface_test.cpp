@@ -1,0 +1,145 @@
+// A finger that is inside a surface when the surface is new to it: at the start, after a seek, after an
+// outage.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "haptics_cpu/touch_step.hpp"
+#include "tests/haptics/force_path.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// A finger over a wall at 100 mm, 1 N/mm; `depth` mm under it, above it where that is below 0.
+class NewSurface : public testing::Test {
+protected:
+    NewSurface() : wall(33, 33, 100.0, DepthSemantics::planar) {
+        settings.metres_per_scene_unit = 0.001;
+        guard.waits_to_be_free = true;
+        guard.ramp_in_ticks = 0;
+    }
+    void begin() {
+        solver.emplace(TouchSolver::create(wall.scene, settings).value());
+        step.emplace(*solver, guard, 1);
+    }
+    double press(double depth) { return give(-100 - depth); }
+    double without_goal() { return give(NAN); }
+    /// The largest change of force from tick to tick while a finger rests there, and the force in the end.
+    std::pair<double, double> rest(double depth, int ticks, double last) {
+        double most = 0;
+        for (int k = 0; k < ticks; ++k) {
+            const double force = press(depth);
+            most = std::max(most, std::abs(force - last));
+            last = force;
+        }
+        return {most, last};
+    }
+
+    SmallField wall;
+    TouchSettings settings;
+    GuardSettings guard;
+    std::uint32_t reasons = 0;
+    std::optional<TouchSolver> solver;
+    std::optional<TouchStep> step;
+
+private:
+    double give(double z) {
+        step->goals()[0] = {0, 0, z};
+        const TouchTick done = step->run(tick_, tick_ * 1'000'000, wall.scene, wall.pair());
+        ++tick_;
+        reasons = done.forces[0].reasons;
+        return done.forces[0].force.z;
+    }
+    std::int64_t tick_ = 0;
+};
+
+constexpr double steepest = 1.5 / JumpCancellation::fade_ticks;  // of a fade, per tick
+
+TEST_F(NewSurface, GivesNoForceToAFingerInsideUntilItHasBeenFree) {
+    begin();
+    for (int k = 0; k < 300; ++k) {
+        ASSERT_EQ(press(5 - 0.01 * k), 0) << k;
+        ASSERT_EQ(reasons, std::uint32_t{guard_jump | guard_waiting});
+    }
+    // Goals that are none set nobody free.
+    for (int k = 0; k < 10; ++k) without_goal();
+    EXPECT_EQ(press(2), 0);
+    EXPECT_EQ(press(-0.5), 0);
+    EXPECT_NEAR(press(2), 2, 1e-9);
+    EXPECT_EQ(reasons, guard_none);
+}
+
+TEST_F(NewSurface, IsFeltAtOnceByAFingerThatWasFree) {
+    begin();
+    press(-1);
+    EXPECT_NEAR(press(3), 3, 1e-9);
+    EXPECT_EQ(reasons, guard_none);
+}
+
+TEST_F(NewSurface, IsFeltFromTheStartByWhoWantsThat) {
+    guard.waits_to_be_free = false;
+    begin();
+    EXPECT_NEAR(press(5), 5, 1e-9);
+    EXPECT_EQ(reasons, guard_none);
+}
+
+TEST_F(NewSurface, AnEpochFadesTheForceOfAFingerInside) {
+    begin();
+    press(-1);
+    const double before = press(4);
+    step->begin_epoch();
+    wall.fill(wall.prev, 98.0);
+    const auto [most, force] = rest(4, 150, before);  // 6 mm deep now
+    EXPECT_LE(most, before * steepest * (1 + 1e-9));
+    EXPECT_EQ(force, 0);
+    EXPECT_EQ(press(0), 0) << "2 mm deep still";
+    press(-2.5);
+    EXPECT_NEAR(press(4), 6, 1e-9);
+}
+
+TEST_F(NewSurface, AnEpochComesOnAsAfterAJumpWhereNothingWaits) {
+    guard.waits_to_be_free = false;
+    begin();
+    press(-1);
+    const double before = press(4);
+    step->begin_epoch();
+    wall.fill(wall.prev, 98.0);
+    const auto [most, force] = rest(4, 150, before);
+    EXPECT_LE(most, 2 * steepest * (1 + 1e-9));
+    EXPECT_NEAR(force, 6, 1e-9);
+}
+
+TEST_F(NewSurface, AnEpochIsNothingToAFreeFinger) {
+    begin();
+    press(-1);
+    step->begin_epoch();
+    press(-1);
+    EXPECT_NEAR(press(2), 2, 1e-9);
+    EXPECT_EQ(reasons, guard_none);
+}
+
+TEST_F(NewSurface, WhoComesBackAfterAnOutageWaitsAndAfterABadSampleDoesNot) {
+    guard.ramp_out_ticks = 20;
+    begin();
+    press(-1);
+    press(4);
+    without_goal();
+    EXPECT_NEAR(press(4), 4, 1e-9);
+    for (int k = 0; k < 20; ++k) without_goal();
+    for (int k = 0; k < 50; ++k) ASSERT_EQ(press(4), 0);
+    EXPECT_NE(reasons & guard_waiting, 0U);
+    press(-0.1);
+    EXPECT_NEAR(press(4), 4, 1e-9);
+}
+
+TEST_F(NewSurface, WhoComesBackAfterAnOutageInTheAirIsFree) {
+    guard.ramp_out_ticks = 20;
+    begin();
+    press(4);
+    for (int k = 0; k < 30; ++k) without_goal();
+    EXPECT_EQ(press(-1), 0);
+    EXPECT_NEAR(press(4), 4, 1e-9);
+}
+
+}  // namespace
+}  // namespace touchable::test
