@@ -102,6 +102,10 @@ void add_touch_command(CLI::App& app, Command& command) {
         words->slew,
         words->duration,
         sub->add_flag("--live", o.live, "in real time on the wall clock, each part on a thread of its own"),
+        sub->add_flag(
+            "--start-buried", o.start_buried,
+            "live: a finger that is inside the surface when it first meets it is pushed out at once; "
+            "otherwise it feels nothing until it has been free"),
         sub->add_option("--device", o.device,
                         "live: what the hand holds, simulated[:key=value,...] (docs/devices.md); without it "
                         "nothing holds the hand back"),

@@ -35,6 +35,7 @@ Spread spread_of(std::vector<double> values) {
 
 Result<void> TouchFigures::take(const TouchTick& tick) {
     bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
+    bool waiting = false;
     energy_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
@@ -46,6 +47,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         capped |= c.counts.capped;
         guarded |= tick.forces[k].reasons != guard_none;
         softened |= (tick.forces[k].reasons & guard_stiffness) != 0;
+        waiting |= (tick.forces[k].reasons & guard_waiting) != 0;
         energy_[k] = tick.forces[k].energy;
         events_ += c.counts.events;
         if (!c.touching) continue;
@@ -62,6 +64,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     capped_ticks_ += capped;
     guarded_ticks_ += guarded;
     stiffness_limited_ticks_ += softened;
+    waiting_ticks_ += waiting;
     tick_us_.push_back(tick.solve_us);
     late_us_.push_back(tick.late_us);
     return {};
@@ -106,6 +109,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"nonfinite_ticks", nonfinite_ticks_},
             {"capped_ticks", capped_ticks_},
             {"guarded_ticks", guarded_ticks_},
+            {"waiting_ticks", waiting_ticks_},
             {"late_ticks", 0},  // a live run knows better
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},
@@ -146,6 +150,10 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
                       number(r["force_n"]["max"], "%.3f N max"));
     line("guard", count("guarded_ticks") + " ticks changed by it");
+    if (r["waiting_ticks"] > 0)
+        line("began inside", count("waiting_ticks") +
+                                 " ticks without force, for a finger that had not been free of the surface; "
+                                 "--start-buried pushes it out");
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
                           std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");

@@ -31,6 +31,7 @@ struct TouchOptions {
     std::optional<FrameInterpolation> interpolation;  ///< likewise
     GuardSettings guard;
     bool live = false;                  ///< on the wall clock, in real time
+    bool start_buried = false;          ///< live: force from the start for a finger that begins inside, too
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     std::optional<std::filesystem::path> json, forces, record, replay;
     bool overwrite = false;  ///< files of those names may be replaced

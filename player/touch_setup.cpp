@@ -130,6 +130,8 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     if (auto checked = check_guard(options.guard); !checked.ok()) return checked.error();
     if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
         return usage_error("--stribeck must be a number of m/s, 0 or above");
+    if (options.start_buried && !options.live)
+        return usage_error("--start-buried needs --live: without it no finger waits to be free");
     auto setup = std::make_unique<TouchSetup>();
     setup->clip = options.clip;
     setup->scene_file = options.scene;
@@ -154,6 +156,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
     setup->settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
     setup->settings.touch.stribeck_speed = options.stribeck_speed;
     setup->settings.guard = options.guard;
+    setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
     setup->settings.ticks = options.ticks;
     setup->live = options.live;
     setup->workspace = workspace;
@@ -180,6 +183,7 @@ Json TouchSetup::facts() const {
                  {"max_stiffness", guard.max_stiffness},
                  {"ramp_in_ticks", guard.ramp_in_ticks},
                  {"ramp_out_ticks", guard.ramp_out_ticks},
+                 {"waits_to_be_free", guard.waits_to_be_free},
                  {"paid_rise", guard.rise.paid},
                  {"damping", guard.damping},
                  {"passivity", guard.passivity}}}};
@@ -275,6 +279,8 @@ Json read_facts(const Json& facts, TouchSetup& setup) {
     guard.max_stiffness = number(limits, "max_stiffness");
     guard.ramp_in_ticks = whole_number(limits, "ramp_in_ticks", 0, 1'000'000);
     guard.ramp_out_ticks = whole_number(limits, "ramp_out_ticks", 0, 1'000'000);
+    if (limits.contains("waits_to_be_free"))
+        guard.waits_to_be_free = member<bool>(limits, "waits_to_be_free", "true or false");
     if (limits.contains("paid_rise")) guard.rise.paid = member<bool>(limits, "paid_rise", "true or false");
     guard.rise.per_tick = number_or(limits, "rise_per_tick", guard.rise.per_tick);
     guard.damping = number_or(limits, "damping", guard.damping);

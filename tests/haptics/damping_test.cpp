@@ -203,7 +203,7 @@ TEST_F(Dragged, NothingIsAddedToAForceThatACutHasBuried) {
     EXPECT_NEAR(last, 4, 1e-6);
     for (int k = 0; k < 30; ++k, depth += 0.05) press(depth, 0, false);
     EXPECT_NEAR(last, 5.45 + 0.5, 1e-6);
-    for (int k = 0; k < 100; ++k, depth += 0.05)
+    for (int k = 0; k <= 100; ++k, depth += 0.05)
         EXPECT_LE(std::abs(press(depth, 60, k == 0)), 1.5 / 100 * 6 + 0.5 / 100 + 1e-3) << k;
     for (int k = 0; k < 200; ++k, depth += k < 100 ? 0.05 : -0.3) {
         press(depth, 60, false);

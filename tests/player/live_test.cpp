@@ -106,6 +106,30 @@ TEST_F(Live, ASessionWithASimulatedDeviceReplaysWithoutOne) {
     EXPECT_EQ(replay["force_hash"], live["force_hash"]);
 }
 
+// A hand that begins inside, comes out within 0.2 s, and goes in again.
+TEST_F(Live, AFingerThatBeginsInsideFeelsNothingUntilItHasBeenFree) {
+    std::ofstream(folder / "inside.csv") << "t_s,in\n0,0.02\n0.2,0\n0.4,0.02\n";
+    const std::string hand = "csv:" + (folder / "inside.csv").string() + ":columns=in,contact=0.2";
+    const Words inside{clip, "--hand", hand, "--record", folder / "live.rec"};
+    const auto touch_inside = [&](const Words& words) {
+        Words all = inside;
+        all.insert(all.end(), words.begin(), words.end());
+        return touch(all);
+    };
+    const auto waited = touch_inside({"--live"});
+    EXPECT_GT(waited["waiting_ticks"], 0);
+    EXPECT_LT(waited["waiting_ticks"], waited["contact_ticks"]);
+    EXPECT_GT(waited["force_n"]["max"], 0);
+    EXPECT_EQ(touch({"--replay", folder / "live.rec"})["force_hash"], waited["force_hash"]);
+    const auto pushed = touch_inside({"--live", "--start-buried"});
+    EXPECT_EQ(pushed["waiting_ticks"], 0);
+    EXPECT_EQ(touch({"--replay", folder / "live.rec"})["force_hash"], pushed["force_hash"]);
+    EXPECT_EQ(touch_inside({})["waiting_ticks"], 0);
+    const Outcome offline = run_touchable({"touch", clip, "--start-buried"});
+    EXPECT_EQ(offline.code, 2);
+    EXPECT_NE(offline.err.find("--live"), std::string::npos) << offline.err;
+}
+
 TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5) {
     const Outcome outcome =
         run_touchable({"touch", clip, "--live", "--device", "simulated:unplug=0.2", "--seconds", "5"});
