@@ -152,10 +152,8 @@ std::string tables_of(const std::vector<CaseFigures>& cases) {
 }
 
 Result<void> check_writable(const std::filesystem::path& file) {
-    const NewFile probe(file);  // removed at the end of this function
-    if (auto usable = probe.check_target(); !usable.ok()) return usable;
-    if (!std::ofstream(probe.path())) return cannot_write(file);
-    return {};
+    const NewFile probe(file);  // gone at the end of this function
+    return probe.check();
 }
 
 Result<void> write_report(const std::filesystem::path& file, std::string_view suite,

@@ -23,6 +23,8 @@ public:
     virtual void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) = 0;
     /// How many ticks its motion lasts, for a hand that has an end; afterwards it rests at its last goals.
     virtual std::optional<std::int64_t> ticks() const { return std::nullopt; }
+    /// The file that its motion was read from, if any.
+    virtual std::optional<std::string> file() const { return std::nullopt; }
 };
 
 /// Makes a hand from its description: "wander|stroke|press|poke[:key=value,...]" or

@@ -171,7 +171,8 @@ Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, i
     const ContactSearch search(positions, offsets, nearest_z, probe);
     const double push = search.push_for(given->number("contact"), 0.001 * units_per_metre);
     for (glm::dvec3& p : positions) p = pushed_in(p, push, nearest_z);
-    return std::unique_ptr<Hand>(std::make_unique<RecordedHand>(std::move(positions), std::move(offsets)));
+    return std::unique_ptr<Hand>(
+        std::make_unique<RecordedHand>(file, std::move(positions), std::move(offsets)));
 }
 
 }  // namespace touchable

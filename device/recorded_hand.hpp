@@ -12,17 +12,19 @@ namespace touchable {
 class RecordedHand final : public Hand {
 public:
     /// `positions`: of the hand's centre, one per tick, world, scene units; `offsets`: of the fingers from
-    /// it.
-    RecordedHand(std::vector<glm::dvec3> positions, std::vector<glm::dvec3> offsets)
-        : positions_(std::move(positions)), offsets_(std::move(offsets)) {}
+    /// it; `file`: where the motion is from.
+    RecordedHand(std::string file, std::vector<glm::dvec3> positions, std::vector<glm::dvec3> offsets)
+        : file_(std::move(file)), positions_(std::move(positions)), offsets_(std::move(offsets)) {}
 
     int fingers() const override { return static_cast<int>(offsets_.size()); }
     void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
     std::optional<std::int64_t> ticks() const override {
         return static_cast<std::int64_t>(positions_.size());
     }
+    std::optional<std::string> file() const override { return file_; }
 
 private:
+    std::string file_;
     std::vector<glm::dvec3> positions_;
     std::vector<glm::dvec3> offsets_;
 };

@@ -42,16 +42,18 @@ bool reaches_far(const Scene& scene) {
 }
 
 BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
-    if (!load.moves) return {"cpu", "there is one frame"};
-    if (load.live) return {"cpu", "a live tick does not wait for filters"};
-    if (load.scene.filter.temporal) return {"cpu", "a filter that remembers needs whole frames"};
-    if (reaches_far(load.scene)) return {"cpu", "its filters look far around a pixel"};
+    if (!load.moves) return {"cpu", "the clip is a single frame"};
+    if (load.live) return {"cpu", "in real time no touch may wait for a filter"};
+    if (load.scene.filter.temporal) return {"cpu", "the temporal filter needs whole frames"};
+    if (reaches_far(load.scene))
+        return {"cpu", "filling holes and removing terraces takes much of the picture around a finger"};
     const double lazy_ms = lazy_ms_per_second(load);
     if (whole_ms - lazy_ms < least_gain_ms)
-        return {"cpu", in_words("whole frames cost %.1f ms of CPU time a second, touched pixels %.1f",
-                                whole_ms, lazy_ms)};
-    return {"lazy", in_words("touched pixels cost %.1f ms of CPU time a second, whole frames %.1f", lazy_ms,
-                             whole_ms)};
+        return {"cpu",
+                in_words("about %.1f ms of CPU time a second; only where fingers are it would be %.1f ms",
+                         whole_ms, lazy_ms)};
+    return {"lazy",
+            in_words("about %.1f ms of CPU time a second; whole frames would be %.1f ms", lazy_ms, whole_ms)};
 }
 
 }  // namespace
@@ -80,7 +82,8 @@ BuilderPick pick_builder(const TouchLoad& load, const std::function<bool()>& has
     BuilderPick pick = pick_on_cpu(load, whole_ms);
     const bool worth_a_gpu = pick.name == "cpu" && load.moves && whole_ms >= gpu_from_ms;
     if (worth_a_gpu && has_gpu())
-        return {"vulkan", in_words("whole frames would cost %.0f ms of CPU time a second", whole_ms)};
+        return {"vulkan",
+                in_words("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
     return pick;
 }
 

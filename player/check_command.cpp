@@ -16,6 +16,7 @@
 #include "player/typed_numbers.hpp"
 #include "player/vulkan_facts.hpp"
 #include "player/vulkan_report.hpp"
+#include "player/whole_option.hpp"
 
 namespace touchable {
 namespace {
@@ -183,11 +184,9 @@ void add_check_command(CLI::App& app, Command& command) {
     check->add_flag("--json", words->options.json, "the same as JSON");
     const std::vector<CLI::Option*> question{
         check->add_option("--size", words->size, "can it: WxH of the clip, pixels")->capture_default_str(),
-        check->add_option("--fingers", words->demand.fingers, "can it: that touch it")
-            ->check(CLI::Range(1, 256))
+        add_whole_option(*check, "--fingers", words->demand.fingers, "can it: that touch it", 1, 256)
             ->capture_default_str(),
-        check->add_option("--rate", words->demand.rate, "can it: frames per second")
-            ->check(CLI::Range(1, 1000))
+        add_whole_option(*check, "--rate", words->demand.rate, "can it: frames per second", 1, 1000)
             ->capture_default_str()};
     check->callback([words, question, &command] {
         command = [words, question]() -> Result<void> {

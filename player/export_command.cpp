@@ -21,6 +21,7 @@
 #include "player/temporal_option.hpp"
 #include "player/terrace_option.hpp"
 #include "player/typed_numbers.hpp"
+#include "player/whole_option.hpp"
 
 namespace touchable {
 namespace {
@@ -46,10 +47,10 @@ Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene
 Result<void> export_frame(const RawFrame& raw, const Scene& scene, const SurfaceFrame& surface,
                           const ExportOptions& options) {
     if (options.out.empty()) return {};
-    auto folder = StagedFolder::create(options.folder_per_frame ? options.out / std::to_string(raw.number)
-                                                                : options.out);
+    auto folder = StagedFolder::create(
+        options.folder_per_frame ? options.out / std::to_string(raw.number) : options.out, options.existing);
     if (!folder.ok()) return folder.error();
-    if (auto written = write_frame_files(folder->path(), raw, surface, scene, options.mesh); !written.ok())
+    if (auto written = write_frame_files(*folder, raw, surface, scene, options.mesh); !written.ok())
         return written;
     return folder->commit(frame_file_names);
 }
@@ -159,15 +160,16 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (frames && wanted >= *frames) return beyond_the_end(options, wanted, *frames);
     const auto scene = effective_scene(**reader, options);
     if (!scene.ok()) return scene.error();
+    std::vector<NamedFile> inputs;
+    if (options.scene) inputs.push_back({"--scene", *options.scene});
+    add_inputs(inputs, options.clip, **reader);
+    if (auto free = check_outputs({files_of(options), options.existing}, inputs); !free.ok()) return free;
     RunGpu gpu(options.builder.gpu);
     const auto builder = make_builder(options.builder, *scene, gpu);
     if (!builder.ok()) return builder.error();
-    auto picture = order_picture(options.picture, options.builder, gpu);
+    auto picture = order_picture(options.picture, options.existing, options.builder, gpu);
     if (!picture.ok()) return picture.error();
 
-    std::vector<NamedFile> inputs{{"the clip", options.clip}};
-    if (options.scene) inputs.push_back({"--scene", *options.scene});
-    if (auto free = check_outputs({files_of(options), options.overwrite}, inputs); !free.ok()) return free;
     const auto read = export_frames(**reader, *scene, options, **builder, *picture);
     if (!read.ok()) return read.error();
     if (*read <= wanted) return beyond_the_end(options, wanted, *read);
@@ -190,7 +192,7 @@ void add_export_command(CLI::App& app, Command& command) {
                     "a clip, a folder of images, a depth picture, or a scene file")
         ->required();
     add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture");
-    add_overwrite_option(*sub, options->overwrite);
+    add_overwrite_option(*sub, options->existing);
     auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
     auto* many = sub->add_option("--frames", typed->many,
                                  "A-B or all: each frame n into the folder's n/, without mesh")
@@ -200,8 +202,9 @@ void add_export_command(CLI::App& app, Command& command) {
     add_file_option(*sub, "--scene", options->scene, "scene file that describes the clip instead of its own");
     auto camera = std::make_shared<CameraTyped>();
     add_camera_options(*sub, *camera);
-    sub->add_option("--median", options->median, "window side instead of the scene's: 0 (off), 3 or 5");
-    sub->add_option("--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
+    add_whole_option(*sub, "--median", options->median,
+                     "window side instead of the scene's: 0 (off), 3 or 5");
+    add_whole_option(*sub, "--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
     add_terrace_option(*sub, options->terraces);
     add_temporal_option(*sub, options->temporal);
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});

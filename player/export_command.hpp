@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/media/clip.hpp"
+#include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/builder_choice.hpp"
@@ -23,7 +24,7 @@ struct ExportOptions {
     std::optional<std::filesystem::path> scene;
     std::optional<PictureCamera> camera;  ///< of a single depth picture
     std::filesystem::path out;            ///< empty: only the picture
-    bool overwrite = false;               ///< files there may be replaced
+    Existing existing = Existing::keep;   ///< what becomes of files that are there
     std::int64_t first = 0;
     std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/

@@ -35,8 +35,8 @@ private:
 
 }  // namespace
 
-Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file) {
-    auto out = OutputFile::create("--forces", file);
+Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file, Existing existing) {
+    auto out = OutputFile::create("--forces", file, existing);
     if (!out.ok()) return out.error();
     constexpr std::string_view header =
         "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"

@@ -56,18 +56,19 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
     return nlohmann::ordered_json{{"depth", whole.at("depth")}}.dump(2);
 }
 
-Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream out(file, std::ios::binary);
+Result<void> write_text(NewFile& file, const std::string& text) {
+    if (auto usable = file.check(); !usable.ok()) return usable;
+    std::ofstream out(file.path(), std::ios::binary);
     out << text;
     out.close();
-    if (!out) return input_error(file.string() + " cannot be written; is there room on the disk?");
+    if (!out) return input_error(file.target().string() + " cannot be written; is there room on the disk?");
     return {};
 }
 
 }  // namespace
 
-Result<void> write_frame_files(const std::filesystem::path& folder, const RawFrame& raw,
-                               const SurfaceFrame& surface, const Scene& scene, bool with_mesh) {
+Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const SurfaceFrame& surface,
+                               const Scene& scene, bool with_mesh) {
     const Image validity = validity_image(surface);
     const struct {
         const char* name;
@@ -77,16 +78,17 @@ Result<void> write_frame_files(const std::filesystem::path& folder, const RawFra
                     {"haptic.png", raw.haptic},         {"height.png", raw.height}};
     for (const auto& [name, plane] : pictures) {
         if (plane.empty()) continue;
-        if (auto written = write_png(folder / name, plane); !written.ok()) return written;
+        if (auto written = write_png(folder.add(name), plane); !written.ok()) return written;
     }
     if (with_mesh) {
-        if (auto written = write_ply(folder / "mesh.ply", make_mesh(surface, scene), raw.colour);
+        if (auto written = write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour);
             !written.ok())
             return written;
     }
-    if (auto written = write_text(folder / "codes.json", codes_to_json(surface, scene) + "\n"); !written.ok())
+    if (auto written = write_text(folder.add("codes.json"), codes_to_json(surface, scene) + "\n");
+        !written.ok())
         return written;
-    return write_text(folder / "scene.json", scene_to_json(as_still(scene, raw)) + "\n");
+    return write_text(folder.add("scene.json"), scene_to_json(as_still(scene, raw)) + "\n");
 }
 
 }  // namespace touchable

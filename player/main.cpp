@@ -1,8 +1,12 @@
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "engine/printable.hpp"
 #include "player/check_command.hpp"
@@ -11,6 +15,7 @@
 #include "player/info_command.hpp"
 #include "player/interrupt.hpp"
 #include "player/make_command.hpp"
+#include "player/standard_output.hpp"
 #include "player/touch_command.hpp"
 
 namespace touchable {
@@ -24,11 +29,24 @@ int fail(const Error& error) {
 }
 
 /// What the program can do, on one screen.
-void print_overview(const CLI::App& app) {
+Result<void> print_overview(const CLI::App& app) {
     std::cout << "touchable " << TOUCHABLE_VERSION << ": touch a depth video and feel its forces.\n\n";
     for (const CLI::App* command : app.get_subcommands({}))
         std::printf("  %-8s%s\n", command->get_name().c_str(), command->get_description().c_str());
-    std::cout << "\nOptions of a command: touchable COMMAND -h\n";
+    std::cout << "\nOptions of a command: touchable help COMMAND\n";
+    return {};
+}
+
+/// What `help [COMMAND]` asks for in options' words, from the last to the first as CLI11 takes them.
+Result<std::vector<std::string>> words_of_help(const CLI::App& app, int argc, char** argv) {
+    if (argc == 2) return std::vector<std::string>();
+    const std::string name = argv[2];
+    std::string known;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        if (argc == 3 && command->get_name() == name) return std::vector<std::string>{"-h", name};
+        known += (known.empty() ? "" : ", ") + command->get_name();
+    }
+    return usage_error("help goes with one command at most; there are " + known);
 }
 
 /// CLI11's words for what is wrong, on one line, with the way to the right ones.
@@ -43,7 +61,7 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
 
 int run(int argc, char** argv) {
     CLI::App app{"Touch a depth video and feel its forces.", "touchable"};
-    app.set_version_flag("--version", "touchable " TOUCHABLE_VERSION, "Print the version and end");
+    app.set_version_flag("-V,--version", "touchable " TOUCHABLE_VERSION, "Print the version and end");
     app.require_subcommand(0, 1);
     Command command;
     add_make_command(app, command);
@@ -53,16 +71,19 @@ int run(int argc, char** argv) {
     add_check_command(app, command);
 
     try {
-        app.parse(argc, argv);
+        if (argc > 1 && std::string_view(argv[1]) == "help") {
+            auto asked = words_of_help(app, argc, argv);
+            if (!asked.ok()) return fail(asked.error());
+            app.parse(std::move(*asked));
+        } else {
+            app.parse(argc, argv);
+        }
     } catch (const CLI::Success& success) {
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
         return fail(bad_usage(app, error));
     }
-    if (!command) {
-        print_overview(app);
-        return 0;
-    }
+    if (!command) command = [&app] { return print_overview(app); };
 
     catch_interrupts();
     const Result<void> result = command();
@@ -70,15 +91,15 @@ int run(int argc, char** argv) {
         const int code = fail(result.error());
         return interrupted() ? interrupted_exit_code : code;
     }
-    std::cout.flush();
-    if (!std::cout) return fail({ErrorKind::input, "standard output cannot be written"});
-    return 0;
+    const Result<void> told = flush_standard_output();
+    return told.ok() ? 0 : fail(told.error());
 }
 
 }  // namespace
 }  // namespace touchable
 
 int main(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away takes no files with it
     try {
         return touchable::run(argc, argv);
     } catch (const std::exception& fault) {

@@ -14,6 +14,7 @@
 #include "player/outputs.hpp"
 #include "player/progress.hpp"
 #include "player/typed_numbers.hpp"
+#include "player/whole_option.hpp"
 
 namespace touchable {
 namespace {
@@ -113,12 +114,12 @@ std::string known_scenes() {
 }  // namespace
 
 Result<void> run_make(const MakeOptions& options) {
-    if (auto apart = check_outputs(Outputs{{{"OUT", options.out}}, options.overwrite}, {}); !apart.ok())
+    if (auto apart = check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, {}); !apart.ok())
         return apart;
     const auto scene = make_scene(options.scene, options.generator);
     if (!scene.ok()) return scene.error();
     const AnalyticScene& source = **scene;
-    auto writer = create_clip(options.out, source.scene());
+    auto writer = create_clip(options.out, source.scene(), options.existing);
     if (!writer.ok()) return writer.error();
 
     Progress progress("making frame", options.frames);
@@ -136,11 +137,11 @@ void add_make_command(CLI::App& app, Command& command) {
     SceneOptions& generator = words->options.generator;
     make->add_option("SCENE", words->options.scene, "one of " + known_scenes())->required();
     add_file_option(*make, "OUT", words->options.out, "the clip to write (.mkv)")->required();
-    add_overwrite_option(*make, words->options.overwrite);
+    add_overwrite_option(*make, words->options.existing);
     words->size_typed = make->add_option("--size", words->size,
                                          "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
     make->add_option("--frames", words->frames, "how many, at 30/s")->capture_default_str();
-    make->add_option("--bits", generator.bits, "of a stored depth, 8 to 16")->capture_default_str();
+    add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16")->capture_default_str();
     words->preset_typed = make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
     auto* properties = make->add_flag("--properties", words->properties,
                                       "globe: turning planet; land and ocean differ to the touch (default)");

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/content/scenes.hpp"
+#include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "player/command.hpp"
 
@@ -15,10 +16,10 @@ class App;
 namespace touchable {
 
 struct MakeOptions {
-    std::string scene;          ///< of scene_names()
-    std::filesystem::path out;  ///< a name that ends in .mkv
-    bool overwrite = false;     ///< a file of that name may be there already
-    std::int64_t frames = 90;   ///< 1 to 1 000 000
+    std::string scene;                   ///< of scene_names()
+    std::filesystem::path out;           ///< a name that ends in .mkv
+    Existing existing = Existing::keep;  ///< what becomes of an earlier file of that name
+    std::int64_t frames = 90;            ///< 1 to 1 000 000
     SceneOptions generator;
 };
 

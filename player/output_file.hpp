@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -10,23 +11,24 @@
 
 namespace touchable {
 
-/// A file that an option asked for (`--json FILE`). It is opened before the work that fills it, so that a
-/// place where nothing can be written is known at once, and has its name only when it is complete: whatever
-/// goes wrong leaves nothing behind, and an older file as it was.
+/// A file that an option asked for (`--json FILE`), or standard output (`--json -`). A file is opened before
+/// the work that fills it, so that a place where nothing can be written is known at once, and has its name
+/// only when it is complete: whatever goes wrong leaves nothing behind, and an older file as it was.
 class OutputFile {
 public:
     /// `option`: as typed, for messages. An error of kind input where nothing can be written there.
-    static Result<std::unique_ptr<OutputFile>> create(std::string option, const std::filesystem::path& file);
+    static Result<std::unique_ptr<OutputFile>> create(std::string option, const std::filesystem::path& file,
+                                                      Existing existing);
     Result<void> write(std::string_view bytes);
     /// Gives the file its name. Nothing may be written after that.
     Result<void> finish();
 
 private:
-    OutputFile(std::string option, const std::filesystem::path& file);
+    OutputFile(std::string option, const std::filesystem::path& file, Existing existing);
     Error failed() const;
 
     std::string option_;
-    NewFile file_;
+    std::optional<NewFile> file_;  ///< nothing: standard output
     std::ofstream out_;
 };
 

@@ -1,11 +1,11 @@
 #include "player/picture_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <utility>
 
 #include "player/file_option.hpp"
-#include "player/output_file.hpp"
 #include "player/typed_numbers.hpp"
 
 namespace touchable {
@@ -13,10 +13,19 @@ namespace {
 
 constexpr int largest_side = 8192;
 
+/// What other programs take a picture for by its name is what it is.
+std::string fault_of_name(const std::string& name) {
+    std::string ending = std::filesystem::path(name).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return ending == ".png" ? "" : "'" + name + "' does not end in .png; a picture is a PNG file";
+}
+
 }  // namespace
 
 void add_picture_options(CLI::App& sub, PictureOptions& options) {
-    auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene to this PNG file");
+    auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene to this PNG file")
+                        ->check(CLI::Validator([](std::string& name) { return fault_of_name(name); }, ""));
     sub.add_option("--view", options.view,
                    "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES; "
                    "what is left out is the clip's camera's")
@@ -30,11 +39,10 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
     sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
 }
 
-Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, const BuilderChoice& choice,
-                                                  RunGpu& gpu) {
+Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, Existing existing,
+                                                  const BuilderChoice& choice, RunGpu& gpu) {
     if (!options.file) return std::optional<PictureOrder>();
     PictureOrder order;
-    order.file = *options.file;
     const auto viewpoint = parse_viewpoint(options.view);
     if (!viewpoint.ok()) return viewpoint.error();
     order.settings.viewpoint = *viewpoint;
@@ -48,8 +56,9 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     if (!painter.ok()) return painter.error();
     order.painter = std::move(*painter);
     order.any_painter = options.painter == "auto";
-    // Only looked at: the picture's own writer makes the file.
-    if (auto writable = OutputFile::create("--picture", order.file); !writable.ok()) return writable.error();
+    order.file = std::make_unique<NewFile>(*options.file, existing);
+    if (auto usable = order.file->check(); !usable.ok())
+        return Error{usable.error().kind, "--picture " + usable.error().message};
     return std::optional<PictureOrder>(std::move(order));
 }
 
@@ -71,7 +80,8 @@ Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pa
         image = draw(field, pair, colour, fingers);
     }
     if (!image.ok()) return image.error();
-    return write_png(file, image->view());
+    if (auto written = write_png(*file, image->view()); !written.ok()) return written;
+    return file->commit();
 }
 
 }  // namespace touchable

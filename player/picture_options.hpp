@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "player/builder_choice.hpp"
 #include "player/view/scene_picture.hpp"
@@ -30,7 +32,7 @@ void add_picture_options(CLI::App& sub, PictureOptions& options);
 /// What to draw and where to, checked before any work: view and size make sense, the painter is to be had,
 /// and the file can be written.
 struct PictureOrder {
-    std::filesystem::path file;
+    std::unique_ptr<NewFile> file;
     PictureSettings settings;
     std::unique_ptr<SurfacePainter> painter;
     bool any_painter = false;  ///< where the GPU fails, the cpu may draw instead
@@ -46,7 +48,7 @@ private:
 };
 /// Nothing where no picture is asked for. `gpu` is that of `choice`, and opened only for a painter that needs
 /// it; one that is asked for by name and is not to be had is refused, unless there may be a fallback.
-Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, const BuilderChoice& choice,
-                                                  RunGpu& gpu);
+Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, Existing existing,
+                                                  const BuilderChoice& choice, RunGpu& gpu);
 
 }  // namespace touchable

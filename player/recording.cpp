@@ -124,8 +124,9 @@ Result<void> RecordingFile::write(const std::string& bytes) {
     return file_->write(bytes);
 }
 
-Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesystem::path& file, int fingers) {
-    auto opened = OutputFile::create("--record", file);
+Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesystem::path& file, int fingers,
+                                                             Existing existing) {
+    auto opened = OutputFile::create("--record", file, existing);
     if (!opened.ok()) return opened.error();
     std::unique_ptr<RecordingFile> out(new RecordingFile(std::move(*opened)));
     std::string head(magic);

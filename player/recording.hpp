@@ -42,7 +42,8 @@ Result<Recording> read_recording(const std::filesystem::path& file);
 /// `--record FILE`.
 class RecordingFile final : public TouchSink {
 public:
-    static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers);
+    static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers,
+                                                         Existing existing);
     Result<void> take(const TouchTick& tick) override;
     /// Adds the facts and gives the file its name; without this nothing is left behind.
     Result<void> finish(const nlohmann::ordered_json& facts);

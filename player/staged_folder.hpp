@@ -1,32 +1,41 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <span>
+#include <string>
 
+#include "engine/new_file.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
 
-/// A folder whose files appear together: they are written beside their place and moved there by `commit`.
-/// Without it nothing is left behind.
+/// A folder whose files appear together: until `commit` nothing is to be seen of them, and a folder that was
+/// not there appears with all of them in it. Where it is there already, an error half-way puts back what was
+/// there before.
 class StagedFolder {
 public:
     /// `place`: where the files shall be; made, with its parents, where it does not exist.
-    static Result<StagedFolder> create(const std::filesystem::path& place);
-    StagedFolder(StagedFolder&& other) noexcept;
-    StagedFolder& operator=(StagedFolder&&) = delete;
-    ~StagedFolder();
+    static Result<StagedFolder> create(const std::filesystem::path& place, Existing existing);
 
-    /// Write here.
-    const std::filesystem::path& path() const { return staging_; }
-    /// Moves the files named to their place; of those not written, one that an earlier run left there is
-    /// removed.
+    /// A file that shall have this name there: written to and closed before `commit`.
+    NewFile& add(const std::string& name);
+    /// Of `names`, all that such a folder may hold, those not added go, too, where an earlier run left them.
+    /// They are replaced from the last to the first and appear from the first to the last.
     Result<void> commit(std::span<const char* const> names);
 
 private:
-    StagedFolder(std::filesystem::path place, std::filesystem::path first_made);
-    std::filesystem::path place_, staging_;
-    std::filesystem::path first_made_;  ///< topmost folder that did not exist before; empty: all did
+    StagedFolder(std::filesystem::path place, std::filesystem::path ground, Existing existing);
+    Result<void> appear(std::span<const char* const> names);
+    Result<void> replace(std::span<const char* const> names);
+    /// Gives the files their names in `folder`.
+    Result<void> name_in(const std::filesystem::path& folder, std::span<const char* const> names);
+
+    std::filesystem::path place_;
+    std::filesystem::path ground_;  ///< the nearest folder that was there: `place_` or one above it
+    Existing existing_;
+    std::map<std::string, std::unique_ptr<NewFile>> files_;
 };
 
 }  // namespace touchable

@@ -11,6 +11,7 @@
 #include "player/temporal_option.hpp"
 #include "player/terrace_option.hpp"
 #include "player/touch_run.hpp"
+#include "player/whole_option.hpp"
 #include "player/word_option.hpp"
 
 namespace touchable {
@@ -75,14 +76,14 @@ void add_touch_command(CLI::App& app, Command& command) {
         add_file_option(*sub, "CLIP", o.clip, "a clip, a folder of images, a depth picture, or a scene file");
     add_file_option(*sub, "--scene", o.scene, "scene file that describes the clip instead of its own");
     add_builder_options(*sub, o.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
-    add_file_option(*sub, "--json", o.json, "write the figures as JSON");
+    add_file_option(*sub, "--json", o.json, "write the figures as JSON; -: to standard output");
     add_file_option(*sub, "--forces", o.forces,
-                    "write goal, proxy and force of every tick and finger as CSV");
+                    "write goal, proxy and force of every tick and finger as CSV; -: to standard output");
     auto* record = add_file_option(*sub, "--record", o.record, "keep what it takes to repeat the run");
     auto* replay =
         add_file_option(*sub, "--replay", o.replay, "repeat a recorded run and compare every force with it");
     record->excludes(replay);
-    add_overwrite_option(*sub, o.overwrite);
+    add_overwrite_option(*sub, o.existing);
 
     add_picture_options(*sub, o.picture);
     words->picture_moment =
@@ -113,15 +114,15 @@ void add_touch_command(CLI::App& app, Command& command) {
                         "wander, stroke, press, poke or csv:FILE, each with :key=value,... "
                         "(docs/hands.md)")
             ->capture_default_str(),
-        sub->add_option("--fingers", o.fingers, "copies of the hand's path, spread on a circle")
-            ->check(CLI::Range(1, 256))
+        add_whole_option(*sub, "--fingers", o.fingers, "copies of the hand's path, spread on a circle", 1,
+                         256)
             ->capture_default_str(),
         add_word_option(*sub, "--metric", o.metric,
                         "where distances are measured: world; to compare, pixel (the paper's) or scaled "
                         "(pixel with levels as long as they are where the finger is)",
                         metrics),
-        sub->add_option("--median", o.median, "window side instead of the scene's: 0 (off), 3 or 5"),
-        sub->add_option("--fill-holes", o.fill_holes, "passes instead of the scene's: 0 to 16"),
+        add_whole_option(*sub, "--median", o.median, "window side instead of the scene's: 0 (off), 3 or 5"),
+        add_whole_option(*sub, "--fill-holes", o.fill_holes, "passes instead of the scene's: 0 to 16"),
         add_terrace_option(*sub, o.terraces),
         add_temporal_option(*sub, o.temporal),
         add_word_option(*sub, "--interpolation", o.interpolation,

@@ -14,6 +14,12 @@ bool is_finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// What a builder does, for a person who has not heard of builders.
+std::string what_it_builds(const std::string& builder) {
+    if (builder == "lazy") return "only where fingers are";
+    return builder == "vulkan" ? "in whole frames on a GPU" : "in whole frames";
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Spread& s) {
@@ -141,8 +147,9 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
                      count("frames") + " frames");
     for (const auto& note : r["notes"]) line("note", note.get<std::string>());
     const auto why = r["builder_why"].get<std::string>();
-    line("surface", r["builder"].get<std::string>() + " builder on " + r["device_name"].get<std::string>() +
-                        (why.empty() ? "" : ": " + why));
+    const auto builder = r["builder"].get<std::string>();
+    line("surface", "built " + what_it_builds(builder) + " (" + builder + " builder, " +
+                        r["device_name"].get<std::string>() + ")" + (why.empty() ? "" : ": " + why));
     line("fingers", count("fingers") + ", " + r["hand"].get<std::string>() +
                         (r.contains("device") ? " with " + r["device"].get<std::string>() : ""));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
@@ -157,9 +164,9 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
                           std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");
-    line("energy created",
-         number(r["energy_mj"]["created"], "%.3g mJ; holding each force for a tick explains ") +
-             number(r["energy_mj"]["zoh_bound"], "up to %.3g mJ"));
+    line("energy from nowhere",
+         number(r["energy_mj"]["created"], "%.3g mJ, of which a real surface gives none; ") +
+             number(r["energy_mj"]["zoh_bound"], "the 1 ms between ticks explains up to %.3g mJ"));
     line("behind the surface", count("proxy_behind_mesh_ticks") + " ticks");
     line("not finite", count("nonfinite_ticks") + " ticks");
     line("event limit reached", count("capped_ticks") + " ticks");

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "player/outputs.hpp"
+#include "player/standard_output.hpp"
 
 namespace touchable {
 
@@ -13,21 +14,16 @@ using MaybePath = std::optional<std::filesystem::path>;
 
 /// Every file the run reads.
 std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& setup) {
-    std::vector<NamedFile> inputs{{"the clip", setup.clip}};
+    std::vector<NamedFile> inputs;
     if (setup.scene_file) inputs.push_back({"--scene", *setup.scene_file});
     if (options.replay) inputs.push_back({"--replay", *options.replay});
-    if (setup.hand_words.starts_with("csv:")) {
-        // A file's name may hold ':': keys begin after the last one that is followed by a '='.
-        const std::string words = setup.hand_words.substr(4);
-        const std::size_t equals = words.find('=');
-        const std::size_t keys = equals == std::string::npos ? equals : words.rfind(':', equals);
-        inputs.push_back({"the hand's file", words.substr(0, keys)});
-    }
+    if (const auto file = setup.hand->file()) inputs.push_back({"the hand's file", *file});
+    add_inputs(inputs, setup.clip, setup.feed->reader());
     return inputs;
 }
 
 Outputs outputs_of(const TouchOptions& options) {
-    Outputs outputs{{}, options.overwrite};
+    Outputs outputs{{}, options.existing};
     const std::pair<const char*, const MaybePath&> asked_for[] = {{"--forces", options.forces},
                                                                   {"--record", options.record},
                                                                   {"--json", options.json},
@@ -51,16 +47,20 @@ Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create 
 
 Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& options,
                                                          const TouchSetup& setup) {
+    if (options.record && is_standard_output(*options.record))
+        return usage_error("--record -: a recording does not go to standard output; give it a file's name");
     if (auto free = check_outputs(outputs_of(options), inputs_of(options, setup)); !free.ok())
         return free.error();
     std::unique_ptr<TouchOutputs> out(new TouchOutputs(setup));
-    if (auto opened = open_if(options.forces, out->forces_, ForcesFile::create); !opened.ok())
-        return opened.error();
-    const auto record = [&](const auto& path) { return RecordingFile::create(path, setup.settings.fingers); };
+    const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing); };
+    if (auto opened = open_if(options.forces, out->forces_, forces); !opened.ok()) return opened.error();
+    const auto record = [&](const auto& path) {
+        return RecordingFile::create(path, setup.settings.fingers, options.existing);
+    };
     if (auto opened = open_if(options.record, out->record_, record); !opened.ok()) return opened.error();
-    const auto json = [](const auto& path) { return OutputFile::create("--json", path); };
+    const auto json = [&](const auto& path) { return OutputFile::create("--json", path, options.existing); };
     if (auto opened = open_if(options.json, out->json_, json); !opened.ok()) return opened.error();
-    auto order = order_picture(options.picture, setup.builder, *setup.gpu);
+    auto order = order_picture(options.picture, options.existing, setup.builder, *setup.gpu);
     if (!order.ok()) return order.error();
     if (*order)
         out->picture_.emplace(std::move(**order), options.picture_tick.value_or(usual_picture_tick(setup)));

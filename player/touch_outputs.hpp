@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "player/forces_file.hpp"
@@ -28,6 +29,8 @@ public:
     const SurfacePainter* painter() const;
     /// After the run: completes every file.
     Result<void> finish(const nlohmann::ordered_json& report, const TouchFigures& figures);
+    /// What else there is to say of them after the table; may be empty.
+    std::string remark() const { return picture_ ? picture_->line() : std::string(); }
 
 private:
     explicit TouchOutputs(const TouchSetup& setup) : setup_(setup) {}

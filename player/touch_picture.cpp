@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
+#include <sstream>
 
 #include "player/field_probe.hpp"
 
@@ -102,9 +102,11 @@ Result<void> TouchPicture::finish(const TouchSetup& setup) {
     const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
     if (auto done = order_.deliver(field, pair, nearer.colour, fingers_on(field)); !done.ok()) return done;
     const std::string gpu = order_.painter->gpu_name();
-    std::cout << "picture: " << order_.file.string() << " by the " << order_.painter->name() << " painter"
-              << (gpu.empty() ? "" : " on " + gpu) << "; 1 N is "
-              << mark_sizes(setup.scene, middle_of(field)).length_per_newton << " units long\n";
+    std::ostringstream line;
+    line << "picture: " << order_.file->target().string() << " by the " << order_.painter->name()
+         << " painter" << (gpu.empty() ? "" : " on " + gpu) << "; 1 N is "
+         << mark_sizes(setup.scene, middle_of(field)).length_per_newton << " units long\n";
+    line_ = line.str();
     return {};
 }
 

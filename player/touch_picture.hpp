@@ -20,6 +20,8 @@ public:
     const SurfacePainter& painter() const { return *order_.painter; }
     /// Refused (ErrorKind::usage) where the run ended before the moment.
     Result<void> finish(const TouchSetup& setup);
+    /// What was drawn, for a person; empty before `finish`.
+    const std::string& line() const { return line_; }
 
 private:
     using Place = glm::dvec2;  // of a proxy in the image, pixels
@@ -34,6 +36,7 @@ private:
     std::int64_t tick_;
     std::vector<std::deque<Place>> trails_;  // of each finger, since it last came into contact
     std::optional<Moment> moment_;
+    std::string line_;
 };
 
 /// The tick that a picture shows where nobody says: 60 % of the run, or of its shortest length (3 s) where

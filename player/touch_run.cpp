@@ -8,6 +8,7 @@
 #include "player/live_session.hpp"
 #include "player/memory.hpp"
 #include "player/replay.hpp"
+#include "player/standard_output.hpp"
 #include "player/touch_figures.hpp"
 #include "player/touch_outputs.hpp"
 #include "player/touch_report.hpp"
@@ -16,6 +17,13 @@
 namespace touchable {
 
 namespace {
+
+/// Where the table goes: not between figures that another program reads.
+std::ostream& stream_of_words(const TouchOptions& options) {
+    for (const auto& file : {options.json, options.forces})
+        if (file && is_standard_output(*file)) return std::cerr;
+    return std::cout;
+}
 
 /// Whether the run is on the wall clock; a replay never is.
 bool runs_live(const TouchSetup& setup, const TouchOptions& options) {
@@ -76,11 +84,13 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     if (!ran.ok()) return ran.error();
 
     const auto report = make_report(s, figures, live ? &*ran : nullptr, (*outputs)->painter());
-    std::cout << report_to_text(report);
-    if (auto done = (*outputs)->finish(report, figures); !done.ok()) return done;
-    if (!*recording) return {};
+    // Files first: whoever reads the table may go away half-way.
+    const auto done = (*outputs)->finish(report, figures);
+    std::ostream& words = stream_of_words(options);
+    words << report_to_text(report) << (*outputs)->remark();
+    if (!done.ok() || !*recording) return done;
     if (auto same = judge_replay(**recording, *check, figures.force_hash(), s); !same.ok()) return same;
-    std::cout << "replay: every force is as recorded, to the bit (" << figures.force_hash() << ")\n";
+    words << "replay: every force is as recorded, to the bit (" << figures.force_hash() << ")\n";
     return {};
 }
 

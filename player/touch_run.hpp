@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/media/clip.hpp"
+#include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/force_guard.hpp"
@@ -34,7 +35,7 @@ struct TouchOptions {
     bool start_buried = false;          ///< live: force from the start for a finger that begins inside, too
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     std::optional<std::filesystem::path> json, forces, record, replay;
-    bool overwrite = false;  ///< files of those names may be replaced
+    Existing existing = Existing::keep;  ///< what becomes of earlier files of those names
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
 };

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <charconv>
+#include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/result.hpp"
 
@@ -16,8 +18,11 @@ Result<Whole> read_whole_number(const std::string& option, std::string_view text
     const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (failure == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
         return value;
-    return usage_error(option + " '" + std::string(text) + "' will not do; right would be a whole number, " +
-                       std::to_string(least) + " to " + std::to_string(most));
+    std::string message = (option.empty() ? "'" : option + " '").append(text);
+    message += "' will not do; right would be a whole number";
+    if (least != std::numeric_limits<Whole>::min() || most != std::numeric_limits<Whole>::max())
+        message += ", " + std::to_string(least) + " to " + std::to_string(most);
+    return usage_error(std::move(message));
 }
 
 struct PixelSize {

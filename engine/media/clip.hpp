@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/frame/raw_frame.hpp"
+#include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -75,6 +76,7 @@ public:
     virtual Result<void> finish() = 0;
 };
 /// A size that no clip can hold is told by the first `write`, as an error of kind usage.
-Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene);
+Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
+                                                Existing existing = Existing::replace);
 
 }  // namespace touchable

@@ -36,8 +36,8 @@ struct MuxerCloser {
 
 class MatroskaWriter final : public ClipWriter {
 public:
-    MatroskaWriter(const std::filesystem::path& path, Scene scene)
-        : scene_(std::move(scene)), output_(path) {}
+    MatroskaWriter(const std::filesystem::path& path, Scene scene, Existing existing)
+        : scene_(std::move(scene)), output_(path, existing) {}
     Result<void> open();
     Result<void> write(const RawFrame& frame) override { return keep(write_frame(frame)); }
     Result<void> finish() override { return keep(complete()); }
@@ -80,7 +80,7 @@ Result<void> MatroskaWriter::check_status(int status) const {
 }
 
 Result<void> MatroskaWriter::open() {
-    if (auto usable = output_.check_target(); !usable) return usable;
+    if (auto usable = output_.check(); !usable) return usable;
     AVFormatContext* muxer = nullptr;
     int status = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr);
     if (status < 0) return Error{ErrorKind::internal, "Matroska muxer: " + ffmpeg_text(status)};
@@ -190,7 +190,8 @@ Result<void> MatroskaWriter::complete() {
 
 }  // namespace
 
-Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene) {
+Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
+                                                Existing existing) {
     silence_ffmpeg();
     if (auto valid = validate(scene); !valid)
         return input_error(path.string() + ": " + valid.error().message);
@@ -200,7 +201,7 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
         return input_error(path.string() + ": not written: the scene's rate is " +
                            clip_tags::rate_text(scene.rate) + " frames/s; a clip has at most " +
                            std::to_string(clip_tags::fastest_rate));
-    auto writer = std::make_unique<MatroskaWriter>(path, scene);
+    auto writer = std::make_unique<MatroskaWriter>(path, scene, existing);
     if (auto opened = writer->open(); !opened) return opened.error();
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }

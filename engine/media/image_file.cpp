@@ -10,7 +10,6 @@
 #include "engine/media/ffmpeg.hpp"
 #include "engine/media/picture_decoder.hpp"
 #include "engine/media/stored_image.hpp"
-#include "engine/new_file.hpp"
 
 namespace touchable {
 namespace {
@@ -165,21 +164,27 @@ Result<Image> read_image(const std::filesystem::path& file) {
     return std::move(stored->image);
 }
 
-Result<void> write_png(const std::filesystem::path& file, const PlaneView& image) {
+Result<void> write_png(NewFile& file, const PlaneView& image) {
     silence_ffmpeg();
+    if (auto usable = file.check(); !usable) return usable;
     if (image.empty() || image.width < 1 || image.height < 1 ||
         !(image.channels == 1 || (image.channels == 3 && image.bytes_per_sample == 1)))
         return Error{ErrorKind::internal,
-                     file.string() + ": only grey and 8-bit RGB pictures are written as PNG"};
+                     file.target().string() + ": only grey and 8-bit RGB pictures are written as PNG"};
     auto frame = png_input(image);
     if (!frame) return frame.error();
     auto packet = encode_png(**frame);
     if (!packet) return packet.error();
-    NewFile output(file);
-    std::ofstream out(output.path(), std::ios::binary);
+    std::ofstream out(file.path(), std::ios::binary);
     out.write(reinterpret_cast<const char*>((*packet)->data), (*packet)->size);
     out.close();
-    if (!out) return file_error(file, std::string("cannot be written: ") + std::strerror(errno));
+    if (!out) return file_error(file.target(), std::string("cannot be written: ") + std::strerror(errno));
+    return {};
+}
+
+Result<void> write_png(const std::filesystem::path& file, const PlaneView& image) {
+    NewFile output(file);
+    if (auto written = write_png(output, image); !written) return written;
     return output.commit();
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/frame/plane_view.hpp"
+#include "engine/new_file.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -28,7 +29,9 @@ struct Image {
 
 /// PNG or JPEG as stored: grey of 8 or 16 bits, or RGB of 8; palettes become RGB, alpha is dropped.
 Result<Image> read_image(const std::filesystem::path& file);
-/// Lossless. Grey of 8 or 16 bits, or RGB of 8. The file appears whole or not at all.
+/// Lossless. Grey of 8 or 16 bits, or RGB of 8. Whoever owns `file` commits it.
+Result<void> write_png(NewFile& file, const PlaneView& image);
+/// The same, and gives it its name, over an earlier file.
 Result<void> write_png(const std::filesystem::path& file, const PlaneView& image);
 
 }  // namespace touchable

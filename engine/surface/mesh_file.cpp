@@ -6,8 +6,6 @@
 #include <string>
 #include <system_error>
 
-#include "engine/new_file.hpp"
-
 namespace touchable {
 namespace {
 
@@ -73,24 +71,30 @@ void write_body(std::ofstream& stream, const Mesh& mesh, const PlaneView& colour
 
 }  // namespace
 
-Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, const PlaneView& colour,
-                       PlyCoordinates coordinates) {
+Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour, PlyCoordinates coordinates) {
     if (!colour.empty() && (colour.width != mesh.width || colour.height != mesh.height ||
                             colour.channels != 3 || colour.bytes_per_sample != 1))
-        return input_error(file.string() +
+        return input_error(file.target().string() +
                            ": the colours are not three channels of 8 bits of the mesh's picture, " +
                            std::to_string(mesh.width) + "x" + std::to_string(mesh.height));
 
-    NewFile out(file);
-    std::ofstream stream(out.path(), std::ios::binary | std::ios::trunc);
+    if (auto usable = file.check(); !usable.ok()) return usable;
+    std::ofstream stream(file.path(), std::ios::binary | std::ios::trunc);
     if (stream) {
         stream << header(mesh, !colour.empty(), coordinates);
         write_body(stream, mesh, colour, coordinates);
         stream.close();
     }
     if (!stream)
-        return input_error(file.string() + ": cannot be written: " +
+        return input_error(file.target().string() + ": cannot be written: " +
                            std::error_code(errno, std::generic_category()).message());
+    return {};
+}
+
+Result<void> write_ply(const std::filesystem::path& file, const Mesh& mesh, const PlaneView& colour,
+                       PlyCoordinates coordinates) {
+    NewFile out(file);
+    if (auto written = write_ply(out, mesh, colour, coordinates); !written.ok()) return written;
     return out.commit();
 }
 

@@ -153,7 +153,7 @@ void expect_a_picture_by_any_painter(const std::function<void(GpuDevice&)>& spoi
         options.file = folder / (std::string(painter) + ".png");
         options.painter = painter;
         options.size = "96x54";
-        auto order = order_picture(options, {}, gpu);
+        auto order = order_picture(options, Existing::keep, {}, gpu);
         ASSERT_TRUE(order.ok() && *order);
         EXPECT_FALSE((*order)->painter->gpu_name().empty());
         spoil(**gpu.open());

@@ -100,8 +100,8 @@ TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
     const auto gpus = list_gpus();
     ASSERT_TRUE(gpus.ok());
     EXPECT_NE(done.out.find("by the raster painter on " + gpus->at(0).name), std::string::npos) << done.out;
-    const auto report = test::touch(
-        {clip(), "--seconds", "0.5", "--picture", file(), "--painter", "raster", "--gpu", "0"});
+    const auto report =
+        test::touch({clip(), "--seconds", "0.5", "--picture", file(), "--painter", "raster", "--gpu", "0"});
     EXPECT_EQ(report["painter"], "raster");
     EXPECT_EQ(report["painter_device_name"], gpus->at(0).name);
     EXPECT_EQ(report["device_name"], report["cpu_name"]);
@@ -151,8 +151,11 @@ TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
         expect_refused(touch({"--picture-size", size}), 2, std::string("--picture-size '") + size);
     expect_refused(run_touchable({"touch", clip(), "--seconds", "0.1", "--picture", folder / "no/where.png"}),
                    3, "--picture");
-    expect_refused(run_touchable({"touch", clip(), "--seconds", "0.1", "--picture", folder.path().string()}),
-                   3, "--picture");
+    const TemporaryFolder elsewhere;
+    fs::create_directory(elsewhere / "folder.png");
+    expect_refused(
+        run_touchable({"touch", clip(), "--seconds", "0.1", "--picture", elsewhere / "folder.png"}), 3,
+        "--picture");
     EXPECT_EQ(touch({"--painter", "oils"}).code, 2);
     EXPECT_EQ(run_touchable({"touch", clip(), "--view", "own"}).code, 2);  // of what?
     EXPECT_EQ(run_touchable({"touch", clip(), "--picture-at", "1"}).code, 2);

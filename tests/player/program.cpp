@@ -1,14 +1,22 @@
 #include "tests/player/program.hpp"
 
+#include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
@@ -115,6 +123,33 @@ Outcome run_limited(const std::vector<std::string>& arguments, decltype(RLIMIT_A
     return run(arguments, hooks);
 }
 
+/// Whether a program has a file open there, be it one without a name.
+bool has_opened_a_file_in(const fs::path& folder, pid_t program) {
+    const std::string prefix = fs::canonical(folder).string() + '/';
+    std::error_code failure;
+    for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(program) + "/fd", failure))
+        if (fs::read_symlink(entry.path(), failure).string().starts_with(prefix)) return true;
+    return false;
+}
+
+/// For the program that this process becomes: opening a file without a name fails as on a file system that
+/// has none.
+void refuse_unnamed_files() {
+    constexpr auto unnamed = static_cast<std::uint32_t>(O_TMPFILE & ~O_DIRECTORY);
+    constexpr auto number = offsetof(seccomp_data, nr), flags = offsetof(seccomp_data, args[2]);
+    std::array<sock_filter, 6> rules{
+        sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, number),
+        sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_openat, 0, 3),
+        sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, flags),  // the low half comes first
+        sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, unnamed, 0, 1),
+        sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EOPNOTSUPP),
+        sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
+    const sock_fprog program{rules.size(), rules.data()};
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+        prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
+        _exit(126);
+}
+
 }  // namespace
 
 bool Outcome::one_line_of_error() const {
@@ -126,15 +161,40 @@ Outcome run_touchable(const std::vector<std::string>& arguments) {
     return run(arguments, {});
 }
 
-Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::path& folder) {
+Outcome run_in_folder(const std::vector<std::string>& arguments, const fs::path& folder) {
     Hooks hooks;
+    hooks.prepare = [&] {
+        if (chdir(folder.c_str()) != 0) _exit(126);
+    };
+    return run(arguments, hooks);
+}
+
+Outcome run_unheard(const std::vector<std::string>& arguments) {
+    Hooks hooks;
+    hooks.prepare = [] {
+        Pipe nobody_reads;
+        nobody_reads.take_over(STDOUT_FILENO);
+    };
+    return run(arguments, hooks);
+}
+
+Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::path& folder, int signal,
+                        Unfinished files) {
+    Hooks hooks;
+    if (files == Unfinished::named) hooks.prepare = refuse_unnamed_files;
     hooks.meanwhile = [&](pid_t child) {
         using namespace std::chrono_literals;
-        for (int tries = 0; tries < 1000 && names_in(folder).empty(); ++tries)
+        for (int tries = 0; tries < 1000 && !has_opened_a_file_in(folder, child); ++tries)
             std::this_thread::sleep_for(10ms);
         std::this_thread::sleep_for(50ms);
-        kill(child, SIGINT);
+        kill(child, signal);
     };
+    return run(arguments, hooks);
+}
+
+Outcome run_with_named_files(const std::vector<std::string>& arguments) {
+    Hooks hooks;
+    hooks.prepare = refuse_unnamed_files;
     return run(arguments, hooks);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,8 +21,22 @@ struct Outcome {
 /// Runs it to its end.
 Outcome run_touchable(const std::vector<std::string>& arguments);
 
-/// Starts it, sends SIGINT once there is something in `folder`, and waits for its end.
-Outcome run_interrupted(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+/// Starts it in `folder`, for names that are relative.
+Outcome run_in_folder(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+
+/// Starts it where nobody hears what it says on standard output: the reader has gone away.
+Outcome run_unheard(const std::vector<std::string>& arguments);
+
+/// How the program, or the file system it is on, treats files that are not complete.
+enum class Unfinished { unnamed, named };
+
+/// Starts it, sends SIGINT, or `signal`, once it has opened a file in `folder`, and waits for its end.
+/// `named`: the system refuses files without names, as some file systems do.
+Outcome run_interrupted(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                        int signal = SIGINT, Unfinished files = Unfinished::unnamed);
+
+/// Runs it where there are no files without names.
+Outcome run_with_named_files(const std::vector<std::string>& arguments);
 
 /// Starts it, sends SIGINT once it has said something, and waits for its end.
 Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments);

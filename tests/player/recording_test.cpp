@@ -28,7 +28,7 @@ protected:
         pair_.prev = {7, 233'333'333, &surface_};
         pair_.next = {8, 266'666'666, &surface_};
         const HeightField field((*source)->scene(), pair_);
-        auto recording = RecordingFile::create(file(), 2);
+        auto recording = RecordingFile::create(file(), 2, Existing::replace);
         EXPECT_TRUE(recording.ok());
         for (std::int64_t tick = 0; tick < 4; ++tick) {
             const auto k = static_cast<std::size_t>(tick);
@@ -166,7 +166,7 @@ TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
 TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {
     const TemporaryFolder empty;
     {
-        auto recording = RecordingFile::create(empty / "run.rec", 1);
+        auto recording = RecordingFile::create(empty / "run.rec", 1, Existing::keep);
         ASSERT_TRUE(recording.ok());
         EXPECT_EQ(names_in(empty.path()).size(), 1U) << "written beside its place";
     }

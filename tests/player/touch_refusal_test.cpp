@@ -41,8 +41,11 @@ protected:
 TEST_F(TouchRefusal, AnOutputNeverReplacesWhatTheRunReadsNorAnotherOutput) {
     make();
     const std::string before = file_contents(clip());
-    for (const char* option : {"--json", "--forces", "--record", "--picture"})
+    for (const char* option : {"--json", "--forces", "--record"})
         expect_refused({"touch", clip(), "--seconds", "0.1", option, clip()}, 2, "also the clip");
+    fs::create_symlink(clip(), folder / "clip.png");
+    expect_refused({"touch", clip(), "--seconds", "0.1", "--picture", folder / "clip.png"}, 2,
+                   "also the clip");
     EXPECT_EQ(file_contents(clip()), before);
     expect_refused({"touch", clip(), "--seconds", "0.1", "--json", out("x"), "--forces", out("../out/x")}, 2,
                    "also --forces");
@@ -52,7 +55,7 @@ TEST_F(TouchRefusal, AnOutputNeverReplacesWhatTheRunReadsNorAnotherOutput) {
                    2, "the hand's file");
     EXPECT_EQ(run_touchable({"touch", clip(), "--seconds", "0.1", "--record", out("a.rec")}).code, 0);
     expect_refused({"touch", "--replay", out("a.rec"), "--json", out("a.rec")}, 2, "also --replay");
-    expect_refused({"export", clip(), "--frame", "0", "--picture", clip()}, 2, "also the clip");
+    expect_refused({"export", clip(), "--frame", "0", "--picture", folder / "clip.png"}, 2, "also the clip");
     expect_refused({"touch", clip(), "--seconds", "0.1", "--picture", out("p.png"), "--picture-at", "5"}, 2,
                    "--picture-at");
 }
@@ -193,7 +196,7 @@ TEST_F(TouchRefusal, FullDiskIsCode3AndLeavesNothing) {
     for (const char* option : {"--forces", "--record"}) expect_nothing(64, option, "3");
     for (const char* option : {"--forces", "--record", "--json"}) expect_nothing(0, option, "0.002");
     const Outcome drawn =
-        run_on_full_disk({"touch", clip(), "--seconds", "0.1", "--picture", out("file")}, 0);
+        run_on_full_disk({"touch", clip(), "--seconds", "0.1", "--picture", out("file.png")}, 0);
     EXPECT_EQ(drawn.code, 3) << drawn.err;
     EXPECT_TRUE(drawn.one_line_of_error()) << drawn.err;
     EXPECT_TRUE(names_in(out()).empty());

@@ -27,6 +27,47 @@ TEST(Usage, HelpAndVersionAreNoErrors) {
     }
 }
 
+TEST(Usage, HelpIsACommandToo) {
+    EXPECT_EQ(run_touchable({"help"}).out, run_touchable({}).out);
+    for (const char* command : {"make", "touch", "info", "export", "check"}) {
+        const Outcome run = run_touchable({"help", command});
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_EQ(run.out, run_touchable({command, "-h"}).out);
+    }
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"help", "paint"}, {"help", "touch", "me"}}) {
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, 2);
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find("make, touch, info, export, check"), std::string::npos) << run.err;
+    }
+}
+
+TEST(Usage, VersionIsSaidUnderBothNames) {
+    const Outcome run = run_touchable({"-V"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(run.out.rfind("touchable ", 0), 0U) << run.out;
+    EXPECT_EQ(run.out, run_touchable({"--version"}).out);
+}
+
+TEST(Usage, WholeNumbersAreDecimal) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "plane.mkv";
+    ASSERT_EQ(
+        run_touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1", "--bits", "010"}).code, 0);
+    EXPECT_NE(run_touchable({"info", clip, "--json"}).out.find("1023"), std::string::npos) << "ten bits";
+    const Outcome ten =
+        run_touchable({"touch", clip, "--seconds", "0.01", "--fingers", "010", "--json", "-"});
+    EXPECT_EQ(ten.code, 0) << ten.err;
+    EXPECT_NE(ten.out.find("\"fingers\": 10"), std::string::npos) << ten.out;
+    for (const char* option : {"--fingers", "--median", "--fill-holes"})
+        for (const char* number : {"0x3", "3.0", "3 ", ""}) {
+            const Outcome run = run_touchable({"touch", clip, "--seconds", "0.01", option, number});
+            EXPECT_EQ(run.code, 2) << option << ' ' << number;
+            EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        }
+}
+
 TEST(Usage, HelpSpeaksOfWordsNotOfWhatTheyBecome) {
     for (const char* command : {"make", "info", "touch", "export", "check"}) {
         const std::string help = run_touchable({command, "-h"}).out;
