@@ -2,13 +2,27 @@
 
 #include <algorithm>
 
+#include "engine/start_thread.hpp"
+
 namespace touchable {
 
 using std::chrono::steady_clock;
 
 namespace {
+
 constexpr std::chrono::milliseconds tick_time(1);
+
+/// What a port answers. One that throws has failed, like one that says so.
+template <class Call>
+bool answer_of(Call&& call) noexcept {
+    try {
+        return call();
+    } catch (...) {
+        return false;
+    }
 }
+
+}  // namespace
 
 HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port,
                        TickLog& log)
@@ -23,18 +37,35 @@ HapticLoop::~HapticLoop() {
     stop();
 }
 
-void HapticLoop::start() {
+Result<void> HapticLoop::start() {
+    if (started_) return Error{ErrorKind::internal, "a haptic loop runs once; make another"};
     ended_.store(false, std::memory_order_release);
-    thread_ = std::thread([this] { run(); });
+    auto begun = start_thread(thread_, "of the hand", [this] { run(); });
+    started_ = begun.ok();
+    if (!started_) ended_.store(true, std::memory_order_release);
+    return begun;
 }
 
 void HapticLoop::stop() {
+    if (!thread_.joinable()) return;
     stopping_.store(true, std::memory_order_relaxed);
-    if (thread_.joinable()) thread_.join();
+    thread_.join();
 }
 
+/// Nothing thrown leaves the thread, and whatever ends it, the hand is left with zero force.
 void HapticLoop::run() {
     facts_.grant = become_realtime();
+    try {
+        tick_until_stopped();
+    } catch (...) {
+        facts_.broke_off = true;
+    }
+    std::fill(newtons_.begin(), newtons_.end(), glm::dvec3(0.0));
+    answer_of([this] { return port_.write_forces(newtons_); });
+    ended_.store(true, std::memory_order_release);
+}
+
+void HapticLoop::tick_until_stopped() {
     const auto start = steady_clock::now();
     for (std::int64_t tick = 0; !stopping_.load(std::memory_order_relaxed); ++tick) {
         sleep_until(start + tick * tick_time);
@@ -49,12 +80,9 @@ void HapticLoop::run() {
         ++facts_.ticks;
         if (!this->tick(tick, std::chrono::duration<double, std::micro>(late).count())) {
             facts_.port_failed = true;
-            break;
+            return;
         }
     }
-    std::fill(newtons_.begin(), newtons_.end(), glm::dvec3(0.0));
-    port_.write_forces(newtons_);
-    ended_.store(true, std::memory_order_release);
 }
 
 bool HapticLoop::tick(std::int64_t tick, double late_us) {
@@ -62,11 +90,12 @@ bool HapticLoop::tick(std::int64_t tick, double late_us) {
     time_ns_.store(time_ns, std::memory_order_relaxed);
     FramePair pair;
     timeline_.pair_at(time_ns, pair);
-    if (!port_.read_goals(tick, HeightField(scene_, pair), step_.goals())) return false;
+    const HeightField field(scene_, pair);
+    if (!answer_of([&] { return port_.read_goals(tick, field, step_.goals()); })) return false;
     TouchTick done = step_.run(tick, time_ns, scene_, pair);
     done.late_us = late_us;
     for (std::size_t k = 0; k < newtons_.size(); ++k) newtons_[k] = done.forces[k].force;
-    const bool written = port_.write_forces(newtons_);
+    const bool written = answer_of([this] { return port_.write_forces(newtons_); });
     if (!log_.push(done)) ++facts_.lost;
     return written;
 }

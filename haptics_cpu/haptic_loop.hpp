@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/result.hpp"
 #include "haptics_cpu/haptic_port.hpp"
 #include "haptics_cpu/realtime.hpp"
 #include "haptics_cpu/tick_log.hpp"
@@ -20,7 +21,8 @@ struct LoopFacts {
     std::int64_t late = 0;     ///< wake-ups a whole tick or more too late
     std::int64_t skipped = 0;  ///< ticks whose time had passed by then; never made up for
     std::int64_t lost = 0;     ///< ticks for which the log had no room
-    bool port_failed = false;
+    bool port_failed = false;  ///< it said so, or threw
+    bool broke_off = false;    ///< something else threw in a tick: a fault of the program
 };
 
 /// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time.
@@ -35,9 +37,12 @@ public:
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
 
-    /// Begins tick 0, at time 0 of the timeline, now. At least one frame has been published.
-    void start();
-    /// Ends after the tick in progress, with zero force written; does nothing once it has ended.
+    /// Begins tick 0, at time 0 of the timeline, now. At least one frame has been published. A loop runs
+    /// once: what its fingers carry over knows nothing of a pause, and the hand would get a force without a
+    /// ramp. An error then, and where the machine has no thread left.
+    Result<void> start();
+    /// Ends after the tick in progress, with zero force written; does nothing before it started or once it
+    /// has ended.
     void stop();
     bool running() const { return !ended_.load(std::memory_order_acquire); }
     /// Time of the newest tick begun, on the timeline.
@@ -47,6 +52,7 @@ public:
 
 private:
     void run();
+    void tick_until_stopped();
     bool tick(std::int64_t tick, double late_us);
 
     const Scene& scene_;
@@ -56,6 +62,7 @@ private:
     TickLog& log_;
     std::vector<glm::dvec3> newtons_;
     LoopFacts facts_;
+    bool started_ = false;
     std::atomic<bool> stopping_{false}, ended_{true};
     std::atomic<std::int64_t> time_ns_{0};
     std::thread thread_;

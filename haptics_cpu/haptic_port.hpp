@@ -9,7 +9,7 @@
 namespace touchable {
 
 /// What the haptic thread is plugged into: where goals come from and forces go. Called every millisecond from
-/// that thread alone; must not wait.
+/// that thread alone; must not wait. One that throws has failed.
 class HapticPort {
 public:
     virtual ~HapticPort() = default;

@@ -4,19 +4,54 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <time.h>
 
 #include <cerrno>
 
 namespace touchable {
 
-std::string RealtimeGrant::in_words() const {
-    const std::string scheduling = fifo ? "SCHED_FIFO" : "normal scheduling (SCHED_FIFO is not permitted)";
-    return scheduling + (memory_locked ? ", memory locked" : ", memory not locked (not permitted)") +
-           (cpu >= 0 ? ", on CPU " + std::to_string(cpu) : ", on any CPU");
+namespace {
+
+std::string memory_in_words(const RealtimeGrant& grant) {
+    if (grant.memory == MemoryLock::all) return "memory locked";
+    const std::string limit = grant.memory_limit
+                                  ? "RLIMIT_MEMLOCK is " + std::to_string(*grant.memory_limit / 1024) + " KiB"
+                                  : "not permitted";
+    if (grant.memory == MemoryLock::none) return "memory not locked (" + limit + ")";
+    return "memory locked but what came after the start (" + limit + ")";
 }
 
-namespace {
+/// Whether memory may be locked beyond a limit, as whoever has CAP_IPC_LOCK may: tried on addresses with
+/// nothing behind them.
+bool may_lock_beyond(std::uint64_t limit) {
+    const std::size_t bytes = limit + (std::size_t{1} << 20);
+    void* nothing = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (nothing == MAP_FAILED) return false;
+    const bool may = mlock2(nothing, bytes, MLOCK_ONFAULT) == 0;
+    munmap(nothing, bytes);
+    return may;
+}
+
+/// How much memory this process may lock, with the limit raised as far as that is allowed.
+std::optional<std::uint64_t> memory_limit() {
+    rlimit limit{};
+    getrlimit(RLIMIT_MEMLOCK, &limit);
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_MEMLOCK, &limit);
+    if (limit.rlim_cur == RLIM_INFINITY || may_lock_beyond(limit.rlim_cur)) return std::nullopt;
+    return limit.rlim_cur;
+}
+
+/// What is there is fetched and kept. What comes later is kept once somebody has touched it, as a builder
+/// does with its frames before the hand sees them: to fetch all of it at once would fetch what drivers only
+/// reserve. Below a finite limit that is not asked for, because memory that would go beyond it is refused
+/// altogether.
+MemoryLock lock_memory(bool limited) {
+    if (mlockall(MCL_CURRENT) != 0) return MemoryLock::none;
+    if (limited || mlockall(MCL_FUTURE | MCL_ONFAULT) != 0) return MemoryLock::present;
+    return MemoryLock::all;
+}
 
 /// The CPU the calling thread is pinned to; -1 where it has only one, or may not choose.
 int stay_on_last_cpu() {
@@ -33,12 +68,19 @@ int stay_on_last_cpu() {
 
 }  // namespace
 
+std::string RealtimeGrant::in_words() const {
+    const std::string scheduling = fifo ? "SCHED_FIFO" : "normal scheduling (SCHED_FIFO is not permitted)";
+    return scheduling + ", " + memory_in_words(*this) +
+           (cpu >= 0 ? ", on CPU " + std::to_string(cpu) : ", on any CPU");
+}
+
 RealtimeGrant become_realtime() {
     RealtimeGrant grant;
     sched_param priority{};
     priority.sched_priority = haptic_priority;
     grant.fifo = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
-    grant.memory_locked = mlockall(MCL_CURRENT) == 0;
+    grant.memory_limit = memory_limit();
+    grant.memory = lock_memory(grant.memory_limit.has_value());
     grant.cpu = stay_on_last_cpu();
     prctl(PR_SET_TIMERSLACK, 1UL);
     return grant;

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/start_thread.hpp"
 #include "player/memory.hpp"
 
 namespace touchable {
@@ -19,9 +20,16 @@ constexpr std::chrono::milliseconds slot_wait(1);
 
 }  // namespace
 
-FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late) : feed_(feed), is_late_(std::move(is_late)) {
-    decoder_ = std::thread([this] { guarded(&FeedThreads::decode); });
-    builder_ = std::thread([this] { guarded(&FeedThreads::build); });
+FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late)
+    : feed_(feed),
+      out_of_memory_(too_large(frames_in_words(feed.reader().scene()))),
+      is_late_(std::move(is_late)) {}
+
+Result<void> FeedThreads::start() {
+    auto begun = start_thread(decoder_, "that decodes", [this] { guarded(&FeedThreads::decode); });
+    if (begun.ok()) begun = start_thread(builder_, "that builds", [this] { guarded(&FeedThreads::build); });
+    if (!begun.ok()) stop();
+    return begun;
 }
 
 FeedThreads::~FeedThreads() {
@@ -41,17 +49,22 @@ void FeedThreads::stop() {
 /// Nothing thrown leaves a thread: the session ends with its reason, and the hand with zero force.
 void FeedThreads::guarded(void (FeedThreads::*work)()) {
     try {
-        (this->*work)();
+        try {
+            (this->*work)();
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& fault) {
+            fail({ErrorKind::internal, std::string("while frames were read: ") + fault.what()});
+        }
     } catch (const std::bad_alloc&) {
-        fail(too_large(frames_in_words(feed_.reader().scene())));
-    } catch (const std::exception& fault) {
-        fail({ErrorKind::internal, std::string("while frames were read: ") + fault.what()});
+        fail(std::move(out_of_memory_));
     }
 }
 
-void FeedThreads::fail(const Error& error) {
+/// Allocates nothing. The first reason counts.
+void FeedThreads::fail(Error&& error) {
     const std::lock_guard lock(mutex_);
-    if (!error_) error_ = error;
+    if (!error_) error_ = std::move(error);
     stopping_ = true;
     changed_.notify_all();
 }
@@ -59,7 +72,7 @@ void FeedThreads::fail(const Error& error) {
 void FeedThreads::decode() {
     while (true) {
         auto raw = feed_.read_next();
-        if (!raw.ok()) return fail(raw.error());
+        if (!raw.ok()) return fail(Error(raw.error()));
         std::unique_lock lock(mutex_);
         if (!*raw) {
             decoded_all_ = true;
@@ -88,7 +101,7 @@ void FeedThreads::build() {
         lock.unlock();
         while (true) {
             const auto published = feed_.publish(raw);
-            if (!published.ok()) return fail(published.error());
+            if (!published.ok()) return fail(Error(published.error()));
             if (*published) {
                 late_frames_ += is_late_(raw);
                 break;

@@ -18,12 +18,14 @@ class FeedThreads {
 public:
     /// Whether a frame that has just been published was needed before; asked by the thread that builds.
     using IsLate = std::function<bool(const RawFrame&)>;
-    /// `feed` outlives this and is left alone until `stop`.
+    /// `feed` outlives this, and is left alone from `start` to `stop`.
     FeedThreads(SurfaceFeed& feed, IsLate is_late);
     ~FeedThreads();  ///< stops them
     FeedThreads(const FeedThreads&) = delete;
     FeedThreads& operator=(const FeedThreads&) = delete;
 
+    /// Once. An error where the machine has no thread left; none runs then.
+    Result<void> start();
     void stop();
     /// How many frames were; after `stop`.
     std::int64_t late_frames() const { return late_frames_; }
@@ -36,7 +38,7 @@ private:
     void guarded(void (FeedThreads::*work)());
     void decode();
     void build();
-    void fail(const Error& error);
+    void fail(Error&& error);
 
     SurfaceFeed& feed_;
     mutable std::mutex mutex_;
@@ -45,6 +47,7 @@ private:
     bool decoded_all_ = false, stopping_ = false;
     std::optional<std::int64_t> end_ns_;
     std::optional<Error> error_;
+    Error out_of_memory_;  // made while there is memory to say it with
     const IsLate is_late_;
     std::int64_t late_frames_ = 0;  // the builder's
     std::thread decoder_, builder_;

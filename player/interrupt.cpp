@@ -1,28 +1,34 @@
 #include "player/interrupt.hpp"
 
-#include <atomic>
 #include <csignal>
+
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
 
-std::atomic<bool> asked_to_stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing that locks");
+/// A signal that whoever started the program ignores stays ignored: nohup, a shell's background.
+void catch_once(int signal) {
+    struct sigaction inherited = {};
+    sigaction(signal, nullptr, &inherited);
+    if (inherited.sa_handler == SIG_IGN) return;
+    struct sigaction action = {};
+    action.sa_handler = [](int) { request_stop(); };
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    sigaction(signal, &action, nullptr);
+}
 
 }  // namespace
 
 void catch_interrupts() {
-    struct sigaction action = {};
-    action.sa_handler = [](int) { asked_to_stop.store(true, std::memory_order_relaxed); };
-    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-    sigaction(SIGHUP, &action, nullptr);  // the terminal is gone
+    catch_once(SIGINT);
+    catch_once(SIGTERM);
+    catch_once(SIGHUP);             // the terminal is gone
     std::signal(SIGXFSZ, SIG_IGN);  // a file at its allowed size is an error of that write, told as any other
 }
 
 bool interrupted() {
-    return asked_to_stop.load(std::memory_order_relaxed);
+    return stop_requested();
 }
 
 Error interrupted_error() {

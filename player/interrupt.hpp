@@ -7,8 +7,8 @@ namespace touchable {
 /// Exit code of a program that was asked to stop (Ctrl-C) and did so cleanly.
 inline constexpr int interrupted_exit_code = 130;
 
-/// From here on the first SIGINT, SIGTERM or SIGHUP only sets a flag; a second one ends the program at once. A
-/// file-size limit no longer ends it at all.
+/// From here on the first SIGINT, SIGTERM or SIGHUP only sets a flag; a second one ends the program at once.
+/// Those that are ignored already, as under nohup, stay so. A file-size limit no longer ends it at all.
 void catch_interrupts();
 
 /// True once the person asked to stop. Long work looks here between frames.

@@ -49,7 +49,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         const auto end = threads.end_ns();
         return end && loop.time_ns() + tick_ns >= std::max(*end, shortest_run_ns);
     };
-    loop.start();
+    if (auto begun = threads.start(); !begun.ok()) return begun;
+    if (auto begun = loop.start(); !begun.ok()) return begun;
     while (loop.running() && taken.ok() && !interrupted() && !threads.error() && !is_over()) {
         drain();
         std::this_thread::sleep_for(sink_pause);
@@ -63,6 +64,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (!taken.ok()) return taken;
     if (facts_.loop.port_failed)
         return Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
+    if (facts_.loop.broke_off)
+        return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};
     if (facts_.loop.lost > 0)
         return Error{ErrorKind::internal, std::to_string(facts_.loop.lost) +
                                               " ticks were lost on their way to the files; the disk "

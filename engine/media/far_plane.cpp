@@ -2,14 +2,19 @@
 
 #include <algorithm>
 
+#include "engine/stop_request.hpp"
+
 namespace touchable {
 
-void FarPlaneSearch::add(const PlaneView& depth) {
+Result<void> FarPlaneSearch::add(const PlaneView& depth) {
+    if (stop_requested())
+        return Error{ErrorKind::internal, "interrupted while the clip's far plane was searched"};
     for (int y = 0; y < depth.height; ++y)
         for (int x = 0; x < depth.width; ++x) {
             const int code = depth.sample(x, y);
             if (code > deepest_ && coding_.is_valid(static_cast<std::uint16_t>(code))) deepest_ = code;
         }
+    return {};
 }
 
 Result<std::string> FarPlaneSearch::settle(Scene& scene) const {

@@ -14,7 +14,8 @@ namespace touchable {
 class FarPlaneSearch {
 public:
     explicit FarPlaneSearch(const DepthCoding& coding) : coding_(coding) {}
-    void add(const PlaneView& depth);
+    /// An error once somebody asked the program to stop: a clip may take long to search.
+    Result<void> add(const PlaneView& depth);
     /// Settles the scene's coding; the note says what was found. An error where no depth was valid.
     Result<std::string> settle(Scene& scene) const;
 

@@ -76,7 +76,7 @@ Result<void> GdepthImage::open(const std::optional<Scene>& replacement) {
     if (auto note = no_depth_note(frame_, scene_.depth)) notes_.push_back(std::move(*note));
     if (!scene_.far_from_frames) return {};
     FarPlaneSearch search(scene_.depth);
-    search.add(frame_.depth);
+    if (auto added = search.add(frame_.depth); !added) return added;
     auto note = search.settle(scene_);
     if (!note) return refuse(note.error().message);
     notes_.push_back(std::move(*note));

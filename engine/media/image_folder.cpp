@@ -201,7 +201,7 @@ Result<void> ImageFolderReader::find_far_plane() {
     for (std::int64_t frame = 0; frame < count_; ++frame) {
         const auto depth = plane(tracks_.front(), frame);
         if (!depth) return depth.error();
-        search.add(depth->view);
+        if (auto added = search.add(depth->view); !added) return added;
     }
     auto note = search.settle(scene_);
     if (!note) return input_error(folder_.string() + ": " + note.error().message);

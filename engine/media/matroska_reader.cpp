@@ -187,7 +187,7 @@ Result<void> MatroskaReader::describe() {
         auto frame = next();
         if (!frame) return frame.error();
         if (!*frame) break;
-        search.add((*frame)->depth);
+        if (auto added = search.add((*frame)->depth); !added) return added;
     }
     auto note = search.settle(scene_);
     if (!note) return refuse(note.error().message);

@@ -5,6 +5,11 @@
 
 namespace {
 thread_local std::size_t count = 0;
+thread_local bool refused = false;
+}  // namespace
+
+void touchable::test::refuse_allocations() {
+    refused = true;
 }
 
 std::size_t touchable::test::allocations() {
@@ -13,6 +18,7 @@ std::size_t touchable::test::allocations() {
 
 void* operator new(std::size_t size) {
     ++count;
+    if (refused) throw std::bad_alloc();
     if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
     throw std::bad_alloc();
 }

@@ -4,6 +4,8 @@
 #include <sched.h>
 
 #include <atomic>
+#include <new>
+#include <stdexcept>
 #include <thread>
 
 #include "haptics_cpu/haptic_loop.hpp"
@@ -17,6 +19,9 @@ class PressingPort final : public HapticPort {
 public:
     bool read_goals(std::int64_t tick, const HeightField&, std::span<glm::dvec3> goals) override {
         ticks.push_back(tick);
+        if (static_cast<int>(ticks.size()) == stalls_at)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        if (static_cast<int>(ticks.size()) == throws_at) throw std::runtime_error("unplugged");
         cpus.push_back(sched_getcpu());
         for (glm::dvec3& goal : goals)
             goal = {0, 0, -100 - 0.02 * static_cast<double>(std::min<std::int64_t>(tick, 100))};
@@ -26,10 +31,11 @@ public:
         last.assign(newtons.begin(), newtons.end());
         for (const glm::dvec3& force : newtons) largest = std::max(largest, force.z);
         ++writes;
+        if (writes == write_throws_at) throw 7;
         return true;
     }
 
-    int fails_at = -1;
+    int fails_at = -1, stalls_at = -1, throws_at = -1, write_throws_at = -1;
     std::vector<std::int64_t> ticks;
     std::vector<int> cpus;  // that each tick began on
     std::vector<glm::dvec3> last;
@@ -39,7 +45,8 @@ public:
 
 class LoopRig {
 public:
-    explicit LoopRig(int log_ticks)
+    explicit LoopRig(int log_ticks, std::unique_ptr<VertexSource> vertices = std::make_unique<ExactVertices>(
+                                        17, 17, std::vector<double>(17 * 17, 100.0)))
         : wall(17, 17, 100.0),
           solver(TouchSolver::create(wall.scene, {}).value()),
           step(solver, GuardSettings{}, 2),
@@ -47,7 +54,7 @@ public:
         SurfaceFrame* slot = timeline.acquire();
         slot->width = slot->height = 17;
         slot->coding = wall.scene.depth;
-        slot->vertices = std::make_unique<ExactVertices>(17, 17, std::vector<double>(17 * 17, 100.0));
+        slot->vertices = std::move(vertices);
         EXPECT_TRUE(timeline.publish(0, 0).ok());
     }
 
@@ -59,10 +66,15 @@ public:
     PressingPort port;
 };
 
+void wait_for_the_end(HapticLoop& loop) {
+    while (loop.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    loop.stop();
+}
+
 TEST(HapticLoop, TicksInOrderLogsEachAndEndsWithZeroForce) {
     LoopRig rig(4096);
     HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    loop.start();
+    ASSERT_TRUE(loop.start().ok());
     std::vector<std::int64_t> logged;
     double largest = 0;
     while (largest < 0.5) {
@@ -93,9 +105,8 @@ TEST(HapticLoop, StaysOnTheCpuItNames) {
     LoopRig rig(64);
     rig.port.fails_at = 20;
     HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    loop.start();
-    while (loop.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    loop.stop();
+    ASSERT_TRUE(loop.start().ok());
+    wait_for_the_end(loop);
     const RealtimeGrant& grant = loop.facts().grant;
     if (grant.cpu < 0)
         GTEST_SKIP() << "this machine has one CPU, or lets no thread choose: " << grant.in_words();
@@ -107,18 +118,96 @@ TEST(HapticLoop, ADeviceThatIsGoneEndsTheLoopWithZeroForce) {
     LoopRig rig(4096);
     rig.port.fails_at = 5;
     HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    loop.start();
-    while (loop.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    loop.stop();
+    ASSERT_TRUE(loop.start().ok());
+    wait_for_the_end(loop);
     EXPECT_TRUE(loop.facts().port_failed);
     EXPECT_EQ(rig.port.ticks.size(), 5U);
     EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
 }
 
+TEST(HapticLoop, APortThatThrowsIsADeviceThatIsGone) {
+    for (const bool writing : {false, true}) {
+        LoopRig rig(4096);
+        (writing ? rig.port.write_throws_at : rig.port.throws_at) = 150;
+        HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+        ASSERT_TRUE(loop.start().ok());
+        wait_for_the_end(loop);
+        EXPECT_TRUE(loop.facts().port_failed);
+        EXPECT_FALSE(loop.facts().broke_off);
+        EXPECT_EQ(rig.port.ticks.size(), 150U);
+        EXPECT_GT(rig.port.largest, 0.5) << "there was a force to take away";
+        EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+    }
+}
+
+/// A surface that breaks while it is touched.
+class BreakingVertices final : public VertexSource {
+public:
+    DepthSample at(int x, int y) const override {
+        if (++calls_ > 5000) throw std::bad_alloc();
+        return wall_.at(x, y);
+    }
+    TileDepths tile(int tx, int ty) const override { return wall_.tile(tx, ty); }
+
+private:
+    ExactVertices wall_{17, 17, std::vector<double>(17 * 17, 100.0)};
+    mutable std::int64_t calls_ = 0;
+};
+
+TEST(HapticLoop, AFaultInATickEndsItWithZeroForceToo) {
+    LoopRig rig(4096, std::make_unique<BreakingVertices>());
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    ASSERT_TRUE(loop.start().ok());
+    wait_for_the_end(loop);
+    EXPECT_TRUE(loop.facts().broke_off);
+    EXPECT_FALSE(loop.facts().port_failed);
+    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+}
+
+// The fingers would go on as they were left, with the force they had, and without a ramp.
+TEST(HapticLoop, RunsOnceAndSaysSo) {
+    LoopRig rig(4096);
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    loop.stop();
+    ASSERT_TRUE(loop.start().ok()) << "that it was stopped before it started is no matter";
+    EXPECT_FALSE(loop.start().ok()) << "it runs";
+    while (loop.time_ns() < 10'000'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    loop.stop();
+    const std::int64_t ticks = loop.facts().ticks;
+    EXPECT_GE(rig.port.writes, 2);
+    const auto again = loop.start();
+    ASSERT_FALSE(again.ok());
+    EXPECT_NE(again.error().message.find("runs once"), std::string::npos);
+    EXPECT_FALSE(loop.running());
+    EXPECT_EQ(loop.facts().ticks, ticks);
+}
+
+// Whatever the machine is busy with, a tick begins within its own millisecond, for a later one is the next.
+TEST(HapticLoop, TicksThatWereMissedAreSkippedAndNotMadeUpFor) {
+    LoopRig rig(4096);
+    rig.port.stalls_at = 10;
+    rig.port.fails_at = 60;
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    ASSERT_TRUE(loop.start().ok());
+    wait_for_the_end(loop);
+    EXPECT_GE(rig.port.ticks[10] - rig.port.ticks[9], 5);
+    EXPECT_GE(loop.facts().late, 1);
+    EXPECT_GE(loop.facts().skipped, 4);
+    EXPECT_EQ(loop.facts().skipped, rig.port.ticks.back() + 1 - loop.facts().ticks);
+    int logged = 0;
+    while (rig.log.pop([&](const TouchTick& tick) {
+        ++logged;
+        EXPECT_GE(tick.late_us, 0);
+        EXPECT_LT(tick.late_us, 1000) << "tick " << tick.tick;
+    })) {
+    }
+    EXPECT_EQ(logged, 59);
+}
+
 TEST(HapticLoop, ALogThatNobodyReadsCostsTicksOfTheLogButNoForce) {
     LoopRig rig(8);
     HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    loop.start();
+    ASSERT_TRUE(loop.start().ok());
     while (loop.time_ns() < 50'000'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     loop.stop();
     EXPECT_EQ(loop.facts().lost, std::max<std::int64_t>(0, loop.facts().ticks - 8));

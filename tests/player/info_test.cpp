@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/media/clip.hpp"
@@ -133,6 +135,24 @@ TEST(Info, DamagedClipIsCode3) {
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_NE(run.err.find(damaged), std::string::npos) << run.err;
     }
+}
+
+// A far plane that is not given is searched in every frame, here in two thousand.
+TEST(Info, InterruptedWhileTheFarPlaneIsSearchedIsCode130) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "clip.mkv";
+    ASSERT_EQ(run_touchable({"make", "noise", clip, "--size", "512x384", "--frames", "1"}).code, 0);
+    ASSERT_EQ(run_touchable({"export", clip, "--frame", "0", "--out", folder / "out"}).code, 0);
+    for (int n = 0; n < 2000; ++n)
+        std::filesystem::create_symlink("depth.png", folder / ("out/d" + std::to_string(n) + ".png"));
+    auto scene = nlohmann::json::parse(file_contents(folder / "out/scene.json"));
+    scene["depth"] = {{"coding", "metric"}, {"bits", scene["depth"]["bits"]}, {"scale", 0.01}};
+    scene["folder"] = {{"depth", "d%d.png"}};
+    std::ofstream(folder / "out/scene.json") << scene;
+    const Outcome run = run_interrupted_at_once({"info", folder / "out"});
+    EXPECT_EQ(run.code, 130) << run.err;
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    EXPECT_EQ(run.out, "");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // deadline.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -136,6 +137,27 @@ TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5) {
     EXPECT_EQ(outcome.code, 5);
     EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
     EXPECT_NE(outcome.err.find("simulated device was unplugged"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Live, NohupIsHeeded) {
+    const Outcome outcome =
+        run_under_nohup({"touch", clip, "--live", "--seconds", "0.4", "--json", folder / "r.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(folder / "r.json"));
+}
+
+TEST_F(Live, AThreadThatCannotStartIsOneLineOfError) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers take more address space than this test leaves";
+#endif
+    const char* named[] = {"the thread that decodes", "the thread that builds", "the thread of the hand"};
+    for (int threads = 0; threads < 3; ++threads) {
+        const Outcome outcome =
+            run_with_threads({"touch", clip, "--live", "--builder", "cpu", "--seconds", "0.1"}, threads);
+        EXPECT_EQ(outcome.code, 1) << threads;
+        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+        EXPECT_NE(outcome.err.find(named[threads]), std::string::npos) << outcome.err;
+    }
 }
 
 TEST_F(Live, ADeviceIsRefusedWhereItCannotBe) {

@@ -114,6 +114,28 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     return outcome;
 }
 
+/// Until the line of /proc/PID/status that begins with `name` is as wanted, or the process is gone.
+void wait_until_status(pid_t child, const std::string& name,
+                       const std::function<bool(const std::string&)>& wanted) {
+    for (int tries = 0; tries < 10000; ++tries) {
+        std::ifstream status("/proc/" + std::to_string(child) + "/status");
+        bool found = false;
+        for (std::string line; std::getline(status, line);) {
+            if (!line.starts_with(name)) continue;
+            found = true;
+            if (wanted(line.substr(name.size()))) return;
+        }
+        if (!found) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+}
+
+void wait_until_it_minds_interrupts(pid_t child) {
+    wait_until_status(child, "SigCgt:", [](const std::string& mask) {
+        return (std::stoull(mask, nullptr, 16) >> (SIGINT - 1) & 1U) == 1;
+    });
+}
+
 Outcome run_limited(const std::vector<std::string>& arguments, decltype(RLIMIT_AS) what, rlim_t bytes) {
     Hooks hooks;
     hooks.prepare = [=] {
@@ -204,12 +226,68 @@ Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments
     return run(arguments, hooks);
 }
 
+Outcome run_interrupted_at_once(const std::vector<std::string>& arguments) {
+    Hooks hooks;
+    hooks.meanwhile = [](pid_t child) {
+        wait_until_it_minds_interrupts(child);
+        kill(child, SIGINT);
+    };
+    return run(arguments, hooks);
+}
+
+Outcome run_interrupted_while_live(const std::vector<std::string>& arguments) {
+    Hooks hooks;
+    hooks.meanwhile = [](pid_t child) {
+        wait_until_status(child, "Threads:", [](const std::string& value) { return std::stoi(value) > 1; });
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        kill(child, SIGINT);
+    };
+    return run(arguments, hooks);
+}
+
+Outcome run_on_terminal(const std::vector<std::string>& arguments) {
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) std::abort();
+    Hooks hooks;
+    hooks.prepare = [name = std::string(ptsname(terminal))] {
+        dup2(open(name.c_str(), O_RDWR | O_NOCTTY), STDERR_FILENO);
+    };
+    Outcome outcome = run(arguments, hooks);
+    std::array<char, 4096> some;
+    for (ssize_t count; (count = read(terminal, some.data(), some.size())) > 0;)
+        outcome.err.append(some.data(), static_cast<std::size_t>(count));
+    close(terminal);
+    return outcome;
+}
+
+Outcome run_under_nohup(const std::vector<std::string>& arguments) {
+    Hooks hooks;
+    hooks.prepare = [] { std::signal(SIGHUP, SIG_IGN); };
+    hooks.meanwhile = [](pid_t child) {
+        wait_until_it_minds_interrupts(child);
+        kill(child, SIGHUP);
+    };
+    return run(arguments, hooks);
+}
+
 Outcome run_on_full_disk(const std::vector<std::string>& arguments, int kibibytes) {
     return run_limited(arguments, RLIMIT_FSIZE, static_cast<rlim_t>(kibibytes) * 1024);
 }
 
 Outcome run_in_memory(const std::vector<std::string>& arguments, int mebibytes) {
     return run_limited(arguments, RLIMIT_AS, static_cast<rlim_t>(mebibytes) << 20);
+}
+
+Outcome run_with_threads(const std::vector<std::string>& arguments, int threads) {
+    constexpr rlim_t stack = rlim_t{1} << 30;
+    Hooks hooks;
+    hooks.prepare = [=] {
+        const rlimit of_stack{stack, stack}, of_all{stack * static_cast<rlim_t>(threads) + stack * 9 / 10,
+                                                    stack * static_cast<rlim_t>(threads) + stack * 9 / 10};
+        setrlimit(RLIMIT_STACK, &of_stack);
+        setrlimit(RLIMIT_AS, &of_all);
+    };
+    return run(arguments, hooks);
 }
 
 std::string file_contents(const fs::path& file) {

@@ -41,11 +41,26 @@ Outcome run_with_named_files(const std::vector<std::string>& arguments);
 /// Starts it, sends SIGINT once it has said something, and waits for its end.
 Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments);
 
+/// Starts it, sends SIGINT as soon as it minds that, and waits for its end.
+Outcome run_interrupted_at_once(const std::vector<std::string>& arguments);
+
+/// Starts a live session, sends SIGINT when it has been running for a while, and waits for its end.
+Outcome run_interrupted_while_live(const std::vector<std::string>& arguments);
+
+/// Runs it with its error stream on a terminal of its own.
+Outcome run_on_terminal(const std::vector<std::string>& arguments);
+
+/// Starts it, told to ignore SIGHUP as nohup does, sends that once SIGINT would be minded, and waits for its end.
+Outcome run_under_nohup(const std::vector<std::string>& arguments);
+
 /// Runs it where no file may grow beyond `kibibytes`: a full disk, for its files but not for what it says.
 Outcome run_on_full_disk(const std::vector<std::string>& arguments, int kibibytes);
 
 /// Runs it where it may have no more than `mebibytes` of memory, its libraries included.
 Outcome run_in_memory(const std::vector<std::string>& arguments, int mebibytes);
+
+/// Runs it where there is memory for so many threads beside the first, whose stacks are a gibibyte.
+Outcome run_with_threads(const std::vector<std::string>& arguments, int threads);
 
 std::string file_contents(const std::filesystem::path& file);
 /// Names in a folder, hidden ones too, sorted.
