@@ -11,6 +11,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/camera_options.hpp"
+#include "player/clip_workspace.hpp"
 #include "player/file_option.hpp"
 #include "player/frame_files.hpp"
 #include "player/interrupt.hpp"
@@ -126,7 +127,9 @@ std::vector<NamedFile> files_of(const ExportOptions& options) {
 }
 
 /// Reads, builds and writes from `options.first` on; gives the number of the frame after the last one read.
-Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const ExportOptions& options,
+/// What is written says what a device moves per scene unit, for one frame alone may suggest something else
+/// than the clip, whose frame 0 is asked.
+Result<std::int64_t> export_frames(ClipReader& reader, Scene scene, const ExportOptions& options,
                                    SurfaceBuilder& builder, std::optional<PictureOrder>& picture) {
     Progress progress("exporting frame", options.last ? *options.last + 1 : reader.frame_count().value_or(0));
     SurfaceFrame surface;
@@ -138,8 +141,11 @@ Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const
         if (!*raw) break;
         progress.at(number);
         // With the temporal filter a frame is made of all before it.
-        if (number < options.first && !scene.filter.temporal) continue;
+        const bool needed = scene.filter.temporal || !scene.device_metres_per_unit;
+        if (number < options.first && !needed) continue;
         if (auto built = builder.build(**raw, surface); !built.ok()) return built.error();
+        if (!scene.device_metres_per_unit)
+            scene.device_metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
         if (number < options.first) continue;
         if (auto done = export_frame(**raw, scene, surface, options); !done.ok()) return done.error();
         if (picture)

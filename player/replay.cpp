@@ -29,6 +29,7 @@ bool has_other_frames(const Recording& recording, const TouchSetup& setup) {
     const auto recorded = recording.facts.at("planes_hash").get<std::string>();
     if (!recording.facts.contains("frames")) return !setup.live && recorded != setup.feed->planes_hash();
     const auto frames = recording.facts["frames"].get<std::int64_t>();
+    if (frames == setup.feed->frames()) return recorded != setup.feed->planes_hash();
     const auto reader = setup.open();
     if (!reader.ok()) return true;
     const auto found = planes_hash_of(**reader, frames);
@@ -70,20 +71,23 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
     return {};
 }
 
-Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, const std::string& force_hash,
-                          const TouchSetup& setup) {
+Result<std::string> judge_replay(const Recording& recording, const ReplayCheck& check,
+                                 const std::string& force_hash, const TouchSetup& setup) {
     if (recording.rules() != force_rules)
         return input_error("replay is not comparable: made under rules " + std::to_string(recording.rules()) +
                            " of force, this program has rules " + std::to_string(force_rules) +
                            "; what was asked for is written, with its forces");
     const auto recorded = recording.facts.at("force_hash").get<std::string>();
-    if (!check.difference() && recorded == force_hash) return {};
+    const bool others = has_other_frames(recording, setup);
+    if (!check.difference() && recorded == force_hash)
+        return "replay: every force is as recorded, to the bit (" + force_hash + ")\n" +
+               (others ? "note: the clip's frames are not the recorded ones; they differ where no finger "
+                         "felt it\n"
+                       : "");
     const std::string what =
         check.difference().value_or("force_hash " + force_hash + ", recorded " + recorded);
-    return Error{
-        ErrorKind::check,
-        "replay differs first at " + what +
-            (has_other_frames(recording, setup) ? "; the clip's frames are not the recorded ones" : "")};
+    return Error{ErrorKind::check, "replay differs first at " + what +
+                                       (others ? "; the clip's frames are not the recorded ones" : "")};
 }
 
 }  // namespace touchable

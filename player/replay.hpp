@@ -43,8 +43,9 @@ private:
 
 /// After a replay: an error of kind input where the recording was made under other rules of force, so that
 /// there is nothing to compare; of kind check where something differs, which says what first, and whether the
-/// clip's frames are others than those recorded.
-Result<void> judge_replay(const Recording& recording, const ReplayCheck& check, const std::string& force_hash,
-                          const TouchSetup& setup);
+/// clip's frames are others than those recorded. Else what there is to say: a clip may have changed where no
+/// finger went.
+Result<std::string> judge_replay(const Recording& recording, const ReplayCheck& check,
+                                 const std::string& force_hash, const TouchSetup& setup);
 
 }  // namespace touchable

@@ -89,8 +89,9 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     std::ostream& words = stream_of_words(options);
     words << report_to_text(report) << (*outputs)->remark();
     if (!done.ok() || !*recording) return done;
-    if (auto same = judge_replay(**recording, *check, figures.force_hash(), s); !same.ok()) return same;
-    words << "replay: every force is as recorded, to the bit (" << figures.force_hash() << ")\n";
+    const auto same = judge_replay(**recording, *check, figures.force_hash(), s);
+    if (!same.ok()) return same.error();
+    words << *same;
     return {};
 }
 

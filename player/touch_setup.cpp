@@ -12,6 +12,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/force_rules.hpp"
 #include "player/builder_pick.hpp"
+#include "player/clip_workspace.hpp"
 #include "player/field_probe.hpp"
 #include "player/replay.hpp"
 #include "player/temporal_option.hpp"
@@ -21,23 +22,6 @@ namespace touchable {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Lower median of frame 0's valid depths; the far plane where none is valid.
-double median_depth(const Scene& scene, const SurfaceFrame& first) {
-    // Every pixel is asked for: one by one, a lazy frame would take longer than all frames whole.
-    SurfaceFrame whole;
-    const bool is_lazy = first.codes.empty() && make_cpu_builder(scene)->build(first.raw, whole).ok();
-    const SurfaceFrame& frame = is_lazy ? whole : first;
-    std::vector<double> depths;
-    for (int y = 0; y < scene.height; ++y)
-        for (int x = 0; x < scene.width; ++x)
-            if (const DepthSample sample = frame.vertices->at(x, y); sample.valid)
-                depths.push_back(sample.depth);
-    if (depths.empty()) return scene.depth.far;
-    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((depths.size() - 1) / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
-    return *middle;
-}
 
 // N s/m. Beyond this a hand on a light device no longer slows down within a tick, it is thrown back.
 constexpr double most_damping = 100;
@@ -142,10 +126,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const TouchOptions& optio
 
     const auto first = setup->feed->pair_at(0);
     if (!first.ok()) return first.error();
-    Workspace workspace = default_workspace(setup->scene.width, setup->scene.camera.fx,
-                                            median_depth(setup->scene, *first->prev.frame));
-    if (setup->scene.device_metres_per_unit)
-        workspace.metres_per_scene_unit = *setup->scene.device_metres_per_unit;
+    const Workspace workspace = clip_workspace(setup->scene, *first->prev.frame);
     const HeightField field(setup->scene, *first);
     auto hand = make_hand(options.hand, options.fingers, workspace, FieldProbe(field));
     if (!hand.ok()) return hand.error();

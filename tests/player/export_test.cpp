@@ -2,6 +2,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fstream>
+
 #include "engine/content/scenes.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/media/image_file.hpp"
@@ -201,6 +203,51 @@ TEST_F(Export, FolderIsAClipOfThatFrameWhichFeelsTheSame) {
     ASSERT_EQ(run_touchable({"export", out(), "--frame", "0", "--out", folder / "again"}).code, 0);
     for (const std::string& name : names_in(out()))
         EXPECT_EQ(file_contents(folder / ("again/" + name)), file_contents(out(name))) << name;
+}
+
+/// Codes of 8 bits: a step in the middle that is the same for all `around`.
+Image step_in_the_middle(std::uint8_t around) {
+    Image image{72, 48, 1, 1, {}};
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 72; ++x) {
+            const bool middle = x > 20 && x < 52 && y > 12 && y < 36;
+            image.samples.push_back(middle ? static_cast<std::uint8_t>(100 + x / 4) : around);
+        }
+    return image;
+}
+
+// The clip says nothing of the device, so that its frame 0 settles how far one moves. Frame 1 alone, whose
+// median depth is another, would settle something else.
+TEST_F(Export, FrameFeelsAsInItsClipThoughItsOwnDepthSuggestsAnotherScale) {
+    make("plane", 1, {"--bits", "8"});
+    auto scene = scene_of(clip());
+    scene.erase("device_metres_per_unit");
+    scene["interpolation"] = "hold";
+    scene["rate"] = {1000, 1};  // a hand begins far above, and finds frame 1
+    scene["folder"] = {{"depth", "d%d.png"}};
+    std::ofstream(folder / "two.json") << scene;
+    ASSERT_TRUE(write_png(folder / "d0.png", step_in_the_middle(20).view()).ok());
+    ASSERT_TRUE(write_png(folder / "d1.png", step_in_the_middle(220).view()).ok());
+    const Words hand{"--hand", "press:depth=3", "--seconds", "0.9", "--fingers", "2"};
+    const auto hash = [&](const std::string& touched) {
+        Words words{touched};
+        words.insert(words.end(), hand.begin(), hand.end());
+        const auto report = touch(words);
+        EXPECT_GT(report["contact_ticks"], 200);
+        return report["force_hash"];
+    };
+    for (const Words& which : {Words{"--frame", "1"}, Words{"--frames", "1-1"}}) {
+        Words words{"export", folder / "two.json", "--out", out()};
+        words.insert(words.end(), which.begin(), which.end());
+        ASSERT_EQ(run_touchable(words).code, 0);
+    }
+    const auto felt = hash(folder / "two.json");
+    EXPECT_EQ(hash(out()), felt);
+    EXPECT_EQ(hash(out("1")), felt);
+    EXPECT_EQ(file_contents(out("scene.json")), file_contents(out("1/scene.json")));
+    scene["folder"] = {{"depth", "d1.png"}};
+    std::ofstream(folder / "alone.json") << scene;
+    EXPECT_NE(hash(folder / "alone.json"), felt) << "no test of the scale";
 }
 
 TEST_F(Export, FullDiskIsCode3AndLeavesNothing) {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <limits>
 
+#include "engine/media/image_file.hpp"
 #include "haptics_cpu/force_rules.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
@@ -109,6 +110,34 @@ TEST_F(Replay, OtherClipDiffersAndTheFirstTickAndFingerAreNamed) {
 
     make_clip("globe", other, {"--size", "64x48", "--frames", "12"});
     expect_ends_with(3, "64x48", {other});
+}
+
+// A corner of the last frame, where no finger ever was.
+TEST_F(Replay, ClipThatHasChangedWhereNoFingerWentIsSaidThoughForcesAreTheSame) {
+    make_clip("bumps", clip(), {"--size", "72x48", "--frames", "3"});
+    ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "images"}).code, 0);
+    auto scene = nlohmann::json::parse(file_contents(folder / "images/0/scene.json"));
+    scene["folder"] = {{"depth", "%d/depth.png"}};
+    const std::string described = folder / "images/clip.json";
+    std::ofstream(described) << scene;
+    for (const Words& clock : {Words{}, Words{"--live"}}) {
+        Words words{described, "--record", file(), "--hand", "press", "--seconds", "0.4"};
+        words.insert(words.end(), clock.begin(), clock.end());
+        ASSERT_GT(touch(words)["contact_ticks"], 50);
+        const std::string note = "the clip's frames are not the recorded ones";
+        EXPECT_EQ(replay().out.find(note), std::string::npos);
+        const std::string last = folder / "images/2/depth.png", kept = file_contents(last);
+        auto image = read_image(last);
+        ASSERT_TRUE(image.ok());
+        image->samples.back() ^= 1;
+        fs::remove(last);
+        ASSERT_TRUE(write_png(last, image->view()).ok());
+        const Outcome changed = replay();
+        EXPECT_EQ(changed.code, 0) << changed.err;
+        EXPECT_NE(changed.out.find("every force is as recorded"), std::string::npos) << changed.out;
+        EXPECT_NE(changed.out.find(note), std::string::npos) << changed.out;
+        std::ofstream(last, std::ios::binary) << kept;
+    }
 }
 
 TEST_F(Replay, LeastDifferenceIsNamed) {
