@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -27,8 +28,8 @@ public:
     /// Once. An error where the machine has no thread left; none runs then.
     Result<void> start();
     void stop();
-    /// How many frames were; after `stop`.
-    std::int64_t late_frames() const { return late_frames_; }
+    /// How many frames were, so far.
+    std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
     /// End of the clip's last frame once all are published.
     std::optional<std::int64_t> end_ns() const;
     /// Why they ended early, if they did.
@@ -49,7 +50,7 @@ private:
     std::optional<Error> error_;
     Error out_of_memory_;  // made while there is memory to say it with
     const IsLate is_late_;
-    std::int64_t late_frames_ = 0;  // the builder's
+    std::atomic<std::int64_t> late_frames_{0};  // counted by the builder
     std::thread decoder_, builder_;
 };
 

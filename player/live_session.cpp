@@ -6,6 +6,7 @@
 
 #include "player/feed_threads.hpp"
 #include "player/interrupt.hpp"
+#include "player/live_line.hpp"
 
 namespace touchable {
 
@@ -29,16 +30,19 @@ LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, Hapt
     : scene_(scene), feed_(feed), hand_(hand), port_(port), solver_(solver), settings_(settings) {}
 
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
+    if (interrupted()) return interrupted_error();
     TouchStep step(solver_, settings_.guard, settings_.fingers);
     TickLog log(log_ticks, settings_.fingers);
     HapticLoop loop(scene_, feed_.timeline(), step, port_, log);
     FeedThreads threads(feed_, [&](const RawFrame& raw) { return comes_late(raw, scene_, loop.time_ns()); });
 
     Result<void> taken;
+    LiveLine line;
     auto drain = [&] {
         const auto give = [&](const TouchTick& tick) {
             for (TouchSink* sink : sinks)
                 if (taken.ok()) taken = sink->take(tick);
+            if (taken.ok()) taken = line.take(tick);
         };
         while (log.pop(give)) {
         }
@@ -51,21 +55,25 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     };
     if (auto begun = threads.start(); !begun.ok()) return begun;
     if (auto begun = loop.start(); !begun.ok()) return begun;
-    while (loop.running() && taken.ok() && !interrupted() && !threads.error() && !is_over()) {
+    while (loop.running() && taken.ok() && !threads.error() && !is_over()) {
+        facts_.interrupted = interrupted();
+        if (facts_.interrupted) break;
         drain();
+        line.show(threads.late_frames());
         std::this_thread::sleep_for(sink_pause);
     }
     loop.stop();
     threads.stop();
     drain();
-    facts_ = {loop.facts(), threads.late_frames()};
-    if (interrupted()) return interrupted_error();
+    facts_.loop = loop.facts();
+    facts_.late_frames = threads.late_frames();
     if (const auto error = threads.error()) return *error;
     if (!taken.ok()) return taken;
     if (facts_.loop.port_failed)
         return Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
     if (facts_.loop.broke_off)
         return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};
+    if (facts_.interrupted && facts_.loop.ticks == 0) return interrupted_error();
     if (facts_.loop.lost > 0)
         return Error{ErrorKind::internal, std::to_string(facts_.loop.lost) +
                                               " ticks were lost on their way to the files; the disk "

@@ -11,6 +11,7 @@ namespace touchable {
 struct LiveFacts {
     LoopFacts loop;
     std::int64_t late_frames = 0;  ///< not built yet when the surface first needed them
+    bool interrupted = false;      ///< a person ended it
 };
 
 /// Touch on the wall clock: decoding, building and the haptic loop each on a thread of its own, the sinks on
@@ -23,7 +24,8 @@ public:
     LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
                 const TouchSolver& solver, const TouchSessionSettings& settings);
 
-    /// To the end, or until the person asks to stop (an error then).
+    /// To the end, or until the person asks to stop, which is how most sessions end: an error only where no
+    /// tick was run by then.
     Result<void> run(std::span<TouchSink* const> sinks);
     const LiveFacts& facts() const { return facts_; }
 

@@ -7,24 +7,29 @@
 
 namespace touchable {
 
-Progress::Progress(std::string what, std::int64_t total)
-    : what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1) {}
+StatusLine::StatusLine() : terminal_(isatty(STDERR_FILENO) == 1) {}
 
-Progress::~Progress() {
+StatusLine::~StatusLine() {
     if (drawn_) std::fputs("\r\033[K", stderr);
 }
 
-void Progress::at(std::int64_t done) {
-    if (!terminal_) return;
-    const auto now = std::chrono::steady_clock::now();
-    if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
-    last_ = now;
+bool StatusLine::is_due() const {
+    return terminal_ &&
+           (!drawn_ || std::chrono::steady_clock::now() - last_ >= std::chrono::milliseconds(100));
+}
+
+void StatusLine::show(const std::string& text) {
+    last_ = std::chrono::steady_clock::now();
     drawn_ = true;
-    if (total_ > 0)
-        std::fprintf(stderr, "\r%s %lld of %lld\033[K", what_.c_str(), static_cast<long long>(done),
-                     static_cast<long long>(total_));
-    else
-        std::fprintf(stderr, "\r%s %lld\033[K", what_.c_str(), static_cast<long long>(done));
+    std::fprintf(stderr, "\r%s\033[K", text.c_str());
+}
+
+Progress::Progress(std::string what, std::int64_t total) : what_(std::move(what)), total_(total) {}
+
+void Progress::at(std::int64_t done) {
+    if (!line_.is_due()) return;
+    line_.show(what_ + ' ' + std::to_string(done) +
+               (total_ > 0 ? " of " + std::to_string(total_) : std::string()));
 }
 
 }  // namespace touchable

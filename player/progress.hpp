@@ -6,25 +6,35 @@
 
 namespace touchable {
 
-/// One line on the terminal's error stream that counts up while long work runs; silent where that is no
-/// terminal.
+/// One line on the terminal's error stream that is drawn again and again; silent where that is no terminal.
+class StatusLine {
+public:
+    StatusLine();
+    ~StatusLine();  ///< clears the line
+    StatusLine(const StatusLine&) = delete;
+    StatusLine& operator=(const StatusLine&) = delete;
+
+    /// Whether to `show` something: ten times a second at most.
+    bool is_due() const;
+    void show(const std::string& text);
+
+private:
+    bool terminal_;
+    bool drawn_ = false;
+    std::chrono::steady_clock::time_point last_{};
+};
+
+/// A status line that counts up while long work runs.
 class Progress {
 public:
     /// `what`: "making frame". `total` <= 0: the end is not known.
     Progress(std::string what, std::int64_t total);
-    ~Progress();  ///< clears the line
-    Progress(const Progress&) = delete;
-    Progress& operator=(const Progress&) = delete;
-
-    /// Redraws at most ten times a second.
     void at(std::int64_t done);
 
 private:
     std::string what_;
     std::int64_t total_;
-    bool terminal_;
-    bool drawn_ = false;
-    std::chrono::steady_clock::time_point last_{};
+    StatusLine line_;
 };
 
 }  // namespace touchable

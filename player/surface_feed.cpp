@@ -3,12 +3,22 @@
 #include <cassert>
 #include <chrono>
 
+#include "engine/frame/stored_code.hpp"
+
 namespace touchable {
 
 namespace {
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Ends at the first.
+bool has_valid_pixel(const PlaneView& depth, const DepthCoding& coding) {
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x)
+            if (coding.is_valid(stored_code(depth, coding, x, y))) return true;
+    return false;
 }
 
 }  // namespace
@@ -18,6 +28,7 @@ SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<Sur
     : reader_(std::move(reader)),
       builder_(std::move(builder)),
       rate_(scene.rate),
+      stored_(scene.depth),
       settles_(scene.filter.temporal) {}
 
 Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
@@ -34,6 +45,7 @@ Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
     if (!published.ok() || !*published) return published;
     build_ms_.push_back(milliseconds_since(start));
     hash_.add(raw);
+    any_valid_ = any_valid_ || has_valid_pixel(raw.depth, stored_);
     ++frames_;
     unchanged_frames_ += unchanged;
     skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();

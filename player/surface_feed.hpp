@@ -42,9 +42,11 @@ public:
     std::int64_t frames() const { return frames_; }  ///< published so far
     /// Of them, those that were the frame before once more.
     std::int64_t unchanged_frames() const { return unchanged_frames_; }
-    /// Of all their tiles the share that was not built, 0 to 1: because nothing there has changed since a frame
-    /// before, or because nobody touched it (lazy).
+    /// Of all their tiles the share that was not built, 0 to 1: because nothing there has changed since a
+    /// frame before, or because nobody touched it (lazy).
     double skipped_share() const { return frames_ > 0 ? skipped_frames_ / static_cast<double>(frames_) : 1; }
+    /// Whether any stored pixel of the frames published so far was valid.
+    bool any_valid() const { return any_valid_; }
     bool ended() const { return ended_; }
     /// End of the newest frame's time on screen.
     std::int64_t end_ns() const { return rate_.time_ns(frames_); }
@@ -61,13 +63,14 @@ private:
     std::unique_ptr<ClipReader> reader_;
     std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;
+    DepthCoding stored_;
     bool settles_;  // the temporal filter makes another surface of the same frame once more
     SurfaceTimeline timeline_{4};
     PlanesHash hash_;
     std::optional<RawFrame> newest_;  // of those that were built
     std::int64_t frames_ = 0, unchanged_frames_ = 0;
     double skipped_frames_ = 0;  // and parts of frames
-    bool ended_ = false;
+    bool any_valid_ = false, ended_ = false;
     std::vector<double> read_ms_, build_ms_;
 };
 

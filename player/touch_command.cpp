@@ -84,6 +84,7 @@ void add_touch_command(CLI::App& app, Command& command) {
         add_file_option(*sub, "--replay", o.replay, "repeat a recorded run and compare every force with it");
     record->excludes(replay);
     add_overwrite_option(*sub, o.existing);
+    sub->add_flag("--strict", o.strict, "end with code 6 where the table begins with a warning");
 
     add_picture_options(*sub, o.picture);
     words->picture_moment =

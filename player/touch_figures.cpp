@@ -143,6 +143,7 @@ std::string report_to_text(const nlohmann::ordered_json& r) {
         return number(s["mean"], "%.3g mean") + number(s["p50"], ", %.3g median") +
                number(s["p99"], ", %.3g p99") + number(s["max"], ", %.3g max");
     };
+    for (const auto& warning : r["warnings"]) line("warning", warning.get<std::string>());
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
     for (const auto& note : r["notes"]) line("note", note.get<std::string>());

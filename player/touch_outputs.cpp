@@ -95,7 +95,7 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const To
             return written;
         if (auto done = json_->finish(); !done.ok()) return done;
     }
-    return picture_ ? picture_->finish(setup_) : Result<void>{};
+    return picture_ ? picture_->finish(setup_, report.value("interrupted", false)) : Result<void>{};
 }
 
 }  // namespace touchable

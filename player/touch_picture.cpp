@@ -43,7 +43,7 @@ std::int64_t usual_picture_tick(const TouchSetup& setup) {
 }
 
 Result<void> TouchPicture::take(const TouchTick& tick) {
-    if (moment_) return {};
+    if (reached_) return {};
     trails_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < trails_.size(); ++k) {
         const Contact& contact = tick.contacts[k];
@@ -54,7 +54,7 @@ Result<void> TouchPicture::take(const TouchTick& tick) {
         trails_[k].emplace_back(contact.pixel_x, contact.pixel_y);
         if (trails_[k].size() > trail_ticks) trails_[k].pop_front();
     }
-    if (tick.tick < tick_) return {};
+    reached_ = tick.tick >= tick_;
     moment_ = Moment{tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, {}};
     for (std::size_t k = 0; k < trails_.size(); ++k) {
         const Contact& contact = tick.contacts[k];
@@ -76,8 +76,8 @@ std::vector<FingerMark> TouchPicture::fingers_on(const HeightField& field) const
     return fingers;
 }
 
-Result<void> TouchPicture::finish(const TouchSetup& setup) {
-    if (!moment_)
+Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
+    if (!moment_ || !(reached_ || cut_short))
         return usage_error("--picture: the run ended before " + std::to_string(tick_) +
                            " ms, the moment to draw; --picture-at says another");
     auto reader = setup.open();

@@ -18,8 +18,9 @@ public:
     TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
     Result<void> take(const TouchTick& tick) override;
     const SurfacePainter& painter() const { return *order_.painter; }
-    /// Refused (ErrorKind::usage) where the run ended before the moment.
-    Result<void> finish(const TouchSetup& setup);
+    /// Draws. Where the run ended before the moment: its last tick, if it was `cut_short`, else refused
+    /// (ErrorKind::usage).
+    Result<void> finish(const TouchSetup& setup, bool cut_short);
     /// What was drawn, for a person; empty before `finish`.
     const std::string& line() const { return line_; }
 
@@ -35,7 +36,8 @@ private:
     PictureOrder order_;
     std::int64_t tick_;
     std::vector<std::deque<Place>> trails_;  // of each finger, since it last came into contact
-    std::optional<Moment> moment_;
+    std::optional<Moment> moment_;           // the newest tick, until the moment
+    bool reached_ = false;
     std::string line_;
 };
 

@@ -1,6 +1,7 @@
 #include "player/touch_report.hpp"
 
 #include "player/machine_facts.hpp"
+#include "player/touch_warnings.hpp"
 
 namespace touchable {
 
@@ -16,6 +17,7 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     report["late_us_histogram"] = figures.late_histogram();
     report["scheduling"] = live.loop.grant.in_words();
     report["late_frames"] = live.late_frames;
+    report["interrupted"] = live.interrupted;
     report["late_frames_pct"] = frames > 0 ? 100.0 * static_cast<double>(live.late_frames) / frames : 0.0;
 }
 
@@ -49,6 +51,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
         report["painter"] = painter->name();
         report["painter_device_name"] = gpu.empty() ? cpu : gpu;
     }
+    report["warnings"] = touch_warnings(report, *setup.feed, live);
     return report;
 }
 

@@ -1,5 +1,6 @@
 #include "player/touch_run.hpp"
 
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <vector>
@@ -61,6 +62,22 @@ Result<std::optional<Recording>> read_replayed(const TouchOptions& options) {
     return std::optional(std::move(*read));
 }
 
+Error ended_by_a_person(const LoopFacts& loop) {
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%.3f", static_cast<double>(loop.ticks + loop.skipped) / 1000);
+    return {ErrorKind::internal,
+            std::string("interrupted after ") + seconds + " s; what was asked for is written, up to there"};
+}
+
+/// What `--strict` makes of the warnings.
+Result<void> strictly(const TouchOptions& options, const nlohmann::ordered_json& report) {
+    std::string all;
+    for (const auto& warning : report.at("warnings"))
+        all += (all.empty() ? "" : "; ") + warning.get<std::string>();
+    if (!options.strict || all.empty()) return {};
+    return Error{ErrorKind::check, "--strict: " + all};
+}
+
 /// `at_work`: what memory is needed for, once that is known.
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
     if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
@@ -88,11 +105,13 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     const auto done = (*outputs)->finish(report, figures);
     std::ostream& words = stream_of_words(options);
     words << report_to_text(report) << (*outputs)->remark();
-    if (!done.ok() || !*recording) return done;
+    if (!done.ok()) return done;
+    if (ran->interrupted) return ended_by_a_person(ran->loop);
+    if (!*recording) return strictly(options, report);
     const auto same = judge_replay(**recording, *check, figures.force_hash(), s);
     if (!same.ok()) return same.error();
     words << *same;
-    return {};
+    return strictly(options, report);
 }
 
 }  // namespace

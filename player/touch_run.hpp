@@ -36,13 +36,15 @@ struct TouchOptions {
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     std::optional<std::filesystem::path> json, forces, record, replay;
     Existing existing = Existing::keep;  ///< what becomes of earlier files of those names
+    bool strict = false;                 ///< what the report warns of is an error of kind check
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
 };
 
 /// Touches a clip at 1 kHz, of virtual time or (live) of the wall clock, prints a table, and writes what was
 /// asked for. With `replay`, does again what a recording holds: a first different force is an error of kind
-/// check that names tick and finger.
+/// check that names tick and finger. A live run that a person ends is complete, and an error that says how
+/// long it was.
 Result<void> run_touch(const TouchOptions& options);
 
 }  // namespace touchable

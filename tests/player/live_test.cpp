@@ -2,6 +2,7 @@
 // deadline.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -89,6 +90,16 @@ TEST_F(Live, FramesThatComeTooLateAreCounted) {
     EXPECT_GT(count, 0);
     EXPECT_LE(count, frames);
     EXPECT_DOUBLE_EQ(late["late_frames_pct"].get<double>(), 100 * count / frames);
+    EXPECT_NE(late["warnings"].dump().find("frames came too late"), std::string::npos) << late["warnings"];
+    EXPECT_EQ(late["warnings"].dump().find("no real-time scheduling") != std::string::npos,
+              late["scheduling"].get<std::string>().find("not permitted") != std::string::npos);
+    const Outcome strict =
+        run_touchable({"touch", hard, "--scene", folder / "fast.json", "--live", "--builder", "reference",
+                       "--median", "5", "--seconds", "0.5", "--strict"});
+    EXPECT_EQ(strict.code, 6);
+    EXPECT_TRUE(strict.one_line_of_error()) << strict.err;
+    EXPECT_NE(strict.err.find("frames came too late"), std::string::npos) << strict.err;
+    EXPECT_TRUE(strict.out.starts_with("  warning ")) << strict.out;
 }
 
 TEST_F(Live, ATickIsRunOrCountedAsSkipped) {
@@ -137,6 +148,47 @@ TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5) {
     EXPECT_EQ(outcome.code, 5);
     EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
     EXPECT_NE(outcome.err.find("simulated device was unplugged"), std::string::npos) << outcome.err;
+}
+
+// That is how people end a live run.
+TEST_F(Live, AnInterruptCompletesEveryFileAndSaysHowLongItRan) {
+    const std::string json = folder / "r.json", forces = folder / "f.csv", record = folder / "live.rec",
+                      picture = folder / "p.png";
+    const Outcome outcome = run_interrupted_while_live(
+        {"touch", clip, "--live", "--seconds", "1000", "--json", json, "--forces", forces, "--record", record,
+         "--picture", picture, "--picture-size", "64x48", "--painter", "cpu", "--builder", "cpu"});
+    EXPECT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+    EXPECT_NE(outcome.out.find("force hash"), std::string::npos) << outcome.out;
+    const auto report = nlohmann::json::parse(file_contents(json), nullptr, false);
+    ASSERT_TRUE(report.is_object());
+    EXPECT_EQ(report["interrupted"], true);
+    const auto ticks = report["ticks"].get<std::int64_t>();
+    ASSERT_GT(ticks, 0);
+    std::string seconds = std::to_string((ticks + report["skipped_ticks"].get<std::int64_t>()) / 1000.0);
+    seconds.resize(seconds.size() - 3);
+    EXPECT_NE(outcome.err.find("interrupted after " + seconds + " s;"), std::string::npos)
+        << seconds << ": " << outcome.err;
+    const std::string rows = file_contents(forces);
+    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), ticks + 1);
+    EXPECT_GT(std::filesystem::file_size(picture), 100U);
+    const auto replay = touch({"--replay", record});
+    EXPECT_EQ(replay["force_hash"], report["force_hash"]);
+    EXPECT_EQ(names_in(folder.path()).size(), 6U) << "and the clip, and the replay's report";
+}
+
+TEST_F(Live, OnATerminalALineMoves) {
+    const std::vector<std::string> words{"touch", clip, "--live", "--seconds", "0.6"};
+    EXPECT_EQ(run_touchable(words).err, "") << "for a terminal alone";
+    const Outcome seen = run_on_terminal(words);
+    EXPECT_EQ(seen.code, 0);
+    std::size_t shown = 0;
+    const std::string begin = "\rlive 0.";
+    for (std::size_t at = 0; (at = seen.err.find(begin, at)) != std::string::npos; ++at) ++shown;
+    EXPECT_GT(shown, 2U) << seen.err;
+    for (const char* part : {" ticks skipped, ", " frames late, ", " N\033[K"})
+        EXPECT_NE(seen.err.find(part), std::string::npos) << part << seen.err;
+    EXPECT_TRUE(seen.err.ends_with("\r\033[K")) << "and is gone in the end";
 }
 
 TEST_F(Live, NohupIsHeeded) {
