@@ -88,6 +88,7 @@ public:
     double x(double s) const { return s >= 1 ? to_.x : from_.x + s * dx(); }
     double y(double s) const { return s >= 1 ? to_.y : from_.y + s * dy(); }
     double w(double s) const { return s >= 1 ? to_.w : from_.w + s * (to_.w - from_.w); }
+    ChartPoint at(double s) const { return {x(s), y(s), w(s)}; }
 
     double above_surface(double s) const { return w(s) - surface_w(space_, face_under(x(s), y(s))); }
     double above_vertical(double s, double line) const {
@@ -106,7 +107,7 @@ public:
 private:
     double above_edge(double s, double i0, double j0, double i1, double j1, double fraction) const {
         auto vertex_w = [this](double i, double j) {
-            return space_.vertex(lattice_index(i), lattice_index(j)).w;
+            return space_.vertex(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j)).w;
         };
         return w(s) - along_edge(vertex_w(i0, j0), vertex_w(i1, j1), fraction);
     }
@@ -119,16 +120,18 @@ private:
 template <class Space>
 class SurfaceCast {
 public:
-    SurfaceCast(const Space& space, const ChartPoint& from, const ChartPoint& to)
+    SurfaceCast(const Space& space, const ChartPoint& from, const ChartPoint& to, int& lines, int line_limit)
         : space_(space),
           way_(space, from, to),
           vertical_(from.x, way_.dx(), -1, space.field().width()),
           horizontal_(from.y, way_.dy(), -1, space.field().height()),
           diagonal_(from.x - from.y, way_.dx() - way_.dy(), -1.0 - space.field().height(),
-                    space.field().width() + 1.0) {}
+                    space.field().width() + 1.0),
+          lines_(lines),
+          line_limit_(line_limit) {}
 
     /// `start`: the place on the surface where the way begins, if it begins there.
-    std::optional<Place> run(const ChartPoint& from, const Place* start) {
+    Cast run(const ChartPoint& from, const Place* start) {
         if (start) {
             vertical_.start_at(start->i, start->a);
             horizontal_.start_at(start->j, start->b);
@@ -148,16 +151,14 @@ public:
                 known = false;
             } else {
                 if (!known) above_ = std::max(0.0, way_.above_surface(begin));
-                if (auto hit = walk(begin, end)) return hit;
+                if (walk(begin, end)) return found_;
                 known = true;
             }
-            if (end >= 1.0) return std::nullopt;
+            if (end >= 1.0) return found_;
             (column_exit <= row_exit ? column : row).advance();
             begin = end;
         }
     }
-
-    int lines_looked_at() const { return lines_; }
 
 private:
     void seek(double s) {
@@ -166,9 +167,14 @@ private:
         diagonal_.seek(s);
     }
 
-    std::optional<Place> walk(double begin, double end) {
+    /// True where the search has come to its end.
+    bool walk(double begin, double end) {
         double s = begin;
         while (true) {
+            if (lines_ >= line_limit_) {
+                found_.cut = space_.position(way_.at(s));
+                return true;
+            }
             const double sv = vertical_.parameter(), sh = horizontal_.parameter(), sd = diagonal_.parameter();
             const double next = std::min({sv, sh, sd});
             if (!(next < end)) break;
@@ -183,18 +189,18 @@ private:
                 above = way_.above_diagonal(next, diagonal_.line());
                 diagonal_.advance();
             }
-            if (auto hit = look(s, std::max(s, next), above)) return hit;
+            if (look(s, std::max(s, next), above)) return true;
             s = std::max(s, next);
         }
         return look(s, end, way_.above_surface(end));
     }
 
     /// Between two looks the height above the surface is linear; below at the second means a hit in between.
-    std::optional<Place> look(double s0, double s1, double above) {
+    bool look(double s0, double s1, double above) {
         ++lines_;
         if (above >= 0) {
             above_ = above;
-            return std::nullopt;
+            return false;
         }
         const double s = s0 + (s1 - s0) * (above_ / (above_ - above));
         const double x = way_.x(s), y = way_.y(s);
@@ -206,53 +212,46 @@ private:
         const bool in_ring =
             face.i >= -1 && face.i < field.width() && face.j >= -1 && face.j < field.height();
         if (!in_ring) face = face_under(x, y);
-        return face_or_rim_place(face.feature, face.i, face.j, x - static_cast<double>(face.i),
-                                 y - static_cast<double>(face.j));
+        found_.hit = face_or_rim_place(face.feature, face.i, face.j, x - static_cast<double>(face.i),
+                                       y - static_cast<double>(face.j));
+        return true;
     }
 
     const Space& space_;
     Way<Space> way_;
     LatticeLines vertical_, horizontal_, diagonal_;
     double above_ = 0;
-    int lines_ = 0;
+    int& lines_;
+    const int line_limit_;
+    Cast found_;
 };
 
 }  // namespace
 
 template <class Space>
-std::optional<Place> cast(const Space& space, const glm::dvec3& from, const Place* from_surface,
-                          const glm::dvec3& to, int* cells) {
-    const auto range = space.clip(from, to);
-    if (!range) return std::nullopt;
-    const glm::dvec3 way = to - from;
-    const glm::dvec3 begin = range->begin > 0 ? from + way * range->begin : from;
-    const glm::dvec3 end = range->end < 1 ? from + way * range->end : to;
-    ChartPoint start = space.chart(begin);
-    if (from_surface) start = {from_surface->x(), from_surface->y(), surface_w(space, *from_surface)};
-    SurfaceCast<Space> search(space, start, space.chart(end));
-    auto hit = search.run(start, from_surface);
-    if (cells) *cells += search.lines_looked_at();
-    return hit;
+Cast cast(const Space& space, const glm::dvec3& from, const Place* from_surface, const glm::dvec3& to,
+          int& cells, int cell_limit) {
+    auto way = space.way(from, to);
+    if (!way) return {};
+    const Place* start = way->from_the_start ? from_surface : nullptr;
+    if (start) way->begin = {start->x(), start->y(), surface_w(space, *start)};
+    return SurfaceCast<Space>(space, way->begin, way->end, cells, cell_limit).run(way->begin, start);
 }
 
 template <class Space>
 bool is_clear(const Space& space, const glm::dvec3& from, const glm::dvec3& to) {
-    if (!space.in_front(from) || !space.in_front(to)) return false;
-    const ChartPoint begin = space.chart(from), end = space.chart(to);
-    for (const double pixel : {begin.x, begin.y, end.x, end.y})
-        if (!(std::abs(pixel) < farthest_pixel)) return false;
+    const auto begin = space.chart(from), end = space.chart(to);
+    if (!begin || !end) return false;
     const TileGrid tiles = space.field().tiles();
-    const int column = tile_of(begin.x, tiles.tiles_x), row = tile_of(begin.y, tiles.tiles_y);
-    return column == tile_of(end.x, tiles.tiles_x) && row == tile_of(end.y, tiles.tiles_y) &&
-           std::min(begin.w, end.w) > space.largest_w(column, row);
+    const int column = tile_of(begin->x, tiles.tiles_x), row = tile_of(begin->y, tiles.tiles_y);
+    return column == tile_of(end->x, tiles.tiles_x) && row == tile_of(end->y, tiles.tiles_y) &&
+           std::min(begin->w, end->w) > space.largest_w(column, row);
 }
 
 template bool is_clear(const WorldSpace&, const glm::dvec3&, const glm::dvec3&);
 template bool is_clear(const PixelSpace&, const glm::dvec3&, const glm::dvec3&);
 
-template std::optional<Place> cast(const WorldSpace&, const glm::dvec3&, const Place*, const glm::dvec3&,
-                                   int*);
-template std::optional<Place> cast(const PixelSpace&, const glm::dvec3&, const Place*, const glm::dvec3&,
-                                   int*);
+template Cast cast(const WorldSpace&, const glm::dvec3&, const Place*, const glm::dvec3&, int&, int);
+template Cast cast(const PixelSpace&, const glm::dvec3&, const Place*, const glm::dvec3&, int&, int);
 
 }  // namespace touchable

@@ -121,7 +121,8 @@ Shortfall shortfall(const std::array<double, 4>& mu, double load_per_way, const 
 double uneven_stop(const FrictionCone& cone, const Motion& motion, const ImageStep& step,
                    const CellPoint& from, double reach) {
     const double to_foot = step.length_at(1.0), span = std::min(reach, to_foot);
-    const double load_per_way = std::sqrt(motion.load2 / glm::dot(motion.way, motion.way));
+    const double way2 = glm::dot(motion.way, motion.way);
+    const double load_per_way = way2 > 0 ? std::sqrt(motion.load2 / way2) : 0.0;
     if (!(load_per_way > 0) || !(span < never_held)) return to_foot;
     if (load_per_way == std::numeric_limits<double>::infinity()) return 0;
     bool one_map = true;

@@ -106,10 +106,11 @@ private:
         const dvec3 off = candidate - point_;
         const double squared = dot(off, off);
         if (!(squared < best_ * best_)) return;
+        const auto at = space_.chart(candidate);
+        if (!at) return;
         best_ = std::sqrt(squared);
-        const ChartPoint at = space_.chart(candidate);
-        found_ = face_or_rim_place(face.feature, face.i, face.j, at.x - static_cast<double>(face.i),
-                                   at.y - static_cast<double>(face.j));
+        found_ = face_or_rim_place(face.feature, face.i, face.j, at->x - static_cast<double>(face.i),
+                                   at->y - static_cast<double>(face.j));
     }
 
     const WorldSpace& space_;

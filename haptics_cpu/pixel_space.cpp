@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics_cpu/surface_lattice.hpp"
-
 namespace touchable {
 
 double PixelSpace::level_of(double depth) const {
@@ -20,7 +18,9 @@ std::optional<glm::dvec3> PixelSpace::from_world(const glm::dvec3& point) const 
         return std::nullopt;
     double depth = image->planar_depth;
     if (scene.depth.semantics == DepthSemantics::range) depth *= scene.camera.ray_length(image->x, image->y);
-    return glm::dvec3{image->x, -image->y, level_of(depth)};
+    const double level = level_of(depth);
+    if (!std::isfinite(level)) return std::nullopt;
+    return glm::dvec3{image->x, -image->y, level};
 }
 
 glm::dvec3 PixelSpace::to_world(const glm::dvec3& point) const {
@@ -42,7 +42,8 @@ double PixelSpace::largest_w(int tile_x, int tile_y) const {
 }
 
 double kappa_at(const Scene& scene, const glm::dvec3& point) {
-    return scene.depth.level() * scene.camera.fx / -point.z;
+    constexpr double nearest = 1e-15;  // than the surface of any scene
+    return scene.depth.level() * scene.camera.fx / std::max(-point.z, nearest);
 }
 
 }  // namespace touchable

@@ -14,7 +14,7 @@ class PixelSpace {
 public:
     explicit PixelSpace(const HeightField& field, double kappa = 1.0) : field_(field), kappa_(kappa) {}
 
-    /// Where a world point is in this space; nothing for a point that no pixel sees.
+    /// Where a world point is in this space; nothing for a point that no pixel sees (WorldSpace::chart).
     std::optional<glm::dvec3> from_world(const glm::dvec3& point) const;
     glm::dvec3 to_world(const glm::dvec3& point) const;
 
@@ -24,11 +24,13 @@ public:
         return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
     }
     glm::dvec3 position(const ChartPoint& at) const { return {at.x, -at.y, at.w}; }
-    ChartPoint chart(const glm::dvec3& point) const { return {point.x, -point.y, point.z}; }
-    bool in_front(const glm::dvec3&) const { return true; }
+    /// What `from_world` let in is on the lattice.
+    std::optional<ChartPoint> chart(const glm::dvec3& point) const {
+        return ChartPoint{point.x, -point.y, point.z};
+    }
     ImageStep image_step(const glm::dvec3&, const glm::dvec3& d) const { return {d.x, -d.y, 0.0}; }
-    std::optional<SegmentRange> clip(const glm::dvec3&, const glm::dvec3&) const {
-        return SegmentRange{0, 1};
+    std::optional<ChartWay> way(const glm::dvec3& from, const glm::dvec3& to) const {
+        return ChartWay{*chart(from), *chart(to), true};
     }
     double largest_w(int tile_x, int tile_y) const;
 
@@ -41,7 +43,7 @@ private:
 };
 
 /// One level over the width of a pixel at a world point before the camera: the kappa that makes a level as
-/// long as it is there.
+/// long as it is there. A finite one, however near to the camera the point is.
 double kappa_at(const Scene& scene, const glm::dvec3& point);
 
 }  // namespace touchable

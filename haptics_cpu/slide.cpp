@@ -90,11 +90,11 @@ public:
     Slide(const Space& space, Proxy& proxy, const dvec3& goal, const Slip& slip, SolveCounts& counts)
         : space_(space), proxy_(proxy), goal_(goal), slip_(slip), counts_(counts) {}
 
-    void run(int event_limit) {
+    void run(const SolveLimits& limits) {
         bool may_leave = true;
         int stalls = 0;
         while (true) {
-            if (counts_.events == event_limit) {
+            if (counts_.events >= limits.events || counts_.cells >= limits.cells) {
                 counts_.capped = true;
                 return;
             }
@@ -108,9 +108,13 @@ public:
             Place next;
             bool sliding = false, arrived = false;
             if (motion.kind == Motion::Kind::leave) {
-                const auto hit = cast(space_, proxy_.point, &proxy_, goal_, &counts_.cells);
-                if (!hit) return fly();
-                next = *hit;
+                const Cast flight = cast(space_, proxy_.point, &proxy_, goal_, counts_.cells, limits.cells);
+                if (flight.cut) {
+                    counts_.capped = true;
+                    return fly_to(*flight.cut);
+                }
+                if (!flight.hit) return fly_to(goal_);
+                next = *flight.hit;
             } else {
                 const FrictionCone cone = friction_cone(space_, proxy_, motion, slip_);
                 if (rests(cone, motion) || (!may_leave && is_rounding(motion, pull))) {
@@ -176,7 +180,8 @@ private:
         const bool vertical = motion.feature == Feature::edge_v;
         const CellPoint from = in_cell_of(motion, proxy_);
         const double start = vertical ? from.b : from.a, speed = vertical ? step.dy : step.dx;
-        const double reach = (speed > 0 ? 1.0 - start : start) / std::abs(speed);
+        // An edge so steep that its image stands still ends nowhere in it.
+        const double reach = speed == 0 ? never_held : (speed > 0 ? 1.0 - start : start) / std::abs(speed);
         // What roundings add across the edge is no way.
         const ImageStep along{vertical ? 0.0 : speed, motion.feature == Feature::edge_h ? 0.0 : speed,
                               step.stretch};
@@ -238,7 +243,7 @@ private:
         if (counts_.events == 1 && slip_.sticks_at_rest) proxy_.sliding = false;
     }
 
-    void fly() { proxy_ = {{}, goal_}; }
+    void fly_to(const dvec3& point) { proxy_ = {{}, point}; }
 
     const Space& space_;
     Proxy& proxy_;
@@ -251,12 +256,12 @@ private:
 }  // namespace
 
 template <class Space>
-void slide(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip,
+void slide(const Space& space, Proxy& proxy, const dvec3& goal, const SolveLimits& limits, const Slip& slip,
            SolveCounts& counts) {
-    Slide<Space>(space, proxy, goal, slip, counts).run(event_limit);
+    Slide<Space>(space, proxy, goal, slip, counts).run(limits);
 }
 
-template void slide(const WorldSpace&, Proxy&, const dvec3&, int, const Slip&, SolveCounts&);
-template void slide(const PixelSpace&, Proxy&, const dvec3&, int, const Slip&, SolveCounts&);
+template void slide(const WorldSpace&, Proxy&, const dvec3&, const SolveLimits&, const Slip&, SolveCounts&);
+template void slide(const PixelSpace&, Proxy&, const dvec3&, const SolveLimits&, const Slip&, SolveCounts&);
 
 }  // namespace touchable

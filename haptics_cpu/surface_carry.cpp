@@ -22,13 +22,10 @@ constexpr double much_nearer = 0.5;
 /// Onto a surface that rose past a free proxy, on its ray. False where it did not.
 template <class Space>
 bool lift(const Space& space, Proxy& proxy) {
-    if (!space.in_front(proxy.point)) return false;
-    const ChartPoint at = space.chart(proxy.point);
-    // Beyond this a point so close to the camera's plane is seen under no pixel worth the name, and is in
-    // front.
-    if (!(std::abs(at.x) < farthest_pixel) || !(std::abs(at.y) < farthest_pixel)) return false;
-    const Place under = face_under(at.x, at.y);
-    if (!(at.w < surface_w(space, under))) return false;
+    const auto at = space.chart(proxy.point);
+    if (!at) return false;
+    const Place under = face_under(at->x, at->y);
+    if (!(at->w < surface_w(space, under))) return false;
     proxy = {under, surface_point(space, under)};
     return true;
 }

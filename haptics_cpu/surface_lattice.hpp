@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -10,14 +11,16 @@
 /// of a face is its edges', their ends are vertices).
 namespace touchable {
 
-/// Exact at both ends, so that all edges meeting at a vertex see the same number there.
+/// Exact at both ends, so that all edges meeting at a vertex see the same number there; never less than the
+/// lesser, which rounding would make 0 or less where one end is 10^16 times the other.
 inline double along_edge(double w0, double w1, double f) {
     if (f <= 0) return w0;
     if (f >= 1) return w1;
-    return w0 + (w1 - w0) * f;
+    return std::max(w0 + (w1 - w0) * f, std::min(w0, w1));
 }
 
-/// w of the surface at a place of the lattice (any feature but free).
+/// w of the surface at a place of the lattice (any feature but free); on a face, too, no less than the least
+/// of its corners'.
 template <class Space>
 [[gnu::always_inline]] inline double surface_w(const Space& space, const Place& at) {
     auto w = [&](int di, int dj) { return space.vertex(at.i + di, at.j + dj).w; };
@@ -31,12 +34,12 @@ template <class Space>
         case Feature::edge_d:
             return along_edge(w(0, 0), w(1, 1), at.a);
         case Feature::face_lower: {
-            const double w10 = w(1, 0);
-            return w(0, 0) + (w10 - w(0, 0)) * at.a + (w(1, 1) - w10) * at.b;
+            const double w00 = w(0, 0), w10 = w(1, 0), w11 = w(1, 1);
+            return std::max(w00 + (w10 - w00) * at.a + (w11 - w10) * at.b, std::min({w00, w10, w11}));
         }
         default: {
-            const double w01 = w(0, 1);
-            return w(0, 0) + (w01 - w(0, 0)) * at.b + (w(1, 1) - w01) * at.a;
+            const double w00 = w(0, 0), w01 = w(0, 1), w11 = w(1, 1);
+            return std::max(w00 + (w01 - w00) * at.b + (w11 - w01) * at.a, std::min({w00, w01, w11}));
         }
     }
 }
@@ -55,22 +58,12 @@ inline Place face_place(Feature face, std::int64_t i, std::int64_t j, double a, 
     return at;
 }
 
-/// Farther from the picture than any lattice place that means something, and well inside what integers can
-/// count.
-inline constexpr double farthest_pixel = 1e15;
-
-/// The lattice line of a whole number; beyond the farthest, the farthest.
-inline std::int64_t lattice_index(double whole) {
-    return static_cast<std::int64_t>(
-        whole < -farthest_pixel ? -farthest_pixel : (whole > farthest_pixel ? farthest_pixel : whole));
-}
-
-/// The face under image location (x, y).
+/// The face under image location (x, y), of a chart's point or between two.
 inline Place face_under(double x, double y) {
     const double fx = std::floor(x), fy = std::floor(y);
     const double a = x - fx, b = y - fy;
-    return face_place(a >= b ? Feature::face_lower : Feature::face_upper, lattice_index(fx),
-                      lattice_index(fy), a, b);
+    return face_place(a >= b ? Feature::face_lower : Feature::face_upper, static_cast<std::int64_t>(fx),
+                      static_cast<std::int64_t>(fy), a, b);
 }
 
 /// The place at fraction f of an edge; its ends are vertices.

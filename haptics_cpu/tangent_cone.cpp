@@ -22,6 +22,16 @@ struct CellFace {
     std::int64_t i, j;
 };
 
+/// The outward normal (any length) of a face whose corners come clockwise in the image; seen so, the third
+/// side x the first points towards the camera. From the sides that meet at the corner nearest to the camera:
+/// the coordinates of far corners are rounded by more than near ones are apart.
+template <class Vertex>
+dvec3 normal_of(const Vertex& a, const Vertex& b, const Vertex& c) {
+    if (a.w >= b.w && a.w >= c.w) return cross(c.position - a.position, b.position - a.position);
+    if (b.w >= c.w) return cross(a.position - b.position, c.position - b.position);
+    return cross(b.position - c.position, a.position - c.position);
+}
+
 // What is found out is written where it will be read: copies of what was just stored in pieces stall.
 
 /// Along a face with the outward normal n (any length).
@@ -31,9 +41,10 @@ void along_face(const CellFace& face, const dvec3& n, const dvec3& pull, Motion&
     motion.i = face.i;
     motion.j = face.j;
     const double vn = dot(pull, n), nn = dot(n, n);
-    motion.way = pull - n * (vn / nn);
+    // A face that doubles take for a line leads nowhere.
+    motion.way = nn > 0 ? pull - n * (vn / nn) : dvec3(0.0);
     // A pull off the face, of a proxy that may not leave for now, presses nothing: friction does not hold it.
-    motion.load2 = vn < 0 ? vn * vn / nn : 0.0;
+    motion.load2 = vn < 0 && nn > 0 ? vn * vn / nn : 0.0;
 }
 
 /// Along an edge between faces with the outward normals n0 and n1. In a valley G - C = -(l0 n0 + l1 n1) for
@@ -45,10 +56,11 @@ void along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way, 
     motion.i = i;
     motion.j = j;
     motion.way = way;
+    motion.load2 = 0;
     const double length0 = std::sqrt(dot(n0, n0)), length1 = std::sqrt(dot(n1, n1));
+    if (!(length0 * length1 > 0)) return;
     const double pressed = -(dot(pull, n0) / length0 + dot(pull, n1) / length1);
     const double opening = 1.0 + dot(n0, n1) / (length0 * length1);
-    motion.load2 = 0;
     if (pressed > 0) {
         const double load = opening > 0 ? pressed / opening : std::numeric_limits<double>::infinity();
         motion.load2 = load * load;
@@ -60,9 +72,7 @@ void on_face(const Space& space, const Place& at, const dvec3& pull, bool may_le
     const SpaceVertex &v00 = space.vertex(at.i, at.j), &v11 = space.vertex(at.i + 1, at.j + 1);
     const SpaceVertex &v10 = space.vertex(at.i + 1, at.j), &v01 = space.vertex(at.i, at.j + 1);
     const bool lower = at.feature == Feature::face_lower;
-    const dvec3 p00 = v00.position, diagonal = v11.position - p00;
-    // Clockwise in the image is 00, 10, 11 and 00, 11, 01; seen so, b x a points towards the camera.
-    const dvec3 n = lower ? cross(diagonal, v10.position - p00) : cross(v01.position - p00, diagonal);
+    const dvec3 n = lower ? normal_of(v00, v10, v11) : normal_of(v00, v11, v01);
     if (may_leave && dot(pull, n) > 0) {
         motion.kind = Motion::Kind::leave;
         return;
@@ -109,18 +119,14 @@ void on_edge(const Space& space, const Place& at, const dvec3& point, const dvec
     const std::int64_t end_i = at.i + (at.feature == Feature::edge_v ? 0 : 1);
     const std::int64_t end_j = at.j + (at.feature == Feature::edge_h ? 0 : 1);
     const SpaceVertex &first = space.vertex(at.i, at.j), &last = space.vertex(end_i, end_j);
-    const dvec3 start = first.position, e = last.position - start;
-    const double ee = dot(e, e);
+    const dvec3 e = last.position - first.position;
     const auto sides = sides_of(at);
-    bool valid = first.valid && last.valid;
-    std::array<dvec3, 2> inward, normal;  // within the face away from the edge; towards the camera
-    for (std::size_t k = 0; k < 2; ++k) {
-        const SpaceVertex& apex = space.vertex(sides[k].apex_i, sides[k].apex_j);
-        const dvec3 to_apex = apex.position - start;
-        valid &= apex.valid;
-        inward[k] = to_apex * ee - e * dot(to_apex, e);
-        normal[k] = k == 0 ? cross(e, to_apex) : cross(to_apex, e);
-    }
+    const SpaceVertex& apex0 = space.vertex(sides[0].apex_i, sides[0].apex_j);
+    const SpaceVertex& apex1 = space.vertex(sides[1].apex_i, sides[1].apex_j);
+    const bool valid = first.valid && last.valid && apex0.valid && apex1.valid;
+    // Towards the camera; and within the face away from the edge.
+    const std::array<dvec3, 2> normal{normal_of(first, apex0, last), normal_of(first, last, apex1)};
+    const std::array<dvec3, 2> inward{cross(normal[0], e), cross(e, normal[1])};
     if (may_leave) {
         const bool off_first = dot(pull, normal[0]) > 0, off_second = dot(pull, normal[1]) > 0;
         // Off one face and not the other: the face that the pull's image falls on decides.
@@ -144,7 +150,7 @@ void on_edge(const Space& space, const Place& at, const dvec3& point, const dvec
     } else {
         const double along = dot(pull, e);
         if (along == 0) return;
-        along_edge(at.feature, at.i, at.j, e * (along / ee), pull, normal[0], normal[1], motion);
+        along_edge(at.feature, at.i, at.j, e * (along / dot(e, e)), pull, normal[0], normal[1], motion);
     }
     motion.corners_valid = valid;
 }
@@ -180,9 +186,13 @@ template <class Space>
 void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& point, const dvec3& pull,
                bool may_leave, Motion& motion) {
     std::array<dvec3, 6> e, n;
-    for (std::size_t k = 0; k < 6; ++k)
-        e[k] = space.vertex(i + spokes[k].di, j + spokes[k].dj).position - point;
-    for (std::size_t k = 0; k < 6; ++k) n[k] = cross(e[(k + 1) % 6], e[k]);
+    const SpaceVertex& middle = space.vertex(i, j);
+    std::array<const SpaceVertex*, 6> around;
+    for (std::size_t k = 0; k < 6; ++k) {
+        around[k] = &space.vertex(i + spokes[k].di, j + spokes[k].dj);
+        e[k] = around[k]->position - middle.position;
+    }
+    for (std::size_t k = 0; k < 6; ++k) n[k] = normal_of(middle, *around[k], *around[(k + 1) % 6]);
 
     if (may_leave && dot(pull, n[sector_of(space.image_step(point, pull))]) > 0) {
         motion.kind = Motion::Kind::leave;
@@ -195,8 +205,9 @@ void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& 
     for (std::size_t k = 0; k < 6; ++k) {
         const bool in_sector = dot(pull, cross(e[k], n[k])) > 0 && dot(pull, cross(n[k], e[(k + 1) % 6])) > 0;
         if (!in_sector) continue;
-        const double vn = dot(pull, n[k]);
-        const double length2 = dot(pull, pull) - vn * vn / dot(n[k], n[k]);
+        const double vn = dot(pull, n[k]), nn = dot(n[k], n[k]);
+        if (!(nn > 0)) continue;
+        const double length2 = dot(pull, pull) - vn * vn / nn;
         if (length2 > longest) {
             longest = length2;
             face = static_cast<int>(k);

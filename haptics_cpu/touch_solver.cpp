@@ -20,28 +20,40 @@ namespace {
 
 using glm::dvec3;
 
-// Far beyond any scene.
-constexpr double largest_goal = 1e9;
+// Integers of any size that cannot be a limit by a slip.
+constexpr int largest_limit = 1'000'000;
 
-bool is_usable(const dvec3& goal) {
+bool is_usable(const dvec3& goal, double limit) {
     // Written so that NaN fails.
-    return std::abs(goal.x) <= largest_goal && std::abs(goal.y) <= largest_goal &&
-           std::abs(goal.z) <= largest_goal;
+    return std::abs(goal.x) <= limit && std::abs(goal.y) <= limit && std::abs(goal.z) <= limit;
+}
+
+/// False where any number of it is none. No tick leaves it so; whoever hands such a state in begins anew.
+bool is_sound(const FingerState& finger) {
+    const Proxy& proxy = finger.proxy;
+    const dvec3 sum = proxy.point + finger.goal + finger.place;
+    return std::isfinite(sum.x + sum.y + sum.z + proxy.a + proxy.b + finger.slip_speed + finger.moment_ns +
+                         finger.stiffness);
 }
 
 /// Cast, then slide: from a place on or in front of the surface to where the goal pulls the proxy.
 template <class Space>
-void solve(const Space& space, Proxy& proxy, const dvec3& goal, int event_limit, const Slip& slip,
+void solve(const Space& space, Proxy& proxy, const dvec3& goal, const SolveLimits& limits, const Slip& slip,
            SolveCounts& counts) {
     if (!proxy.on_surface()) {
-        const auto hit = cast(space, proxy.point, nullptr, goal, &counts.cells);
-        if (!hit) {
-            proxy.point = goal;
+        const Cast flight = cast(space, proxy.point, nullptr, goal, counts.cells, limits.cells);
+        counts.capped = flight.cut.has_value();
+        if (!flight.hit) {
+            proxy.point = flight.cut.value_or(goal);
             return;
         }
-        proxy = {*hit, surface_point(space, *hit)};
+        proxy = {*flight.hit, surface_point(space, *flight.hit)};
     }
-    slide(space, proxy, goal, event_limit, slip, counts);
+    slide(space, proxy, goal, limits, slip, counts);
+}
+
+SolveLimits limits_of(const TouchSettings& settings) {
+    return {settings.event_limit, settings.cell_limit};
 }
 
 /// Friction in this tick.
@@ -102,7 +114,7 @@ void bring(const Space& space, const TouchSettings& settings, double sudden, con
     contact.jumped = true;
     Proxy still = proxy;
     SolveCounts of_the_jump;
-    solve(space, still, *there, settings.event_limit, slip, of_the_jump);
+    solve(space, still, *there, limits_of(settings), slip, of_the_jump);
     if (still.on_surface())
         contact.jumped_force = properties_at(space, still).stiffness * settings.metres_per_scene_unit *
                                (space.to_world(still.point) - goal);
@@ -147,15 +159,17 @@ void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scen
 
 /// The order of docs/solver.md, A tick, file by file.
 template <class Space>
-void tick_in(const Space& space, const TouchSettings& settings, std::span<const dvec3> goals,
-             std::span<FingerState> fingers, std::span<Contact> contacts, int ticks) {
+void tick_in(const Space& space, const TouchSettings& settings, double goal_limit,
+             std::span<const dvec3> goals, std::span<FingerState> fingers, std::span<Contact> contacts,
+             int ticks) {
     const HeightField& field = space.field();
     for (std::size_t k = 0; k < goals.size(); ++k) {
         FingerState& finger = fingers[k];
         Contact& contact = contacts[k];
         contact = Contact{};
         contact.ticks = ticks;
-        const bool usable = is_usable(goals[k]) && space.from_world(goals[k]);
+        if (!is_sound(finger)) finger = {};
+        const bool usable = is_usable(goals[k], goal_limit) && space.from_world(goals[k]);
         contact.goal_held = !usable;
         const dvec3 goal_before = finger.started ? finger.goal : goals[k];
         if (usable) finger.goal = goals[k];
@@ -173,27 +187,32 @@ void tick_in(const Space& space, const TouchSettings& settings, std::span<const 
         } else {
             const Slip slip = slip_of(settings, finger);
             bring(space, settings, sudden, goal_before, finger.stiffness, slip, proxy, contact);
-            solve(space, proxy, goal, settings.event_limit, slip, contact.counts);
+            solve(space, proxy, goal, limits_of(settings), slip, contact.counts);
         }
-        if (proxy.on_surface()) contact.proxy = space.to_world(proxy.point);
+        if (proxy.on_surface() || contact.counts.capped) contact.proxy = space.to_world(proxy.point);
+        finger.place = contact.proxy;
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
         finger.stiffness = contact.properties.stiffness;
         note_slip(settings, contact, finger);
     }
 }
 
-/// Each finger in a space scaled for the place it is at. A free proxy is where its last goal was; that place
-/// is found again in the new space.
-void tick_scaled(const HeightField& field, const TouchSettings& settings, std::span<const dvec3> goals,
-                 std::span<FingerState> fingers, std::span<Contact> contacts, int ticks) {
+/// Each finger in a space scaled for the place it is at. Where a free proxy was is found again in the new
+/// space.
+void tick_scaled(const HeightField& field, const TouchSettings& settings, double goal_limit,
+                 std::span<const dvec3> goals, std::span<FingerState> fingers, std::span<Contact> contacts,
+                 int ticks) {
     const Scene& scene = field.scene();
     for (std::size_t k = 0; k < goals.size(); ++k) {
         FingerState& finger = fingers[k];
-        dvec3 place = finger.started || !is_usable(goals[k]) ? finger.goal : goals[k];
+        if (!is_sound(finger)) finger = {};
+        dvec3 place = finger.started || !is_usable(goals[k], goal_limit) ? finger.place : goals[k];
         if (finger.proxy.on_surface()) place = surface_point(WorldSpace(field), finger.proxy);
         const PixelSpace space(field, place.z < 0 ? kappa_at(scene, place) : 1.0);
-        if (finger.started && !finger.proxy.on_surface()) finger.proxy.point = *space.from_world(finger.goal);
-        tick_in(space, settings, goals.subspan(k, 1), fingers.subspan(k, 1), contacts.subspan(k, 1), ticks);
+        if (finger.started && !finger.proxy.on_surface())
+            finger.proxy.point = space.from_world(finger.place).value_or(finger.proxy.point);
+        tick_in(space, settings, goal_limit, goals.subspan(k, 1), fingers.subspan(k, 1),
+                contacts.subspan(k, 1), ticks);
     }
 }
 
@@ -218,6 +237,12 @@ Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings&
     if (!(settings.stribeck_speed >= 0) || !std::isfinite(settings.stribeck_speed))
         return usage_error("Stribeck speed: " + std::to_string(settings.stribeck_speed) +
                            " m/s; it must be a positive number, or 0 for friction that no speed changes");
+    const std::pair<const char*, int> limits[] = {{"event limit", settings.event_limit},
+                                                  {"cell limit", settings.cell_limit}};
+    for (const auto& [name, limit] : limits)
+        if (limit < 1 || limit > largest_limit)
+            return usage_error(std::string(name) + ": " + std::to_string(limit) + "; it must be from 1 to " +
+                               std::to_string(largest_limit));
     if (settings.metric != TouchMetric::world) {
         const std::string metric = "metric " + std::string(name_of(settings.metric));
         if (scene.depth.kind != DepthCodingKind::linear)
@@ -228,26 +253,34 @@ Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings&
                                std::to_string(scene.camera.fy) +
                                " differ; the paper's metric needs square pixels");
     }
-    return TouchSolver(settings);
+    return TouchSolver(settings, largest_goal(scene));
+}
+
+double largest_goal(const Scene& scene) {
+    constexpr double scenes = 1e7;  // so much farther than the scene's own farthest coordinate
+    if (scene.depth.semantics == DepthSemantics::range) return scenes * scene.depth.far;
+    const Camera& camera = scene.camera;
+    const auto across = [](double first, double last) { return std::max(std::abs(first), std::abs(last)); };
+    return scenes * scene.depth.far *
+           std::max({1.0, across(camera.u(-1), camera.u(scene.width)),
+                     across(camera.v(-1), camera.v(scene.height))});
 }
 
 void TouchSolver::tick(const HeightField& field, std::span<const dvec3> goals, std::span<FingerState> fingers,
                        std::span<Contact> contacts, int ticks) const {
     assert(goals.size() == fingers.size() && goals.size() == contacts.size());
     if (settings_.metric == TouchMetric::world)
-        tick_in(WorldSpace(field), settings_, goals, fingers, contacts, ticks);
+        tick_in(WorldSpace(field), settings_, goal_limit_, goals, fingers, contacts, ticks);
     else if (settings_.metric == TouchMetric::scaled)
-        tick_scaled(field, settings_, goals, fingers, contacts, ticks);
+        tick_scaled(field, settings_, goal_limit_, goals, fingers, contacts, ticks);
     else
-        tick_in(PixelSpace(field), settings_, goals, fingers, contacts, ticks);
+        tick_in(PixelSpace(field), settings_, goal_limit_, goals, fingers, contacts, ticks);
 }
 
 bool is_behind_surface(const HeightField& field, const dvec3& point, double tolerance) {
-    if (!(point.z < 0)) return false;
     const WorldSpace world(field);
-    const ChartPoint at = world.chart(point);
-    if (!(std::abs(at.x) < farthest_pixel) || !(std::abs(at.y) < farthest_pixel)) return false;
-    return at.w < surface_w(world, face_under(at.x, at.y)) * (1.0 - tolerance);
+    const auto at = world.chart(point);
+    return at && at->w < surface_w(world, face_under(at->x, at->y)) * (1.0 - tolerance);
 }
 
 }  // namespace touchable

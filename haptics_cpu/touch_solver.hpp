@@ -21,8 +21,9 @@ std::string_view name_of(TouchMetric metric);
 
 struct TouchSettings {
     TouchMetric metric = TouchMetric::world;
-    double metres_per_scene_unit = 0.001;  ///< S of F = k S (P - G), from the Workspace
-    int event_limit = 256;                 ///< features a proxy may pass in a tick
+    double metres_per_scene_unit = 0.001;    ///< S of F = k S (P - G), from the Workspace
+    int event_limit = SolveLimits{}.events;  ///< features a proxy may pass in a tick, 1 to 1000000
+    int cell_limit = SolveLimits{}.cells;    ///< lattice lines and faces it may look at, likewise
     double stribeck_speed = 0;  ///< v_s, m/s: friction that falls with speed (stribeck_slip); 0: Coulomb's
     /// A surface that takes a proxy along faster than this (device metres per second of the clip) moves
     /// suddenly: see `carry` and `Contact::jumped`. Infinite: never.
@@ -38,6 +39,7 @@ struct FingerState {
     int ticks_held = 0;     ///< that have passed since `goal` was new
     double moment_ns = 0;   ///< of the surface it last met
     double stiffness = 0;   ///< at the proxy, N/m; 0 out of contact
+    glm::dvec3 place{0.0};  ///< of the proxy after its last tick, world
 };
 
 /// What a finger met in a tick. World, scene units, newtons.
@@ -46,8 +48,8 @@ struct Contact {
     glm::dvec3 proxy{0.0};
     glm::dvec3 force{0.0};  ///< k S (P - G), before any guard
     bool touching = false;
-    /// The goal was no number, beyond any scene, or (metrics of pixels) seen by no pixel: the last one stood
-    /// in.
+    /// The goal was no number, beyond `largest_goal`, or (metrics of pixels) seen by no pixel: the last one
+    /// stood in.
     bool goal_held = false;
     double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN where no pixel sees it
     HapticProperties properties;      ///< at the proxy; zero out of contact
@@ -68,8 +70,8 @@ struct Contact {
 /// settings, field, goals and state; no allocation, lock or I/O. Fingers do not feel each other.
 class TouchSolver {
 public:
-    /// Refuses the metrics of pixels where the scene's depth is not linear or its pixels are not square, and
-    /// S <= 0.
+    /// Refuses the metrics of pixels where the scene's depth is not linear or its pixels are not square, S <=
+    /// 0, and limits out of their range.
     static Result<TouchSolver> create(const Scene& scene, const TouchSettings& settings);
 
     /// `goals`, `fingers` and `contacts` have one element per finger. `ticks`: that have passed since the
@@ -80,9 +82,15 @@ public:
     const TouchSettings& settings() const { return settings_; }
 
 private:
-    explicit TouchSolver(const TouchSettings& settings) : settings_(settings) {}
+    TouchSolver(const TouchSettings& settings, double goal_limit)
+        : settings_(settings), goal_limit_(goal_limit) {}
     TouchSettings settings_;
+    double goal_limit_;
 };
+
+/// Goals with a coordinate beyond it (scene units) are not used: far outside the scene, whose own size in
+/// depth and sideways it goes by.
+double largest_goal(const Scene& scene);
 
 /// True for a world point behind the surface: its 1 / planar depth is less than the surface's under its pixel
 /// by more than `tolerance`, relative. Points no pixel sees are not.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
 
 namespace touchable {
 
@@ -44,10 +46,15 @@ glm::dvec3 WorldSpace::position(const ChartPoint& at) const {
     return at_depth(at.x, at.y, 1.0 / at.w);
 }
 
-ChartPoint WorldSpace::chart(const glm::dvec3& point) const {
+std::optional<ChartPoint> WorldSpace::chart(const glm::dvec3& point) const {
+    if (!(point.z < 0)) return std::nullopt;
     const Camera& camera = field_.scene().camera;
     const double q = -1.0 / point.z;
-    return {camera.cx + camera.fx * (point.x * q), camera.cy - camera.fy * (point.y * q), q};
+    const ChartPoint at{camera.cx + camera.fx * (point.x * q), camera.cy - camera.fy * (point.y * q), q};
+    // Written so that NaN fails.
+    const bool counted = std::abs(at.x) < farthest_pixel && std::abs(at.y) < farthest_pixel &&
+                         q <= std::numeric_limits<double>::max();
+    return counted ? std::optional(at) : std::nullopt;
 }
 
 ImageStep WorldSpace::image_step(const glm::dvec3& p, const glm::dvec3& d) const {
@@ -59,20 +66,51 @@ ImageStep WorldSpace::image_step(const glm::dvec3& p, const glm::dvec3& d) const
             d.z * per_z};
 }
 
-std::optional<SegmentRange> WorldSpace::clip(const glm::dvec3& from, const glm::dvec3& to) const {
-    double margin = 0.5 * field_.nearest_depth_anywhere();
-    if (range_) {
-        const Camera& camera = field_.scene().camera;
-        const double w = field_.width(), h = field_.height();
-        margin /= std::max({camera.ray_length(-1, -1), camera.ray_length(w, -1), camera.ray_length(-1, h),
-                            camera.ray_length(w, h)});
-    }
+double WorldSpace::nearest_planar_depth() const {
+    const double nearest = field_.nearest_depth_anywhere();
+    if (!range_) return nearest;
+    const Camera& camera = field_.scene().camera;
+    const double w = field_.width(), h = field_.height();
+    return nearest / std::max({camera.ray_length(-1, -1), camera.ray_length(w, -1), camera.ray_length(-1, h),
+                               camera.ray_length(w, h)});
+}
+
+std::optional<ChartWay> WorldSpace::way(const glm::dvec3& from, const glm::dvec3& to) const {
+    const double margin = 0.5 * nearest_planar_depth();
     const double d0 = -from.z - margin, d1 = -to.z - margin;
     if (d0 < 0 && d1 < 0) return std::nullopt;
-    SegmentRange range{0, 1};
-    if (d0 < 0) range.begin = d0 / (d0 - d1);
-    if (d1 < 0) range.end = d0 / (d0 - d1);
-    return range;
+    glm::dvec3 first = from, last = to;
+    if (d0 < 0 || d1 < 0) {
+        // The depth there is known, whatever rounding says of it: a way of 10^9 units through the camera's
+        // plane would end in it.
+        glm::dvec3 cut = from + (to - from) * (d0 / (d0 - d1));
+        cut.z = -margin;
+        (d0 < 0 ? first : last) = cut;
+    }
+    const auto begin = chart(first), end = chart(last);
+    if (begin && end) return ChartWay{*begin, *end, d0 >= 0};
+    return countable(first, last, d0 >= 0);
+}
+
+/// Both points are in front of the camera, not both are seen: the way is cut at the planes through the camera
+/// beyond which pixels are not counted.
+std::optional<ChartWay> WorldSpace::countable(const glm::dvec3& from, const glm::dvec3& to,
+                                              bool from_the_start) const {
+    const Camera& camera = field_.scene().camera;
+    constexpr double most = 0.5 * farthest_pixel;  // from the axis; the picture is not as far from it
+    double begin = 0, end = 1;
+    for (const glm::dvec3& plane : {glm::dvec3(camera.fx, 0, -most), glm::dvec3(-camera.fx, 0, -most),
+                                    glm::dvec3(0, camera.fy, -most), glm::dvec3(0, -camera.fy, -most)}) {
+        const double inside0 = glm::dot(plane, from), inside1 = glm::dot(plane, to);
+        if (inside0 < 0 && inside1 < 0) return std::nullopt;
+        if (inside0 < 0) begin = std::max(begin, inside0 / (inside0 - inside1));
+        if (inside1 < 0) end = std::min(end, inside0 / (inside0 - inside1));
+    }
+    if (!(begin < end)) return std::nullopt;
+    const auto first = chart(begin > 0 ? from + (to - from) * begin : from);
+    const auto last = chart(end < 1 ? from + (to - from) * end : to);
+    if (!first || !last) return std::nullopt;
+    return ChartWay{*first, *last, from_the_start && begin == 0};
 }
 
 double WorldSpace::largest_w(int tile_x, int tile_y) const {

@@ -24,10 +24,15 @@ struct ImageStep {
         return denominator > 0 ? s / denominator : std::numeric_limits<double>::infinity();
     }
 };
-/// The part of a segment, as two parameters in [0, 1], outside which it cannot meet the surface.
-struct SegmentRange {
-    double begin, end;
+/// The part of a straight way that can meet the surface, as the image sees it.
+struct ChartWay {
+    ChartPoint begin, end;
+    bool from_the_start;  ///< nothing was cut off before `begin`
 };
+
+/// Farther from the picture than any lattice place that means something, and well inside what integers can
+/// count.
+inline constexpr double farthest_pixel = 1e15;
 
 /// The solver's metric as it should be: world space, scene units. w = q = 1 / planar depth makes (x, y, q) a
 /// projective chart of it: incidence is decided in the chart, distance in the world (docs/solver.md, Why not
@@ -46,18 +51,23 @@ public:
         return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
     }
     glm::dvec3 position(const ChartPoint& at) const;
-    /// Only for points in front of the camera.
-    ChartPoint chart(const glm::dvec3& point) const;
-    bool in_front(const glm::dvec3& point) const { return point.z < 0; }
+    /// Where a point is seen. This is the one way from the world to the lattice: nothing for a point that no
+    /// pixel worth the name sees (behind the camera, in its plane, or so near to that that it lies farther
+    /// than `farthest_pixel` from the picture) and for what is no number. Such a point counts as in front of
+    /// the surface.
+    std::optional<ChartPoint> chart(const glm::dvec3& point) const;
     ImageStep image_step(const glm::dvec3& point, const glm::dvec3& direction) const;
-    /// Cuts away what is nearer to the camera than half the nearest possible surface.
-    std::optional<SegmentRange> clip(const glm::dvec3& from, const glm::dvec3& to) const;
+    /// Cuts away what is nearer to the camera than half the nearest possible surface, and what no pixel sees.
+    std::optional<ChartWay> way(const glm::dvec3& from, const glm::dvec3& to) const;
     /// No surface point of the tile has a larger w.
     double largest_w(int tile_x, int tile_y) const;
 
 private:
     SpaceVertex compute_vertex(std::int64_t i, std::int64_t j) const;
     glm::dvec3 at_depth(double x, double y, double planar_depth) const;
+    double nearest_planar_depth() const;
+    std::optional<ChartWay> countable(const glm::dvec3& from, const glm::dvec3& to,
+                                      bool from_the_start) const;
 
     const HeightField& field_;
     double per_fx_, per_fy_;  // 1 / focal length

@@ -26,7 +26,8 @@ TEST(Cast, PutsTheProxyOnTheWay) {
             return glm::dvec3(random.below(400) - 200.0, random.below(300) - 150.0, -depth);
         };
         const glm::dvec3 from = point(1 + random.below(90)), to = point(420 + random.below(100));
-        const auto place = cast(world, from, nullptr, to);
+        int cells = 0;
+        const auto place = cast(world, from, nullptr, to, cells, 100'000).hit;
         ASSERT_TRUE(place);
         const glm::dvec3 met = surface_point(world, *place), way = to - from, along = met - from;
         const double share = glm::dot(along, way) / glm::dot(way, way);

@@ -56,12 +56,14 @@ TEST(ClearWay, IsNeverClaimedOfAWayThatMeetsTheSurface) {
             return unproject(rough.scene.camera, random.below(60) - 10.0, random.below(55) - 10.0, depth);
         };
         const glm::dvec3 from = point(), to = point();
+        int cells = 0;
+        const auto hit = [&] { return cast(world, from, nullptr, to, cells, 100'000).hit; };
         if (is_clear(world, from, to)) {
             ++clear;
-            EXPECT_FALSE(cast(world, from, nullptr, to));
+            EXPECT_FALSE(hit());
             EXPECT_FALSE(is_behind_surface(field, from, 0));
         } else if (!is_behind_surface(field, from, 0)) {
-            met += cast(world, from, nullptr, to).has_value();
+            met += hit().has_value();
         }
     }
     EXPECT_GT(clear, 200);

@@ -152,7 +152,7 @@ TEST(WorldSpace, ImageStepIsTheStraightMovesTrackOverThePicture) {
     const HeightField field = small.field();
     const WorldSpace world(field);
     const glm::dvec3 p{3, -2, -100}, d{20, 15, -30};
-    const ChartPoint from = world.chart(p), to = world.chart(p + d);
+    const ChartPoint from = world.chart(p).value(), to = world.chart(p + d).value();
     const ImageStep step = world.image_step(p, d);
     EXPECT_NEAR(from.x + step.dx * step.length_at(1), to.x, 1e-9);
     EXPECT_NEAR(from.y + step.dy * step.length_at(1), to.y, 1e-9);

@@ -49,8 +49,16 @@ Real excess_over_minimum(const Surface& surface, const Proxy& proxy, const glm::
     const Real have = length(Vec(proxy.point) - g);
     Real least = have;
     for (const Triangle& t : triangles_around(place)) {
-        const Vec nearest = closest_on_triangle(g, surface.vertex(t[0]).point, surface.vertex(t[1]).point,
-                                                surface.vertex(t[2]).point);
+        // Measured from the corner nearest to the goal: from one a million units away even long doubles are
+        // some 1e-8 off.
+        std::array<Vec, 3> corners{surface.vertex(t[0]).point, surface.vertex(t[1]).point,
+                                   surface.vertex(t[2]).point};
+        std::rotate(
+            corners.begin(),
+            std::min_element(corners.begin(), corners.end(),
+                             [&g](const Vec& s, const Vec& u) { return length(s - g) < length(u - g); }),
+            corners.end());
+        const Vec nearest = closest_on_triangle(g, corners[0], corners[1], corners[2]);
         least = std::min(least, length(nearest - g));
     }
     return have - least;
@@ -82,7 +90,8 @@ Real rounding_at(const Surface& surface, const glm::dvec3& point) {
                                               .vertex({static_cast<std::int64_t>(std::floor(at.x)) + di,
                                                        static_cast<std::int64_t>(std::floor(at.y)) + dj})
                                               .q);
-    const Real pixel = 2e-15L * (scene.width + scene.height), depth = 1 / at.q;
+    const Real depth = 1 / at.q;
+    const Real pixel = 2e-15L * (scene.width + scene.height + std::fabs(at.x) + std::fabs(at.y));
     return 1e-15L * scene.depth.far + pixel * steepest * depth * depth;
 }
 

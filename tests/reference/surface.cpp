@@ -129,10 +129,8 @@ std::optional<ImagePoint> Surface::seen(const Vec& point) const {
 
 Real Surface::least_planar_depth() const {
     const DepthCoding& coding = scene_.depth;
-    Real depth = coding.near;
-    if (coding.kind == DepthCodingKind::metric)
-        depth = std::max(depth, Real(coding.scale) * coding.valid_min);
-    depth -= tallest(scene_);
+    const Real depth =
+        std::min(depth_of(coding, coding.valid_min), depth_of(coding, coding.valid_max)) - tallest(scene_);
     Real longest = 1;
     if (coding.semantics == DepthSemantics::range)
         for (const int x : {-1, scene_.width})

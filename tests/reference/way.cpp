@@ -14,7 +14,14 @@ using glm::dot;
 
 /// Unit, towards the camera.
 Vec normal_of(const Surface& surface, const Triangle& t) {
-    const Vec a = surface.vertex(t[0]).point, b = surface.vertex(t[1]).point, c = surface.vertex(t[2]).point;
+    std::array<Vertex, 3> at{surface.vertex(t[0]), surface.vertex(t[1]), surface.vertex(t[2])};
+    // From the corner nearest to the camera: sides that meet far away are parallel to all the digits there
+    // are.
+    std::rotate(
+        at.begin(),
+        std::max_element(at.begin(), at.end(), [](const Vertex& s, const Vertex& u) { return s.q < u.q; }),
+        at.end());
+    const Vec a = at[0].point, b = at[1].point, c = at[2].point;
     const Vec n = cross(b - a, c - a);
     const Vec unit = n / length(n);
     return dot(unit, a) > 0 ? -unit : unit;

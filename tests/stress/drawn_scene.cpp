@@ -82,9 +82,14 @@ Scene draw_scene(SplitMix64& random, int most_pixels) {
     scene.depth.near_is_high = kind == DepthCodingKind::metric || chance(random, 0.7);
     set_planes(scene, kind, near, far, bits);
     if (chance(random, 0.4)) {
-        const int span = scene.depth.valid_max - scene.depth.valid_min;
-        scene.depth.invalid_codes[0] = static_cast<std::uint16_t>(scene.depth.valid_min + span / 3);
-        scene.depth.invalid_code_count = 1;
+        // In the middle, at either end, or beside it.
+        const int low = scene.depth.valid_min, high = scene.depth.valid_max;
+        const std::array codes{low + (high - low) / 3, low, high, high};
+        const int which = (scene.width + scene.height) % 4;
+        scene.depth.invalid_codes[0] = static_cast<std::uint16_t>(codes[static_cast<std::size_t>(which)]);
+        scene.depth.invalid_codes[1] = static_cast<std::uint16_t>(high - 1);
+        scene.depth.invalid_code_count = which == 3 ? 2 : 1;
+        derive_valid_range(scene.depth);
     }
     if (chance(random, 0.4)) draw_heights(random, scene);
     draw_touch(random, scene);
@@ -93,6 +98,23 @@ Scene draw_scene(SplitMix64& random, int most_pixels) {
     scene.interpolation = chance(random, 0.75) ? FrameInterpolation::linear : FrameInterpolation::hold;
     if (const auto valid = validate(scene); !valid) impossible(valid.error());
     return scene;
+}
+
+double magnitude(SplitMix64& random, double least, int digits) {
+    double value = least * random.within(1, 10);
+    for (int n = below(random, digits); n > 0; --n) value *= 10;
+    return value;
+}
+
+void draw_wide_planes(SplitMix64& random, Scene& scene, int digits) {
+    scene.height_coding.max_height = 0;
+    scene.depth.invalid_code_count = 0;
+    scene.depth.near_is_high = true;
+    const double far = magnitude(random, 1e-3, 15), near = far / magnitude(random, 1, digits);
+    const auto kind = chance(random, 0.5) ? DepthCodingKind::linear : DepthCodingKind::inverse;
+    set_planes(scene, kind, std::max(near, 1e-12), far, 16);
+    scene.device_metres_per_unit = std::max(1e-12, 0.18 / far);
+    if (const auto valid = validate(scene); !valid) impossible(valid.error());
 }
 
 Scene whole_unit_scene(int side, double near, double far) {
@@ -114,7 +136,7 @@ Scene whole_unit_scene(int side, double near, double far) {
 }
 
 double nearest_depth(const Scene& scene) {
-    return std::max(scene.depth.near, scene.depth.scale * scene.depth.valid_min);
+    return scene.depth.nearest_depth();
 }
 
 std::uint16_t draw_code(const Scene& scene, SplitMix64& random) {

@@ -105,6 +105,14 @@ std::unique_ptr<StressRun> make_far_million(std::uint64_t seed) {
     return still(scene, planes, walking(random.next(), {1, 0.001}));
 }
 
+std::unique_ptr<StressRun> make_wide_planes(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    Scene scene = draw_scene(random);
+    draw_wide_planes(random, scene);
+    const DrawnPlanes planes = chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
+    return still(scene, planes, walking(random.next(), {1, chance(random, 0.5) ? 0.02 : 1e-6}));
+}
+
 std::unique_ptr<StressRun> make_tiny_pictures(std::uint64_t seed) {
     SplitMix64 random(seed);
     Scene scene = draw_scene(random);

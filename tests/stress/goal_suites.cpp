@@ -97,7 +97,7 @@ public:
 private:
     glm::dvec3 goal(std::int64_t) override {
         if (chance(random_, 0.9)) return walk_.next();
-        const double reach = chance(random_, 0.5) ? 1e6 : 9e8;
+        const double reach = chance(random_, 0.5) ? 1e6 : 0.9 * largest_goal(scene_);
         return {random_.within(-reach, reach), random_.within(-reach, reach), random_.within(-reach, reach)};
     }
     Walk walk_;
@@ -116,6 +116,26 @@ private:
                                 1.5 * scene_.depth.far};
         const double depth = depths[static_cast<std::size_t>(below(random_, depths.size()))];
         return unproject(scene_.camera, x, y, std::max(depth, 0.01 * scene_.depth.far));
+    }
+};
+
+/// Anything from a rounding to the largest goal there is, sideways, before the camera and behind it.
+class CameraPlane final : public GoalRun {
+public:
+    using GoalRun::GoalRun;
+
+private:
+    glm::dvec3 goal(std::int64_t) override {
+        const double far = scene_.depth.far;
+        // Every other one where the picture is.
+        if (chance(random_, 0.5))
+            return unproject(scene_.camera, random_.within(-1, scene_.width),
+                             random_.within(-1, scene_.height), magnitude(random_, 1e-12 * far, 12));
+        return {any(), any(), any()};
+    }
+    double any() {
+        const double length = chance(random_, 0.1) ? 0.0 : magnitude(random_, 1e-13 * scene_.depth.far, 19);
+        return chance(random_, 0.5) ? length : -length;
     }
 };
 
@@ -166,6 +186,13 @@ std::unique_ptr<StressRun> make_far_goals(std::uint64_t seed) {
 }
 std::unique_ptr<StressRun> make_corner_jumps(std::uint64_t seed) {
     return over_drawn<CornerJumps>(seed);
+}
+std::unique_ptr<StressRun> make_camera_plane(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    Scene scene = draw_scene(random);
+    draw_wide_planes(random, scene, 4);
+    const DrawnPlanes planes = chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
+    return std::make_unique<CameraPlane>(scene, planes, random.next());
 }
 std::unique_ptr<StressRun> make_five_fingers(std::uint64_t seed) {
     return over_drawn<FiveFingers>(seed);

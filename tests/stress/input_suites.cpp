@@ -28,6 +28,7 @@ private:
 bool is_refused(Scene scene, double near, double far) {
     scene.depth.near = near;
     scene.depth.far = far;
+    derive_valid_range(scene.depth);
     return !validate(scene).ok();
 }
 
@@ -94,7 +95,7 @@ public:
         for (int k = 0; k < scene_.width * scene_.height; ++k) {
             const std::array odd{nan, inf, -inf};
             depths.push_back(chance(random_, 0.1) ? odd[static_cast<std::size_t>(below(random_, 3))]
-                                                  : random_.within(scene_.depth.near, scene_.depth.far));
+                                                  : random_.within(nearest_depth(scene_), scene_.depth.far));
         }
         frame_.width = scene_.width;
         frame_.height = scene_.height;
@@ -120,9 +121,9 @@ private:
         glm::dvec3 at = walk_.next();
         if (tick % 100 == 0) broken_ = chance(random_, 0.3) ? 1 + below(random_, 60) : 0;
         if (broken_-- <= 0) return at;
-        const std::array<double, 5> odd{std::numeric_limits<double>::quiet_NaN(), 1e300, 1.0000001e9,
-                                        std::numeric_limits<double>::infinity(),
-                                        -std::numeric_limits<double>::infinity()};
+        const std::array<double, 5> odd{
+            std::numeric_limits<double>::quiet_NaN(), 1e300, 1.0000001 * largest_goal(scene_),
+            std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
         at[below(random_, 3)] = odd[static_cast<std::size_t>(below(random_, 5))];
         return at;
     }

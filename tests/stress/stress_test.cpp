@@ -58,7 +58,8 @@ TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {
          {Known{"lattice-lines", 9, 2000}, Known{"lattice-lines", 28, 3000}, Known{"lattice-lines", 32, 4000},
           Known{"lattice-lines", 7, 19000}, Known{"far-million", 0, 13000}, Known{"far-million", 355, 7000},
           Known{"height-limit", 204, 12000}, Known{"lattice-lines", 535, 8100},
-          Known{"lattice-lines", 1941, 1700}, Known{"rising", 438, 13300}}) {
+          Known{"lattice-lines", 1941, 1700}, Known{"rising", 438, 13300}, Known{"corner-jumps", 1114, 50000},
+          Known{"far-million", 2035, 17400}}) {
         const Watched watched = watch(*find_suite(known.suite)->run(known.seed), {known.ticks, 1, 0});
         EXPECT_EQ(watched.violation_count, 0) << known.suite << ' ' << known.seed;
         EXPECT_EQ(watched.coverage.capped, 0) << "places a rounding apart take turns: " << known.suite;

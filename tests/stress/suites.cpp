@@ -12,7 +12,7 @@ namespace {
 constexpr Needs some_contact{};
 constexpr Needs little_contact{0.02};
 
-constexpr std::array<Suite, 22> all_suites{{
+constexpr std::array<Suite, 24> all_suites{{
     {"uniform-noise", "every pixel for itself over the whole range", make_uniform_noise, some_contact},
     {"checkerboard", "cliffs from near to far, 1 to 3 pixels apart", make_checkerboard, some_contact},
     {"staircase", "ramps of single codes", make_staircase, some_contact},
@@ -24,7 +24,8 @@ constexpr std::array<Suite, 22> all_suites{{
     {"far-goals", "goals a million units away and farther", make_far_goals, little_contact},
     {"corner-jumps", "goals that jump between the corners of the frustum", make_corner_jumps, little_contact},
     {"tiny-pictures", "pictures of 1 and 2 pixels a side", make_tiny_pictures, little_contact},
-    {"height-limit", "heights that end just before the camera", make_height_limit, some_contact},
+    {"height-limit", "heights of which a thousandth of the nearest depth is left", make_height_limit,
+     some_contact},
     {"impossible-planes",
      "planes that are equal, negative or swapped are refused; all but equal ones touched",
      make_impossible_planes,
@@ -37,6 +38,10 @@ constexpr std::array<Suite, 22> all_suites{{
      make_late_frames,
      {0.15, true, true}},
     {"far-million", "planes at 1 and 1e6", make_far_million, little_contact},
+    {"wide-planes", "near down to 1e-12 of far, in units from tiny to huge", make_wide_planes,
+     little_contact},
+    {"camera-plane", "near down to 1e-4 of far, and goals of every length through the camera's plane",
+     make_camera_plane, little_contact},
     {"plateau", "flat grounds, pyramids and valleys with goals as far from all sides", make_plateau,
      some_contact},
     {"press-slide-retract", "loops in, along and out, both ways", make_press_slide_retract, some_contact},

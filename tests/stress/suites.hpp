@@ -35,6 +35,7 @@ std::unique_ptr<StressRun> make_checkerboard(std::uint64_t seed);
 std::unique_ptr<StressRun> make_staircase(std::uint64_t seed);
 std::unique_ptr<StressRun> make_spike_and_pit(std::uint64_t seed);
 std::unique_ptr<StressRun> make_far_million(std::uint64_t seed);
+std::unique_ptr<StressRun> make_wide_planes(std::uint64_t seed);
 std::unique_ptr<StressRun> make_plateau(std::uint64_t seed);
 std::unique_ptr<StressRun> make_tiny_pictures(std::uint64_t seed);
 
@@ -43,6 +44,7 @@ std::unique_ptr<StressRun> make_camera_axis(std::uint64_t seed);
 std::unique_ptr<StressRun> make_far_goals(std::uint64_t seed);
 std::unique_ptr<StressRun> make_corner_jumps(std::uint64_t seed);
 std::unique_ptr<StressRun> make_five_fingers(std::uint64_t seed);
+std::unique_ptr<StressRun> make_camera_plane(std::uint64_t seed);
 
 std::unique_ptr<StressRun> make_height_limit(std::uint64_t seed);
 std::unique_ptr<StressRun> make_impossible_planes(std::uint64_t seed);
