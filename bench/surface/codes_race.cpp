@@ -26,8 +26,9 @@ bool all_valid(const SurfaceFrame& frame) {
 
 /// A frame by a builder, into a slot of its own.
 struct BuiltFrames {
+    explicit BuiltFrames(SurfaceBuilder& its_builder) : builder(its_builder) {}
     SurfaceBuilder& builder;
-    SurfaceFrame slot = {};
+    SurfaceFrame slot;
 };
 
 bool same_frames(const SurfaceFrame& a, const SurfaceFrame& b) {
@@ -60,7 +61,7 @@ Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfa
     std::deque<BuiltFrames> frames;
     std::vector<Racer> racers;
     const auto add = [&](const std::string& name, SurfaceBuilder& builder) {
-        BuiltFrames& built = frames.emplace_back(BuiltFrames{builder});
+        BuiltFrames& built = frames.emplace_back(builder);
         racers.push_back({name, [&raw, &built] { return built.builder.build(raw, built.slot); }});
     };
     add("codes" + side, vulkan);

@@ -14,10 +14,13 @@ namespace {
 
 /// A builder and the frame that it made last. Frames are numbered one after the other, as in a clip.
 struct Contender {
+    Contender(std::string its_name, std::unique_ptr<SurfaceBuilder> its_builder, const RawFrame& its_raw)
+        : name(std::move(its_name)), builder(std::move(its_builder)), raw(its_raw) {}
+
     std::string name;
     std::unique_ptr<SurfaceBuilder> builder;
     RawFrame raw;
-    SurfaceFrame frame = {};
+    SurfaceFrame frame;
 
     Result<void> next() {
         auto built = builder->build(raw, frame);
@@ -58,11 +61,11 @@ Result<void> race_with_temporal(const SurfaceCase& c, const Picture& picture, in
         std::deque<Contender> all;  // each with the filter, and after it the same without
         for (const int threads : {1, 2}) {
             const std::string name = what + "_cpu_builder_" + std::to_string(threads) + "t";
-            all.push_back({name, make_cpu_builder(on, {threads}), picture.raw});
-            all.push_back({name + "_off", make_cpu_builder(off, {threads}), picture.raw});
+            all.emplace_back(name, make_cpu_builder(on, {threads}), picture.raw);
+            all.emplace_back(name + "_off", make_cpu_builder(off, {threads}), picture.raw);
         }
-        all.push_back({what, std::move(*vulkan_on), picture.raw});
-        all.push_back({what + "_off", std::move(*vulkan_off), picture.raw});
+        all.emplace_back(what, std::move(*vulkan_on), picture.raw);
+        all.emplace_back(what + "_off", std::move(*vulkan_off), picture.raw);
         if (auto alike = check_alike(c, all); !alike.ok()) return alike;
         std::vector<Racer> racers;
         for (Contender& contender : all)

@@ -72,10 +72,7 @@ void AnalyticScene::exact_frame(std::int64_t n, SurfaceFrame& out) const {
     out.validity.assign(
         static_cast<std::size_t>(out.validity_words_per_row()) * static_cast<std::size_t>(out.height), 0);
     for (int y = 0; y < out.height; ++y)
-        for (int x = 0; x < out.width; ++x) {
-            const int word = y * out.validity_words_per_row() + (x >> 5);
-            out.validity[static_cast<std::size_t>(word)] |= std::uint32_t{1} << (x & 31);
-        }
+        for (int x = 0; x < out.width; ++x) out.validity_row(y)[x >> 5] |= std::uint32_t{1} << (x & 31);
     auto touch = std::make_shared<FramePlanes>();
     paint(t, *touch);
     copy_touch_planes(view_of(std::move(touch), scene_, n), out);

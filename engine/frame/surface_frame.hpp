@@ -34,8 +34,13 @@ struct alignas(8) TileBounds {
 };
 
 /// One filtered frame. Filled by a SurfaceBuilder, then immutable until its slot is recycled; its timestamp
-/// lives in the SurfaceTimeline, because an unchanged frame is published again at a later one.
+/// lives in the SurfaceTimeline, because an unchanged frame is published again at a later one. It stays where
+/// it is: its vertices read it.
 struct SurfaceFrame {
+    SurfaceFrame() = default;
+    SurfaceFrame(const SurfaceFrame&) = delete;
+    SurfaceFrame& operator=(const SurfaceFrame&) = delete;
+
     int width = 0, height = 0;
     DepthCoding coding;               ///< of `codes`; a filter that adds precision has its own
     FrameArray<std::uint16_t> codes;  ///< width x height, row-major; empty where nobody asked (lazy, exact)
@@ -50,11 +55,13 @@ struct SurfaceFrame {
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
     }
-    bool is_valid(int x, int y) const {
-        const auto word = static_cast<std::size_t>(y) * static_cast<std::size_t>(validity_words_per_row()) +
-                          static_cast<std::size_t>(x >> 5);
-        return (validity[word] >> (x & 31)) & 1U;
+    std::uint32_t* validity_row(int y) {
+        return validity.data() + std::ptrdiff_t{y} * validity_words_per_row();
     }
+    const std::uint32_t* validity_row(int y) const {
+        return validity.data() + std::ptrdiff_t{y} * validity_words_per_row();
+    }
+    bool is_valid(int x, int y) const { return (validity_row(y)[x >> 5] >> (x & 31)) & 1U; }
 };
 
 /// Depth of a pixel of a frame that has codes, and whether it is valid.

@@ -108,7 +108,7 @@ void CodeLine::copy(const SurfaceFrame& decoded, int y) {
     std::memcpy(inside(codes_), decoded.codes.data() + decoded.index(0, y),
                 static_cast<std::size_t>(width_) * sizeof(std::uint16_t));
     repeat_border(codes_.front().pixels);
-    const std::uint32_t* validity = decoded.validity.data() + static_cast<std::ptrdiff_t>(y) * strips();
+    const std::uint32_t* validity = decoded.validity_row(y);
     std::uint32_t any = 0;
     for (int w = 0; w < strips(); ++w) any |= ~validity[w] & inside_bits(width_, w);
     if (any == 0) {

@@ -72,8 +72,7 @@ bool HoleFiller::fill_rows(const RowBand& band, SurfaceFrame& frame) const {
                 frame.codes[frame.index(x, y)] = lower_median(neighbours, count);
                 filled |= std::uint32_t{1} << bit;
             }
-            frame.validity[static_cast<std::size_t>(y) * static_cast<std::size_t>(words) +
-                           static_cast<std::size_t>(w)] |= filled;
+            frame.validity_row(y)[w] |= filled;
             filled_any |= filled != 0;
         }
     return filled_any;

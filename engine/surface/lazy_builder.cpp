@@ -27,7 +27,7 @@ public:
         copy_touch_planes(raw, out);
         out.raw = raw;
         auto* vertices = dynamic_cast<LazyVertices*>(out.vertices.get());
-        if (vertices != nullptr && vertices->serves(out, scene_))
+        if (vertices != nullptr && vertices->serves(scene_))
             vertices->restart();
         else
             out.vertices = std::make_unique<LazyVertices>(out, scene_);

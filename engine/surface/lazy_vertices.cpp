@@ -183,9 +183,8 @@ LazyVertices::LazyVertices(const SurfaceFrame& frame, const Scene& scene)
     restart();
 }
 
-bool LazyVertices::serves(const SurfaceFrame& frame, const Scene& scene) const {
-    return &frame == &frame_ && filter_ == scene.filter && stored_ == scene.depth &&
-           terraces_ == terrace_filter(scene);
+bool LazyVertices::serves(const Scene& scene) const {
+    return filter_ == scene.filter && stored_ == scene.depth && terraces_ == terrace_filter(scene);
 }
 
 void LazyVertices::restart() {

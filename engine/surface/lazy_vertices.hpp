@@ -20,8 +20,8 @@ public:
     LazyVertices(const SurfaceFrame& frame, const Scene& scene);
     /// To be called once the frame holds another raw plane, before anyone reads it.
     void restart();
-    /// Whether a frame there, of this scene, is filtered so.
-    bool serves(const SurfaceFrame& frame, const Scene& scene) const;
+    /// Whether frames of this scene are filtered so.
+    bool serves(const Scene& scene) const;
 
     DepthSample at(int x, int y) const override;
     /// Over the raw codes of the tile and the filter's reach around it: wider than of the filtered codes.

@@ -25,8 +25,7 @@ void filter_band(const RowBand& band, const LineSource& source, std::vector<Code
             window[0]->write_codes(codes);
         else
             median_of_row(unit, window, codes, out.width);
-        window[radius]->write_validity(out.validity.data() +
-                                       std::ptrdiff_t{y} * out.validity_words_per_row());
+        window[radius]->write_validity(out.validity_row(y));
     }
 }
 

@@ -28,9 +28,8 @@ void PatchFilter::copy(const Patch& patch, SurfaceFrame& out) const {
         std::memcpy(out.codes.data() + out.index(inner.left, y),
                     picture_.codes.data() + picture_.index(left, from),
                     static_cast<std::size_t>(inner.right - inner.left) * sizeof(std::uint16_t));
-        const std::uint32_t* bits = picture_.validity.data() + std::ptrdiff_t{words_of_picture} * from;
-        std::uint32_t* to = out.validity.data() + std::ptrdiff_t{out.validity_words_per_row()} * y +
-                            inner.left / strip_pixels;
+        const std::uint32_t* bits = picture_.validity_row(from);
+        std::uint32_t* to = out.validity_row(y) + inner.left / strip_pixels;
         for (int word = 0; word < words; ++word) {
             const int first = left / strip_pixels + word;
             const std::uint64_t next = first + 1 < words_of_picture ? bits[first + 1] : 0;

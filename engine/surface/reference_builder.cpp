@@ -203,9 +203,7 @@ private:
         for (int y = 0; y < picture.height; ++y)
             for (int x = 0; x < picture.width; ++x) {
                 out.codes.push_back(picture.at(x, y).code);
-                if (picture.at(x, y).valid)
-                    out.validity[static_cast<std::size_t>(y * out.validity_words_per_row() + x / 32)] |=
-                        std::uint32_t{1} << (x % 32);
+                if (picture.at(x, y).valid) out.validity_row(y)[x / 32] |= std::uint32_t{1} << (x % 32);
             }
         out.tiles.clear();
         const TileGrid grid = TileGrid::of(picture.width, picture.height);

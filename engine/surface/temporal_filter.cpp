@@ -20,8 +20,7 @@ void TemporalSmoother::begin(const SurfaceFrame& frame, std::int64_t number) {
 void TemporalSmoother::smooth(const RowBand& band, const TemporalFilter& filter, SurfaceFrame& frame) {
     for (int y = band.first; y < band.last; ++y) {
         const std::size_t word = words_ * static_cast<std::size_t>(y);
-        smooth_row(unit_, filter, frame.width, frame.codes.data() + frame.index(0, y),
-                   frame.validity.data() + word,
+        smooth_row(unit_, filter, frame.width, frame.codes.data() + frame.index(0, y), frame.validity_row(y),
                    {codes_.data() + word * strip_pixels, known_.data() + word, held_low_.data() + word,
                     held_high_.data() + word});
     }

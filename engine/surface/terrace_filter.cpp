@@ -78,7 +78,7 @@ void TerraceRemover::load(const TerraceFilter& filter, const SurfaceFrame& from,
     const std::uint16_t* stored = from.codes.data() + from.index(0, y);
     std::int16_t* to = codes(work, 0, y);
     for (int x = 0; x < from.width; ++x) to[x] = static_cast<std::int16_t>(stored[x] * filter.factor);
-    const std::uint32_t* validity = from.validity.data() + std::ptrdiff_t{words_} * y;
+    const std::uint32_t* validity = from.validity_row(y);
     const int slot = y % known_rows;
     std::int16_t* masks = work.masks.data() + pitch_ * slot + terrace_margin;
     std::uint32_t* holes = work.holes.data() + std::ptrdiff_t{words_ + 2} * slot + 1;
@@ -92,8 +92,8 @@ void TerraceRemover::load(const TerraceFilter& filter, const SurfaceFrame& from,
 
 void TerraceRemover::store(const TerraceFilter& filter, const SurfaceFrame& from, int y, Work& work,
                            SurfaceFrame& to) const {
-    const std::uint32_t* validity = from.validity.data() + std::ptrdiff_t{words_} * y;
-    std::copy(validity, validity + words_, to.validity.data() + std::ptrdiff_t{words_} * y);
+    const std::uint32_t* validity = from.validity_row(y);
+    std::copy(validity, validity + words_, to.validity_row(y));
     for (int word = 0; word < words_; ++word) {
         const int x = word * strip_pixels;
         store_strip(filter, codes(work, passes, y) + x, from.codes.data() + from.index(x, y), validity[word],

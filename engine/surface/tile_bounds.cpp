@@ -35,10 +35,7 @@ template <bool Masked, class Lanes, int Vectors>
         if (count < pixels)
             codes = static_cast<std::uint16_t*>(
                 std::memcpy(padded, codes, static_cast<std::size_t>(count) * sizeof(std::uint16_t)));
-        if constexpr (Masked)
-            masks_of_bits(~frame.validity[static_cast<std::size_t>(y * frame.validity_words_per_row() +
-                                                                   x / strip_pixels)],
-                          masks);
+        if constexpr (Masked) masks_of_bits(~frame.validity_row(y)[x / strip_pixels], masks);
         for (int k = 0; k < Vectors; ++k) {
             Lanes values = load_lanes<Lanes>(codes + k * lanes);
             high[k] = greater(high[k], values);
@@ -103,8 +100,7 @@ void TileBounder::bound_columns_of(const SurfaceFrame& frame, const PixelBox& bo
     const int first = box.left / strip_pixels, last = (box.right - 1) / strip_pixels + 1;
     std::fill(columns.holes.begin() + first, columns.holes.begin() + last, 0U);
     for (int y = box.top; y < box.bottom; ++y) {
-        const std::uint32_t* validity =
-            frame.validity.data() + std::ptrdiff_t{y} * frame.validity_words_per_row();
+        const std::uint32_t* validity = frame.validity_row(y);
         for (int w = first; w < last; ++w)
             columns.holes[static_cast<std::size_t>(w)] |= ~validity[w] & inside_bits(frame.width, w);
     }

@@ -13,10 +13,10 @@ public:
     BuildNumber build = 0;
 };
 
-/// Those of a slot, new ones where it has none that read it.
+/// Those of a slot, new ones where it has none.
 inline TrackedVertices& tracked_vertices(SurfaceFrame& slot) {
     auto* vertices = dynamic_cast<TrackedVertices*>(slot.vertices.get());
-    if (vertices != nullptr && vertices->read_from() == &slot) return *vertices;
+    if (vertices != nullptr) return *vertices;
     auto made = std::make_unique<TrackedVertices>(slot);
     vertices = made.get();
     slot.vertices = std::move(made);

@@ -66,9 +66,7 @@ Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
 /// The slot's memory, new where it has none that serves.
 Result<VulkanVertices*> Builder::slot_of(SurfaceFrame& out) const {
     auto* slot = dynamic_cast<VulkanVertices*>(out.vertices.get());
-    if (slot != nullptr && slot->read_from() == &out &&
-        slot->serves(*device_, scene_.width, scene_.height, plan_.copies))
-        return slot;
+    if (slot != nullptr && slot->serves(*device_, scene_.width, scene_.height, plan_.copies)) return slot;
     auto created = VulkanVertices::create(*device_, out, scene_.width, scene_.height, plan_.copies);
     if (!created.ok()) return created.error();
     slot = created->get();

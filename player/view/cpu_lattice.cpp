@@ -18,7 +18,7 @@ struct FrameRow {
     FrameRow(const SurfaceFrame& frame, int y)
         : codes(frame.codes.data() + frame.index(0, y)),
           heights(frame.heights.empty() ? nullptr : frame.heights.data() + frame.index(0, y)),
-          validity(frame.validity.data() + static_cast<std::ptrdiff_t>(y) * frame.validity_words_per_row()) {}
+          validity(frame.validity_row(y)) {}
 
     const std::uint16_t *codes, *heights;
     const std::uint32_t* validity;

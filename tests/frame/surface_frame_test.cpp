@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -114,6 +115,10 @@ TEST(TouchPlanes, AreEmptiedWhereTheRawFrameHasNone) {
     EXPECT_TRUE(frame.heights.empty());
 }
 
+// Its vertices read it where it is.
+static_assert(!std::is_copy_constructible_v<SurfaceFrame> && !std::is_move_constructible_v<SurfaceFrame> &&
+              !std::is_copy_assignable_v<SurfaceFrame> && !std::is_move_assignable_v<SurfaceFrame>);
+
 TEST(SurfaceFrame, ValidityIsOneBitPerPixelLowBitFirstInRowsOfWholeWords) {
     test::Random random(1);
     for (int width : {1, 31, 32, 33, 65}) {
@@ -127,6 +132,7 @@ TEST(SurfaceFrame, ValidityIsOneBitPerPixelLowBitFirstInRowsOfWholeWords) {
             for (int x = 0; x < width; ++x) {
                 const std::uint32_t word =
                     frame.validity[static_cast<std::size_t>(y * frame.validity_words_per_row() + x / 32)];
+                EXPECT_EQ(frame.validity_row(y)[x / 32], word);
                 EXPECT_EQ(frame.is_valid(x, y), (word & (1U << (x % 32))) != 0);
             }
     }

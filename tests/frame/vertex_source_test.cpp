@@ -49,20 +49,20 @@ void for_each_vertex(int tx, int ty, Size size, const std::function<void(int, in
 }
 
 /// Random valid codes; about one pixel in `one_invalid_in` is invalid (0: none), and then its code is too.
-SurfaceFrame random_frame(const DepthCoding& depth, Size size, int one_invalid_in, test::Random& random) {
-    SurfaceFrame frame;
+void fill_randomly(SurfaceFrame& frame, const DepthCoding& depth, Size size, int one_invalid_in,
+                   test::Random& random) {
     frame.width = size.width;
     frame.height = size.height;
     frame.coding = depth;
-    frame.codes.resize(static_cast<std::size_t>(size.width * size.height));
-    frame.validity.resize(static_cast<std::size_t>(frame.validity_words_per_row() * size.height));
+    frame.codes.assign(static_cast<std::size_t>(size.width * size.height), 0);
+    frame.validity.assign(static_cast<std::size_t>(frame.validity_words_per_row() * size.height), 0);
+    frame.tiles.clear();
     for (int y = 0; y < size.height; ++y)
         for (int x = 0; x < size.width; ++x) {
             if (one_invalid_in > 0 && random.below(one_invalid_in) == 0) continue;
             const int code = depth.valid_min + random.below(depth.valid_max - depth.valid_min + 1);
             frame.codes[frame.index(x, y)] = static_cast<std::uint16_t>(code);
-            const int word = y * frame.validity_words_per_row() + x / 32;
-            frame.validity[static_cast<std::size_t>(word)] |= 1U << (x % 32);
+            frame.validity_row(y)[x / 32] |= 1U << (x % 32);
         }
     const TileGrid grid = TileGrid::of(size.width, size.height);
     for (int ty = 0; ty < grid.tiles_y; ++ty)
@@ -78,7 +78,6 @@ SurfaceFrame random_frame(const DepthCoding& depth, Size size, int one_invalid_i
             });
             frame.tiles.push_back(bounds);
         }
-    return frame;
 }
 
 /// The tile encloses every valid vertex, touches its extremes, and tells of invalid ones.
@@ -112,7 +111,8 @@ TEST(FilteredVertices, GiveTheDepthOfEachValidCodeAndHonestTiles) {
         for (Size size : sizes)
             for (int one_invalid_in : {0, 1, 3, 300}) {
                 SCOPED_TRACE(std::to_string(size.width) + "x" + std::to_string(size.height));
-                const SurfaceFrame frame = random_frame(depth, size, one_invalid_in, random);
+                SurfaceFrame frame;
+                fill_randomly(frame, depth, size, one_invalid_in, random);
                 const FilteredVertices vertices(frame);
                 for (int y = 0; y < size.height; ++y)
                     for (int x = 0; x < size.width; ++x) {
@@ -127,7 +127,8 @@ TEST(FilteredVertices, GiveTheDepthOfEachValidCodeAndHonestTiles) {
 
 TEST(FilteredVertices, ValidityComesFromItsBitsNotFromTheCode) {
     test::Random random(3);
-    SurfaceFrame frame = random_frame(coding(DepthCodingKind::linear, true, 255), {5, 5}, 0, random);
+    SurfaceFrame frame;
+    fill_randomly(frame, coding(DepthCodingKind::linear, true, 255), {5, 5}, 0, random);
     frame.validity[2] &= ~(1U << 3);
     const FilteredVertices vertices(frame);
     EXPECT_FALSE(vertices.at(3, 2).valid);
@@ -137,9 +138,10 @@ TEST(FilteredVertices, ValidityComesFromItsBitsNotFromTheCode) {
 TEST(FilteredVertices, FollowTheFrameTheyReadWhenItsSlotIsRefilled) {
     test::Random random(4);
     const DepthCoding depth = coding(DepthCodingKind::metric, false, 2400);
-    SurfaceFrame frame = random_frame(depth, {20, 20}, 0, random);
+    SurfaceFrame frame;
+    fill_randomly(frame, depth, {20, 20}, 0, random);
     const FilteredVertices vertices(frame);
-    frame = random_frame(depth, {33, 16}, 5, random);
+    fill_randomly(frame, depth, {33, 16}, 5, random);
     expect_honest_tiles(vertices, {33, 16});
 }
 

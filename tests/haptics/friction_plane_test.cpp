@@ -149,13 +149,13 @@ TEST(Friction, EachFingerSticksAndSlidesByItself) {
 }
 
 /// Walls of two slopes that meet in column 16; depth of a column from `depth(columns right of it)`.
-template <class Depth>
-SmallField folded(Depth depth) {
-    SmallField field(33, 65, 0, DepthSemantics::planar);
-    field.scene.camera.cx = 16;
-    field.shape(field.prev, [&](int x, int) { return depth(x - 16); });
-    return field;
-}
+struct FoldedField : SmallField {
+    template <class Depth>
+    explicit FoldedField(Depth depth) : SmallField(33, 65, 0, DepthSemantics::planar) {
+        scene.camera.cx = 16;
+        shape(prev, [&](int x, int) { return depth(x - 16); });
+    }
+};
 /// Unit normal of the strip between column 16 and one of its neighbours.
 dvec3 normal_beside(const SmallField& field, int side) {
     const double d0 = field.field().vertex(16, 32).depth, d1 = field.field().vertex(16 + side, 32).depth;
@@ -164,14 +164,14 @@ dvec3 normal_beside(const SmallField& field, int side) {
 }
 
 TEST(Friction, InAValleyTheLoadIsTheSumOfBothWallsShares) {
-    const SmallField base = folded([](int x) { return 100.0 - (x < 0 ? -0.25 * x : 0.1 * x); });
+    const FoldedField base([](int x) { return 100.0 - (x < 0 ? -0.25 * x : 0.1 * x); });
     const dvec3 left = normal_beside(base, -1), right = normal_beside(base, 1);
     // G - C = -(l0 n0 + l1 n1) for a goal 2 under the bottom.
     const double determinant = left.x * right.z - left.z * right.x;
     const double l0 = -2 * right.x / determinant, l1 = 2 * left.x / determinant;
     ASSERT_NEAR(l0 * left.x + l1 * right.x, 0, 1e-12);
     ASSERT_NEAR(l0 * left.z + l1 * right.z, 2, 1e-12);
-    SmallField valley = folded([](int x) { return 100.0 - (x < 0 ? -0.25 * x : 0.1 * x); });
+    FoldedField valley([](int x) { return 100.0 - (x < 0 ? -0.25 * x : 0.1 * x); });
     valley.scene.default_properties = {1000, 0.4, 0.25};
     FingerState finger;
     valley.touch(finger, {0, 0, -95});
@@ -184,7 +184,7 @@ TEST(Friction, InAValleyTheLoadIsTheSumOfBothWallsShares) {
 }
 
 TEST(Friction, OnARidgeTheConeIsThatOfTheFaceItWouldSlideDown) {
-    SmallField ridge = folded([](int x) { return 100.0 + 0.1 * std::abs(x); });
+    FoldedField ridge([](int x) { return 100.0 + 0.1 * std::abs(x); });
     const dvec3 n = normal_beside(ridge, 1);
     const double slope = n.x / n.z;
     // A goal 2 under the crest: 2 n.z presses on the face, 2 n.x pulls down it, y pulls along the crest.

@@ -70,7 +70,7 @@ protected:
         options.width = width;
         options.height = height;
         rig_ = std::make_unique<TouchRig>("moving", options, TouchRig::Depth::codes);
-        frames_.resize(frames_in_two_seconds);  // then it repeats
+        frames_ = std::vector<SurfaceFrame>(frames_in_two_seconds);  // then it repeats
         for (std::size_t n = 0; n < frames_.size(); ++n)
             rig_->load(static_cast<std::int64_t>(n), TouchRig::Depth::codes, frames_[n]);
     }

@@ -190,19 +190,6 @@ void expect_right_answers_to_several_readers(const FilterSettings& filter) {
     }
 }
 
-TEST(LazyBuilder, BuildsAnewInAFrameThatWasMoved) {
-    const Scene scene = depth_scene(40, 30, 16, Marking::zero, {3, 0});
-    const StoredPlane first = noisy_plane(scene, Fill::random, 1), second = noisy_plane(scene, Fill::blob, 2);
-    const auto builder = make_lazy_builder(scene);
-    auto before = std::make_unique<SurfaceFrame>();
-    ASSERT_TRUE(builder->build(first.frame(), *before));
-    SurfaceFrame moved = std::move(*before), reference;
-    ASSERT_TRUE(builder->build(second.frame(), moved));
-    before.reset();
-    ASSERT_TRUE(make_reference_builder(scene)->build(second.frame(), reference));
-    EXPECT_EQ(first_vertex_difference(reference, *moved.vertices), "");
-}
-
 TEST(LazyVertices, AnswerSeveralReadersAtOnce) {
     expect_right_answers_to_several_readers({3, 1});
 }

@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <deque>
+#include <array>
+#include <memory>
 
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
@@ -163,6 +164,13 @@ TEST_P(ChangedFrames, HaveTheBitsOfWholeOnes) {
         }
 }
 
+using Slots = std::array<std::unique_ptr<SurfaceFrame>, 4>;
+Slots fresh_slots() {
+    Slots slots;
+    for (auto& slot : slots) slot = std::make_unique<SurfaceFrame>();
+    return slots;
+}
+
 /// Slots come back in any order, after any number of frames, and between times others build into them.
 TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
     int patched = 0, whole_again = 0;
@@ -174,7 +182,7 @@ TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
             CpuPlan plan = in_part;
             plan.threads = threads;
             const auto builder = make_cpu_builder(scene, plan), twin = make_cpu_builder(scene, in_part);
-            std::deque<SurfaceFrame> slots(4);
+            Slots slots = fresh_slots();
             for (int n = 0; n < 60; ++n) {
                 film.edit(film.any_edit());
                 RawFrame raw = film.frame();
@@ -182,18 +190,18 @@ TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
                 const RawFrame held = film.frame();
                 if (!raw.storage) raw.depth = held.depth, raw.haptic = held.haptic, raw.height = held.height;
                 // As a timeline does, mostly the slot before last.
-                SurfaceFrame& slot =
+                std::unique_ptr<SurfaceFrame>& slot =
                     slots[static_cast<std::size_t>(film.below(3) > 0 ? n % 2 : film.below(4))];
                 const int other = film.below(20);
-                ASSERT_TRUE(other != 0 || twin->build(raw, slot));
-                ASSERT_TRUE(other != 1 || make_lazy_builder(scene)->build(raw, slot));
-                if (other == 2) slot = {};
+                ASSERT_TRUE(other != 0 || twin->build(raw, *slot));
+                ASSERT_TRUE(other != 1 || make_lazy_builder(scene)->build(raw, *slot));
+                if (other == 2) slot = std::make_unique<SurfaceFrame>();
                 if (other == 4) std::swap(slots[0], slots[1]);
                 if (other == 3) continue;  // a frame that this builder never sees
-                ASSERT_TRUE(builder->build(raw, slot));
+                ASSERT_TRUE(builder->build(raw, *slot));
                 SurfaceFrame whole;
                 ASSERT_TRUE(make_cpu_builder(scene, {1})->build(raw, whole));
-                ASSERT_EQ(difference(whole, slot), "")
+                ASSERT_EQ(difference(whole, *slot), "")
                     << text(GetParam()) << ", " << width << "x" << height << ", frame " << n;
                 patched += builder->built_share() < 1;
                 whole_again += n > 4 && builder->built_share() == 1;
@@ -216,22 +224,22 @@ TEST(ChangedFramesByVulkan, HaveTheBitsOfWholeOnes) {
                 auto builder = make_vulkan_builder(scene, test_kernels(), plan),
                      twin = make_vulkan_builder(scene, test_kernels(), plan);
                 ASSERT_TRUE(builder.ok() && twin.ok());
-                std::deque<SurfaceFrame> slots(4);
+                Slots slots = fresh_slots();
                 for (int n = 0; n < 25; ++n) {
                     film.edit(film.any_edit());
                     const RawFrame raw = film.frame();
-                    SurfaceFrame& slot =
+                    std::unique_ptr<SurfaceFrame>& slot =
                         slots[static_cast<std::size_t>(film.below(3) > 0 ? n % 2 : film.below(4))];
                     const int other = film.below(20);
-                    ASSERT_TRUE(other != 0 || (*twin)->build(raw, slot).ok());
-                    ASSERT_TRUE(other != 1 || make_cpu_builder(scene, in_part)->build(raw, slot));
-                    if (other == 2) slot = {};
+                    ASSERT_TRUE(other != 0 || (*twin)->build(raw, *slot).ok());
+                    ASSERT_TRUE(other != 1 || make_cpu_builder(scene, in_part)->build(raw, *slot));
+                    if (other == 2) slot = std::make_unique<SurfaceFrame>();
                     if (other == 4) std::swap(slots[0], slots[1]);
                     if (other == 3) continue;
-                    ASSERT_TRUE((*builder)->build(raw, slot).ok());
+                    ASSERT_TRUE((*builder)->build(raw, *slot).ok());
                     SurfaceFrame whole;
                     ASSERT_TRUE(make_cpu_builder(scene, {1})->build(raw, whole));
-                    ASSERT_EQ(difference(whole, slot), "")
+                    ASSERT_EQ(difference(whole, *slot), "")
                         << "median " << median << ", " << plan_text(plan) << ", " << width << "x" << height
                         << ", frame " << n;
                     const double share = (*builder)->built_share();

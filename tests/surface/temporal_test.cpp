@@ -41,7 +41,7 @@ public:
             EXPECT_TRUE(vulkan.ok());
             if (vulkan.ok()) others_.push_back(std::move(*vulkan));
         }
-        frames_.resize(others_.size());
+        frames_ = std::vector<SurfaceFrame>(others_.size());
     }
     /// The frame after the last one, or of another number.
     const SurfaceFrame& show(const Codes& codes) { return show(codes, number_ + 1); }

@@ -17,10 +17,11 @@ using Codes = std::vector<std::uint16_t>;
 constexpr FilterSettings removal{.terraces = TerraceRemoval::on};
 
 /// By every builder, which must agree.
-SurfaceFrame levelled(const Scene& scene, const Codes& stored) {
+std::unique_ptr<const SurfaceFrame> levelled(const Scene& scene, const Codes& stored) {
     const StoredPlane plane =
         store_plane(scene.width, scene.height, stored, {.bytes_per_sample = scene.depth_bits > 8 ? 2 : 1});
-    SurfaceFrame reference, cpu, lazy, vulkan;
+    auto made = std::make_unique<SurfaceFrame>();
+    SurfaceFrame &reference = *made, cpu, lazy, vulkan;
     EXPECT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
     EXPECT_TRUE(make_cpu_builder(scene)->build(plane.frame(), cpu));
     EXPECT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy));
@@ -33,7 +34,7 @@ SurfaceFrame levelled(const Scene& scene, const Codes& stored) {
         EXPECT_TRUE(builder.ok() && (*builder)->build(plane.frame(), vulkan).ok());
         EXPECT_EQ(first_difference(reference, vulkan), "") << plan_text(plan);
     }
-    return reference;
+    return made;
 }
 
 Scene scene_of(int width, int height) {
@@ -41,7 +42,7 @@ Scene scene_of(int width, int height) {
 }
 
 void expect_levelled(int width, int height, const Codes& stored, const Codes& expected) {
-    EXPECT_EQ(levelled(scene_of(width, height), stored).codes, expected);
+    EXPECT_EQ(levelled(scene_of(width, height), stored)->codes, expected);
 }
 
 Codes finer(Codes codes) {
@@ -146,10 +147,11 @@ TEST(Terraces, AQuantisedPlaneIsAPlaneAgain) {
         Scene scene = scene_of(96, 96);
         const Codes stored =
             picture(96, 96, [i = a, j = b](int x, int y) { return std::lround(40 + i * x + j * y); });
-        const SurfaceFrame frame = levelled(scene, stored);
+        const auto made = levelled(scene, stored);
+        const SurfaceFrame& frame = *made;
         EXPECT_LT(farthest_from_plane(frame, 252, a, b), 0.15);
         scene.filter = {};
-        EXPECT_GT(farthest_from_plane(levelled(scene, stored), 1, a, b), 0.4);
+        EXPECT_GT(farthest_from_plane(*levelled(scene, stored), 1, a, b), 0.4);
     }
 }
 
@@ -157,7 +159,8 @@ TEST(Terraces, AQuantisedPlaneIsAPlaneAgain) {
 double jump_of_step(int levels) {
     const Codes stored = picture(
         96, 128, [&](int x, int y) { return std::lround(60 + 0.13 * x + 0.07 * y + (x < 48 ? 0 : levels)); });
-    const SurfaceFrame frame = levelled(scene_of(96, 128), stored);
+    const auto made = levelled(scene_of(96, 128), stored);
+    const SurfaceFrame& frame = *made;
     double sum = 0;
     for (int y = 20; y < 108; ++y)
         sum += (frame.codes[frame.index(48, y)] - frame.codes[frame.index(47, y)]) / 252.0;
@@ -178,7 +181,7 @@ TEST(Terraces, TheLargestStepsThereAreStay) {
             picture(53, 41, [&](int x, int y) { return (x / period + y / period) % 2 == 0 ? 0 : 255; });
         for (const double noise : {0.0, 4.0}) {
             scene.filter.terrace_noise = noise;
-            EXPECT_EQ(levelled(scene, stored).codes, finer(stored));
+            EXPECT_EQ(levelled(scene, stored)->codes, finer(stored));
         }
     }
 }
@@ -190,7 +193,8 @@ TEST(Terraces, NoCodeMovesByMoreThanItMay) {
         scene.filter.terrace_noise = noise;
         const int most = terrace_filter(scene)->most;
         const Codes stored = picture(61, 45, [&](int x, int) { return 60 + x / 9 + random.below(6); });
-        const SurfaceFrame frame = levelled(scene, stored);
+        const auto made = levelled(scene, stored);
+        const SurfaceFrame& frame = *made;
         int farthest = 0;
         for (std::size_t k = 0; k < stored.size(); ++k)
             farthest = std::max(farthest, std::abs(frame.codes[k] - 252 * stored[k]));
@@ -207,7 +211,8 @@ TEST(Terraces, MillimetreCodesAreMadeFinerToo) {
     scene.depth.far = 4000;
     derive_valid_range(scene.depth);
     const Codes stored = picture(64, 40, [](int x, int y) { return 900 + (x + 2 * y) / 7; });
-    const SurfaceFrame frame = levelled(scene, stored);
+    const auto made = levelled(scene, stored);
+    const SurfaceFrame& frame = *made;
     EXPECT_EQ(frame.coding.scale, 1.0 / 16);
     EXPECT_EQ(frame.codes[frame.index(0, 0)] >> 4, 900);
     EXPECT_NE(frame.codes[frame.index(32, 20)] & 15, 0);
@@ -217,7 +222,7 @@ TEST(Terraces, WhereCodesLeaveNoRoomNothingChanges) {
     for (const auto terraces : {TerraceRemoval::automatic, TerraceRemoval::off}) {
         const Scene scene = depth_scene(40, 30, 16, Marking::zero, {.terraces = terraces});
         const Codes stored = picture(40, 30, [](int x, int y) { return 900 + (x + 2 * y) / 7; });
-        EXPECT_EQ(levelled(scene, stored).codes, stored);
+        EXPECT_EQ(levelled(scene, stored)->codes, stored);
     }
 }
 
