@@ -170,7 +170,6 @@ TEST(ClipWriting, NothingIsLeftBehindWithoutFinish) {
         auto writer = create_clip(folder / "clip.mkv", scene);
         ASSERT_EQ(message(writer), "");
         ASSERT_EQ(message((*writer)->write(test_frame(scene, 0, {}))), "");
-        EXPECT_EQ(folder.file_count(), 1U);
         EXPECT_FALSE(std::filesystem::exists(folder / "clip.mkv"));
     }
     EXPECT_EQ(folder.file_count(), 0U);

@@ -105,7 +105,7 @@ TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
     EXPECT_EQ(report["painter"], "raster");
     EXPECT_EQ(report["painter_device_name"], gpus->at(0).name);
     EXPECT_EQ(report["device_name"], report["cpu_name"]);
-    EXPECT_EQ(touch({"--painter", "cpu", "--gpu", "0"}).code, 2);  // for what?
+    EXPECT_EQ(touch({"--painter", "cpu", "--builder", "cpu", "--gpu", "0"}).code, 2);  // for what?
     fs::remove(file());
     for (const char* painter : {"auto", "raster", "mesh"})
         expect_refused(touch({"--painter", painter, "--gpu", "no such device"}), 4, "no such device");

@@ -156,16 +156,10 @@ TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
     RecordingBytes none(bytes_);
     none.keep_ticks(0);
     expect_refused(none.bytes(), "no ticks");
-    const std::pair<const char*, const char*> facts[] = {{"", "its facts will not do"},
-                                                         {"{", "its facts will not do"},
-                                                         {"{\"clip\": }", "its facts will not do"},
-                                                         {"\xff", "its facts will not do"},
-                                                         {"[]", "damaged"},
-                                                         {"3", "damaged"}};
-    for (const auto& [text, fragment] : facts) {
+    for (const char* text : {"", "{", "{\"clip\": }", "\xff", "[]", "3"}) {
         RecordingBytes other(bytes_);
         other.set_facts(text);
-        expect_refused(other.bytes(), fragment);
+        expect_refused(other.bytes(), "damaged");
     }
 }
 
@@ -174,7 +168,7 @@ TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {
     {
         auto recording = RecordingFile::create(empty / "run.rec", 1, Existing::keep);
         ASSERT_TRUE(recording.ok());
-        EXPECT_EQ(names_in(empty.path()).size(), 1U) << "written beside its place";
+        EXPECT_FALSE(std::filesystem::exists(empty / "run.rec")) << "no name until it is complete";
     }
     EXPECT_TRUE(names_in(empty.path()).empty());
 }
