@@ -129,7 +129,7 @@ public:
             }
             const Progress progress = take(next, sliding, pull);
             if (progress == Progress::nearer) {
-                if (arrived && may_leave) return;
+                if (arrived && may_leave && is_foot(motion, pull)) return;
                 stalls = 0;
                 may_leave = true;  // also where it had to stay, and came to its foot on the surface
                 continue;
@@ -189,6 +189,13 @@ private:
         const double end = length < reach ? start + length * speed : (speed > 0 ? 1.0 : 0.0);
         to = edge_place(motion.feature, motion.i, motion.j, speed == 0 ? start : end);
         return to.feature != Feature::vertex;
+    }
+
+    /// The place that was taken is where the way ended. On a face seen edge-on by a billionth of its depth
+    /// the image of a way is known to few digits: there it is gone once more from where it led.
+    bool is_foot(const Motion& motion, const dvec3& pull) const {
+        const dvec3 aside = goal_ - proxy_.point - (pull - motion.way);
+        return glm::dot(aside, aside) <= 1e-20 * glm::dot(pull, pull);
     }
 
     enum class Progress { nearer, same, none };

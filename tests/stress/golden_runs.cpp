@@ -21,7 +21,7 @@ constexpr std::array<GoldenRun, 18> all_runs{{
     {"rough", "841c5a046fc79f94", "rough", "stroke"},
     {"rough-5-fingers", "177aed15b51d93ab", "rough", "stroke", 10, 5, TouchMetric::world, 0.3},
     {"moving", "95215ece4cac6948", "moving", "stroke", 16, 1, TouchMetric::world, 0.6},
-    {"moving-held", "68efe3e6a03e3b2b", "moving", "stroke", 16, 1, TouchMetric::world, 0, false, 0,
+    {"moving-held", "310259efb01f7476", "moving", "stroke", 16, 1, TouchMetric::world, 0, false, 0,
      FrameInterpolation::hold},
     {"globe", "35b49a4e455e9b67", "globe", "stroke"},
     {"globe-planet", "c00db9a3c19bd255", "globe", "stroke", 16, 5, TouchMetric::world, 0, true},
