@@ -181,7 +181,8 @@ private:
         const CellPoint from = in_cell_of(motion, proxy_);
         const double start = vertical ? from.b : from.a, speed = vertical ? step.dy : step.dx;
         // An edge so steep that its image stands still ends nowhere in it.
-        const double reach = speed == 0 ? never_held : (speed > 0 ? 1.0 - start : start) / std::abs(speed);
+        const double reach = speed == 0 ? std::numeric_limits<double>::infinity()
+                                        : (speed > 0 ? 1.0 - start : start) / std::abs(speed);
         // What roundings add across the edge is no way.
         const ImageStep along{vertical ? 0.0 : speed, motion.feature == Feature::edge_h ? 0.0 : speed,
                               step.stretch};
