@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int trial_ticks = 1000;
-constexpr double us_per_ms = 1000;
+constexpr double microseconds_per_ms = 1000;
 
 /// Fewer where they are large: some 6 of 1920x1080.
 int trial_frames(const TouchDemand& demand) {
@@ -111,7 +111,7 @@ Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures)
     auto ran = TouchSession(setup.scene, *setup.feed, *setup.hand, *setup.solver, setup.settings).run(sinks);
     if (!ran.ok()) return ran;
     figures.ticks = static_cast<int>(taken.ticks());
-    figures.tick_cpu_us = us_per_ms * (cpu_ms() - cpu_before) / figures.ticks;
+    figures.tick_cpu_us = microseconds_per_ms * (cpu_ms() - cpu_before) / figures.ticks;
     figures.tick_us = taken.tick_us();
     return {};
 }

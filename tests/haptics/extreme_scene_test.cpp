@@ -270,7 +270,9 @@ TEST(IsBehindSurface, TellsByTheRelativeDepthUnderThePixel) {
         for (const auto& [x, y] : {std::pair{3.0, 4.0}, {7.25, 5.5}, {14.0, 0.5}}) {
             const WorldSpace world(field);
             const double depth = 1 / surface_w(world, face_under(x, y));
-            const auto at = [&](double share) { return unproject(wall.scene.camera, x, y, depth * share); };
+            const auto at = [&, i = x, j = y](double share) {
+                return unproject(wall.scene.camera, i, j, depth * share);
+            };
             EXPECT_TRUE(is_behind_surface(field, at(1 + 3e-9), 1e-9));
             EXPECT_TRUE(is_behind_surface(field, at(2), 1e-9));
             EXPECT_FALSE(is_behind_surface(field, at(1 + 3e-10), 1e-9));
