@@ -55,7 +55,7 @@ struct Shortfall {
         const double discriminant = c[2] * c[2] - 3 * c[3] * c[1];
         if (!(discriminant > 0)) return out;
         const double q = -(c[2] + (c[2] < 0 ? -1.0 : 1.0) * std::sqrt(discriminant));
-        const double first = q / (3 * c[3]), second = c[1] / q;
+        const double first = c[3] == 0 ? never_held : q / (3 * c[3]), second = c[1] / q;
         if (first > 0 && first < 1) out[0] = first;
         if (second > 0 && second < 1) out[1] = second;
         return out;
@@ -69,7 +69,8 @@ struct Shortfall {
             const double value = at(u);
             if (std::abs(value) <= near_enough) return u;
             (value > 0 ? low : high) = u;
-            u -= value / slope(u);
+            const double steepness = slope(u);
+            u = steepness == 0 ? low : u - value / steepness;
             if (!(u > low && u < high)) u = low + (high - low) / 2;
         }
         return high;
