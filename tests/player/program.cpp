@@ -99,6 +99,8 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     if (child == 0) {
         out.take_over(STDOUT_FILENO);
         err.take_over(STDERR_FILENO);
+        // As from a terminal, though these tests may run in a shell's background, where they are ignored.
+        for (const int asked : {SIGINT, SIGTERM, SIGHUP}) std::signal(asked, SIG_DFL);
         hooks.prepare();
         execv(argv[0], argv.data());
         _exit(127);
