@@ -8,9 +8,9 @@ namespace touchable {
 ///
 /// 1: until 0.1 was in the making, and recordings that do not say. Haptic properties of the frame nearer in
 ///    time, friction where a facet is entered, velocities over one tick whatever time had passed.
-/// 2: properties blended in time as depth is, friction at the proxy, velocities over the time that has
-/// passed,
-///    no force on a goal that is buried when its surface is new.
+/// 2: properties blended in time as depth is, friction of the place where a slide ends, velocities over the
+///    time that has passed, no force on a goal that is buried when its surface is new, ramps that resume,
+///    normals made of the sides that meet at a face's nearest corner.
 inline constexpr int force_rules = 2;
 
 }  // namespace touchable
