@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <optional>
-#include <regex>
 #include <utility>
 #include <vector>
 
@@ -121,11 +121,10 @@ std::optional<std::array<std::string, 2>> some_driver() {
     });
     for (const auto& manifest : manifests) {
         std::ifstream in(manifest);
-        const std::string text((std::istreambuf_iterator<char>(in)), {});
-        std::smatch library, version;
-        if (std::regex_search(text, library, std::regex("\"library_path\"\\s*:\\s*\"([^\"]+)\"")) &&
-            std::regex_search(text, version, std::regex("\"api_version\"\\s*:\\s*\"([^\"]+)\"")))
-            return std::array<std::string, 2>{library[1], version[1]};
+        const auto driver = nlohmann::json::parse(in, nullptr, false);
+        if (driver.contains("ICD") && driver["ICD"].contains("library_path") &&
+            driver["ICD"].contains("api_version"))
+            return std::array<std::string, 2>{driver["ICD"]["library_path"], driver["ICD"]["api_version"]};
     }
     return std::nullopt;
 }
