@@ -15,6 +15,15 @@ double real_code(const DepthCoding& coding, double depth) {
     return coding.code_max * (coding.near_is_high ? from_far : 1.0 - from_far);
 }
 
+/// Whether codes stand for depths at all. Who makes a Scene derives the range before validate has its say.
+bool has_depths(const DepthCoding& coding) {
+    if (coding.code_max == 0) return false;
+    const auto has_inverse = [](double plane) {
+        return plane > 0 && std::isfinite(1.0 / plane) && std::isfinite(plane);
+    };
+    return coding.kind != DepthCodingKind::inverse || (has_inverse(coding.near) && has_inverse(coding.far));
+}
+
 }  // namespace
 
 std::uint16_t DepthCoding::code(double depth) const {
@@ -50,7 +59,7 @@ void derive_valid_range(DepthCoding& coding) {
         return depth > 0.0 && depth >= coding.near && depth <= coding.far &&
                std::find(coding.invalid_codes.begin(), marked, code) == marked;
     };
-    int low = 0, high = coding.code_max;
+    int low = 0, high = has_depths(coding) ? coding.code_max : -1;
     while (low <= high && !fits(low)) ++low;
     while (high >= low && !fits(high)) --high;
     if (low > high) low = 1, high = 0;  // no code at all
