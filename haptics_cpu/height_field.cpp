@@ -26,7 +26,6 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
         largest_height_ = largest_height(scene.height_coding, scene.depth);
         height_per_code_ = largest_height_ / scene.height_coding.code_max;
     }
-    nearest_anywhere_ = scene.depth.nearest_depth() - largest_height_;
     default_properties_ = scene.default_properties;
     default_properties_.dynamic_friction =
         std::min(default_properties_.dynamic_friction, default_properties_.static_friction);

@@ -45,7 +45,7 @@ public:
     /// No vertex of the tile, ring included, has a smaller depth. May be smaller than any of them.
     double nearest_depth(int tile_x, int tile_y) const;
     /// No depth of any frame of this scene is smaller.
-    double nearest_depth_anywhere() const { return nearest_anywhere_; }
+    double nearest_depth_anywhere() const { return scene_.depth.nearest_depth() - largest_height_; }
     TileGrid tiles() const { return tiles_; }
 
     /// True where a finger may meet friction at all.
@@ -87,7 +87,6 @@ private:
     TileGrid tiles_;
     double height_per_code_ = 0;
     double largest_height_ = 0;
-    double nearest_anywhere_;
     HapticProperties default_properties_;
     bool has_friction_;
 };

@@ -82,6 +82,7 @@ bool is_rounding(const Motion& motion, const dvec3& pull) {
 }
 
 constexpr int stall_limit = 8;
+constexpr FrictionCone no_friction{};
 
 /// One solve: the proxy's place and point, and how far from the goal it is.
 template <class Space>
@@ -123,7 +124,7 @@ public:
                 }
                 // Held back by friction, the place may have another cone than the start: look again.
                 const bool whole = stalls > 0 && too_short_to_tell(motion, pull);
-                arrived = move(motion, whole ? FrictionCone{} : cone, next) && cone.stopping == 0;
+                arrived = move(motion, whole ? no_friction : cone, next) && cone.stopping == 0;
                 // Also where there is no friction yet: what was in motion is, where it meets some.
                 sliding = space_.field().has_friction();
             }
@@ -256,7 +257,7 @@ private:
     const Space& space_;
     Proxy& proxy_;
     const dvec3 goal_;
-    const Slip slip_;
+    const Slip& slip_;
     double least_ = std::numeric_limits<double>::infinity();  // distance to the goal so far, squared
     SolveCounts& counts_;
 };

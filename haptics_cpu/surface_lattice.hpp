@@ -35,11 +35,11 @@ template <class Space>
             return along_edge(w(0, 0), w(1, 1), at.a);
         case Feature::face_lower: {
             const double w00 = w(0, 0), w10 = w(1, 0), w11 = w(1, 1);
-            return std::max(w00 + (w10 - w00) * at.a + (w11 - w10) * at.b, std::min({w00, w10, w11}));
+            return std::max(w00 + (w10 - w00) * at.a + (w11 - w10) * at.b, std::min(std::min(w00, w10), w11));
         }
         default: {
             const double w00 = w(0, 0), w01 = w(0, 1), w11 = w(1, 1);
-            return std::max(w00 + (w01 - w00) * at.b + (w11 - w01) * at.a, std::min({w00, w01, w11}));
+            return std::max(w00 + (w01 - w00) * at.b + (w11 - w01) * at.a, std::min(std::min(w00, w01), w11));
         }
     }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <memory>
 
 #include "haptics_cpu/cast.hpp"
 #include "haptics_cpu/friction.hpp"
@@ -108,7 +109,8 @@ void bring(const Space& space, const TouchSettings& settings, double sudden, con
                                                        glm::distance(contact.carried, goal) >
                                                    largest_step;
     const bool left_behind = contact.off_its_ray && !proxy.on_surface();
-    if (!other_stuff && !left_behind && !(glm::distance(before, proxy.point) > sudden)) return;
+    const bool far_along = sudden != never && glm::distance(before, proxy.point) > sudden;
+    if (!other_stuff && !left_behind && !far_along) return;
     const auto there = space.from_world(goal);
     if (!there) return;
     contact.jumped = true;
@@ -166,10 +168,11 @@ void tick_in(const Space& space, const TouchSettings& settings, double goal_limi
     for (std::size_t k = 0; k < goals.size(); ++k) {
         FingerState& finger = fingers[k];
         Contact& contact = contacts[k];
-        contact = Contact{};
+        std::construct_at(&contact);  // in place: a copy of what was just stored in pieces stalls
         contact.ticks = ticks;
         if (!is_sound(finger)) finger = {};
-        const bool usable = is_usable(goals[k], goal_limit) && space.from_world(goals[k]);
+        auto there = space.from_world(goals[k]);
+        const bool usable = is_usable(goals[k], goal_limit) && there;
         contact.goal_held = !usable;
         const dvec3 goal_before = finger.started ? finger.goal : goals[k];
         if (usable) finger.goal = goals[k];
@@ -177,7 +180,8 @@ void tick_in(const Space& space, const TouchSettings& settings, double goal_limi
         if (!usable && !finger.started) continue;
 
         Proxy& proxy = finger.proxy;
-        const dvec3 goal = *space.from_world(finger.goal);
+        if (!usable) there = space.from_world(finger.goal);
+        const dvec3 goal = *there;
         if (!finger.started) proxy.point = goal;
         const double sudden = sudden_distance(field, settings, finger, ticks);
         finger.started = true;
