@@ -30,9 +30,14 @@ dvec3 within(const dvec3& force, const dvec3& out) {
 
 }  // namespace
 
-bool JumpCancellation::beyond_device(const dvec3& force, double stiffness) const {
-    const double share = stiffness > device_.max_stiffness ? device_.max_stiffness / stiffness : 1.0;
-    return share * share * dot(force, force) > device_.max_force * device_.max_force;
+double JumpCancellation::felt_share(double stiffness) const {
+    return stiffness > device_.max_stiffness ? device_.max_stiffness / stiffness : 1.0;
+}
+
+/// What the jump alone would make the hand feel.
+dvec3 JumpCancellation::felt_jump(const Contact& contact) const {
+    return felt_share(contact.carried_stiffness.value_or(contact.properties.stiffness)) *
+           contact.jumped_force;
 }
 
 void JumpCancellation::reset() {
@@ -50,18 +55,18 @@ void JumpCancellation::fall_silent() {
     if (given_ == dvec3(0.0)) presence_ = 0;
 }
 
-void JumpCancellation::meet_new(const Contact& contact) {
+void JumpCancellation::meet_new(const dvec3& force) {
     surface_is_new_ = false;
     waiting_ = device_.waits_to_be_free;
     if (waiting_)
         fall_silent();
     else
-        begin(contact, contact.force);
+        begin(force);
 }
 
-void JumpCancellation::begin(const Contact& contact, const dvec3& jumped_force) {
+void JumpCancellation::begin(const dvec3& jumped_force) {
     const bool was_buried = buried_;
-    buried_ = beyond_device(jumped_force, contact.properties.stiffness);
+    buried_ = dot(jumped_force, jumped_force) > device_.max_force * device_.max_force;
     if (buried_) {
         if (!was_buried) fall_silent();
         return;
@@ -83,10 +88,12 @@ void JumpCancellation::begin(const Contact& contact, const dvec3& jumped_force) 
 
 CalmedForce JumpCancellation::calm(const Contact& contact) {
     if (!has_sound_forces(contact)) return {contact.force};
+    const double share = felt_share(contact.properties.stiffness);
+    const dvec3 felt = share * contact.force;
     // Most ticks by far: a contact that did not jump, and nothing to fade.
     if (contact.touching && !surface_is_new_ && !contact.jumped && !is_silent() && ticks_ >= fade_ticks &&
         presence_ >= 1) {
-        wanted_ = given_ = contact.force;
+        wanted_ = given_ = felt;
         return {contact.force};
     }
     if (!contact.touching) {
@@ -96,22 +103,23 @@ CalmedForce JumpCancellation::calm(const Contact& contact) {
         // A finger whose goal is not known is not known to be free.
         if (!contact.goal_held) surface_is_new_ = waiting_ = false;
     } else if (surface_is_new_) {
-        meet_new(contact);
+        meet_new(felt);
     } else if (contact.jumped && !waiting_) {
-        begin(contact, contact.jumped_force);
+        begin(felt_jump(contact));
     }
     CalmedForce out;
     out.presence = presence_;
     out.waiting = waiting_ && contact.touching;
-    wanted_ = is_silent() ? dvec3(0.0) : contact.force;
-    given_ = contact.force;
+    wanted_ = is_silent() ? dvec3(0.0) : felt;
+    given_ = felt;
+    out.force = contact.force;
     if (is_silent() || ticks_ < fade_ticks) {
-        given_ = within(contact.force, wanted_ - fade(ticks_) * jump_);
+        given_ = within(felt, wanted_ - fade(ticks_) * jump_);
+        out.force = given_ / share;
         ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
     }
     presence_ = std::clamp(presence_ + (is_silent() ? -1.0 : 1.0) / fade_ticks, 0.0, 1.0);
-    out.force = given_;
-    out.difference = given_ - contact.force;
+    out.difference = out.force - contact.force;
     out.active = out.difference != dvec3(0.0);
     return out;
 }

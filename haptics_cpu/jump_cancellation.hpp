@@ -27,7 +27,8 @@ struct CalmedForce {
 /// on from the current result; the end of contact ends it at once. Where a jump leaves
 /// the goal so deep that the spring exceeds what the device can bear (F_max / k), there is no force at all,
 /// until the goal surfaces or another jump brings it near. A surface that is new is a jump for who is inside
-/// it; with `waits_to_be_free` there is no force then until the finger has been free once.
+/// it; with `waits_to_be_free` there is no force then until the finger has been free once. Forces count as
+/// the device gives them: from one stiffness to another, both beyond its own, nothing jumps.
 ///
 /// No allocation; a pure function of what it was given so far; what never jumps goes through unchanged, to
 /// the bit. A contact with forces that are none goes through unchanged too, for the guard to refuse, and
@@ -45,11 +46,13 @@ public:
     void reset();
 
 private:
-    bool beyond_device(const glm::dvec3& force, double stiffness) const;
+    /// How much of a spring of this stiffness (N/m) the device gives to the hand: all up to its own.
+    double felt_share(double stiffness) const;
+    glm::dvec3 felt_jump(const Contact& contact) const;
     bool is_silent() const { return buried_ || waiting_; }
     void fall_silent();
-    void begin(const Contact& contact, const glm::dvec3& jumped_force);
-    void meet_new(const Contact& contact);
+    void begin(const glm::dvec3& jumped_force);
+    void meet_new(const glm::dvec3& force);
 
     GuardSettings device_;
     bool surface_is_new_ = false;  // and not met yet
@@ -58,7 +61,8 @@ private:
     double presence_ = 1;
     glm::dvec3 jump_{0.0};       // J, at w = 1
     double ticks_ = fade_ticks;  // since w was 1, of the coming tick
-    // Of the tick before: what the hand would have got without J, and what it got.
+    // As the device gives them (`felt_share`), of the tick before: what the hand would have got without J, and
+    // what it got.
     glm::dvec3 wanted_{0.0}, given_{0.0};
 };
 

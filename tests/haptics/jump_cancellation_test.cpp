@@ -146,6 +146,27 @@ TEST(JumpCancellation, TheEndOfContactEndsItAtOnce) {
     EXPECT_FALSE(again.active);
 }
 
+// A device gives 500 N/m of either: the hand feels 1 N before and after.
+TEST(JumpCancellation, FromOneStiffnessBeyondTheDevicesToAnotherNothingJumps) {
+    GuardSettings soft = device();
+    soft.max_stiffness = 500;
+    JumpCancellation calm(soft);
+    calm.calm(pressing({0, 0, 2}));
+    Contact stiffer = jumping({0, 0, 4});
+    stiffer.properties.stiffness = 2000;
+    stiffer.carried_stiffness = 2000;
+    EXPECT_EQ(calm.calm(stiffer).force, dvec3(0, 0, 4));
+    // One that the device gives whole is a jump, of what the hand feels.
+    Contact softer = jumping({0, 0, 0.4});
+    softer.properties.stiffness = 100;
+    softer.carried_stiffness = 100;
+    EXPECT_EQ(calm.calm(softer).force, dvec3(0, 0, 0.4)) << "never longer than the force itself";
+    Contact stiffest = jumping({0, 0, 8});
+    stiffest.properties.stiffness = 4000;
+    stiffest.carried_stiffness = 4000;
+    EXPECT_NEAR(calm.calm(stiffest).force.z, 8 * 0.4, 1e-12) << "1 N as the device gives it, less a jump of 0.6";
+}
+
 TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
     JumpCancellation calm(device());
     double last = calm.calm(pressing({0, 0, 4})).force.z;
