@@ -193,11 +193,13 @@ private:
         return to.feature != Feature::vertex;
     }
 
-    /// The place that was taken is where the way ended. On a face seen edge-on by a billionth of its depth
-    /// the image of a way is known to few digits: there it is gone once more from where it led.
+    /// The place that was taken is where the way ended, as far as the force that is left can tell. On a face
+    /// seen edge-on by a billionth of its depth the image of a way is known to few digits, and a way that is
+    /// long beside what is left of the pull ends where its own roundings put it: there it is gone once more
+    /// from where it led.
     bool is_foot(const Motion& motion, const dvec3& pull) const {
-        const dvec3 aside = goal_ - proxy_.point - (pull - motion.way);
-        return glm::dot(aside, aside) <= 1e-20 * glm::dot(pull, pull);
+        const dvec3 left = goal_ - proxy_.point, aside = left - (pull - motion.way);
+        return glm::dot(aside, aside) <= 1e-20 * glm::dot(left, left);
     }
 
     enum class Progress { nearer, same, none };

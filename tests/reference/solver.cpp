@@ -194,9 +194,17 @@ private:
         if (holds > 0 && whole <= holds * (1 + Real(1e-9))) return false;
         const Real share = stopping_share(surface_, *finger_.place, way);
         next.place.emplace();
-        arrived = advance(surface_, *finger_.place, way, share, *next.place) && here.dynamic_friction == 0;
+        const bool inside = advance(surface_, *finger_.place, way, share, *next.place);
+        arrived = inside && here.dynamic_friction == 0 && led_to(way, *next.place);
         next.sliding = true;
         return true;
+    }
+
+    /// A long way over a triangle that is seen edge-on ends beside its foot: weights of 1e-5 that its far
+    /// corner has are known to few digits. Then it is gone once more from there.
+    bool led_to(const Way& way, const Place& place) const {
+        const Vec end = point_of(surface_, place);
+        return length(end - finger_.point - way.step) <= Real(1e-12) * length(goal_ - end);
     }
 
     void land(Place place) {

@@ -66,6 +66,15 @@ TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {
     }
 }
 
+// Goals that come from a thousand pictures away: a way that long ended a rounding of its own beside its foot.
+TEST(Stress, RunsWhoseLongWaysEndedBesideTheirFootEndOnIt) {
+    for (const auto& [seed, ticks] : {std::pair{164, 6000}, {296, 11000}}) {
+        const Watched watched =
+            watch(*find_suite("camera-plane")->run(static_cast<std::uint64_t>(seed)), {ticks, 1, 16});
+        EXPECT_EQ(watched.violation_count, 0) << seed;
+    }
+}
+
 // A way from far aside that met the strip beyond the ring was put down in the middle of its last interval,
 // thousands of pixels from where it met it; a step next to the camera's plane that wound up the spring; a
 // landing a rounding before the goal.
