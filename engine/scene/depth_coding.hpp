@@ -54,6 +54,8 @@ struct DepthCoding {
     }
     /// Of all valid codes the smallest depth. Needs one.
     double nearest_depth() const { return depth(deeper_is_higher() ? valid_min : valid_max); }
+    /// Of all valid codes the largest depth. Needs one.
+    double deepest_depth() const { return depth(deeper_is_higher() ? valid_max : valid_min); }
     /// The valid code whose depth is nearest to `depth` (ties: the lower code).
     std::uint16_t code(double depth) const;
     /// True where a larger code is a larger depth.

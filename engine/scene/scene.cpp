@@ -94,6 +94,19 @@ Result<void> check_valid_range(const DepthCoding& depth) {
     return {};
 }
 
+/// The deepest valid depth may be this many times the nearest: between neighbours farther apart than that
+/// doubles do not tell the places of a cell apart well enough for a proxy to find its foot.
+constexpr double most_depth_ratio = 1e6;
+
+/// Needs a valid range that passed.
+Result<void> check_depth_ratio(const DepthCoding& depth) {
+    const double deepest = depth.deepest_depth();
+    if (deepest <= most_depth_ratio * depth.nearest_depth()) return {};
+    return refuse("depth.near", depth.near,
+                  "at least " + text(deepest / most_depth_ratio) +
+                      ", a millionth of the deepest valid depth, which is " + text(deepest));
+}
+
 Result<void> check_depth(const Scene& scene) {
     const DepthCoding& depth = scene.depth;
     const bool hue = depth.kind == DepthCodingKind::hue;
@@ -110,14 +123,13 @@ Result<void> check_depth(const Scene& scene) {
                                   DepthCoding::max_invalid_codes);
         !count)
         return count;
-    return check_valid_range(depth);
+    if (auto range = check_valid_range(depth); !range) return range;
+    return check_depth_ratio(depth);
 }
 
-/// Of the nearest depth at least this share has to be left under the largest height: nearer to the camera's
-/// plane a pixel is a place so small beside its neighbours that no fraction of a pixel finds it.
-constexpr double least_share_under_height = 1e-3;
-
-/// Needs a depth coding that passed check_depth.
+/// Under the largest height a thousandth of the nearest depth has to be left, and `most_depth_ratio` has to
+/// hold: nearer to the camera's plane a pixel is a place so small beside its neighbours that no fraction of a
+/// pixel finds it. Needs a depth coding that passed check_depth.
 Result<void> check_height(const Scene& scene) {
     const HeightCoding& height = scene.height_coding;
     if (auto maximum = check_not_negative("height_map.max", height.max_height); !maximum) return maximum;
@@ -128,14 +140,18 @@ Result<void> check_height(const Scene& scene) {
     if (height.max_height == 0.0) return {};
     if (height.units == HeightUnits::levels && scene.depth.kind != DepthCodingKind::linear)
         return input_error("height_map.units is levels: must be world, because depth.coding is not linear");
-    const double nearest = scene.depth.nearest_depth(), left = least_share_under_height * nearest;
+    const double nearest = scene.depth.nearest_depth();
+    const double thousandth = 1e-3 * nearest;
+    const double left = std::max(thousandth, scene.depth.deepest_depth() / most_depth_ratio);
     if (nearest - largest_height(height, scene.depth) >= left) return {};
     const bool in_levels = height.units == HeightUnits::levels;
     return refuse("height_map.max", height.max_height,
                   "at most " + text((nearest - left) / (in_levels ? scene.depth.level() : 1.0)) +
                       (in_levels ? " levels" : " scene units") +
-                      ", because it is taken off depths as small as " + text(nearest) +
-                      ", of which a thousandth has to be left");
+                      ", because it is taken off depths as small as " + text(nearest) + ", of which " +
+                      (left > thousandth ? text(left) + ", a millionth of the deepest,"
+                                         : std::string("a thousandth")) +
+                      " has to be left");
 }
 
 Result<void> check_range(const std::string& member, const PropertyRange& range) {

@@ -114,7 +114,8 @@ struct Scene {
 
 /// Everything that cannot be is refused here by a message that names the member and its number: sizes,
 /// planes, ranges, scales, non-finite numbers, a valid range that `derive_valid_range` would set otherwise,
-/// and a height that could leave less than a thousandth of the nearest depth.
+/// depths of which the deepest is more than a million times the nearest, and a height that could leave less
+/// than a thousandth of the nearest depth or a millionth of the deepest.
 Result<void> validate(const Scene& scene);
 
 }  // namespace touchable

@@ -152,6 +152,15 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
         {"too high",
          [](Scene& s) { s.height_coding.max_height = 73; },
          {"height_map.max is 73", "at most 72.78428", "a thousandth"}},
+        {"too near",
+         [](Scene& s) { s.depth.near = 1e-4; },
+         {"depth.near is 0.0001", "at least 0.00018, a millionth of the deepest valid depth, which is 180"}},
+        {"too high beside the far plane",
+         [](Scene& s) {
+             s.depth.near = 0.001;
+             s.height_coding = {0.0009, HeightUnits::world, 255};
+         },
+         {"height_map.max is 0.0009", "at most 0.00082", "0.00018, a millionth of the deepest, has to be left"}},
         {"world high",
          [](Scene& s) {
              s.height_coding = {40, HeightUnits::world, 255};
@@ -254,7 +263,7 @@ TEST(Validate, NamesTheMemberAndTheNumberOfMetricScenes) {
          [](Scene& s) {
              s.height_coding = {0.01, HeightUnits::world, 255};
          },
-         {"height_map.max is 0.01", "at most 0.000999"}},
+         {"height_map.max is 0.01", "at most 0.000995"}},
     };
     for (const Refused& refused : cases) {
         SCOPED_TRACE(refused.name);

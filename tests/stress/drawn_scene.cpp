@@ -28,7 +28,10 @@ void draw_heights(SplitMix64& random, Scene& scene) {
     scene.height_coding.units = linear && chance(random, 0.5) ? HeightUnits::levels : HeightUnits::world;
     scene.height_coding.code_max = chance(random, 0.5) ? 255 : 1023;
     const double nearest = nearest_depth(scene);
-    const double longest = std::min(0.5 * nearest, 0.3 * (scene.depth.far - nearest)) * random.unit();
+    // Of the nearest depth half is left, and a millionth of the deepest.
+    const double possible = std::min(0.5 * nearest, (1 - 1e-9) * nearest - 1e-6 * scene.depth.far);
+    const double longest =
+        std::max(0.0, std::min(possible, 0.3 * (scene.depth.far - nearest))) * random.unit();
     const bool levels = scene.height_coding.units == HeightUnits::levels;
     scene.height_coding.max_height = levels ? longest / scene.depth.level() : longest;
 }
@@ -106,19 +109,15 @@ double magnitude(SplitMix64& random, double least, int digits) {
     return value;
 }
 
-void draw_wide_planes(SplitMix64& random, Scene& scene, int digits) {
+void draw_wide_planes(SplitMix64& random, Scene& scene) {
     scene.height_coding.max_height = 0;
     scene.depth.invalid_code_count = 0;
     scene.depth.near_is_high = true;
-    const double far = magnitude(random, 1e-3, 15), near = far / magnitude(random, 1, digits);
+    const double far = magnitude(random, 1e-3, 15), near = far / magnitude(random, 1, 6);
     const auto kind = chance(random, 0.5) ? DepthCodingKind::linear : DepthCodingKind::inverse;
     set_planes(scene, kind, std::max(near, 1e-12), far, 16);
     scene.device_metres_per_unit = std::max(1e-12, 0.18 / far);
-    // docs/proof.md, what is open.
-    if (near < 1e-6 * far) {
-        scene.default_properties.static_friction = scene.default_properties.dynamic_friction = 0;
-        scene.haptic.static_friction = scene.haptic.dynamic_friction = {0, 0};
-    }
+    if (chance(random, 0.3)) draw_heights(random, scene);
     if (const auto valid = validate(scene); !valid) impossible(valid.error());
 }
 

@@ -23,9 +23,9 @@ inline bool chance(SplitMix64& random, double share) {
 /// axis, any coding but hue; with or without friction, heights, a haptic image's ranges, invalid codes and
 /// filters.
 Scene draw_scene(SplitMix64& random, int most_pixels = 72);
-/// The same scene with planes as far apart as can be: near down to 1e-12 of far, far from 1e-3 to 1e12 units.
-/// Below 1e-6 without friction. `digits`: of far over near, at most.
-void draw_wide_planes(SplitMix64& random, Scene& scene, int digits = 12);
+/// The same scene with planes as far apart as a scene may have them: near down to a millionth of far, far from
+/// 1e-3 to 1e12 units.
+void draw_wide_planes(SplitMix64& random, Scene& scene);
 /// A small square picture of planar depths, a unit a code, without friction. Focal length `side` - 1 and the
 /// axis through the middle pixel: where that is a power of two, places on lattice lines are exact in doubles.
 Scene whole_unit_scene(int side, double near, double far);

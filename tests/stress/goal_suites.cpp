@@ -190,7 +190,7 @@ std::unique_ptr<StressRun> make_corner_jumps(std::uint64_t seed) {
 std::unique_ptr<StressRun> make_camera_plane(std::uint64_t seed) {
     SplitMix64 random(seed);
     Scene scene = draw_scene(random);
-    draw_wide_planes(random, scene, 4);
+    draw_wide_planes(random, scene);
     const DrawnPlanes planes = chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
     return std::make_unique<CameraPlane>(scene, planes, random.next());
 }
