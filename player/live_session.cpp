@@ -67,13 +67,14 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     drain();
     facts_.loop = loop.facts();
     facts_.late_frames = threads.late_frames();
-    if (const auto error = threads.error()) return *error;
+    facts_.failure = threads.error();
+    if (!facts_.failure && facts_.loop.port_failed)
+        facts_.failure = Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
     if (!taken.ok()) return taken;
-    if (facts_.loop.port_failed)
-        return Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
     if (facts_.loop.broke_off)
         return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};
-    if (facts_.interrupted && facts_.loop.ticks == 0) return interrupted_error();
+    if (facts_.loop.ticks == 0 && facts_.failure) return *facts_.failure;
+    if (facts_.loop.ticks == 0 && facts_.interrupted) return interrupted_error();
     if (facts_.loop.lost > 0)
         return Error{ErrorKind::internal, std::to_string(facts_.loop.lost) +
                                               " ticks were lost on their way to the files; the disk "

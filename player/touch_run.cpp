@@ -40,12 +40,12 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks) {
     }
     HapticPort& port = device ? static_cast<HapticPort&>(*device) : hand;
     LiveSession session(s.scene, *s.feed, *s.hand, port, *s.solver, s.settings);
-    auto ran = session.run(sinks);
+    if (auto ran = session.run(sinks); !ran.ok()) return ran.error();
+    LiveFacts facts = session.facts();
     // Why the device stopped, it knows best.
-    if (session.facts().loop.port_failed && s.device)
-        if (auto healthy = s.device->health(); !healthy.ok()) return healthy.error();
-    if (!ran.ok()) return ran.error();
-    return session.facts();
+    if (facts.loop.port_failed && s.device)
+        if (auto healthy = s.device->health(); !healthy.ok()) facts.failure = healthy.error();
+    return facts;
 }
 
 Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* const> sinks) {
@@ -62,11 +62,15 @@ Result<std::optional<Recording>> read_replayed(const TouchOptions& options) {
     return std::optional(std::move(*read));
 }
 
-Error ended_by_a_person(const LoopFacts& loop) {
+/// Of a run that ended too early and whose files are complete nevertheless.
+Result<void> ended_early(const LiveFacts& facts) {
+    if (!facts.interrupted && !facts.failure) return {};
     char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%.3f", static_cast<double>(loop.ticks + loop.skipped) / 1000);
-    return {ErrorKind::internal,
-            std::string("interrupted after ") + seconds + " s; what was asked for is written, up to there"};
+    std::snprintf(seconds, sizeof seconds, "%.3f",
+                  static_cast<double>(facts.loop.ticks + facts.loop.skipped) / 1000);
+    const std::string kept = std::string(" after ") + seconds + " s; what was asked for is written, up to there";
+    if (facts.failure) return Error{facts.failure->kind, facts.failure->message + ": ended" + kept};
+    return Error{ErrorKind::internal, "interrupted" + kept};
 }
 
 /// What `--strict` makes of the warnings.
@@ -106,7 +110,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     std::ostream& words = stream_of_words(options);
     words << report_to_text(report) << (*outputs)->remark();
     if (!done.ok()) return done;
-    if (ran->interrupted) return ended_by_a_person(ran->loop);
+    if (auto whole = ended_early(*ran); !whole.ok()) return whole;
     if (!*recording) return strictly(options, report);
     const auto same = judge_replay(**recording, *check, figures.force_hash(), s);
     if (!same.ok()) return same.error();

@@ -142,12 +142,19 @@ TEST_F(Live, AFingerThatBeginsInsideFeelsNothingUntilItHasBeenFree) {
     EXPECT_NE(offline.err.find("--live"), std::string::npos) << offline.err;
 }
 
-TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5) {
-    const Outcome outcome =
-        run_touchable({"touch", clip, "--live", "--device", "simulated:unplug=0.2", "--seconds", "5"});
+TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5AndLosesNothing) {
+    const std::string json = folder / "r.json", record = folder / "live.rec";
+    const Outcome outcome = run_touchable({"touch", clip, "--live", "--device", "simulated:unplug=0.2",
+                                           "--seconds", "5", "--json", json, "--record", record});
     EXPECT_EQ(outcome.code, 5);
     EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
     EXPECT_NE(outcome.err.find("simulated device was unplugged"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("what was asked for is written, up to there"), std::string::npos)
+        << outcome.err;
+    const auto report = nlohmann::json::parse(file_contents(json), nullptr, false);
+    ASSERT_TRUE(report.is_object());
+    EXPECT_GT(report["ticks"], 0);
+    EXPECT_EQ(touch({"--replay", record})["force_hash"], report["force_hash"]);
 }
 
 // That is how people end a live run.
