@@ -10,6 +10,7 @@
 #include "device/recorded_motion.hpp"
 #include "tests/device/hand_path.hpp"
 #include "tests/device/temporary_file.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable {
 namespace {
@@ -221,7 +222,7 @@ TEST(RecordedHand, FileNamesMayHoldColons) {
 class RealRecording : public ::testing::TestWithParam<std::string> {
 protected:
     void SetUp() override {
-        if (!std::filesystem::is_directory(recordings)) GTEST_SKIP() << "no recordings at " << recordings;
+        TOUCHABLE_NEEDS_DATA(recordings);
     }
 };
 
@@ -264,7 +265,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(RecordedMotion, WipingLiesFlatAndFortyEightMillimetresWide) {
     const std::string file = recordings + "epfl_wiping/circular_wiping_dataset_0.csv";
-    if (!std::filesystem::is_regular_file(file)) GTEST_SKIP() << "no recordings at " << recordings;
+    TOUCHABLE_NEEDS_DATA(file);
     const auto motion = read_motion(file, {.columns = {"x_m", "y_m", "z_m"}, .extent = 0.048});
     ASSERT_TRUE(motion.ok()) << motion.error().message;
     EXPECT_EQ(motion->size(), 12595u);

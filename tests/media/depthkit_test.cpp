@@ -6,6 +6,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/quicktime.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -221,9 +222,9 @@ TEST(Depthkit, ChangedBytesNeverDoHarm) {
 
 class RealDepthkit : public ::testing::Test {
 protected:
-    std::filesystem::path video = std::filesystem::path(TOUCHABLE_TEST_DATA) / "depthkit_typing/Test.mov";
+    std::filesystem::path video = real_data("depthkit_typing/Test.mov");
     void SetUp() override {
-        if (!std::filesystem::exists(video)) GTEST_SKIP() << "no real recording at " << video;
+        TOUCHABLE_NEEDS_DATA(video);
     }
 };
 

@@ -7,6 +7,7 @@
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/encoded_picture.hpp"
 #include "tests/media/jpeg_with_xmp.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -241,9 +242,8 @@ struct Still {
 class RealGdepth : public ::testing::TestWithParam<Still> {};
 
 TEST_P(RealGdepth, HasItsFormsDepthsInMetres) {
-    const auto file = std::filesystem::path(TOUCHABLE_TEST_DATA) / "stills/lensblur" /
-                      (std::string(GetParam().name) + ".jpg");
-    if (!std::filesystem::exists(file)) GTEST_SKIP() << "no real picture at " << file;
+    const auto file = real_data("stills/lensblur") / (std::string(GetParam().name) + ".jpg");
+    TOUCHABLE_NEEDS_DATA(file);
     auto clip = open_clip(file);
     ASSERT_EQ(message(clip), "");
     const Scene& scene = (*clip)->scene();

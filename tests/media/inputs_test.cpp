@@ -5,6 +5,7 @@
 #include "engine/media/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -46,8 +47,8 @@ TEST(Inputs, EveryPictureOfAFolderHoweverItIsOpened) {
 }
 
 TEST(Inputs, WhatLiesBesideADepthkitVideo) {
-    const std::filesystem::path data = std::filesystem::path(TOUCHABLE_TEST_DATA) / "depthkit_typing";
-    if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data;
+    const std::filesystem::path data = real_data("depthkit_typing");
+    TOUCHABLE_NEEDS_DATA(data);
     EXPECT_EQ(inputs_of(open_clip(data / "Test.mov")),
               (Paths{data / "Test.mov", data / "Test.Metadata.asset"}));
 }

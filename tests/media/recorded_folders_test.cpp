@@ -2,6 +2,7 @@
 
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -26,14 +27,14 @@ constexpr Recording recordings[] = {
 class RecordedFolder : public ::testing::TestWithParam<Recording> {
 protected:
     std::filesystem::path folder() const {
-        return std::filesystem::path(TOUCHABLE_TEST_DATA) / GetParam().folder;
+        return real_data(GetParam().folder);
     }
     std::filesystem::path scene_file() const {
         return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" /
                (std::string(GetParam().scene) + ".json");
     }
     void SetUp() override {
-        if (!std::filesystem::exists(folder())) GTEST_SKIP() << "no real recording at " << folder();
+        TOUCHABLE_NEEDS_DATA(folder());
     }
 };
 

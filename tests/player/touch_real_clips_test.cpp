@@ -5,6 +5,7 @@
 
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -39,7 +40,7 @@ class TouchRealClip : public ::testing::TestWithParam<RealClip> {};
 
 TEST_P(TouchRealClip, EveryForceIsVerified) {
     const std::string clip = std::string(TOUCHABLE_TEST_DATA "/") + GetParam().folder;
-    if (!fs::exists(clip)) GTEST_SKIP() << clip << " is not here; set TOUCHABLE_TEST_DATA to where it is";
+    TOUCHABLE_NEEDS_DATA(clip);
     const TemporaryFolder folder;
     const std::string scene = std::string(TOUCHABLE_SOURCE_DIR "/tests/scenes/") + GetParam().name + ".json";
     const std::string exported = folder / "frames";
@@ -67,7 +68,7 @@ class TouchRealHand : public ::testing::TestWithParam<RealHand> {};
 
 TEST_P(TouchRealHand, EveryForceOnTheGlobeIsVerified) {
     const std::string file = std::string(TOUCHABLE_TEST_DATA "/haptics/") + GetParam().file;
-    if (!fs::exists(file)) GTEST_SKIP() << file << " is not here; set TOUCHABLE_TEST_DATA to where it is";
+    TOUCHABLE_NEEDS_DATA(file);
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", exported = folder / "frames";
     make_clip("globe", clip, {"--size", "360x240", "--frames", "20"});

@@ -6,6 +6,7 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/real_data.hpp"
 
 // touch with --builder vulkan: the forces of the other builders, and what it says where it cannot.
 namespace touchable::test {
@@ -67,7 +68,7 @@ class VulkanTouchReal : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(VulkanTouchReal, HasTheForcesOfTheOtherBuilders) {
     const std::string clip = std::string(TOUCHABLE_TEST_DATA "/") + GetParam();
-    if (!fs::exists(clip)) GTEST_SKIP() << clip << " is not here; set TOUCHABLE_TEST_DATA to where it is";
+    TOUCHABLE_NEEDS_DATA(clip);
     Words words{clip};
     const std::string scene =
         TOUCHABLE_SOURCE_DIR "/tests/scenes/" + fs::path(GetParam()).filename().string() + ".json";

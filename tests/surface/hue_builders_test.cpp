@@ -7,6 +7,7 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 
@@ -123,8 +124,8 @@ TEST(HueBuilders, RefuseGreyDepth) {
 }
 
 TEST(HueBuilders, GiveTheSameBitsOfARealClip) {
-    const auto video = std::filesystem::path(TOUCHABLE_TEST_DATA) / "depthkit_typing/Test.mov";
-    if (!std::filesystem::exists(video)) GTEST_SKIP() << "no real recording at " << video;
+    const auto video = real_data("depthkit_typing/Test.mov");
+    TOUCHABLE_NEEDS_DATA(video);
     auto clip = open_clip(video);
     ASSERT_TRUE(clip.ok()) << clip.error().message;
     auto frame = (*clip)->next();

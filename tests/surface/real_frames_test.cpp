@@ -4,6 +4,7 @@
 
 #include "engine/media/image_file.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 
@@ -24,8 +25,8 @@ std::ostream& operator<<(std::ostream& out, const RealFrame& frame) {
 class RealFrames : public testing::TestWithParam<RealFrame> {};
 
 TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
-    const std::filesystem::path file = std::filesystem::path(TOUCHABLE_TEST_DATA) / GetParam().file;
-    if (!std::filesystem::exists(file)) GTEST_SKIP() << "no such real frame: " << file;
+    const std::filesystem::path file = real_data(GetParam().file);
+    TOUCHABLE_NEEDS_DATA(file);
     const Result<Image> image = read_image(file);
     ASSERT_TRUE(image.ok()) << image.error().message;
     ASSERT_EQ(image.value().channels, 1);

@@ -7,6 +7,7 @@
 
 #include "player/view/gpu_painters.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
+#include "tests/real_data.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -97,9 +98,8 @@ TEST_F(Painters, DrawNoiseAlike) {
     EXPECT_LE(mesh.coverage, 1U);
 }
 TEST_F(Painters, DrawARecordingAlike) {
-    const auto shown = shown_recording("castel_sr300", "castel_sr300");
-    if (!shown) GTEST_SKIP() << "no recording castel_sr300 beside the checkout";
-    compare_views(*shown, 0.6);
+    TOUCHABLE_NEEDS_DATA(real_data("castel_sr300"));
+    compare_views(*shown_recording("castel_sr300", "castel_sr300"), 0.6);
 }
 
 TEST_F(Painters, DrawTheirOwnViewPixelByPixel) {

@@ -11,6 +11,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/view/view_surface.hpp"
+#include "tests/real_data.hpp"
 
 namespace touchable::test {
 
@@ -44,12 +45,9 @@ inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int heigh
     return shown;
 }
 
-/// Nothing where the recording is not there.
 inline std::unique_ptr<Shown> shown_recording(const char* name, const char* folder) {
-    const auto path = std::filesystem::path(TOUCHABLE_TEST_DATA) / folder;
-    if (!std::filesystem::exists(path)) return nullptr;
     auto reader = open_clip(
-        path, std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / (std::string(name) + ".json"));
+        real_data(folder), std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / (std::string(name) + ".json"));
     EXPECT_TRUE(reader.ok()) << reader.error().message;
     auto shown = std::make_unique<Shown>();
     shown->scene = (*reader)->scene();
