@@ -46,7 +46,7 @@ double kappa_of_code(const Scene& scene, double depth);
 double kappa_of_scene(const Scene& scene);
 
 /// From this kappa_of_scene on the filter makes both direction and length of the force more exact, below it
-/// only the direction (bench/README.md, terraces).
+/// only the direction (docs/measurements.md, Terraces).
 inline constexpr double kappa_of_terraces = 0.25;
 /// Whether it is worth while: enough kappa, and room for it.
 bool terraces_advised(const Scene& scene);
