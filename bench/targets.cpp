@@ -83,20 +83,20 @@ Verdict judge(const Target& target, const std::vector<CaseFigures>& measured) {
 }
 
 std::string table_of(const std::vector<Target>& targets, const std::vector<CaseFigures>& measured) {
-    const auto line = [](const std::string& what, const std::string& elsewhere, const std::string& wanted,
-                         const std::string& value, const std::string& cases, const std::string& verdict) {
-        return left_aligned(what, 46) + left_aligned(elsewhere, 22) + left_aligned(wanted, 12) +
-               left_aligned(value, 14) + left_aligned(cases, 8) + verdict + "\n";
+    const auto line = [](const std::string& what, const std::string& wanted, const std::string& value,
+                         const std::string& cases, const std::string& verdict) {
+        return left_aligned(what, 46) + left_aligned(wanted, 12) + left_aligned(value, 14) +
+               left_aligned(cases, 8) + verdict + "\n";
     };
     const auto in_a_word = [](const Target& target, const Verdict& verdict) {
         if (!verdict.asked) return "not asked here";
         if (verdict.met) return target.limit.sense == Limit::Sense::none ? "" : "met";
         return "MISSED";
     };
-    std::string table = line("target", "elsewhere", "wanted", "measured", "cases", "");
+    std::string table = line("target", "wanted", "measured", "cases", "");
     for (const Target& target : targets) {
         const Verdict verdict = judge(target, measured);
-        table += line(target.what, target.elsewhere, in_words(target.limit),
+        table += line(target.what, in_words(target.limit),
                       verdict.cases > 0 ? text(verdict.value, target.limit.unit) : "nothing",
                       std::to_string(verdict.cases) + "/" + std::to_string(target.cases.size()),
                       in_a_word(target, verdict));

@@ -17,8 +17,7 @@ struct Limit {
 
 /// A limit that a metric has to keep in every one of some cases.
 struct Target {
-    std::string what;       ///< for a person
-    std::string elsewhere;  ///< what is known of others; may be empty
+    std::string what;  ///< for a person
     std::vector<std::string> cases;
     std::string metric;
     Limit limit;
@@ -41,7 +40,7 @@ struct Verdict {
 };
 Verdict judge(const Target& target, const std::vector<CaseFigures>& measured);
 
-/// A line per target: what, known elsewhere, limit, measured, met or missed.
+/// A line per target: what, limit, measured, met or missed.
 std::string table_of(const std::vector<Target>& targets, const std::vector<CaseFigures>& measured);
 
 }  // namespace touchable

@@ -8,7 +8,8 @@ find_program(TOUCHABLE_SPIRV_OPT spirv-opt REQUIRED DOC "SPIR-V, unrolled (Debia
 # touchable_shaders(target [FROM folder] [OPTIMISED] name...): `target` may include the words of these kernels. `folder`,
 # from the root of the sources, is where they stand (shaders); every header there is taken for an input of every kernel.
 # OPTIMISED: of a large network Mesa takes half a second to unroll the loops, whenever a program starts and whatever it has
-# cached; done here, once, it is ready in a tenth of that. Other kernels gain little, and some become slower.
+# cached; done here, once, it is ready in a tenth of that. Other kernels gain little, and some become slower. It takes eight
+# seconds: builds for tests alone go without.
 function(touchable_shaders target)
   cmake_parse_arguments(SHADERS "OPTIMISED" "FROM" "" ${ARGN})
   if(NOT SHADERS_FROM)
@@ -46,7 +47,7 @@ inline constexpr std::uint32_t @identifier@_spv[] = {
 ]])
   set(binary "${PROJECT_BINARY_DIR}/shaders/${name}.spv")
   set(optimise "")
-  if(optimised)
+  if(optimised AND CMAKE_BUILD_TYPE STREQUAL "Release")
     set(optimise COMMAND "${TOUCHABLE_SPIRV_OPT}" --target-env=vulkan1.3 -O --preserve-spec-constants --preserve-bindings
         -o "${binary}" "${binary}")
   endif()

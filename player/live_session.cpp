@@ -69,7 +69,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     facts_.late_frames = threads.late_frames();
     facts_.failure = threads.error();
     if (!facts_.failure && facts_.loop.port_failed)
-        facts_.failure = Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
+        facts_.failure =
+            Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
     if (!taken.ok()) return taken;
     if (facts_.loop.broke_off)
         return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};

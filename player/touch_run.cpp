@@ -68,7 +68,8 @@ Result<void> ended_early(const LiveFacts& facts) {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%.3f",
                   static_cast<double>(facts.loop.ticks + facts.loop.skipped) / 1000);
-    const std::string kept = std::string(" after ") + seconds + " s; what was asked for is written, up to there";
+    const std::string kept =
+        std::string(" after ") + seconds + " s; what was asked for is written, up to there";
     if (facts.failure) return Error{facts.failure->kind, facts.failure->message + ": ended" + kept};
     return Error{ErrorKind::internal, "interrupted" + kept};
 }

@@ -145,13 +145,13 @@ Result<void> check_height(const Scene& scene) {
     const double left = std::max(thousandth, scene.depth.deepest_depth() / most_depth_ratio);
     if (nearest - largest_height(height, scene.depth) >= left) return {};
     const bool in_levels = height.units == HeightUnits::levels;
-    return refuse("height_map.max", height.max_height,
-                  "at most " + text((nearest - left) / (in_levels ? scene.depth.level() : 1.0)) +
-                      (in_levels ? " levels" : " scene units") +
-                      ", because it is taken off depths as small as " + text(nearest) + ", of which " +
-                      (left > thousandth ? text(left) + ", a millionth of the deepest,"
-                                         : std::string("a thousandth")) +
-                      " has to be left");
+    return refuse(
+        "height_map.max", height.max_height,
+        "at most " + text((nearest - left) / (in_levels ? scene.depth.level() : 1.0)) +
+            (in_levels ? " levels" : " scene units") + ", because it is taken off depths as small as " +
+            text(nearest) + ", of which " +
+            (left > thousandth ? text(left) + ", a millionth of the deepest," : std::string("a thousandth")) +
+            " has to be left");
 }
 
 Result<void> check_range(const std::string& member, const PropertyRange& range) {

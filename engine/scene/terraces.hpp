@@ -45,8 +45,8 @@ double kappa_of_code(const Scene& scene, double depth);
 /// The same half-way between the depths of the nearest and the farthest valid code.
 double kappa_of_scene(const Scene& scene);
 
-/// From this kappa_of_scene on the filter makes both direction and length of the force more exact, below it
-/// only the direction (docs/measurements.md, Terraces).
+/// From this kappa_of_scene on the filter makes both direction and length of the force more exact
+/// (docs/measurements.md, Terraces).
 inline constexpr double kappa_of_terraces = 0.25;
 /// Whether it is worth while: enough kappa, and room for it.
 bool terraces_advised(const Scene& scene);

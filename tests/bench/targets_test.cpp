@@ -9,7 +9,7 @@ namespace touchable {
 namespace {
 
 Target target(const Limit& limit) {
-    return {"a time", "", {"here", "there"}, "us", limit};
+    return {"a time", {"here", "there"}, "us", limit};
 }
 Target below(double value) {
     return target({value, Limit::Sense::below, "us"});

@@ -164,7 +164,8 @@ TEST(JumpCancellation, FromOneStiffnessBeyondTheDevicesToAnotherNothingJumps) {
     Contact stiffest = jumping({0, 0, 8});
     stiffest.properties.stiffness = 4000;
     stiffest.carried_stiffness = 4000;
-    EXPECT_NEAR(calm.calm(stiffest).force.z, 8 * 0.4, 1e-12) << "1 N as the device gives it, less a jump of 0.6";
+    EXPECT_NEAR(calm.calm(stiffest).force.z, 8 * 0.4, 1e-12)
+        << "1 N as the device gives it, less a jump of 0.6";
 }
 
 TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {

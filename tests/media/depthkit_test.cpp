@@ -223,9 +223,7 @@ TEST(Depthkit, ChangedBytesNeverDoHarm) {
 class RealDepthkit : public ::testing::Test {
 protected:
     std::filesystem::path video = real_data("depthkit_typing/Test.mov");
-    void SetUp() override {
-        TOUCHABLE_NEEDS_DATA(video);
-    }
+    void SetUp() override { TOUCHABLE_NEEDS_DATA(video); }
 };
 
 TEST_F(RealDepthkit, IsAPersonAtADeskWhoseColourAndDepthLieOverEachOther) {

@@ -26,16 +26,12 @@ constexpr Recording recordings[] = {
 
 class RecordedFolder : public ::testing::TestWithParam<Recording> {
 protected:
-    std::filesystem::path folder() const {
-        return real_data(GetParam().folder);
-    }
+    std::filesystem::path folder() const { return real_data(GetParam().folder); }
     std::filesystem::path scene_file() const {
         return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" /
                (std::string(GetParam().scene) + ".json");
     }
-    void SetUp() override {
-        TOUCHABLE_NEEDS_DATA(folder());
-    }
+    void SetUp() override { TOUCHABLE_NEEDS_DATA(folder()); }
 };
 
 bool varies(const PlaneView& picture) {

@@ -160,7 +160,8 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
              s.depth.near = 0.001;
              s.height_coding = {0.0009, HeightUnits::world, 255};
          },
-         {"height_map.max is 0.0009", "at most 0.00082", "0.00018, a millionth of the deepest, has to be left"}},
+         {"height_map.max is 0.0009", "at most 0.00082",
+          "0.00018, a millionth of the deepest, has to be left"}},
         {"world high",
          [](Scene& s) {
              s.height_coding = {40, HeightUnits::world, 255};
