@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "device/surface_probe.hpp"
 #include "device/workspace.hpp"
@@ -25,6 +26,8 @@ public:
     virtual std::optional<std::int64_t> ticks() const { return std::nullopt; }
     /// The file that its motion was read from, if any.
     virtual std::optional<std::string> file() const { return std::nullopt; }
+    /// What is to be said of the goals it gave so far, for a person.
+    virtual std::vector<std::string> remarks() const { return {}; }
 };
 
 /// Makes a hand from its description: "wander|stroke|press|poke[:key=value,...]" or

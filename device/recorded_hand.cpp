@@ -85,6 +85,8 @@ constexpr std::array keys{
     HandKey{"rate", "rows per second", 0.1, 1e6},
     HandKey{"contact", "of the goals over a surface", 0.01, 0.99, 0.6},
     HandKey{"spread", "m", 0, 0.2, 0.02},
+    HandKey{"depth", "mm", 0, 50},
+    HandKey{.name = "space", .unit = "device or scene", .kind = Kind::words},
 };
 
 Error refusal(const std::string& what) {
@@ -120,6 +122,13 @@ Result<MotionSettings> motion_settings(const HandOptions& given) {
         return refusal("extent needs three columns; with one, give scale");
     settings.scale = given.number("scale");
     if (settings.scale == 0) return refusal("scale is 0; give metres per unit of the columns");
+    if (given.given("space") && given.words("space") != "device") {
+        if (given.words("space") != "scene") return refusal("space is device or scene");
+        if (!position) return refusal("space=scene needs three columns: X+Y+Z in the scene's coordinates");
+        for (const char* key : {"scale", "extent", "contact"})
+            if (given.given(key)) return refusal(std::string(key) + " has no say with space=scene");
+        settings.in_scene = true;
+    }
     if (given.given("extent")) settings.extent = given.number("extent");
     if (given.given("time")) settings.time = given.words("time");
     if (given.given("rate")) settings.rate = given.number("rate");
@@ -132,13 +141,33 @@ std::size_t options_colon(std::string_view description) {
     return equals == std::string_view::npos ? equals : description.rfind(':', equals);
 }
 
+/// A motion over the middle of the picture, pushed in until `contact` of its goals lie under the surface.
+std::vector<glm::dvec3> placed(const std::vector<glm::dvec3>& motion, const std::vector<glm::dvec3>& offsets,
+                               double contact, double units_per_metre, const Workspace& workspace,
+                               const SurfaceProbe& probe) {
+    const PixelBox picture = middle_of(probe, 1);
+    const glm::dvec2 centre = 0.5 * (picture.least + picture.greatest);
+    const std::optional<SurfacePoint> found = nearest_surface(probe, centre, picture);
+    const double depth = found ? found->depth : device_depth(workspace);
+    const glm::dvec3 anchor = probe.unproject(centre.x, centre.y, depth);
+
+    std::vector<glm::dvec3> positions;
+    for (const glm::dvec3& p : motion) positions.push_back(anchor + p * units_per_metre);
+    const double nearest_z = -nearest_share * depth;
+    const ContactSearch search(positions, offsets, nearest_z, probe);
+    const double push = search.push_for(contact, 0.001 * units_per_metre);
+    for (glm::dvec3& p : positions) p = pushed_in(p, push, nearest_z);
+    return positions;
+}
+
 }  // namespace
 
-void RecordedHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) {
+void RecordedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) {
     assert(tick >= 0 && goals.size() == offsets_.size());
     const std::size_t at = std::min(static_cast<std::size_t>(tick), positions_.size() - 1);
     for (std::size_t finger = 0; finger < goals.size(); ++finger)
         goals[finger] = positions_[at] + offsets_[finger];
+    watch_.look(probe, goals);
 }
 
 Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,
@@ -155,24 +184,17 @@ Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, i
     if (!motion) return motion.error();
 
     const double units_per_metre = 1 / workspace.metres_per_scene_unit;
-    const PixelBox picture = middle_of(probe, 1);
-    const glm::dvec2 centre = 0.5 * (picture.least + picture.greatest);
-    const std::optional<SurfacePoint> found = nearest_surface(probe, centre, picture);
-    const double depth = found ? found->depth : device_depth(workspace);
-    const glm::dvec3 anchor = probe.unproject(centre.x, centre.y, depth);
-
-    std::vector<glm::dvec3> positions;
-    for (const glm::dvec3& p : *motion) positions.push_back(anchor + p * units_per_metre);
     std::vector<glm::dvec3> offsets;
-    for (int finger = 0; finger < fingers; ++finger) {
+    for (int finger = 0; finger < fingers; ++finger)
         offsets.emplace_back(finger_offset(finger, fingers, given->number("spread")) * units_per_metre, 0);
-    }
-    const double nearest_z = -nearest_share * depth;
-    const ContactSearch search(positions, offsets, nearest_z, probe);
-    const double push = search.push_for(given->number("contact"), 0.001 * units_per_metre);
-    for (glm::dvec3& p : positions) p = pushed_in(p, push, nearest_z);
-    return std::unique_ptr<Hand>(
-        std::make_unique<RecordedHand>(file, std::move(positions), std::move(offsets)));
+    std::vector<glm::dvec3> positions =
+        settings->in_scene
+            ? *motion
+            : placed(*motion, offsets, given->number("contact"), units_per_metre, workspace, probe);
+    std::optional<double> deepest;
+    if (given->given("depth")) deepest = given->number("depth") * 0.001;
+    return std::unique_ptr<Hand>(std::make_unique<RecordedHand>(
+        file, std::move(positions), std::move(offsets), GoalWatch(workspace.metres_per_scene_unit, deepest)));
 }
 
 }  // namespace touchable

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "device/goal_watch.hpp"
 #include "device/hand.hpp"
 
 namespace touchable {
@@ -13,8 +14,12 @@ class RecordedHand final : public Hand {
 public:
     /// `positions`: of the hand's centre, one per tick, world, scene units; `offsets`: of the fingers from
     /// it; `file`: where the motion is from.
-    RecordedHand(std::string file, std::vector<glm::dvec3> positions, std::vector<glm::dvec3> offsets)
-        : file_(std::move(file)), positions_(std::move(positions)), offsets_(std::move(offsets)) {}
+    RecordedHand(std::string file, std::vector<glm::dvec3> positions, std::vector<glm::dvec3> offsets,
+                 const GoalWatch& watch)
+        : file_(std::move(file)),
+          positions_(std::move(positions)),
+          offsets_(std::move(offsets)),
+          watch_(watch) {}
 
     int fingers() const override { return static_cast<int>(offsets_.size()); }
     void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
@@ -22,11 +27,13 @@ public:
         return static_cast<std::int64_t>(positions_.size());
     }
     std::optional<std::string> file() const override { return file_; }
+    std::vector<std::string> remarks() const override { return watch_.remarks(); }
 
 private:
     std::string file_;
     std::vector<glm::dvec3> positions_;
     std::vector<glm::dvec3> offsets_;
+    GoalWatch watch_;
 };
 
 /// Makes a hand from "FILE[:key=value,...]" (the keys are in docs/hands.md). A file's name may hold ':': the

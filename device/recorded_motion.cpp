@@ -112,6 +112,7 @@ Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const Motio
     if (!times) return times.error();
 
     std::vector<glm::dvec3> positions = resample(*times, *rows);
+    if (settings.in_scene) return positions;
     double scale = settings.scale;
     if (settings.columns.size() == 1) {
         scale = -scale;  // in is away from the person

@@ -19,6 +19,9 @@ struct MotionSettings {
     std::optional<double> extent = {};
     /// The column of seconds; `t_s` if neither this nor `rate` is given.
     std::optional<std::string> time = {};
+    /// Three columns: a place of the scene itself, in scene units and its axes, as it is; `scale` and
+    /// `extent` have no say.
+    bool in_scene = false;
     /// Rows per second, for a table without times.
     std::optional<double> rate = {};
 };

@@ -179,6 +179,43 @@ TEST(RecordedHand, ContactIsTheShareAskedFor) {
     }
 }
 
+// As `touch --forces` writes goals: nothing is turned, scaled or shifted.
+TEST(RecordedHand, AMotionInSceneCoordinatesIsTakenAsItIs) {
+    const TemporaryFile file("goals.csv", "t_s,x,y,z\n0,12,-7,-700\n0.002,14,-7,-900\n");
+    const FakeProbe probe = flat_view();
+    auto hand = make_hand("csv:" + file.path() + ":columns=x+y+z,space=scene", 1, workspace, probe);
+    ASSERT_TRUE(hand.ok()) << hand.error().message;
+    EXPECT_EQ(goals_of(**hand, probe),
+              (std::vector<glm::dvec3>{{12, -7, -700}, {13, -7, -800}, {14, -7, -900}}));
+    for (const char* wrong : {"columns=z,space=scene", "columns=x+y+z,space=scene,scale=2",
+                              "columns=x+y+z,space=scene,contact=0.5", "columns=x+y+z,space=moon"}) {
+        const auto refused = make_hand("csv:" + file.path() + ":" + wrong, 1, workspace, probe);
+        ASSERT_FALSE(refused.ok()) << wrong;
+        EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+    }
+}
+
+TEST(RecordedHand, GoalsDeeperThanTheirLimitAreRaisedAlongTheirRays) {
+    const TemporaryFile file("goals.csv", "t_s,x,y,z\n0,12,-7,-700\n0.001,12,-7,-900\n0.002,9000,-7,-900\n");
+    const FakeProbe probe = flat_view(800);
+    const std::string words = "csv:" + file.path() + ":columns=x+y+z,space=scene";
+    auto limited = make_hand(words + ",depth=4", 1, workspace, probe),
+         free = make_hand(words, 1, workspace, probe);
+    ASSERT_TRUE(limited.ok()) << limited.error().message;
+    ASSERT_TRUE(free.ok());
+    const auto raised = goals_of(**limited, probe), as_they_are = goals_of(**free, probe);
+    EXPECT_EQ(raised[0], as_they_are[0]) << "in front of the surface";
+    EXPECT_EQ(raised[2], as_they_are[2]) << "outside the picture";
+    const double units = 0.004 / workspace.metres_per_scene_unit;
+    EXPECT_NEAR(-raised[1].z, 800 + units, 1e-9);
+    EXPECT_NEAR(raised[1].x / raised[1].z, as_they_are[1].x / as_they_are[1].z, 1e-12);
+    const auto said = (*free)->remarks();
+    ASSERT_EQ(said.size(), 2U);
+    EXPECT_TRUE(said[0].starts_with("33.3 % of the goals lie outside the picture")) << said[0];
+    EXPECT_TRUE(said[1].starts_with("33.3 % of the goals lie more than 10 mm below")) << said[1];
+    EXPECT_NE((*limited)->remarks()[1].find("were raised"), std::string::npos);
+}
+
 TEST(RecordedHand, FingersKeepTheirCircle) {
     const TemporaryFile file("press.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe probe = slanted_view();
@@ -221,9 +258,7 @@ TEST(RecordedHand, FileNamesMayHoldColons) {
 
 class RealRecording : public ::testing::TestWithParam<std::string> {
 protected:
-    void SetUp() override {
-        TOUCHABLE_NEEDS_DATA(recordings);
-    }
+    void SetUp() override { TOUCHABLE_NEEDS_DATA(recordings); }
 };
 
 TEST_P(RealRecording, LiesUnderTheFirstFrameForSixTenthsOfItsGoals) {
