@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "engine/printable.hpp"
-#include "player/check_command.hpp"
-#include "player/command.hpp"
-#include "player/export_command.hpp"
-#include "player/info_command.hpp"
-#include "player/interrupt.hpp"
-#include "player/make_command.hpp"
-#include "player/standard_output.hpp"
-#include "player/touch_command.hpp"
+#include "player/commands/check_command.hpp"
+#include "player/commands/command.hpp"
+#include "player/commands/export_command.hpp"
+#include "player/commands/info_command.hpp"
+#include "player/commands/make_command.hpp"
+#include "player/commands/touch_command.hpp"
+#include "player/session/interrupt.hpp"
+#include "player/session/standard_output.hpp"
 
 namespace touchable {
 namespace {

@@ -1,4 +1,4 @@
-#include "player/builder_pick.hpp"
+#include "player/session/builder_pick.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The threads of a live session's frames when the machine has nothing more to give.
-#include "player/feed_threads.hpp"
+#include "player/session/feed_threads.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "player/recording.hpp"
+#include "player/session/recording.hpp"
 
 #include <gtest/gtest.h>
 

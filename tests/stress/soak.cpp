@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "player/interrupt.hpp"
+#include "player/session/interrupt.hpp"
 
 namespace touchable::stress {
 

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/result.hpp"
+#include "player/commands/command.hpp"
+#include "player/commands/touch_trial.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace touchable {
+
+struct CheckOptions {
+    bool json = false;
+    std::optional<TouchDemand> demand;
+};
+
+/// Prints what this machine is and whether it can do the work: CPU, timers, codecs, Vulkan, and the builders
+/// compared bit for bit. Fails (ErrorKind::check) where a clip could not be read or written, where a Vulkan
+/// device does not do as it says (none at all is no fault), or where builders differ. With a demand instead
+/// whether this machine is fast enough for that, from a short trial, and fails where it is not.
+Result<void> run_check(const CheckOptions& options);
+
+void add_check_command(CLI::App& app, Command& command);
+
+}  // namespace touchable

@@ -1,0 +1,78 @@
+#include "player/commands/clip_facts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/frame/stored_code.hpp"
+#include "engine/scene/terraces.hpp"
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+/// Angle that `pixels` span, seen from the centre `c` at focal length `f`.
+double field_of_view_degrees(int pixels, double c, double f) {
+    return (arctangent((c + 0.5) / f) + arctangent((pixels - 0.5 - c) / f)) * 180.0 / pi;
+}
+
+Kappa kappa_at(const Scene& scene, double depth) {
+    return {depth, kappa_of_code(scene, depth)};
+}
+
+/// Share of invalid stored values and the range of the valid ones, in the first frame.
+void add_first_frame(const RawFrame& frame, ClipFacts& facts) {
+    const DepthCoding& coding = facts.scene.depth;
+    std::int64_t invalid = 0;
+    std::uint16_t least = 65535, greatest = 0;
+    for (int y = 0; y < frame.depth.height; ++y)
+        for (int x = 0; x < frame.depth.width; ++x) {
+            const std::uint16_t code = stored_code(frame.depth, coding, x, y);
+            if (!coding.is_valid(code)) {
+                ++invalid;
+                continue;
+            }
+            least = std::min(least, code);
+            greatest = std::max(greatest, code);
+        }
+    const auto pixels = static_cast<double>(frame.depth.width) * frame.depth.height;
+    facts.invalid_pct = 100.0 * static_cast<double>(invalid) / pixels;
+    if (least > greatest) return;
+    facts.nearest = coding.depth(coding.deeper_is_higher() ? least : greatest);
+    facts.farthest = coding.depth(coding.deeper_is_higher() ? greatest : least);
+}
+
+}  // namespace
+
+bool ClipFacts::has_track(const std::string& role) const {
+    return std::any_of(tracks.begin(), tracks.end(),
+                       [&](const TrackInfo& track) { return track.role == role; });
+}
+
+Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
+                             const std::optional<std::filesystem::path>& scene,
+                             const std::optional<PictureCamera>& described_by) {
+    auto reader = open_clip(clip, scene, described_by);
+    if (!reader.ok()) return reader.error();
+    ClipFacts facts;
+    facts.clip = clip.string();
+    const auto first = (*reader)->next();
+    if (!first.ok()) return first.error();
+    if (!*first) return input_error(clip.string() + " has no frames; a clip needs at least one");
+    facts.scene = (*reader)->scene();
+    facts.tracks = (*reader)->tracks();
+    facts.frames = (*reader)->frame_count();
+    facts.notes = (*reader)->notes();
+    add_first_frame(**first, facts);
+
+    const Camera& camera = facts.scene.camera;
+    facts.fov_x_degrees = field_of_view_degrees(facts.scene.width, camera.cx, camera.fx);
+    facts.fov_y_degrees = field_of_view_degrees(facts.scene.height, camera.cy, camera.fy);
+    const DepthCoding& coding = facts.scene.depth;
+    const double near = coding.near > 0 ? coding.near : facts.nearest > 0 ? facts.nearest : coding.far;
+    facts.near = kappa_at(facts.scene, near);
+    facts.mid = kappa_at(facts.scene, 0.5 * (near + coding.far));
+    facts.far = kappa_at(facts.scene, coding.far);
+    return facts;
+}
+
+}  // namespace touchable

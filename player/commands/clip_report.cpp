@@ -1,0 +1,292 @@
+#include "player/commands/clip_report.hpp"
+
+#include <sstream>
+
+#include "engine/printable.hpp"
+#include "engine/scene/terraces.hpp"
+
+namespace touchable {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+const char* kind_name(DepthCodingKind kind) {
+    switch (kind) {
+        case DepthCodingKind::linear:
+            return "linear";
+        case DepthCodingKind::inverse:
+            return "inverse";
+        case DepthCodingKind::metric:
+            return "metric";
+        case DepthCodingKind::hue:
+            return "hue";
+    }
+    return "";
+}
+
+const char* semantics_name(DepthSemantics semantics) {
+    return semantics == DepthSemantics::range ? "range" : "planar";
+}
+
+std::string coding_words(const DepthCoding& coding) {
+    std::ostringstream words;
+    if (coding.kind == DepthCodingKind::metric)
+        words << "metric, " << coding.scale << " units a code";
+    else
+        words << kind_name(coding.kind) << (coding.kind == DepthCodingKind::inverse ? " (1/depth)" : "")
+              << " between two planes, largest code at the " << (coding.near_is_high ? "near" : "far")
+              << " one";
+    if (coding.kind == DepthCodingKind::hue) words << ", no depth where R + G + B < " << coding.least_sum;
+    words << (coding.semantics == DepthSemantics::range ? "; range along the pixel's ray"
+                                                        : "; planar, along -Z");
+    return words.str();
+}
+
+/// "400..4400 without 1000".
+std::string valid_words(const DepthCoding& coding) {
+    std::ostringstream words;
+    words << coding.valid_min << ".." << coding.valid_max;
+    const char* separator = " without ";
+    for (int k = 0; k < coding.invalid_code_count; ++k) {
+        const std::uint16_t code = coding.invalid_codes[static_cast<std::size_t>(k)];
+        if (code < coding.valid_min || code > coding.valid_max) continue;
+        words << separator << code;
+        separator = ", ";
+    }
+    return words.str();
+}
+
+std::string range_words(const PropertyRange& range) {
+    std::ostringstream words;
+    words << range.min << ".." << range.max;
+    return words.str();
+}
+
+const char* removal_name(TerraceRemoval terraces) {
+    if (terraces == TerraceRemoval::automatic) return "auto";
+    return terraces == TerraceRemoval::on ? "on" : "off";
+}
+
+std::string temporal_words(const FilterSettings& filter) {
+    std::ostringstream words;
+    words << (filter.temporal ? "on" : "off");
+    const DepthNoise& noise = filter.temporal_noise;
+    if (filter.temporal) words << " (noise " << noise.constant;
+    if (filter.temporal && noise.quadratic > 0) words << " + " << noise.quadratic << " depth^2";
+    if (filter.temporal) words << " units)";
+    return words.str();
+}
+
+std::string filter_words(const FilterSettings& filter) {
+    const std::string median =
+        filter.median == 0 ? "off" : std::to_string(filter.median) + "x" + std::to_string(filter.median);
+    return "median " + median + ", fill holes " +
+           (filter.fill_holes == 0 ? "off" : std::to_string(filter.fill_holes) + " passes") + ", terraces " +
+           removal_name(filter.terraces) + ", temporal " + temporal_words(filter);
+}
+
+/// Whether terrace removal is worth while, and whether it is done.
+std::string terrace_words(const Scene& scene) {
+    std::ostringstream words;
+    if (terrace_factor(scene.depth) == 0)
+        words << "codes leave no room for finer ones";
+    else
+        words << "kappa " << kappa_of_scene(scene) << " half-way: removal is "
+              << (terraces_advised(scene) ? "advised" : "not worth while");
+    words << (terrace_filter(scene) ? "; removed" : "; left");
+    return words.str();
+}
+
+double mm_per_unit(const Scene& scene) {
+    return scene.metres_per_unit * 1000.0;
+}
+
+Json range_json(const PropertyRange& range) {
+    return Json::array({range.min, range.max});
+}
+
+Json tracks_json(const std::vector<TrackInfo>& tracks) {
+    Json out = Json::array();
+    for (const TrackInfo& track : tracks)
+        out.push_back({{"role", track.role},
+                       {"codec", track.codec},
+                       {"pixel_format", track.pixel_format},
+                       {"width", track.width},
+                       {"height", track.height}});
+    return out;
+}
+
+Json camera_json(const ClipFacts& facts) {
+    const Camera& camera = facts.scene.camera;
+    return {{"fx", camera.fx},
+            {"fy", camera.fy},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"fov_x_degrees", facts.fov_x_degrees},
+            {"fov_y_degrees", facts.fov_y_degrees}};
+}
+
+Json depth_json(const Scene& scene) {
+    const DepthCoding& coding = scene.depth;
+    Json depth{{"kind", kind_name(coding.kind)},
+               {"semantics", semantics_name(coding.semantics)},
+               {"description", coding_words(coding)}};
+    if (coding.kind == DepthCodingKind::metric)
+        depth["scale"] = coding.scale;
+    else
+        depth["near_is_high"] = coding.near_is_high;
+    depth["near"] = coding.near;
+    depth["far"] = coding.far;
+    depth["near_mm"] = coding.near * mm_per_unit(scene);
+    depth["far_mm"] = coding.far * mm_per_unit(scene);
+    depth["bits"] = scene.depth_bits;
+    depth["code_max"] = coding.code_max;
+    if (coding.kind == DepthCodingKind::hue) depth["least_sum"] = coding.least_sum;
+    depth["valid_codes"] = {coding.valid_min, coding.valid_max};
+    depth["invalid_codes"] = Json::array();
+    for (int k = 0; k < coding.invalid_code_count; ++k)
+        depth["invalid_codes"].push_back(coding.invalid_codes[static_cast<std::size_t>(k)]);
+    return depth;
+}
+
+Json kappa_json(const ClipFacts& facts) {
+    const auto one = [](const Kappa& k) { return Json{{"depth", k.depth}, {"kappa", k.kappa}}; };
+    return {{"near", one(facts.near)}, {"mid", one(facts.mid)}, {"far", one(facts.far)}};
+}
+
+/// What the touch planes mean; of a clip without a haptic one, what stands for it.
+void add_touch(const ClipFacts& facts, Json& out) {
+    const Scene& scene = facts.scene;
+    if (facts.has_track("haptic"))
+        out["haptic"] = {{"stiffness_n_per_mm", range_json(scene.haptic.stiffness)},
+                         {"static_friction", range_json(scene.haptic.static_friction)},
+                         {"dynamic_friction", range_json(scene.haptic.dynamic_friction)}};
+    else
+        out["default_properties"] = {{"stiffness_n_per_m", scene.default_properties.stiffness},
+                                     {"static_friction", scene.default_properties.static_friction},
+                                     {"dynamic_friction", scene.default_properties.dynamic_friction}};
+    if (facts.has_track("height"))
+        out["height_coding"] = {
+            {"max_height", scene.height_coding.max_height},
+            {"units", scene.height_coding.units == HeightUnits::levels ? "levels" : "world"},
+            {"code_max", scene.height_coding.code_max},
+            {"largest", largest_height(scene.height_coding, scene.depth)}};
+}
+
+/// Lines of a report for a person: a label, and what it is.
+class Lines {
+public:
+    std::ostream& line(const std::string& label) {
+        out_ << "  " << label << std::string(13 - label.size(), ' ');
+        return out_;
+    }
+    std::ostream& plain() { return out_; }
+    std::string text() const { return out_.str(); }
+
+private:
+    std::ostringstream out_;
+};
+
+void tell_picture(const ClipFacts& facts, Lines& lines) {
+    const Scene& scene = facts.scene;
+    const double rate = static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den);
+    std::ostream& out = lines.line("picture") << scene.width << "x" << scene.height << " pixels, ";
+    if (facts.frames) out << *facts.frames << " frames, ";
+    out << rate << " frames/s";
+    if (facts.frames) out << ", " << static_cast<double>(*facts.frames) / rate << " s";
+    out << '\n';
+    for (const TrackInfo& track : facts.tracks)
+        lines.line("track") << track.role << ": " << track.codec << ", " << track.pixel_format << ", "
+                            << track.width << "x" << track.height << '\n';
+    const Camera& camera = scene.camera;
+    lines.line("camera") << "fx " << camera.fx << ", fy " << camera.fy << ", cx " << camera.cx << ", cy "
+                         << camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "
+                         << facts.fov_y_degrees << " degrees\n";
+}
+
+void tell_depth(const ClipFacts& facts, Lines& lines) {
+    const Scene& scene = facts.scene;
+    const DepthCoding& coding = scene.depth;
+    const double mm = mm_per_unit(scene);
+    lines.line("depth") << coding_words(coding) << '\n';
+    lines.line("codes") << (coding.kind == DepthCodingKind::hue ? "3 x " : "") << scene.depth_bits
+                        << " bits, 0.." << coding.code_max << ", of which valid " << valid_words(coding)
+                        << '\n';
+    lines.line("range") << coding.near << ".." << coding.far << " units = " << coding.near * mm << ".."
+                        << coding.far * mm << " mm\n";
+    lines.line("first frame") << "depths " << facts.nearest << ".." << facts.farthest << " units, "
+                              << facts.invalid_pct << " % of the pixels invalid\n";
+    lines.line("kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
+                        << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
+                        << " units (depth step of one code / width of a pixel)\n";
+    lines.line("filters") << filter_words(scene.filter) << '\n';
+    lines.line("terraces") << terrace_words(scene) << '\n';
+    lines.line("in between") << (scene.interpolation == FrameInterpolation::hold
+                                     ? "hold the earlier frame"
+                                     : "linear between two frames")
+                             << '\n';
+}
+
+/// Of a clip without a haptic plane, a note tells what stands for it.
+void tell_touch(const ClipFacts& facts, Lines& lines) {
+    const Scene& scene = facts.scene;
+    if (facts.has_track("haptic"))
+        lines.line("touch") << "per pixel: stiffness " << range_words(scene.haptic.stiffness)
+                            << " N/mm, friction " << range_words(scene.haptic.static_friction) << " static, "
+                            << range_words(scene.haptic.dynamic_friction) << " dynamic\n";
+    if (facts.has_track("height"))
+        lines.line("height") << "up to " << scene.height_coding.max_height
+                             << (scene.height_coding.units == HeightUnits::levels ? " levels = "
+                                                                                  : " scene units = ")
+                             << largest_height(scene.height_coding, scene.depth) * mm_per_unit(scene)
+                             << " mm\n";
+}
+
+}  // namespace
+
+Json to_json(const ClipFacts& facts) {
+    const Scene& scene = facts.scene;
+    Json out;
+    out["clip"] = facts.clip;
+    out["name"] = scene.name;
+    out["width"] = scene.width;
+    out["height"] = scene.height;
+    out["frames"] = facts.frames ? Json(*facts.frames) : Json(nullptr);
+    out["rate"] = {{"num", scene.rate.num}, {"den", scene.rate.den}};
+    out["tracks"] = tracks_json(facts.tracks);
+    out["metres_per_unit"] = scene.metres_per_unit;
+    out["camera"] = camera_json(facts);
+    out["depth"] = depth_json(scene);
+    out["first_frame"] = {
+        {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
+    out["kappa"] = kappa_json(facts);
+    out["filter"] = {
+        {"median", scene.filter.median},
+        {"fill_holes", scene.filter.fill_holes},
+        {"terraces", removal_name(scene.filter.terraces)},
+        {"terrace_noise", scene.filter.terrace_noise},
+        {"temporal", scene.filter.temporal ? "on" : "off"},
+        {"temporal_noise", {scene.filter.temporal_noise.constant, scene.filter.temporal_noise.quadratic}}};
+    out["terraces"] = {{"kappa", kappa_of_scene(scene)},
+                       {"finer_codes", 2 * terrace_factor(scene.depth)},
+                       {"advised", terraces_advised(scene)},
+                       {"removed", terrace_filter(scene).has_value()}};
+    out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
+    add_touch(facts, out);
+    out["notes"] = facts.notes;
+    return out;
+}
+
+std::string to_text(const ClipFacts& facts) {
+    Lines lines;
+    lines.plain() << facts.clip << (facts.scene.name.empty() ? "" : ": ") << printable(facts.scene.name)
+                  << '\n';
+    tell_picture(facts, lines);
+    tell_depth(facts, lines);
+    tell_touch(facts, lines);
+    for (const std::string& note : facts.notes) lines.line("note") << note << '\n';
+    return lines.text();
+}
+
+}  // namespace touchable

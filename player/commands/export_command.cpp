@@ -1,0 +1,233 @@
+#include "player/commands/export_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <memory>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "engine/media/clip.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/commands/builder_options.hpp"
+#include "player/commands/camera_options.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/frame_files.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/staged_folder.hpp"
+#include "player/commands/temporal_option.hpp"
+#include "player/commands/terrace_option.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/commands/whole_option.hpp"
+#include "player/session/clip_workspace.hpp"
+#include "player/session/interrupt.hpp"
+#include "player/session/memory.hpp"
+#include "player/session/progress.hpp"
+
+namespace touchable {
+namespace {
+
+/// The clip's scene as this export applies it.
+Result<Scene> effective_scene(const ClipReader& reader, const ExportOptions& options) {
+    Scene scene = reader.scene();
+    if (options.median) scene.filter.median = *options.median;
+    if (options.fill_holes) scene.filter.fill_holes = *options.fill_holes;
+    if (options.terraces) scene.filter.terraces = *options.terraces;
+    if (auto applied = apply_temporal(options.temporal, scene.filter); !applied.ok()) return applied.error();
+    if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
+    return scene;
+}
+
+Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene,
+                  const SurfaceFrame& surface) {
+    FramePair still;
+    still.prev = still.next = {raw.number, raw.time_ns, &surface};
+    return picture.deliver(HeightField(scene, still), still, raw.colour, {});
+}
+
+Result<void> export_frame(const RawFrame& raw, const Scene& scene, const SurfaceFrame& surface,
+                          const ExportOptions& options) {
+    if (options.out.empty()) return {};
+    auto folder = StagedFolder::create(
+        options.folder_per_frame ? options.out / std::to_string(raw.number) : options.out, options.existing);
+    if (!folder.ok()) return folder.error();
+    if (auto written = write_frame_files(*folder, raw, surface, scene, options.mesh); !written.ok())
+        return written;
+    return folder->commit(frame_file_names);
+}
+
+Error beyond_the_end(const ExportOptions& options, std::int64_t wanted, std::int64_t frames) {
+    return usage_error("frame " + std::to_string(wanted) + " is beyond the end of " + options.clip.string() +
+                       ": it has " + std::to_string(frames) + " frames, 0 to " + std::to_string(frames - 1));
+}
+
+// Beyond any clip, and small enough to be counted past.
+constexpr std::int64_t last_number = std::numeric_limits<std::int64_t>::max() - 1;
+
+/// "all", "A-B" or "A".
+Result<void> read_frames(const std::string& text, ExportOptions& out) {
+    if (text == "all") return {};
+    const std::string_view view = text;
+    const std::size_t dash = view.find('-');
+    const auto number = [](std::string_view digits) {
+        return read_whole_number<std::int64_t>("--frames", digits, 0, last_number);
+    };
+    const auto first = number(view.substr(0, dash));
+    const auto last = dash == std::string::npos ? first : number(view.substr(dash + 1));
+    if (!first.ok() || !last.ok() || *last < *first)
+        return usage_error("--frames '" + text +
+                           "' is no range; right would be A-B with A <= B, such as 0-9, or all");
+    out.first = *first;
+    out.last = *last;
+    return {};
+}
+
+/// Which frames, as typed: one of the two.
+struct FramesTyped {
+    std::optional<std::string> one, many;
+};
+
+Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
+    if (typed.many && out.picture.file)
+        return usage_error("--picture draws a single frame; right would be --frame N instead of --frames");
+    if (typed.one) {
+        const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, 0, last_number);
+        if (!number.ok()) return number.error();
+        out.first = *number;
+        out.last = *number;
+        return {};
+    }
+    if (!typed.many)
+        return usage_error(out.picture.file
+                               ? "--picture draws a single frame; right would be --frame N as well"
+                               : "export needs --frame N or --frames A-B|all; see touchable export -h");
+    out.folder_per_frame = true;
+    return read_frames(*typed.many, out);
+}
+
+/// Every file that may be written. Of a folder per frame, those whose folders are there already.
+std::vector<NamedFile> files_of(const ExportOptions& options) {
+    std::vector<NamedFile> files;
+    if (options.picture.file) files.push_back({"--picture", *options.picture.file});
+    const auto add_folder = [&](const std::filesystem::path& folder) {
+        for (const char* name : frame_file_names) files.push_back({"--out", folder / name});
+    };
+    if (options.out.empty()) return files;
+    if (!options.folder_per_frame) {
+        add_folder(options.out);
+        return files;
+    }
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(options.out, ignored)) {
+        const auto number = read_whole_number<std::int64_t>(
+            "", entry.path().filename().string(), options.first, options.last.value_or(last_number));
+        if (number.ok()) add_folder(entry.path());
+    }
+    return files;
+}
+
+/// Reads, builds and writes from `options.first` on; gives the number of the frame after the last one read.
+/// What is written says what a device moves per scene unit, for one frame alone may suggest something else
+/// than the clip, whose frame 0 is asked.
+Result<std::int64_t> export_frames(ClipReader& reader, Scene scene, const ExportOptions& options,
+                                   SurfaceBuilder& builder, std::optional<PictureOrder>& picture) {
+    Progress progress("exporting frame", options.last ? *options.last + 1 : reader.frame_count().value_or(0));
+    SurfaceFrame surface;
+    std::int64_t number = 0;
+    for (; !options.last || number <= *options.last; ++number) {
+        if (interrupted()) return interrupted_error();
+        const auto raw = reader.next();
+        if (!raw.ok()) return raw.error();
+        if (!*raw) break;
+        progress.at(number);
+        // With the temporal filter a frame is made of all before it.
+        const bool needed = scene.filter.temporal || !scene.device_metres_per_unit;
+        if (number < options.first && !needed) continue;
+        if (auto built = builder.build(**raw, surface); !built.ok()) return built.error();
+        if (!scene.device_metres_per_unit)
+            scene.device_metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
+        if (number < options.first) continue;
+        if (auto done = export_frame(**raw, scene, surface, options); !done.ok()) return done.error();
+        if (picture)
+            if (auto drawn = draw(*picture, **raw, scene, surface); !drawn.ok()) return drawn.error();
+    }
+    return number;
+}
+
+/// `at_work`: what memory is needed for, once that is known.
+Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
+    if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
+        return checked;
+    auto reader = open_clip(options.clip, options.scene, options.camera);
+    if (!reader.ok()) return reader.error();
+    at_work = frames_in_words((*reader)->scene());
+    const auto frames = (*reader)->frame_count();
+    const std::int64_t wanted = options.last.value_or(options.first);
+    if (frames && wanted >= *frames) return beyond_the_end(options, wanted, *frames);
+    const auto scene = effective_scene(**reader, options);
+    if (!scene.ok()) return scene.error();
+    std::vector<NamedFile> inputs;
+    if (options.scene) inputs.push_back({"--scene", *options.scene});
+    add_inputs(inputs, options.clip, **reader);
+    if (auto free = check_outputs({files_of(options), options.existing}, inputs); !free.ok()) return free;
+    RunGpu gpu(options.builder.gpu);
+    const auto builder = make_builder(options.builder, *scene, gpu);
+    if (!builder.ok()) return builder.error();
+    auto picture = order_picture(options.picture, options.existing, options.builder, gpu);
+    if (!picture.ok()) return picture.error();
+
+    const auto read = export_frames(**reader, *scene, options, **builder, *picture);
+    if (!read.ok()) return read.error();
+    if (*read <= wanted) return beyond_the_end(options, wanted, *read);
+    return {};
+}
+
+}  // namespace
+
+Result<void> run_export(const ExportOptions& options) {
+    std::string at_work = "the frames of " + options.clip.string();
+    return within_memory(at_work, [&] { return export_clip(options, at_work); });
+}
+
+void add_export_command(CLI::App& app, Command& command) {
+    auto* sub = app.add_subcommand("export", "write frames as pictures, mesh and scene description");
+    auto options = std::make_shared<ExportOptions>();
+    auto typed = std::make_shared<FramesTyped>();
+    auto mesh = std::make_shared<bool>(false);
+    add_file_option(*sub, "CLIP", options->clip,
+                    "a clip, a folder of images, a depth picture, or a scene file")
+        ->required();
+    add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture");
+    add_overwrite_option(*sub, options->existing);
+    auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
+    auto* many = sub->add_option("--frames", typed->many,
+                                 "A-B or all: each frame n into the folder's n/, without mesh")
+                     ->excludes(one);
+    add_picture_options(*sub, options->picture);
+    sub->add_flag("--mesh", *mesh, "with --frames: write the meshes too")->needs(many);
+    add_file_option(*sub, "--scene", options->scene, "scene file that describes the clip instead of its own");
+    auto camera = std::make_shared<CameraTyped>();
+    add_camera_options(*sub, *camera);
+    add_whole_option(*sub, "--median", options->median,
+                     "window side instead of the scene's: 0 (off), 3 or 5");
+    add_whole_option(*sub, "--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
+    add_terrace_option(*sub, options->terraces);
+    add_temporal_option(*sub, options->temporal);
+    add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
+    sub->callback([options, typed, camera, mesh, &command] {
+        command = [=]() -> Result<void> {
+            ExportOptions chosen = *options;
+            if (chosen.out.empty() && !chosen.picture.file)
+                return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
+            if (auto read = read_words(*typed, chosen); !read.ok()) return read;
+            const auto of_picture = read_camera(*camera);
+            if (!of_picture.ok()) return of_picture.error();
+            chosen.camera = *of_picture;
+            chosen.mesh = *mesh || typed->one.has_value();
+            return run_export(chosen);
+        };
+    });
+}
+
+}  // namespace touchable

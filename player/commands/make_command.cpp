@@ -1,0 +1,174 @@
+#include "player/commands/make_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <string_view>
+
+#include "engine/media/clip.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/commands/whole_option.hpp"
+#include "player/session/interrupt.hpp"
+#include "player/session/memory.hpp"
+#include "player/session/progress.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::int64_t most_frames = 1'000'000;
+
+/// Options as typed; what was not typed stays with the scene's own default.
+struct MakeWords {
+    MakeOptions options;
+    std::string size, preset, frames = "90", seed = "1";
+    bool properties = false, plain = false;
+    const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
+                      *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
+};
+
+/// A clip is Matroska, whatever it is called; under another name other programs would take it for what it is
+/// not.
+Result<void> check_name(const std::filesystem::path& out) {
+    std::string ending = out.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (ending == ".mkv") return {};
+    return usage_error("OUT '" + out.string() + "' does not end in .mkv; a clip is a Matroska file");
+}
+
+Result<void> read_preset(const std::string& text, SceneOptions& out) {
+    if (text == "A")
+        out.preset = CameraPreset::a;
+    else if (text == "A'")
+        out.preset = CameraPreset::a_prime;
+    else if (text == "B")
+        out.preset = CameraPreset::b;
+    else
+        return usage_error("--preset '" + text + "' is not known; there are A, A' and B");
+    return {};
+}
+
+/// Scenes whose pixels know nothing of each other; published at 128x128.
+bool without_shape(std::string_view scene) {
+    return scene == "noise" || scene == "cliffs" || scene == "grain";
+}
+
+/// An option that the scene would ignore is refused rather than ignored.
+Result<void> refuse_idle_options(const MakeWords& words) {
+    const std::string& scene = words.options.scene;
+    const auto only = [&](bool given, const char* option, bool fits, const char* scenes) -> Result<void> {
+        if (!given || fits) return {};
+        return usage_error(std::string(option) + " does nothing for '" + scene + "'; it belongs to " +
+                           scenes);
+    };
+    const auto typed = [](const CLI::Option* option) { return option->count() > 0; };
+    const bool globe = scene == "globe", plane = scene == "plane", random = without_shape(scene);
+    for (const Result<void>& checked :
+         {only(typed(words.preset_typed), "--preset", globe, "globe"),
+          only(words.properties, "--properties", globe, "globe"),
+          only(words.plain, "--plain", globe, "globe"),
+          only(typed(words.tilt_typed), "--tilt", plane, "plane"),
+          only(typed(words.tilt_direction_typed), "--tilt-direction", plane, "plane"),
+          only(typed(words.seed_typed), "--seed", random || (globe && !words.plain),
+               "noise, cliffs, grain and the planet of globe")})
+        if (!checked.ok()) return checked;
+    return {};
+}
+
+Result<MakeOptions> read_words(const MakeWords& words) {
+    if (auto named = check_name(words.options.out); !named.ok()) return named.error();
+    if (auto fits = refuse_idle_options(words); !fits.ok()) return fits.error();
+    MakeOptions options = words.options;
+    SceneOptions& generator = options.generator;
+    if (without_shape(options.scene)) generator.width = generator.height = 128;
+    if (words.size_typed->count() > 0) {
+        const auto size = read_pixel_size("--size", words.size, 2, 16384);
+        if (!size.ok()) return size.error();
+        generator.width = size->width;
+        generator.height = size->height;
+    }
+    if (words.preset_typed->count() > 0)
+        if (auto preset = read_preset(words.preset, generator); !preset.ok()) return preset.error();
+    const auto frames = read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames);
+    if (!frames.ok()) return frames.error();
+    options.frames = *frames;
+    const auto seed =
+        read_whole_number<std::uint64_t>("--seed", words.seed, 0, std::numeric_limits<std::uint64_t>::max());
+    if (!seed.ok()) return seed.error();
+    generator.seed = *seed;
+    generator.properties = options.scene == "globe" && !words.plain;
+    return options;
+}
+
+std::string known_scenes() {
+    std::string names;
+    for (const std::string_view name : scene_names())
+        names += (names.empty() ? "" : ", ") + std::string(name);
+    return names;
+}
+
+}  // namespace
+
+Result<void> run_make(const MakeOptions& options) {
+    if (auto apart = check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, {}); !apart.ok())
+        return apart;
+    const auto scene = make_scene(options.scene, options.generator);
+    if (!scene.ok()) return scene.error();
+    const AnalyticScene& source = **scene;
+    auto writer = create_clip(options.out, source.scene(), options.existing);
+    if (!writer.ok()) return writer.error();
+
+    Progress progress("making frame", options.frames);
+    for (std::int64_t n = 0; n < options.frames; ++n) {
+        if (interrupted()) return interrupted_error();
+        progress.at(n + 1);
+        if (auto written = (*writer)->write(source.frame(n)); !written.ok()) return written.error();
+    }
+    return (*writer)->finish();
+}
+
+void add_make_command(CLI::App& app, Command& command) {
+    auto* make = app.add_subcommand("make", "make a clip of a generated scene: " + known_scenes());
+    auto words = std::make_shared<MakeWords>();
+    SceneOptions& generator = words->options.generator;
+    make->add_option("SCENE", words->options.scene, "one of " + known_scenes())->required();
+    add_file_option(*make, "OUT", words->options.out, "the clip to write (.mkv)")->required();
+    add_overwrite_option(*make, words->options.existing);
+    words->size_typed = make->add_option("--size", words->size,
+                                         "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
+    make->add_option("--frames", words->frames, "how many, at 30/s")->capture_default_str();
+    add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16")->capture_default_str();
+    words->preset_typed = make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
+    auto* properties = make->add_flag("--properties", words->properties,
+                                      "globe: turning planet; land and ocean differ to the touch (default)");
+    make->add_flag("--plain", words->plain, "globe: at rest, depth alone")->excludes(properties);
+    words->seed_typed =
+        make->add_option("--seed", words->seed, "noise, cliffs, grain, and the planet of globe")
+            ->capture_default_str();
+    words->tilt_typed =
+        make->add_option("--tilt", generator.tilt_degrees, "plane: degrees, 0 to 60")->capture_default_str();
+    words->tilt_direction_typed = make->add_option("--tilt-direction", generator.tilt_direction_degrees,
+                                                   "plane: degrees in the picture")
+                                      ->capture_default_str();
+    make->callback([words, &command] {
+        command = [words]() -> Result<void> {
+            const auto options = read_words(*words);
+            if (!options.ok()) return options.error();
+            const SceneOptions& made = options->generator;
+            const std::string size = std::to_string(made.width) + "x" + std::to_string(made.height);
+            if (auto done =
+                    within_memory("frames of " + size + " pixels", [&] { return run_make(*options); });
+                !done.ok())
+                return done;
+            std::cout << options->out.string() << ": " << options->frames << " frames of " << options->scene
+                      << ", " << size << ", " << made.bits << " bits\n";
+            return {};
+        };
+    });
+}
+
+}  // namespace touchable

@@ -1,0 +1,93 @@
+#include "player/commands/replay.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "haptics_cpu/force_rules.hpp"
+#include "player/session/planes_hash.hpp"
+
+namespace touchable {
+
+namespace {
+
+bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
+    char text[128];
+    std::snprintf(text, sizeof text, "(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z,
+                  guard);
+    return text;
+}
+
+/// A live session reads ahead of its hand as far as its builder gets, so that its replay reads fewer frames:
+/// what was recorded says of how many its hash is. A live recording of a version that did not say tells
+/// nothing.
+bool has_other_frames(const Recording& recording, const TouchSetup& setup) {
+    const auto recorded = recording.facts.at("planes_hash").get<std::string>();
+    if (!recording.facts.contains("frames")) return !setup.live && recorded != setup.feed->planes_hash();
+    const auto frames = recording.facts["frames"].get<std::int64_t>();
+    if (frames == setup.feed->frames()) return recorded != setup.feed->planes_hash();
+    const auto reader = setup.open();
+    if (!reader.ok()) return true;
+    const auto found = planes_hash_of(**reader, frames);
+    return !found.ok() || *found != recorded;
+}
+
+std::string in_words(std::int64_t prev, std::int64_t next, double blend) {
+    char share[32];
+    std::snprintf(share, sizeof share, " at %.17g", blend);
+    return "between frames " + std::to_string(prev) + " and " + std::to_string(next) + share;
+}
+
+}  // namespace
+
+void ReplayHand::goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) {
+    const RecordedTick& recorded = recording_.ticks[static_cast<std::size_t>(tick)];
+    std::copy(recorded.goals.begin(), recorded.goals.end(), goals.begin());
+}
+
+Result<void> ReplayCheck::take(const TouchTick& tick) {
+    if (difference_) return {};
+    const RecordedTick& recorded = recording_.ticks[next_++];
+    const std::string where = "tick " + std::to_string(tick.tick);
+    if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
+        recorded.blend != tick.blend) {
+        difference_ = where + ": " + in_words(tick.pair.prev.number, tick.pair.next.number, tick.blend) +
+                      ", recorded " + in_words(recorded.frame_prev, recorded.frame_next, recorded.blend);
+        return {};
+    }
+    for (std::size_t k = 0; k < tick.forces.size(); ++k) {
+        if (same_bits(recorded.forces[k], tick.forces[k].force) &&
+            recorded.guards[k] == tick.forces[k].reasons)
+            continue;
+        difference_ = where + ", finger " + std::to_string(k) + ": force " +
+                      to_text(tick.forces[k].force, tick.forces[k].reasons) + ", recorded " +
+                      to_text(recorded.forces[k], recorded.guards[k]);
+        return {};
+    }
+    return {};
+}
+
+Result<std::string> judge_replay(const Recording& recording, const ReplayCheck& check,
+                                 const std::string& force_hash, const TouchSetup& setup) {
+    if (recording.rules() != force_rules)
+        return input_error("replay is not comparable: made under rules " + std::to_string(recording.rules()) +
+                           " of force, this program has rules " + std::to_string(force_rules) +
+                           "; what was asked for is written, with its forces");
+    const auto recorded = recording.facts.at("force_hash").get<std::string>();
+    const bool others = has_other_frames(recording, setup);
+    if (!check.difference() && recorded == force_hash)
+        return "replay: every force is as recorded, to the bit (" + force_hash + ")\n" +
+               (others ? "note: the clip's frames are not the recorded ones; they differ where no finger "
+                         "felt it\n"
+                       : "");
+    const std::string what =
+        check.difference().value_or("force_hash " + force_hash + ", recorded " + recorded);
+    return Error{ErrorKind::check, "replay differs first at " + what +
+                                       (others ? "; the clip's frames are not the recorded ones" : "")};
+}
+
+}  // namespace touchable

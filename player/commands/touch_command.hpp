@@ -1,0 +1,13 @@
+#pragma once
+
+#include "player/commands/command.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace touchable {
+
+void add_touch_command(CLI::App& app, Command& command);
+
+}  // namespace touchable

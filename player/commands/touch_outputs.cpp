@@ -1,0 +1,101 @@
+#include "player/commands/touch_outputs.hpp"
+
+#include <string>
+#include <utility>
+
+#include "player/commands/outputs.hpp"
+#include "player/session/standard_output.hpp"
+
+namespace touchable {
+
+namespace {
+
+using MaybePath = std::optional<std::filesystem::path>;
+
+/// Every file the run reads.
+std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& setup) {
+    std::vector<NamedFile> inputs;
+    if (setup.scene_file) inputs.push_back({"--scene", *setup.scene_file});
+    if (options.replay) inputs.push_back({"--replay", *options.replay});
+    if (const auto file = setup.hand->file()) inputs.push_back({"the hand's file", *file});
+    add_inputs(inputs, setup.clip, setup.feed->reader());
+    return inputs;
+}
+
+Outputs outputs_of(const TouchOptions& options) {
+    Outputs outputs{{}, options.existing};
+    const std::pair<const char*, const MaybePath&> asked_for[] = {{"--forces", options.forces},
+                                                                  {"--record", options.record},
+                                                                  {"--json", options.json},
+                                                                  {"--picture", options.picture.file}};
+    for (const auto& [name, path] : asked_for)
+        if (path) outputs.files.push_back({name, *path});
+    return outputs;
+}
+
+/// Makes what `path` asks for, if anything.
+template <class File, class Create>
+Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create create) {
+    if (!path) return {};
+    auto created = create(*path);
+    if (!created.ok()) return created.error();
+    file = std::move(*created);
+    return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& options,
+                                                         const TouchSetup& setup) {
+    if (options.record && is_standard_output(*options.record))
+        return usage_error("--record -: a recording does not go to standard output; give it a file's name");
+    if (auto free = check_outputs(outputs_of(options), inputs_of(options, setup)); !free.ok())
+        return free.error();
+    std::unique_ptr<TouchOutputs> out(new TouchOutputs(setup));
+    const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing); };
+    if (auto opened = open_if(options.forces, out->forces_, forces); !opened.ok()) return opened.error();
+    const auto record = [&](const auto& path) {
+        return RecordingFile::create(path, setup.settings.fingers, options.existing);
+    };
+    if (auto opened = open_if(options.record, out->record_, record); !opened.ok()) return opened.error();
+    const auto json = [&](const auto& path) { return OutputFile::create("--json", path, options.existing); };
+    if (auto opened = open_if(options.json, out->json_, json); !opened.ok()) return opened.error();
+    auto order = order_picture(options.picture, options.existing, setup.builder, *setup.gpu);
+    if (!order.ok()) return order.error();
+    if (*order)
+        out->picture_.emplace(std::move(**order), options.picture_tick.value_or(usual_picture_tick(setup)));
+    return out;
+}
+
+std::vector<TouchSink*> TouchOutputs::sinks() {
+    std::vector<TouchSink*> sinks;
+    if (forces_) sinks.push_back(forces_.get());
+    if (record_) sinks.push_back(record_.get());
+    if (picture_) sinks.push_back(&*picture_);
+    return sinks;
+}
+
+const SurfacePainter* TouchOutputs::painter() const {
+    return picture_ ? &picture_->painter() : nullptr;
+}
+
+Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const TouchFigures& figures) {
+    if (forces_)
+        if (auto done = forces_->finish(); !done.ok()) return done;
+    if (record_) {
+        nlohmann::ordered_json facts = setup_.facts();
+        facts["frames"] = setup_.feed->frames();
+        facts["planes_hash"] = setup_.feed->planes_hash();
+        facts["force_hash"] = figures.force_hash();
+        if (auto done = record_->finish(facts); !done.ok()) return done;
+    }
+    if (json_) {
+        const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // names need not be UTF-8
+        if (auto written = json_->write(report.dump(2, ' ', false, replace) + '\n'); !written.ok())
+            return written;
+        if (auto done = json_->finish(); !done.ok()) return done;
+    }
+    return picture_ ? picture_->finish(setup_, report.value("interrupted", false)) : Result<void>{};
+}
+
+}  // namespace touchable

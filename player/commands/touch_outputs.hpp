@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "player/commands/touch_picture.hpp"
+#include "player/commands/touch_run.hpp"
+#include "player/commands/touch_setup.hpp"
+#include "player/session/forces_file.hpp"
+#include "player/session/output_file.hpp"
+#include "player/session/recording.hpp"
+#include "player/session/touch_figures.hpp"
+
+namespace touchable {
+
+/// The files that were asked for of a run: opened before it, so that what cannot be written is known at once,
+/// and named after it, so that a run that fails leaves none.
+class TouchOutputs {
+public:
+    /// Refuses names that are also inputs' or each other's, and files that are there already and may not be
+    /// replaced. `setup` outlives this.
+    static Result<std::unique_ptr<TouchOutputs>> open(const TouchOptions& options, const TouchSetup& setup);
+
+    /// Those that want to know of every tick.
+    std::vector<TouchSink*> sinks();
+    /// Of the picture; nullptr where none is asked for.
+    const SurfacePainter* painter() const;
+    /// After the run: completes every file.
+    Result<void> finish(const nlohmann::ordered_json& report, const TouchFigures& figures);
+    /// What else there is to say of them after the table; may be empty.
+    std::string remark() const { return picture_ ? picture_->line() : std::string(); }
+
+private:
+    explicit TouchOutputs(const TouchSetup& setup) : setup_(setup) {}
+
+    const TouchSetup& setup_;
+    std::unique_ptr<ForcesFile> forces_;
+    std::unique_ptr<RecordingFile> record_;
+    std::unique_ptr<OutputFile> json_;
+    std::optional<TouchPicture> picture_;
+};
+
+}  // namespace touchable

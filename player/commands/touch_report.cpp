@@ -1,0 +1,126 @@
+#include "player/commands/touch_report.hpp"
+
+#include <cstdint>
+#include <cstdio>
+
+#include "player/commands/machine_facts.hpp"
+#include "player/commands/touch_warnings.hpp"
+
+namespace touchable {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts& live) {
+    const auto frames = report["frames"].get<double>();
+    report["late_ticks"] = live.loop.late;
+    report["skipped_ticks"] = live.loop.skipped;
+    report["late_us"] = to_json(figures.late_us());
+    report["late_us_histogram"] = figures.late_histogram();
+    report["scheduling"] = live.loop.grant.in_words();
+    report["late_frames"] = live.late_frames;
+    report["interrupted"] = live.interrupted;
+    report["late_frames_pct"] = frames > 0 ? 100.0 * static_cast<double>(live.late_frames) / frames : 0.0;
+}
+
+/// What a builder does, for a person who has not heard of builders.
+std::string what_it_builds(const std::string& builder) {
+    if (builder == "lazy") return "only where fingers are";
+    return builder == "vulkan" ? "in whole frames on a GPU" : "in whole frames";
+}
+
+}  // namespace
+
+Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LiveFacts* live,
+                 const SurfacePainter* painter) {
+    const std::string cpu = cpu_facts().model;
+    Json report{{"format", 1},
+                {"clip", setup.clip.string()},
+                {"notes", setup.notes},
+                {"hand", setup.hand_words},
+                {"builder", setup.feed->builder_name()},
+                {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder_why : ""},
+                {"device_name", setup.feed->builder_name() == "vulkan" ? setup.gpu->name() : cpu},
+                {"cpu_name", cpu},
+                {"width", setup.scene.width},
+                {"height", setup.scene.height},
+                {"frames", setup.feed->frames()},
+                {"fingers", setup.settings.fingers}};
+    report.update(figures.to_json());
+    report["clock"] = live ? "wall" : "virtual";
+    if (!setup.device_words.empty()) report["device"] = setup.device_words;
+    if (live) add_live_figures(report, figures, *live);
+    report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
+    report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
+    report["stages_ms"] = {{"read", spread_of(setup.feed->read_ms()).p50},
+                           {"build", spread_of(setup.feed->build_ms()).p50}};
+    if (painter) {
+        const std::string gpu = painter->gpu_name();
+        report["painter"] = painter->name();
+        report["painter_device_name"] = gpu.empty() ? cpu : gpu;
+    }
+    report["warnings"] = touch_warnings(report, *setup.feed, live);
+    return report;
+}
+
+std::string report_to_text(const Json& r) {
+    std::string text;
+    auto line = [&text](const char* name, const std::string& value) {
+        std::string label = name;
+        label.resize(22, ' ');
+        text += "  " + label + value + '\n';
+    };
+    auto number = [](double value, const char* format) {
+        char buffer[64];
+        std::snprintf(buffer, sizeof buffer, format, value);
+        return std::string(buffer);
+    };
+    auto count = [&r](const char* name) { return std::to_string(r[name].get<std::int64_t>()); };
+    auto spread = [&](const Json& s) {
+        return number(s["mean"], "%.3g mean") + number(s["p50"], ", %.3g median") +
+               number(s["p99"], ", %.3g p99") + number(s["max"], ", %.3g max");
+    };
+    for (const auto& warning : r["warnings"]) line("warning", warning.get<std::string>());
+    line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
+                     count("frames") + " frames");
+    for (const auto& note : r["notes"]) line("note", note.get<std::string>());
+    const auto why = r["builder_why"].get<std::string>();
+    const auto builder = r["builder"].get<std::string>();
+    line("surface", "built " + what_it_builds(builder) + " (" + builder + " builder, " +
+                        r["device_name"].get<std::string>() + ")" + (why.empty() ? "" : ": " + why));
+    line("fingers", count("fingers") + ", " + r["hand"].get<std::string>() +
+                        (r.contains("device") ? " with " + r["device"].get<std::string>() : ""));
+    line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
+                      number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
+    line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
+                      number(r["force_n"]["max"], "%.3f N max"));
+    line("guard", count("guarded_ticks") + " ticks changed by it");
+    if (r["waiting_ticks"] > 0)
+        line("began inside", count("waiting_ticks") +
+                                 " ticks without force, for a finger that had not been free of the surface; "
+                                 "--start-buried pushes it out");
+    const auto& limited = r["stiffness_limited"];
+    line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
+                          std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");
+    line("energy from nowhere",
+         number(r["energy_mj"]["created"], "%.3g mJ, of which a real surface gives none; ") +
+             number(r["energy_mj"]["zoh_bound"], "the 1 ms between ticks explains up to %.3g mJ"));
+    line("behind the surface", count("proxy_behind_mesh_ticks") + " ticks");
+    line("not finite", count("nonfinite_ticks") + " ticks");
+    line("event limit reached", count("capped_ticks") + " ticks");
+    line("time per tick", spread(r["tick_us"]) + " us, all fingers");
+    if (r["clock"] == "wall") {
+        line("on the wall clock", count("late_ticks") + " ticks late by 1 ms or more, " +
+                                      count("skipped_ticks") + " skipped; began " + spread(r["late_us"]) +
+                                      " us after their time; " + r["scheduling"].get<std::string>());
+        line("frames too late", count("late_frames") + " of " + count("frames") +
+                                    number(r["late_frames_pct"], " (%.1f %%)") +
+                                    (r["late_frames"] == 0 ? "" : "; decoding and building are too slow"));
+    }
+    line("time per frame", spread(r["frame_ms"]) + " ms");
+    line("force hash", r["force_hash"].get<std::string>());
+    return text;
+}
+
+}  // namespace touchable

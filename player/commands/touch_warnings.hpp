@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "player/session/live_session.hpp"
+#include "player/session/surface_feed.hpp"
+
+namespace touchable {
+
+/// What should worry a person about a run, each a line: a report's figures say that it is not what was meant,
+/// or was not felt as it should be. `live`: nullptr for a run of virtual time.
+std::vector<std::string> touch_warnings(const nlohmann::ordered_json& report, const SurfaceFeed& feed,
+                                        const LiveFacts* live);
+
+}  // namespace touchable

@@ -1,0 +1,41 @@
+#include "player/session/builder_choice.hpp"
+
+#include <iostream>
+
+#include "engine/surface/fallback_builder.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+
+namespace touchable {
+namespace {
+
+void warn(const std::string& line) {
+    std::cerr << "touchable: warning: " << line << std::endl;
+}
+
+Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& gpu) {
+    auto device = gpu.open();
+    if (!device.ok()) return device.error();
+    auto builder = make_vulkan_builder(scene, std::move(*device));
+    if (!builder.ok()) return builder.error();
+    return make_fallback_builder(std::move(*builder), make_cpu_builder(scene), warn);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
+                                                     RunGpu& gpu) {
+    if (choice.name == "cpu") return make_cpu_builder(scene);
+    if (choice.name == "lazy" && scene.filter.temporal)
+        return usage_error(
+            "--builder lazy cannot filter in time: it knows nothing of pixels that nobody touched; right "
+            "would be another builder, or --temporal off");
+    if (choice.name == "lazy") return make_lazy_builder(scene);
+    if (choice.name == "reference") return make_reference_builder(scene);
+    if (choice.name != "vulkan") return usage_error("--builder " + choice.name + " is not known");
+    auto vulkan = make_vulkan(scene, gpu);
+    if (vulkan.ok() || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
+    warn(vulkan.error().message + "; the cpu builder does its work");
+    return make_cpu_builder(scene);
+}
+
+}  // namespace touchable

@@ -1,0 +1,126 @@
+#include "player/session/feed_threads.hpp"
+
+#include <chrono>
+#include <exception>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "engine/start_thread.hpp"
+#include "player/session/memory.hpp"
+
+namespace touchable {
+
+namespace {
+
+// Decoded frames that wait for the builder: enough to even out slow ones, few enough to keep memory small.
+constexpr std::size_t queue_length = 3;
+// How long the builder waits for the hand to move past a frame before it looks again.
+constexpr std::chrono::milliseconds slot_wait(1);
+
+}  // namespace
+
+FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late)
+    : feed_(feed),
+      out_of_memory_(too_large(frames_in_words(feed.reader().scene()))),
+      is_late_(std::move(is_late)) {}
+
+Result<void> FeedThreads::start() {
+    auto begun = start_thread(decoder_, "that decodes", [this] { guarded(&FeedThreads::decode); });
+    if (begun.ok()) begun = start_thread(builder_, "that builds", [this] { guarded(&FeedThreads::build); });
+    if (!begun.ok()) stop();
+    return begun;
+}
+
+FeedThreads::~FeedThreads() {
+    stop();
+}
+
+void FeedThreads::stop() {
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+    }
+    changed_.notify_all();
+    if (decoder_.joinable()) decoder_.join();
+    if (builder_.joinable()) builder_.join();
+}
+
+/// Nothing thrown leaves a thread: the session ends with its reason, and the hand with zero force.
+void FeedThreads::guarded(void (FeedThreads::*work)()) {
+    try {
+        try {
+            (this->*work)();
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& fault) {
+            fail({ErrorKind::internal, std::string("while frames were read: ") + fault.what()});
+        }
+    } catch (const std::bad_alloc&) {
+        fail(std::move(out_of_memory_));
+    }
+}
+
+/// Allocates nothing. The first reason counts.
+void FeedThreads::fail(Error&& error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(error);
+    stopping_ = true;
+    changed_.notify_all();
+}
+
+void FeedThreads::decode() {
+    while (true) {
+        auto raw = feed_.read_next();
+        if (!raw.ok()) return fail(Error(raw.error()));
+        std::unique_lock lock(mutex_);
+        if (!*raw) {
+            decoded_all_ = true;
+            changed_.notify_all();
+            return;
+        }
+        changed_.wait(lock, [this] { return stopping_ || queue_.size() < queue_length; });
+        if (stopping_) return;
+        queue_.push_back(std::move(**raw));
+        changed_.notify_all();
+    }
+}
+
+void FeedThreads::build() {
+    while (true) {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [this] { return stopping_ || decoded_all_ || !queue_.empty(); });
+        if (stopping_) return;
+        if (queue_.empty()) {
+            end_ns_ = feed_.end_ns();
+            return;
+        }
+        const RawFrame raw = std::move(queue_.front());
+        queue_.pop_front();
+        changed_.notify_all();
+        lock.unlock();
+        while (true) {
+            const auto published = feed_.publish(raw);
+            if (!published.ok()) return fail(Error(published.error()));
+            if (*published) {
+                late_frames_ += is_late_(raw);
+                break;
+            }
+            lock.lock();
+            if (changed_.wait_for(lock, slot_wait, [this] { return stopping_; })) return;
+            lock.unlock();
+        }
+    }
+}
+
+std::optional<std::int64_t> FeedThreads::end_ns() const {
+    const std::lock_guard lock(mutex_);
+    return end_ns_;
+}
+
+std::optional<Error> FeedThreads::error() const {
+    const std::lock_guard lock(mutex_);
+    return error_;
+}
+
+}  // namespace touchable

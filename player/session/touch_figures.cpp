@@ -1,0 +1,122 @@
+#include "player/session/touch_figures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace touchable {
+
+namespace {
+
+bool is_finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Spread& s) {
+    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+Spread spread_of(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    auto quantile = [&values](double share) {
+        const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+        return values[std::min(rank, values.size() - 1)];
+    };
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return {sum / static_cast<double>(values.size()), quantile(0.5), quantile(0.99), quantile(0.999),
+            values.back()};
+}
+
+Result<void> TouchFigures::take(const TouchTick& tick) {
+    bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
+    bool waiting = false;
+    energy_.resize(tick.contacts.size());
+    for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
+        const Contact& c = tick.contacts[k];
+        const glm::dvec3& force = tick.forces[k].force;
+        hash_.add(force);
+        contact |= c.touching;
+        finger_contact_ticks_ += c.touching;
+        nonfinite |= !is_finite(c.proxy) || !is_finite(force);
+        capped |= c.counts.capped;
+        guarded |= tick.forces[k].reasons != guard_none;
+        softened |= (tick.forces[k].reasons & guard_stiffness) != 0;
+        waiting |= (tick.forces[k].reasons & guard_waiting) != 0;
+        energy_[k] = tick.forces[k].energy;
+        events_ += c.counts.events;
+        if (!c.touching) continue;
+        const double newtons = std::sqrt(glm::dot(force, force));
+        force_sum_ += newtons;
+        force_max_ = std::max(force_max_, newtons);
+        largest_stiffness_ = std::max(largest_stiffness_, c.properties.stiffness);
+    }
+    ++ticks_;
+    finger_ticks_ += static_cast<std::int64_t>(tick.contacts.size());
+    contact_ticks_ += contact;
+    behind_ticks_ += tick.behind;
+    nonfinite_ticks_ += nonfinite;
+    capped_ticks_ += capped;
+    guarded_ticks_ += guarded;
+    stiffness_limited_ticks_ += softened;
+    waiting_ticks_ += waiting;
+    tick_us_.push_back(tick.solve_us);
+    late_us_.push_back(tick.late_us);
+    return {};
+}
+
+nlohmann::ordered_json TouchFigures::late_histogram() const {
+    constexpr std::array below_us{10, 20, 50, 100, 200, 500, 1000};
+    std::array<std::int64_t, below_us.size() + 1> ticks{};
+    for (const double late : late_us_) {
+        const auto bin = std::upper_bound(below_us.begin(), below_us.end(), late);
+        ++ticks[static_cast<std::size_t>(bin - below_us.begin())];
+    }
+    auto histogram = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < below_us.size(); ++k)
+        histogram.push_back({{"below_us", below_us[k]}, {"ticks", ticks[k]}});
+    histogram.push_back({{"ticks", ticks.back()}});
+    return histogram;
+}
+
+nlohmann::ordered_json TouchFigures::energy_mj() const {
+    EnergyFigures all;
+    for (const EnergyFigures& finger : energy_) {
+        all.created += finger.created;
+        all.bound += finger.bound;
+        all.surface += finger.surface;
+        all.work += finger.work;
+    }
+    return {{"created", 1000 * all.created},
+            {"zoh_bound", 1000 * all.bound},
+            {"surface", 1000 * all.surface},
+            {"on_hand", 1000 * all.work}};
+}
+
+nlohmann::ordered_json TouchFigures::to_json() const {
+    auto share = [](double part, std::int64_t whole) {
+        return whole ? part / static_cast<double>(whole) : 0.0;
+    };
+    return {{"ticks", ticks_},
+            {"contact_ticks", contact_ticks_},
+            {"finger_contact_pct", 100.0 * share(static_cast<double>(finger_contact_ticks_), finger_ticks_)},
+            {"proxy_behind_mesh_ticks", behind_ticks_},
+            {"nonfinite_ticks", nonfinite_ticks_},
+            {"capped_ticks", capped_ticks_},
+            {"guarded_ticks", guarded_ticks_},
+            {"waiting_ticks", waiting_ticks_},
+            {"late_ticks", 0},  // a live run knows better
+            {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
+            {"force_hash", force_hash()},
+            {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
+            {"stiffness_limited",
+             {{"ticks", stiffness_limited_ticks_}, {"largest_n_mm", largest_stiffness_ / 1000}}},
+            {"energy_mj", energy_mj()},
+            {"tick_us", touchable::to_json(spread_of(tick_us_))}};
+}
+
+}  // namespace touchable

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "haptics_cpu/force_hash.hpp"
+#include "player/session/touch_session.hpp"
+
+namespace touchable {
+
+/// Spread of a measured quantity.
+struct Spread {
+    double mean = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
+};
+Spread spread_of(std::vector<double> values);
+nlohmann::ordered_json to_json(const Spread& spread);
+
+/// Counts and sums of a run. Times are wall time on this machine; everything else repeats to the bit.
+class TouchFigures final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override;
+
+    std::int64_t ticks() const { return ticks_; }
+    Spread tick_us() const { return spread_of(tick_us_); }
+    /// How late ticks began; all 0 in virtual time.
+    Spread late_us() const { return spread_of(late_us_); }
+    /// Ticks by how late they began: {"below_us", "ticks"}, each counting what the ones before do not; the
+    /// last has no "below_us".
+    nlohmann::ordered_json late_histogram() const;
+    std::string force_hash() const { return hash_.hex(); }
+    /// Names are part of the interface: add to them, do not rename.
+    nlohmann::ordered_json to_json() const;
+
+private:
+    nlohmann::ordered_json energy_mj() const;
+
+    std::int64_t ticks_ = 0, finger_ticks_ = 0;
+    std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
+    std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
+    std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0;
+    double largest_stiffness_ = 0;  // that the clip asked for in contact, N/m
+    std::int64_t events_ = 0;
+    double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
+    std::vector<EnergyFigures> energy_;     // of each finger, up to the newest tick
+    std::vector<double> tick_us_, late_us_;
+    ForceHash hash_;
+};
+
+}  // namespace touchable

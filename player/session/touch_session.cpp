@@ -1,0 +1,51 @@
+#include "player/session/touch_session.hpp"
+
+#include <algorithm>
+
+#include "player/session/field_probe.hpp"
+#include "player/session/interrupt.hpp"
+#include "player/session/progress.hpp"
+
+namespace touchable {
+
+TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
+                           const TouchSessionSettings& settings)
+    : scene_(scene),
+      feed_(feed),
+      hand_(hand),
+      settings_(settings),
+      step_(solver, settings.guard, settings.fingers) {
+    if (!settings_.time_of_tick) settings_.time_of_tick = [](std::int64_t tick) { return tick * tick_ns; };
+}
+
+bool TouchSession::is_over(std::int64_t tick) const {
+    const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks();
+    if (ticks) return tick >= *ticks;
+    return feed_.ended() && settings_.time_of_tick(tick) >= std::max(feed_.end_ns(), shortest_run_ns);
+}
+
+Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
+    Progress progress("tick", settings_.ticks.value_or(hand_.ticks().value_or(0)));
+    for (std::int64_t tick = 0; !is_over(tick); ++tick) {
+        if (interrupted()) return interrupted_error();
+        progress.at(tick);
+        if (auto done = this->tick(tick, sinks); !done.ok()) return done;
+    }
+    return {};
+}
+
+Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> sinks) {
+    const std::int64_t time_ns = settings_.time_of_tick(tick);
+    const auto pair = settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(time_ns);
+    if (!pair.ok()) return pair.error();
+    // A clip whose length only reading tells may turn out to have ended before this tick.
+    if (is_over(tick)) return {};
+    const HeightField field(scene_, *pair);
+    hand_.goals_at(tick, FieldProbe(field), step_.goals());
+    const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, *pair);
+    for (TouchSink* sink : sinks)
+        if (auto taken = sink->take(done); !taken.ok()) return taken;
+    return {};
+}
+
+}  // namespace touchable
