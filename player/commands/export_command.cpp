@@ -11,15 +11,12 @@
 #include "engine/media/clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/commands/builder_options.hpp"
-#include "player/commands/camera_options.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/file_option.hpp"
 #include "player/commands/frame_files.hpp"
 #include "player/commands/outputs.hpp"
 #include "player/commands/staged_folder.hpp"
-#include "player/commands/temporal_option.hpp"
-#include "player/commands/terrace_option.hpp"
 #include "player/commands/typed_numbers.hpp"
-#include "player/commands/whole_option.hpp"
 #include "player/session/clip_workspace.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/memory.hpp"
@@ -27,17 +24,6 @@
 
 namespace touchable {
 namespace {
-
-/// The clip's scene as this export applies it.
-Result<Scene> effective_scene(const ClipReader& reader, const ExportOptions& options) {
-    Scene scene = reader.scene();
-    if (options.median) scene.filter.median = *options.median;
-    if (options.fill_holes) scene.filter.fill_holes = *options.fill_holes;
-    if (options.terraces) scene.filter.terraces = *options.terraces;
-    if (auto applied = apply_temporal(options.temporal, scene.filter); !applied.ok()) return applied.error();
-    if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
-    return scene;
-}
 
 Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene,
                   const SurfaceFrame& surface) {
@@ -58,8 +44,9 @@ Result<void> export_frame(const RawFrame& raw, const Scene& scene, const Surface
 }
 
 Error beyond_the_end(const ExportOptions& options, std::int64_t wanted, std::int64_t frames) {
-    return usage_error("frame " + std::to_string(wanted) + " is beyond the end of " + options.clip.string() +
-                       ": it has " + std::to_string(frames) + " frames, 0 to " + std::to_string(frames - 1));
+    return usage_error("frame " + std::to_string(wanted) + " is beyond the end of " +
+                       options.clip.file.string() + ": it has " + std::to_string(frames) + " frames, 0 to " +
+                       std::to_string(frames - 1));
 }
 
 // Beyond any clip, and small enough to be counted past.
@@ -159,25 +146,24 @@ Result<std::int64_t> export_frames(ClipReader& reader, Scene scene, const Export
 Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
         return checked;
-    auto reader = open_clip(options.clip, options.scene, options.camera);
-    if (!reader.ok()) return reader.error();
-    at_work = frames_in_words((*reader)->scene());
-    const auto frames = (*reader)->frame_count();
+    auto clip = open_chosen(options.clip);
+    if (!clip.ok()) return clip.error();
+    auto& [reader, scene] = *clip;
+    at_work = frames_in_words(scene);
+    const auto frames = reader->frame_count();
     const std::int64_t wanted = options.last.value_or(options.first);
     if (frames && wanted >= *frames) return beyond_the_end(options, wanted, *frames);
-    const auto scene = effective_scene(**reader, options);
-    if (!scene.ok()) return scene.error();
     std::vector<NamedFile> inputs;
-    if (options.scene) inputs.push_back({"--scene", *options.scene});
-    add_inputs(inputs, options.clip, **reader);
+    if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
+    add_inputs(inputs, options.clip.file, *reader);
     if (auto free = check_outputs({files_of(options), options.existing}, inputs); !free.ok()) return free;
     RunGpu gpu(options.builder.gpu);
-    const auto builder = make_builder(options.builder, *scene, gpu);
+    const auto builder = make_builder(options.builder, scene, gpu);
     if (!builder.ok()) return builder.error();
     auto picture = order_picture(options.picture, options.existing, options.builder, gpu);
     if (!picture.ok()) return picture.error();
 
-    const auto read = export_frames(**reader, *scene, options, **builder, *picture);
+    const auto read = export_frames(*reader, scene, options, **builder, *picture);
     if (!read.ok()) return read.error();
     if (*read <= wanted) return beyond_the_end(options, wanted, *read);
     return {};
@@ -186,18 +172,17 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
 }  // namespace
 
 Result<void> run_export(const ExportOptions& options) {
-    std::string at_work = "the frames of " + options.clip.string();
+    std::string at_work = "the frames of " + options.clip.file.string();
     return within_memory(at_work, [&] { return export_clip(options, at_work); });
 }
 
 void add_export_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("export", "write frames as pictures, mesh and scene description");
     auto options = std::make_shared<ExportOptions>();
+    auto clip = std::make_shared<ClipTyped>();
     auto typed = std::make_shared<FramesTyped>();
     auto mesh = std::make_shared<bool>(false);
-    add_file_option(*sub, "CLIP", options->clip,
-                    "a clip, a folder of images, a depth picture, or a scene file")
-        ->required();
+    add_clip_options(*sub, *clip)->required();
     add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture");
     add_overwrite_option(*sub, options->existing);
     auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
@@ -206,24 +191,18 @@ void add_export_command(CLI::App& app, Command& command) {
                      ->excludes(one);
     add_picture_options(*sub, options->picture);
     sub->add_flag("--mesh", *mesh, "with --frames: write the meshes too")->needs(many);
-    add_file_option(*sub, "--scene", options->scene, "scene file that describes the clip instead of its own");
-    auto camera = std::make_shared<CameraTyped>();
-    add_camera_options(*sub, *camera);
-    add_whole_option(*sub, "--median", options->median,
-                     "window side instead of the scene's: 0 (off), 3 or 5");
-    add_whole_option(*sub, "--fill-holes", options->fill_holes, "passes instead of the scene's: 0 to 16");
-    add_terrace_option(*sub, options->terraces);
-    add_temporal_option(*sub, options->temporal);
+    add_camera_options(*sub, clip->camera);
+    add_filter_options(*sub, *clip);
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
-    sub->callback([options, typed, camera, mesh, &command] {
+    sub->callback([options, clip, typed, mesh, &command] {
         command = [=]() -> Result<void> {
             ExportOptions chosen = *options;
             if (chosen.out.empty() && !chosen.picture.file)
                 return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
             if (auto read = read_words(*typed, chosen); !read.ok()) return read;
-            const auto of_picture = read_camera(*camera);
-            if (!of_picture.ok()) return of_picture.error();
-            chosen.camera = *of_picture;
+            auto choice = read_clip(*clip);
+            if (!choice.ok()) return choice.error();
+            chosen.clip = std::move(*choice);
             chosen.mesh = *mesh || typed->one.has_value();
             return run_export(chosen);
         };

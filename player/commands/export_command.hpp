@@ -3,15 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <string>
 
-#include "engine/media/clip.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
 #include "player/commands/command.hpp"
 #include "player/commands/picture_options.hpp"
 #include "player/session/builder_choice.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace CLI {
 class App;
@@ -20,18 +18,13 @@ class App;
 namespace touchable {
 
 struct ExportOptions {
-    std::filesystem::path clip;
-    std::optional<std::filesystem::path> scene;
-    std::optional<PictureCamera> camera;  ///< of a single depth picture
-    std::filesystem::path out;            ///< empty: only the picture
-    Existing existing = Existing::keep;   ///< what becomes of files that are there
+    ClipChoice clip;
+    std::filesystem::path out;           ///< empty: only the picture
+    Existing existing = Existing::keep;  ///< what becomes of files that are there
     std::int64_t first = 0;
     std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/
     bool mesh = true;
-    std::optional<int> median, fill_holes;   ///< instead of the scene's own
-    std::optional<TerraceRemoval> terraces;  ///< likewise
-    std::optional<std::string> temporal;     ///< likewise, as typed (apply_temporal)
     BuilderChoice builder;
     PictureOptions picture;  ///< of a single frame
 };

@@ -19,30 +19,22 @@ CLI::Option* add_temporal_option(CLI::App& sub, std::optional<std::string>& type
     return sub
         .add_option("--temporal", typed,
                     "average noise from frame to frame, instead of the scene's: off, on (noise as the scene "
-                    "says), or "
-                    "the noise of depth in scene units, C or C,Q for C + Q depth^2")
+                    "says), or the noise of depth in scene units, C or C,Q for C + Q depth^2")
         ->type_name("WORD|C[,Q]");
 }
 
-Result<void> apply_temporal(const std::optional<std::string>& typed, FilterSettings& filter) {
-    if (!typed) return {};
-    filter.temporal = *typed != "off";
-    if (*typed == "on" && filter.temporal_noise == DepthNoise{})
-        return usage_error(
-            "--temporal on: the scene does not say how noisy its depth is; right would be that noise in scene "
-            "units instead of on, such as 1.5");
-    if (*typed == "off" || *typed == "on") return {};
-    const std::string_view text = *typed;
+Result<TemporalChoice> read_temporal(const std::string& typed) {
+    if (typed == "off" || typed == "on") return TemporalChoice{typed == "on", std::nullopt};
+    const std::string_view text = typed;
     const std::size_t comma = text.find(',');
     const auto constant = number(text.substr(0, comma));
     const auto quadratic = comma == std::string_view::npos ? 0.0 : number(text.substr(comma + 1));
     if (!constant || !quadratic)
         return usage_error(
-            "--temporal '" + *typed +
+            "--temporal '" + typed +
             "' will not do; right would be off, on, or the noise of depth in scene units, such as 1.5 "
             "or 1.5,0.002");
-    filter.temporal_noise = {*constant, *quadratic};
-    return {};
+    return TemporalChoice{true, DepthNoise{*constant, *quadratic}};
 }
 
 }  // namespace touchable

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace touchable {
 
@@ -13,7 +13,7 @@ namespace touchable {
 CLI::Option* add_temporal_option(CLI::App& sub, std::optional<std::string>& typed);
 
 /// off, on (the noise is the scene's), or on with this noise: CONSTANT or CONSTANT,QUADRATIC. Refused
-/// (ErrorKind::usage) where it is none of these, or on without a noise.
-Result<void> apply_temporal(const std::optional<std::string>& typed, FilterSettings& filter);
+/// (ErrorKind::usage) where it is none of these.
+Result<TemporalChoice> read_temporal(const std::string& typed);
 
 }  // namespace touchable

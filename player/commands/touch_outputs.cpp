@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "player/commands/outputs.hpp"
+#include "player/session/recorded_facts.hpp"
 #include "player/session/standard_output.hpp"
 
 namespace touchable {
@@ -15,10 +16,10 @@ using MaybePath = std::optional<std::filesystem::path>;
 /// Every file the run reads.
 std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& setup) {
     std::vector<NamedFile> inputs;
-    if (setup.scene_file) inputs.push_back({"--scene", *setup.scene_file});
+    if (setup.clip.scene_file) inputs.push_back({"--scene", *setup.clip.scene_file});
     if (options.replay) inputs.push_back({"--replay", *options.replay});
     if (const auto file = setup.hand->file()) inputs.push_back({"the hand's file", *file});
-    add_inputs(inputs, setup.clip, setup.feed->reader());
+    add_inputs(inputs, setup.clip.file, setup.feed->reader());
     return inputs;
 }
 
@@ -83,7 +84,7 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const To
     if (forces_)
         if (auto done = forces_->finish(); !done.ok()) return done;
     if (record_) {
-        nlohmann::ordered_json facts = setup_.facts();
+        nlohmann::ordered_json facts = recorded_facts(setup_);
         facts["frames"] = setup_.feed->frames();
         facts["planes_hash"] = setup_.feed->planes_hash();
         facts["force_hash"] = figures.force_hash();

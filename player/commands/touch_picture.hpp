@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "player/commands/picture_options.hpp"
-#include "player/commands/touch_setup.hpp"
 #include "player/session/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 

@@ -36,7 +36,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                  const SurfacePainter* painter) {
     const std::string cpu = cpu_facts().model;
     Json report{{"format", 1},
-                {"clip", setup.clip.string()},
+                {"clip", setup.clip.file.string()},
                 {"notes", setup.notes},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "player/commands/touch_setup.hpp"
 #include "player/session/live_session.hpp"
 #include "player/session/touch_figures.hpp"
+#include "player/session/touch_setup.hpp"
 #include "player/view/surface_painter.hpp"
 
 namespace touchable {

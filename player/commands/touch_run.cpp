@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "player/commands/builder_options.hpp"
-#include "player/commands/replay.hpp"
 #include "player/commands/touch_outputs.hpp"
 #include "player/commands/touch_report.hpp"
-#include "player/commands/touch_setup.hpp"
 #include "player/session/device_port.hpp"
 #include "player/session/live_session.hpp"
 #include "player/session/memory.hpp"
+#include "player/session/replay.hpp"
 #include "player/session/standard_output.hpp"
 #include "player/session/touch_figures.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -86,11 +86,12 @@ Result<void> strictly(const TouchOptions& options, const nlohmann::ordered_json&
 
 /// `at_work`: what memory is needed for, once that is known.
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
-    if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
-        return checked;
+    auto checked = check_gpu_options(options.session.builder, options.picture.draws_on_gpu());
+    if (!checked.ok()) return checked;
     auto recording = read_replayed(options);
     if (!recording.ok()) return recording.error();
-    auto setup = *recording ? setup_from_recording(**recording, options) : setup_from_options(options);
+    auto setup = *recording ? setup_from_recording(**recording, *options.replay, options.session)
+                            : setup_from_options(options.session);
     if (!setup.ok()) return setup.error();
     TouchSetup& s = **setup;
     at_work = frames_in_words(s.scene) + ", or for a run of that length";

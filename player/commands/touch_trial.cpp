@@ -10,9 +10,9 @@
 
 #include "engine/content/scenes.hpp"
 #include "engine/media/clip.hpp"
-#include "player/commands/touch_setup.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 namespace {
@@ -121,13 +121,13 @@ Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures)
 Result<TrialFigures> try_touch(const TouchDemand& demand) {
     const auto folder = ScratchFolder::create();
     if (!folder.ok()) return folder.error();
-    TouchOptions options;
-    options.clip = folder->path() / "trial.mkv";
+    SessionOptions options;
+    options.clip.file = folder->path() / "trial.mkv";
     options.fingers = demand.fingers;
-    options.median = 3;
+    options.clip.median = 3;
     options.live = true;
     const int frames = 2 + trial_frames(demand);  // the first two are read to find out where the surface is
-    if (auto made = make_clip(demand, options.clip, frames); !made.ok()) return made.error();
+    if (auto made = make_clip(demand, options.clip.file, frames); !made.ok()) return made.error();
     auto setup = setup_from_options(options);
     if (!setup.ok()) return setup.error();
     TrialFigures figures;

@@ -1,4 +1,4 @@
-#include "player/commands/replay.hpp"
+#include "player/session/replay.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -30,7 +30,7 @@ bool has_other_frames(const Recording& recording, const TouchSetup& setup) {
     if (!recording.facts.contains("frames")) return !setup.live && recorded != setup.feed->planes_hash();
     const auto frames = recording.facts["frames"].get<std::int64_t>();
     if (frames == setup.feed->frames()) return recorded != setup.feed->planes_hash();
-    const auto reader = setup.open();
+    const auto reader = setup.clip.open();
     if (!reader.ok()) return true;
     const auto found = planes_hash_of(**reader, frames);
     return !found.ok() || *found != recorded;

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "device/hand.hpp"
-#include "player/commands/touch_setup.hpp"
 #include "player/session/recording.hpp"
 #include "player/session/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "engine/media/clip.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// The temporal filter as a person wants it.
+struct TemporalChoice {
+    bool on = false;
+    std::optional<DepthNoise> noise;  ///< of the depth, scene units; nothing: what the scene says
+};
+
+/// A clip, and what a person wants of it instead of what it says itself. Nothing: the clip's own.
+struct ClipChoice {
+    std::filesystem::path file;
+    std::optional<std::filesystem::path> scene_file;
+    std::optional<PictureCamera> camera;  ///< of a single depth picture
+    std::optional<int> median, fill_holes;
+    std::optional<TerraceRemoval> terraces;
+    std::optional<TemporalChoice> temporal;
+    std::optional<FrameInterpolation> interpolation;
+
+    /// The clip, from its beginning.
+    Result<std::unique_ptr<ClipReader>> open() const;
+};
+
+struct OpenClip {
+    std::unique_ptr<ClipReader> reader;
+    Scene scene;  ///< as the run applies it
+};
+/// Refused (ErrorKind::usage) where what is wanted does not go with the clip.
+Result<OpenClip> open_chosen(const ClipChoice& choice);
+
+}  // namespace touchable

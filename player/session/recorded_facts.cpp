@@ -1,0 +1,163 @@
+#include "player/session/recorded_facts.hpp"
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "engine/scene/scene_file.hpp"
+#include "haptics_cpu/force_rules.hpp"
+#include "player/session/session_options.hpp"
+
+namespace touchable {
+
+using Json = nlohmann::ordered_json;
+
+Json recorded_facts(const TouchSetup& setup) {
+    const TouchSettings& touch = setup.settings.touch;
+    const GuardSettings& guard = setup.settings.guard;
+    const ClipChoice& clip = setup.clip;
+    Json facts{{"rules", force_rules},
+               {"clip", clip.file.string()},
+               {"scene", Json::parse(scene_to_json(setup.scene))},
+               {"hand", setup.hand_words},
+               {"builder", setup.feed->builder_name()},
+               {"clock", setup.live ? "wall" : "virtual"},
+               {"metric", name_of(touch.metric)},
+               {"S", touch.metres_per_scene_unit},
+               {"event_limit", touch.event_limit},
+               {"stribeck_speed", touch.stribeck_speed},
+               {"guard",
+                {{"max_force", guard.max_force},
+                 {"max_stiffness", guard.max_stiffness},
+                 {"ramp_in_ticks", guard.ramp_in_ticks},
+                 {"ramp_out_ticks", guard.ramp_out_ticks},
+                 {"waits_to_be_free", guard.waits_to_be_free},
+                 {"paid_rise", guard.rise.paid},
+                 {"damping", guard.damping},
+                 {"passivity", guard.passivity}}}};
+    if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
+    if (clip.scene_file) facts["scene_file"] = clip.scene_file->string();
+    if (const auto& camera = clip.camera) {
+        facts["intrinsics"] = {camera->fx, camera->fy};
+        if (camera->cx && camera->cy)
+            facts["intrinsics"].insert(facts["intrinsics"].end(), {*camera->cx, *camera->cy});
+        facts["depth_unit"] = camera->metres_per_code;
+    }
+    if (!setup.device_words.empty()) facts["device"] = setup.device_words;
+    return facts;
+}
+
+namespace {
+
+/// Throws std::out_of_range, with the member's name, where it is missing or no `kind`.
+template <class Value>
+Value member(const Json& facts, const char* name, const char* kind) {
+    try {
+        return facts.at(name).get<Value>();
+    } catch (const Json::exception&) {
+        throw std::out_of_range(std::string(name) +
+                                (facts.contains(name) ? std::string(" must be ") + kind : " is missing"));
+    }
+}
+
+std::string text(const Json& facts, const char* name) {
+    return member<std::string>(facts, name, "text");
+}
+
+double number(const Json& facts, const char* name) {
+    return member<double>(facts, name, "a number");
+}
+
+/// Of versions that did not know it, the default.
+double number_or(const Json& facts, const char* name, double otherwise) {
+    return facts.contains(name) ? number(facts, name) : otherwise;
+}
+
+Json object(const Json& facts, const char* name) {
+    auto value = member<Json>(facts, name, "an object");
+    if (!value.is_object()) throw std::out_of_range(std::string(name) + " must be an object");
+    return value;
+}
+
+int whole_number(const Json& facts, const char* name, int least, int most) {
+    const double value = number(facts, name);
+    if (value >= least && value <= most && value == std::floor(value)) return static_cast<int>(value);
+    throw std::out_of_range(std::string(name) + " must be a whole number, " + std::to_string(least) + " to " +
+                            std::to_string(most));
+}
+
+TouchMetric metric_named(const std::string& name) {
+    for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled})
+        if (name_of(metric) == name) return metric;
+    throw std::out_of_range("metric must be world, pixel or scaled");
+}
+
+/// Of a single depth picture, what stood in for its scene file.
+std::optional<PictureCamera> camera_of(const Json& facts) {
+    if (!facts.contains("intrinsics")) return std::nullopt;
+    const auto numbers = member<std::vector<double>>(facts, "intrinsics", "numbers");
+    if (numbers.size() != 2 && numbers.size() != 4)
+        throw std::out_of_range("intrinsics must be two numbers, or four");
+    PictureCamera camera{.fx = numbers[0], .fy = numbers[1]};
+    if (numbers.size() == 4) camera.cx = numbers[2];
+    if (numbers.size() == 4) camera.cy = numbers[3];
+    camera.metres_per_code = number(facts, "depth_unit");
+    return camera;
+}
+
+/// Throws as `member` does, and where a setting is impossible.
+void read_touch(const Json& facts, TouchSettings& touch) {
+    touch.metric = metric_named(text(facts, "metric"));
+    touch.metres_per_scene_unit = number(facts, "S");
+    if (!(touch.metres_per_scene_unit > 0)) throw std::out_of_range("S must be above 0");
+    touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);
+    touch.stribeck_speed = number_or(facts, "stribeck_speed", touch.stribeck_speed);
+    if (!(touch.stribeck_speed >= 0)) throw std::out_of_range("stribeck_speed must be 0 or above");
+}
+
+/// Likewise.
+void read_guard(const Json& limits, GuardSettings& guard) {
+    guard.max_force = number(limits, "max_force");
+    guard.max_stiffness = number(limits, "max_stiffness");
+    guard.ramp_in_ticks = whole_number(limits, "ramp_in_ticks", 0, 1'000'000);
+    guard.ramp_out_ticks = whole_number(limits, "ramp_out_ticks", 0, 1'000'000);
+    if (limits.contains("waits_to_be_free"))
+        guard.waits_to_be_free = member<bool>(limits, "waits_to_be_free", "true or false");
+    if (limits.contains("paid_rise")) guard.rise.paid = member<bool>(limits, "paid_rise", "true or false");
+    guard.rise.per_tick = number_or(limits, "rise_per_tick", guard.rise.per_tick);
+    guard.damping = number_or(limits, "damping", guard.damping);
+    guard.passivity = number_or(limits, "passivity", guard.passivity);
+    if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
+}
+
+/// Gives the recorded scene, as text. Throws std::out_of_range where something is missing, of another kind or
+/// impossible.
+std::string read_facts(const Json& facts, TouchSetup& setup) {
+    setup.clip.file = text(facts, "clip");
+    if (facts.contains("scene_file")) setup.clip.scene_file = text(facts, "scene_file");
+    setup.clip.camera = camera_of(facts);
+    setup.hand_words = text(facts, "hand");
+    setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
+    if (facts.contains("device")) setup.device_words = text(facts, "device");
+    read_touch(facts, setup.settings.touch);
+    read_guard(object(facts, "guard"), setup.settings.guard);
+    if (facts.contains("rules")) (void)whole_number(facts, "rules", 1, 1'000'000);
+    if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, 1'000'000'000);
+    for (const char* hash : {"planes_hash", "force_hash"}) (void)text(facts, hash);
+    return object(facts, "scene").dump();
+}
+
+}  // namespace
+
+Result<Scene> read_recorded_facts(const Json& facts, const std::string& name, TouchSetup& setup) {
+    std::string scene;
+    try {
+        scene = read_facts(facts, setup);
+    } catch (const std::exception& fault) {
+        return input_error(name + ": its facts will not do: " + fault.what());
+    }
+    return parse_scene(scene, name);
+}
+
+}  // namespace touchable

@@ -1,0 +1,38 @@
+#include "player/session/session_options.hpp"
+
+#include <cmath>
+
+namespace touchable {
+
+namespace {
+
+// N s/m. Beyond this a hand on a light device no longer slows down within a tick, it is thrown back.
+constexpr double most_damping = 100;
+
+constexpr GuardNames option_names{.max_force = "--max-force",
+                                  .max_stiffness = "--max-stiffness",
+                                  .rise = "--stiffness-slew",
+                                  .damping = "--damping",
+                                  .passivity = "--passivity"};
+
+}  // namespace
+
+Result<void> check_guard(const GuardSettings& guard) {
+    if (auto valid = validate(guard, option_names); !valid.ok()) return valid;
+    if (guard.damping > most_damping) return usage_error("--damping must be 0 to 100 N s/m");
+    if (guard.passivity > most_damping) return usage_error("--passivity must be 0 to 100 N s/m");
+    return {};
+}
+
+Result<void> validate(const SessionOptions& options) {
+    if (auto checked = check_guard(options.guard); !checked.ok()) return checked;
+    if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
+        return usage_error("--stribeck must be a number of m/s, 0 or above");
+    if (options.start_buried && !options.live)
+        return usage_error("--start-buried needs --live: without it no finger waits to be free");
+    if (options.device && !options.live)
+        return usage_error("--device needs --live: a device is held in real time");
+    return {};
+}
+
+}  // namespace touchable

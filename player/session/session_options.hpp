@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "engine/result.hpp"
+#include "haptics_cpu/guard_settings.hpp"
+#include "haptics_cpu/touch_solver.hpp"
+#include "player/session/builder_choice.hpp"
+#include "player/session/clip_choice.hpp"
+
+namespace touchable {
+
+/// What a run is made of: what is touched, by whom, and how forces come about.
+struct SessionOptions {
+    ClipChoice clip;
+    std::string hand = "wander";  ///< as make_hand reads it
+    int fingers = 1;
+    std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
+    BuilderChoice builder{.name = "auto"};
+    TouchMetric metric = TouchMetric::world;
+    double stribeck_speed = 0;  ///< m/s; 0: friction does not depend on speed
+    GuardSettings guard;
+    bool live = false;                  ///< on the wall clock, in real time
+    bool start_buried = false;          ///< live: force from the start for a finger that begins inside, too
+    std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
+};
+
+/// Refuses (ErrorKind::usage) what no run can be made of, whatever the clip, in the options' names.
+Result<void> validate(const SessionOptions& options);
+
+/// Refuses a guard that is no good to a hand on a device, likewise.
+Result<void> check_guard(const GuardSettings& guard);
+
+}  // namespace touchable

@@ -1,0 +1,170 @@
+#include "player/session/touch_setup.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "engine/surface/surface_builder.hpp"
+#include "player/session/builder_pick.hpp"
+#include "player/session/clip_workspace.hpp"
+#include "player/session/field_probe.hpp"
+#include "player/session/recorded_facts.hpp"
+#include "player/session/replay.hpp"
+
+namespace touchable {
+
+namespace {
+
+/// The builder that was asked for, or what auto is in this run. A GPU that was named may be a software one,
+/// and has to be there whether auto takes it or not.
+Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames,
+                            const SessionOptions& options) {
+    setup.builder = options.builder;
+    if (options.builder.name != "auto") return {};
+    const bool named = options.builder.names_gpu();
+    if (named)
+        if (auto opened = setup.gpu->open(); !opened.ok()) return opened.error();
+    const TouchLoad load{setup.scene, frames != 1, setup.settings.fingers, options.live};
+    const auto pick = pick_builder(load, [&] {
+        const auto device = setup.gpu->open();
+        return device.ok() && (named || (*device)->facts().kind != GpuKind::software);
+    });
+    setup.builder.name = pick.name;
+    setup.builder.gpu_fallback = pick.name == "vulkan";  // nobody asked for it
+    setup.builder_why = pick.why;
+    return {};
+}
+
+/// The clip's frames on their way to the surface.
+Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& options) {
+    setup.scene = std::move(clip.scene);
+    setup.notes = clip.reader->notes();
+    setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
+    if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
+    auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
+    if (!builder.ok()) return builder.error();
+    setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(*builder), setup.scene);
+    return {};
+}
+
+/// A hand over the clip's first frame, and where it stands there.
+Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
+    const auto first = setup.feed->pair_at(0);
+    if (!first.ok()) return first.error();
+    setup.workspace = clip_workspace(setup.scene, *first->prev.frame);
+    const HeightField field(setup.scene, *first);
+    auto hand = make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field));
+    if (!hand.ok()) return hand.error();
+    setup.hand_words = options.hand;
+    setup.hand = std::move(*hand);
+    setup.settings.touch.metres_per_scene_unit = setup.workspace.metres_per_scene_unit;
+    return {};
+}
+
+Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
+    if (!options.device) return {};
+    auto device = make_simulated_device(*options.device, options.fingers,
+                                        {options.guard.max_force, options.guard.max_stiffness});
+    if (!device.ok()) return device.error();
+    setup.device = std::move(*device);
+    setup.device_words = *options.device;
+    return {};
+}
+
+Result<void> make_solver(TouchSetup& setup) {
+    auto solver = TouchSolver::create(setup.scene, setup.settings.touch);
+    if (!solver.ok()) return solver.error();
+    setup.solver = *solver;
+    return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options) {
+    if (auto valid = validate(options); !valid.ok()) return valid.error();
+    auto setup = std::make_unique<TouchSetup>();
+    setup->clip = options.clip;
+    setup->live = options.live;
+    setup->settings.fingers = options.fingers;
+    setup->settings.ticks = options.ticks;
+    setup->settings.touch.metric = options.metric;
+    setup->settings.touch.stribeck_speed = options.stribeck_speed;
+    setup->settings.guard = options.guard;
+    setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
+
+    auto clip = open_chosen(options.clip);
+    if (!clip.ok()) return clip.error();
+    if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
+    if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();
+    if (auto held = hold_device(*setup, options); !held.ok()) return held.error();
+    if (auto made = make_solver(*setup); !made.ok()) return made.error();
+    return setup;
+}
+
+namespace {
+
+/// Why the recorded clip could not be opened; where it, or its scene file, is gone, how to say where it is
+/// now.
+Error gone(Error error, const TouchSetup& setup, const std::filesystem::path& file,
+           const ClipChoice& instead) {
+    std::error_code ignored;
+    const std::string again = "; where it is now can be said: --replay " + file.string();
+    const auto& scene_file = setup.clip.scene_file;
+    if (instead.file.empty() && !std::filesystem::exists(setup.clip.file, ignored))
+        error.message += again + " CLIP";
+    else if (!instead.scene_file && scene_file && !std::filesystem::exists(*scene_file, ignored))
+        error.message += again + " --scene FILE";
+    return error;
+}
+
+/// The recorded clip, or the one it is now, as the `recorded` scene.
+Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const std::filesystem::path& file,
+                               const ClipChoice& instead) {
+    if (!instead.file.empty()) setup.clip.file = instead.file;
+    if (instead.scene_file) {
+        setup.clip.scene_file = instead.scene_file;
+        setup.clip.camera.reset();
+    }
+    auto reader = setup.clip.open();
+    if (!reader.ok()) return gone(reader.error(), setup, file, instead);
+    const Scene& stored = (*reader)->scene();
+    if (stored.width != recorded.width || stored.height != recorded.height)
+        return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
+                           std::to_string(stored.height) + ", the recording was made on " +
+                           std::to_string(recorded.width) + "x" + std::to_string(recorded.height));
+    return OpenClip{std::move(*reader), recorded};
+}
+
+/// Ticks at the times that were recorded, and of a live run with the frames they found: that was a matter of
+/// the moment, and the recording knows.
+void follow(const Recording& recording, TouchSetup& setup) {
+    setup.settings.time_of_tick = [&recording](std::int64_t tick) {
+        const auto last = static_cast<std::int64_t>(recording.ticks.size()) - 1;
+        return recording.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
+    };
+    if (!setup.live) return;
+    setup.settings.pair_of_tick = [&recording, feed = setup.feed.get()](std::int64_t tick) {
+        const RecordedTick& recorded = recording.ticks[static_cast<std::size_t>(tick)];
+        return feed->pair_of(recorded.frame_prev, recorded.frame_next, recorded.blend);
+    };
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& recording,
+                                                         const std::filesystem::path& file,
+                                                         const SessionOptions& options) {
+    auto setup = std::make_unique<TouchSetup>();
+    setup->settings.fingers = recording.fingers;
+    const auto scene = read_recorded_facts(recording.facts, "recording " + file.string(), *setup);
+    if (!scene.ok()) return scene.error();
+    auto clip = open_recorded(*setup, *scene, file, options.clip);
+    if (!clip.ok()) return clip.error();
+    if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
+    setup->hand = std::make_unique<ReplayHand>(recording);
+    follow(recording, *setup);
+    if (auto made = make_solver(*setup); !made.ok()) return made.error();
+    return setup;
+}
+
+}  // namespace touchable

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "device/simulated_device.hpp"
+#include "device/workspace.hpp"
+#include "player/session/recording.hpp"
+#include "player/session/session_options.hpp"
+#include "player/session/touch_session.hpp"
+
+namespace touchable {
+
+/// Everything a session runs on, made from options or from a recording.
+struct TouchSetup {
+    ClipChoice clip;
+    Scene scene;                     ///< as this run applies it
+    std::vector<std::string> notes;  ///< the reader's
+    BuilderChoice builder;           ///< not auto any more
+    std::string builder_why;         ///< of what auto picked; empty: it was asked for by name
+    std::unique_ptr<RunGpu> gpu;     ///< of builder and picture
+    std::unique_ptr<SurfaceFeed> feed;
+    std::string hand_words;  ///< as on the command line
+    std::unique_ptr<Hand> hand;
+    std::string device_words;  ///< as on the command line; empty: no device
+    std::unique_ptr<SimulatedDevice> device;
+    Workspace workspace;
+    std::optional<TouchSolver> solver;
+    TouchSessionSettings settings;
+    bool live = false;  ///< on the wall clock, or recorded so
+};
+
+Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);
+/// The run of `recording`, which was read from `file` and outlives the setup: by `options.builder`, and over
+/// the clip and scene file of `options.clip` where they are given.
+Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& recording,
+                                                         const std::filesystem::path& file,
+                                                         const SessionOptions& options);
+
+}  // namespace touchable
