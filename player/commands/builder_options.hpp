@@ -12,7 +12,7 @@ class App;
 
 namespace touchable {
 
-/// Adds --builder, which may be one of `names`, --gpu and --gpu-fallback.
+/// Adds --builder, which may be one of `names`, and --gpu.
 void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names);
 
 /// Refused (ErrorKind::usage) where GPU options are given and nothing of the run uses a GPU.

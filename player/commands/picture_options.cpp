@@ -50,7 +50,7 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     if (!size.ok()) return size.error();
     order.settings.width = size->width;
     order.settings.height = size->height;
-    if (options.draws_on_gpu() && choice.names_gpu() && !choice.gpu_fallback)
+    if (options.draws_on_gpu() && choice.names_gpu())
         if (const auto opened = gpu.open(); !opened.ok()) return opened.error();
     auto painter = make_painter(options.painter, [&gpu] { return gpu.open(); });
     if (!painter.ok()) return painter.error();

@@ -47,7 +47,7 @@ private:
                        std::span<const FingerMark> fingers);
 };
 /// Nothing where no picture is asked for. `gpu` is that of `choice`, and opened only for a painter that needs
-/// it; one that is asked for by name and is not to be had is refused, unless there may be a fallback.
+/// it; one that is asked for by name and is not to be had is refused.
 Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, Existing existing,
                                                   const BuilderChoice& choice, RunGpu& gpu);
 

@@ -12,15 +12,15 @@ namespace touchable {
 struct BuilderChoice {
     std::string name = "cpu";
     std::string gpu = "auto";   ///< as in choose_gpu; for the vulkan builder and for pictures
-    bool gpu_fallback = false;  ///< the cpu builder where there is no usable GPU
+    bool gpu_fallback = false;  ///< nobody asked for the GPU: the cpu builder where it will not do after all
 
     bool names_gpu() const { return gpu != "auto"; }
 };
 
 /// The vulkan builder works on `gpu`, which others do not open. Refused (ErrorKind::gpu), saying what is
-/// missing, where it is asked for, there is no such GPU and none is asked to go on without;
-/// (ErrorKind::usage) the lazy builder with a temporal filter. A GPU that is lost in the middle is no error:
-/// the cpu builder goes on, and a warning on stderr says so.
+/// missing, where it was asked for and there is no such GPU; (ErrorKind::usage) the lazy builder with a
+/// temporal filter. A GPU that is lost in the middle is no error: the cpu builder goes on, and a warning on
+/// stderr says so.
 Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
                                                      RunGpu& gpu);
 

@@ -30,7 +30,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
         return device.ok() && (named || (*device)->facts().kind != GpuKind::software);
     });
     setup.builder.name = pick.name;
-    setup.builder.gpu_fallback = pick.name == "vulkan";  // nobody asked for it
+    setup.builder.gpu_fallback = pick.name == "vulkan";
     setup.builder_why = pick.why;
     return {};
 }

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "engine/gpu/gpu_device.hpp"
+#include "player/session/builder_choice.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
@@ -115,17 +116,17 @@ TEST(VulkanTouch, WithoutADriverEndsWithExitCode4AndSaysWhatIsMissing) {
     EXPECT_NE(run.err.find("install a driver"), std::string::npos) << run.err;
 }
 
-TEST(VulkanTouch, WithoutADriverTheCpuBuilderDoesItsWorkWhereAsked) {
-    const TemporaryFolder folder;
-    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
-    const Words words{folder / "clip.mkv", "--seconds", "0.5"};
-    const std::string cpu = force_hash(words);
-    const WithoutDriver none;
-    Words fallback = words;
-    fallback.insert(fallback.end(), {"--builder", "vulkan", "--gpu-fallback"});
-    const auto report = touch(fallback);
-    EXPECT_EQ(report["force_hash"], cpu);
-    EXPECT_EQ(report["builder"], "cpu");
+TEST(VulkanTouch, WhereAutoTookAGpuThatWillNotDoTheCpuBuilderDoesItsWork) {
+    RunGpu none("no such device");
+    Scene scene;
+    scene.width = 40;
+    scene.height = 30;
+    const auto asked_for = make_builder({.name = "vulkan"}, scene, none);
+    ASSERT_FALSE(asked_for.ok());
+    EXPECT_EQ(asked_for.error().kind, ErrorKind::gpu);
+    const auto picked = make_builder({.name = "vulkan", .gpu_fallback = true}, scene, none);
+    ASSERT_TRUE(picked.ok()) << picked.error().message;
+    EXPECT_EQ((*picked)->name(), "cpu");
 }
 
 TEST(VulkanTouch, ADeviceThatIsNotThereIsRefusedWithThoseThatAre) {
@@ -155,9 +156,8 @@ TEST(VulkanTouch, AutoMayTakeTheGpuThatIsNamedWhichHasToBeThere) {
 TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
-    for (const Words& words : {Words{"--gpu-fallback"},
-                               {"--builder", "cpu", "--gpu", "0"},
-                               {"--builder", "lazy", "--gpu-fallback"}}) {
+    for (const Words& words :
+         {Words{"--builder", "cpu", "--gpu", "0"}, {"--builder", "lazy", "--gpu", "0"}}) {
         Words all{"touch", folder / "clip.mkv"};
         all.insert(all.end(), words.begin(), words.end());
         const Outcome run = run_touchable(all);
