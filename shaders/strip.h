@@ -101,8 +101,7 @@ struct Starts {
 Starts starts_of(uint strip) {
     Starts starts;
     [[unroll]] for (int k = 0; k < strip_rows; ++k)
-        starts.rows[k] =
-            push.in_start + push.in_pitch * uint(clamp(2 * int(strip) + k - strip_centre, 0, int(push.height) - 1));
+        starts.rows[k] = push.in_pitch * uint(clamp(2 * int(strip) + k - strip_centre, 0, int(push.height) - 1));
     return starts;
 }
 

@@ -42,7 +42,6 @@ struct ListedBlocks {
 /// Of the kernels that march along strips (strip.h).
 struct StripPush {
     uint width, height;       // pixels
-    uint in_start;             // texels before the first row
     uint in_pitch, out_pitch;  // texels from one row to the next
     uint segments;            // parts of a row that are marched side by side
     uint segment_texels;      // codes of a segment / 8; a multiple of 4

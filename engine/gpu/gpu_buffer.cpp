@@ -9,8 +9,6 @@ namespace touchable {
 namespace {
 
 constexpr std::size_t texel_bytes = 16;  // rgba32ui
-constexpr VkExternalMemoryHandleTypeFlagBits host_allocation =
-    VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
 
 Error refusal(const VulkanDevice& gpu, const std::string& name, std::size_t bytes, const std::string& why) {
     return {ErrorKind::gpu, "GPU buffer '" + name + "' of " + std::to_string(bytes) + " bytes: " + why +
@@ -41,7 +39,7 @@ GpuBuffer::State::~State() {
 
 /// The buffer without its memory.
 Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice& device, std::string name,
-                                                                std::size_t bytes, const void* extension) {
+                                                                std::size_t bytes) {
     auto state = std::make_shared<State>();
     state->vulkan = device.vulkan();
     state->name = std::move(name);
@@ -55,7 +53,6 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
 
     VkBufferCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
-    info.pNext = extension;
     info.size = state->size;
     info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                  VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
@@ -69,15 +66,13 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
 
 /// Gives the buffer memory of this type, and a view of its texels where that is not larger than a view may
 /// be.
-Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, const void* extension,
-                             std::size_t bytes) {
+Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_t bytes) {
     VulkanDevice& gpu = *state.vulkan;
     if (bytes > heap_bytes(gpu, memory_type))
         return refusal(gpu, state.name, state.bytes,
                        "the memory has only " + std::to_string(heap_bytes(gpu, memory_type)));
     VkMemoryAllocateInfo memory{};
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-    memory.pNext = extension;
     memory.allocationSize = bytes;
     memory.memoryTypeIndex = memory_type;
     VkResult result = vkAllocateMemory(gpu.device, &memory, nullptr, &state.memory);
@@ -98,59 +93,20 @@ Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, const void
 
 Result<GpuBuffer> GpuBuffer::create(const GpuDevice& device, std::string name, std::size_t bytes,
                                     GpuMemory memory) {
-    auto state = make_state(device, std::move(name), bytes, nullptr);
+    auto state = make_state(device, std::move(name), bytes);
     if (!state.ok()) return state.error();
     VulkanDevice& gpu = *(*state)->vulkan;
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(gpu.device, (*state)->buffer, &needs);
     const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, memory);
     if (!type) return refusal(gpu, (*state)->name, bytes, "no memory the CPU can see");
-    if (auto bound = bind(**state, *type, nullptr, needs.size); !bound.ok()) return bound.error();
+    if (auto bound = bind(**state, *type, needs.size); !bound.ok()) return bound.error();
 
     if (memory != GpuMemory::device) {
         const VkResult result =
             vkMapMemory(gpu.device, (*state)->memory, 0, VK_WHOLE_SIZE, 0, &(*state)->mapped);
         if (result != VK_SUCCESS) return refusal(gpu, (*state)->name, bytes, "vkMapMemory", result);
     }
-    GpuBuffer buffer;
-    buffer.state_ = std::move(*state);
-    return buffer;
-}
-
-Result<GpuBuffer> GpuBuffer::import(const GpuDevice& device, std::string name, std::span<std::byte> memory,
-                                    std::shared_ptr<const void> owner) {
-    VulkanDevice& gpu = *device.vulkan();
-    const std::uint64_t alignment = gpu.facts.import_alignment;
-    if (alignment == 0) return refusal(gpu, name, memory.size(), "host memory cannot be imported");
-    if (reinterpret_cast<std::uintptr_t>(memory.data()) % alignment != 0 || memory.size() % alignment != 0)
-        return refusal(gpu, name, memory.size(),
-                       "imported memory starts and ends at multiples of " + std::to_string(alignment));
-
-    VkExternalMemoryBufferCreateInfo external{};
-    external.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO;
-    external.handleTypes = host_allocation;
-    auto state = make_state(device, std::move(name), memory.size(), &external);
-    if (!state.ok()) return state.error();
-
-    VkMemoryHostPointerPropertiesEXT host{};
-    host.sType = VK_STRUCTURE_TYPE_MEMORY_HOST_POINTER_PROPERTIES_EXT;
-    VkResult result = gpu.host_pointer_properties(gpu.device, host_allocation, memory.data(), &host);
-    if (result != VK_SUCCESS)
-        return refusal(gpu, (*state)->name, memory.size(), "vkGetMemoryHostPointerPropertiesEXT", result);
-    VkMemoryRequirements needs;
-    vkGetBufferMemoryRequirements(gpu.device, (*state)->buffer, &needs);
-    const auto type =
-        choose_memory_type(gpu.memory, needs.memoryTypeBits & host.memoryTypeBits, GpuMemory::shared);
-    if (!type || needs.size > memory.size())
-        return refusal(gpu, (*state)->name, memory.size(), "this memory cannot be imported");
-
-    VkImportMemoryHostPointerInfoEXT import{};
-    import.sType = VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT;
-    import.handleType = host_allocation;
-    import.pHostPointer = memory.data();
-    if (auto bound = bind(**state, *type, &import, memory.size()); !bound.ok()) return bound.error();
-    (*state)->mapped = memory.data();  // coherent: the CPU goes on using its own address
-    (*state)->owner = std::move(owner);
     GpuBuffer buffer;
     buffer.state_ = std::move(*state);
     return buffer;

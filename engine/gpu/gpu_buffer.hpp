@@ -35,11 +35,6 @@ public:
     static Result<GpuBuffer> create(const GpuDevice& device, std::string name, std::size_t bytes,
                                     GpuMemory memory);
 
-    /// The host's own memory, without a copy; `owner` keeps it alive. Its address and size are multiples of
-    /// facts().import_alignment, which is 0 where this is not supported; refused (ErrorKind::gpu) otherwise.
-    static Result<GpuBuffer> import(const GpuDevice& device, std::string name, std::span<std::byte> memory,
-                                    std::shared_ptr<const void> owner);
-
     explicit operator bool() const { return state_ != nullptr; }
     const std::string& name() const { return state_->name; }
     std::size_t bytes() const { return state_->bytes; }  ///< as asked for
@@ -72,12 +67,10 @@ private:
         VkDeviceMemory memory = VK_NULL_HANDLE;
         VkBufferView texels = VK_NULL_HANDLE;
         void* mapped = nullptr;
-        std::shared_ptr<const void> owner;  // of imported memory
     };
     static Result<std::shared_ptr<State>> make_state(const GpuDevice& device, std::string name,
-                                                     std::size_t bytes, const void* extension);
-    static Result<void> bind(State& state, std::uint32_t memory_type, const void* extension,
-                             std::size_t bytes);
+                                                     std::size_t bytes);
+    static Result<void> bind(State& state, std::uint32_t memory_type, std::size_t bytes);
 
     std::shared_ptr<const State> state_;
 };

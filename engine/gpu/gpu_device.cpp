@@ -48,9 +48,6 @@ Result<void> create_device(VulkanDevice& gpu) {
     vkGetPhysicalDeviceMemoryProperties(gpu.physical, &gpu.memory);
     gpu.push_descriptors =
         function_of<PFN_vkCmdPushDescriptorSetKHR>(gpu.device, "vkCmdPushDescriptorSetKHR");
-    if (gpu.facts.import_alignment > 0)
-        gpu.host_pointer_properties = function_of<PFN_vkGetMemoryHostPointerPropertiesEXT>(
-            gpu.device, "vkGetMemoryHostPointerPropertiesEXT");
     if (gpu.instance->validates())
         gpu.set_name =
             function_of<PFN_vkSetDebugUtilsObjectNameEXT>(gpu.device, "vkSetDebugUtilsObjectNameEXT");

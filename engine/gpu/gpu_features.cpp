@@ -31,7 +31,6 @@ constexpr Feature optional_features[] = {
 
 constexpr const char* needed_extensions[] = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
 constexpr const char* optional_extensions[] = {
-    VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME,
     // Where a device has it, it is Vulkan on top of something else, not all of Vulkan, and has to be told
     // that this is known. Nothing of what may be missing then is used here.
     "VK_KHR_portability_subset",

@@ -35,7 +35,6 @@ struct VulkanDevice {
 
     // Functions of extensions; null where the extension is optional and absent.
     PFN_vkCmdPushDescriptorSetKHR push_descriptors = nullptr;
-    PFN_vkGetMemoryHostPointerPropertiesEXT host_pointer_properties = nullptr;
     PFN_vkSetDebugUtilsObjectNameEXT set_name = nullptr;
 
     /// Sticky: once true, every submission and every wait fails.

@@ -8,59 +8,10 @@ namespace {
 
 constexpr std::size_t texel_bytes = 16;
 
-/// The pages that a plane lies in.
-struct Pages {
-    std::uintptr_t first;
-    std::size_t bytes;
-};
-Pages pages_of(const PlaneView& plane, std::size_t page) {
-    const auto address = reinterpret_cast<std::uintptr_t>(plane.data);
-    const std::size_t row_bytes =
-        static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.bytes_per_sample);
-    const std::uintptr_t first = address / page * page;
-    const std::uintptr_t end =
-        address + static_cast<std::size_t>(plane.height - 1) * static_cast<std::size_t>(plane.stride) +
-        row_bytes;
-    return {first, (end - first + page - 1) / page * page};
-}
-
 }  // namespace
-
-Result<StoredRows> StoredPlane::take(const RawFrame& raw, const BlockList& list, BuildNumber held) {
-    if (is_importable(raw))
-        if (auto rows = import(raw); rows.ok()) return rows;
-    return upload(raw.depth, list, held);
-}
 
 void StoredPlane::keep(const BlockList& list, BuildNumber held) {
     if (uploaded_ >= held) uploaded_ = list.newest();
-}
-
-/// A GPU that hangs may read them after the frame has been given up: only planes that storage keeps.
-bool StoredPlane::is_importable(const RawFrame& raw) const {
-    const GpuFacts& facts = device_->facts();
-    const PlaneView& depth = raw.depth;
-    if (facts.kind != GpuKind::software || facts.import_alignment == 0 || copies_ || !raw.storage)
-        return false;
-    if (depth.channels != 1 || reinterpret_cast<std::uintptr_t>(depth.data) % texel_bytes != 0 ||
-        depth.stride <= 0 || depth.stride % static_cast<std::ptrdiff_t>(texel_bytes) != 0)
-        return false;
-    return pages_of(depth, facts.import_alignment).bytes / texel_bytes <=
-           facts.limits.max_texel_buffer_elements;
-}
-
-Result<StoredRows> StoredPlane::import(const RawFrame& raw) const {
-    const PlaneView& depth = raw.depth;
-    const Pages pages = pages_of(depth, device_->facts().import_alignment);
-    const std::size_t before = reinterpret_cast<std::uintptr_t>(depth.data) - pages.first;
-    // Kernels do not write it.
-    std::byte* const start = const_cast<std::byte*>(reinterpret_cast<const std::byte*>(depth.data)) -
-                             static_cast<std::ptrdiff_t>(before);
-    auto buffer = GpuBuffer::import(*device_, "stored values", {start, pages.bytes}, raw.storage);
-    if (!buffer.ok()) return buffer.error();
-    return StoredRows{*buffer, static_cast<std::uint32_t>(depth.bytes_per_sample),
-                      static_cast<std::uint32_t>(static_cast<std::size_t>(depth.stride) / texel_bytes),
-                      static_cast<std::uint32_t>(before / texel_bytes), valid_};
 }
 
 Result<void> StoredPlane::make_buffers(std::size_t bytes) {
@@ -76,7 +27,7 @@ Result<void> StoredPlane::make_buffers(std::size_t bytes) {
 
 /// Rows one after the other from texel to texel; of a frame that has changed in part, and if what was there
 /// before is as new as the slot, those that have.
-Result<StoredRows> StoredPlane::upload(const PlaneView& depth, const BlockList& list, BuildNumber held) {
+Result<StoredRows> StoredPlane::take(const PlaneView& depth, const BlockList& list, BuildNumber held) {
     const std::size_t pixel_bytes =
         static_cast<std::size_t>(depth.channels) * static_cast<std::size_t>(depth.bytes_per_sample);
     const std::size_t row_bytes = static_cast<std::size_t>(depth.width) * pixel_bytes;
@@ -102,7 +53,7 @@ Result<StoredRows> StoredPlane::upload(const PlaneView& depth, const BlockList& 
     }
     uploaded_ = list.newest();
     return StoredRows{stored_, static_cast<std::uint32_t>(depth.bytes_per_sample),
-                      static_cast<std::uint32_t>(pitch / texel_bytes), 0, valid_};
+                      static_cast<std::uint32_t>(pitch / texel_bytes), valid_};
 }
 
 void StoredPlane::record_reading_in(GpuCommands& commands) const {

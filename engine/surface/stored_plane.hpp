@@ -12,7 +12,7 @@ namespace touchable {
 /// Where a kernel reads from: stored values or codes, in rows of whole texels.
 struct StoredRows {
     GpuBuffer buffer;
-    std::uint32_t sample_bytes = 2, pitch = 0, start = 0;  ///< texels from row to row, and before the first
+    std::uint32_t sample_bytes = 2, pitch = 0;  ///< texels from row to row
     ValidCodes valid;
 
     bool may_be_invalid() const {
@@ -21,8 +21,7 @@ struct StoredRows {
     }
 };
 
-/// Depth planes of one builder's frames, as its kernels read them: where the frame has them, if that is a
-/// software Vulkan's memory too and rows are whole texels, else in buffers of their own, which take of a
+/// Depth planes of one builder's frames, as its kernels read them: in buffers of their own, which take of a
 /// frame that has changed in part only that part.
 class StoredPlane {
 public:
@@ -31,17 +30,14 @@ public:
         : device_(std::move(device)), valid_(valid), copies_(copies) {}
 
     /// Those of a frame, into a slot that held build `held`.
-    Result<StoredRows> take(const RawFrame& raw, const BlockList& list, BuildNumber held);
+    Result<StoredRows> take(const PlaneView& depth, const BlockList& list, BuildNumber held);
     /// Nothing has changed since build `held`.
     void keep(const BlockList& list, BuildNumber held);
     /// Records what `take` leaves to the GPU.
     void record_reading_in(GpuCommands& commands) const;
 
 private:
-    bool is_importable(const RawFrame& raw) const;
-    Result<StoredRows> import(const RawFrame& raw) const;
     Result<void> make_buffers(std::size_t bytes);
-    Result<StoredRows> upload(const PlaneView& depth, const BlockList& list, BuildNumber held);
 
     std::shared_ptr<GpuDevice> device_;
     const ValidCodes valid_;

@@ -122,7 +122,7 @@ Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& s
         if (auto filtered = record_codes(commands, median, rows, has_room_above(), finer_, list, slot);
             !filtered.ok())
             return filtered;
-        rows = {finer_, 2, pitch_, 0, finer_codes};
+        rows = {finer_, 2, pitch_, finer_codes};
         median = 0;
     }
     if (temporal_) {
@@ -144,7 +144,6 @@ StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t liste
     StripPush push{};
     push.width = width_;
     push.height = height_;
-    push.in_start = rows.start;
     push.in_pitch = rows.pitch;
     push.out_pitch = pitch_;
     push.segment_texels = plan_.segment_texels > 0 ? plan_.segment_texels : pitch_;
@@ -229,7 +228,7 @@ Result<StoredRows> SurfaceRecording::record_temporal(GpuCommands& commands, bool
                       {groups_for(pitch_, temporal_group), height_});
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark("temporal");
-    return StoredRows{remembered_[0], 2, pitch_, 0, valid};
+    return StoredRows{remembered_[0], 2, pitch_, valid};
 }
 
 Result<StoredRows> SurfaceRecording::record_terraces(GpuCommands& commands, const GpuBuffer& finer) {
@@ -246,7 +245,7 @@ Result<StoredRows> SurfaceRecording::record_terraces(GpuCommands& commands, cons
         from = to;
     }
     commands.mark("terraces");
-    return StoredRows{from, 2, pitch_, 0, finer_codes};
+    return StoredRows{from, 2, pitch_, finer_codes};
 }
 
 Result<StoredRows> SurfaceRecording::record_hue(GpuCommands& commands, const StoredRows& rows) {
@@ -258,7 +257,7 @@ Result<StoredRows> SurfaceRecording::record_hue(GpuCommands& commands, const Sto
                       {groups_for(pitch_, hue_codes_group), height_});
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark("hue");
-    return StoredRows{between_[0], 2, pitch_, 0, valid_};
+    return StoredRows{between_[0], 2, pitch_, valid_};
 }
 
 /// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
@@ -279,7 +278,7 @@ Result<StoredRows> SurfaceRecording::record_filling(GpuCommands& commands, Store
                                        sizeof(FillPass) * push.pass);
         commands.barrier(GpuStage::compute, GpuStage::compute);
         commands.barrier(GpuStage::compute, GpuStage::indirect);
-        rows = {to, 2, pitch_, 0, valid_};
+        rows = {to, 2, pitch_, valid_};
     }
     commands.mark("fill");
     return rows;

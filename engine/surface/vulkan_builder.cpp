@@ -80,7 +80,7 @@ Result<void> Builder::build_listed(const RawFrame& raw, BuildNumber held, const 
         stored_.keep(list_, held);
         return {};
     }
-    auto rows = stored_.take(raw, list_, held);
+    auto rows = stored_.take(raw.depth, list_, held);
     if (!rows.ok()) return rows.error();
     auto commands = GpuCommands::begin(device_, "surface");
     if (!commands.ok()) return commands.error();

@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <numeric>
 #include <vector>
 
@@ -72,44 +71,6 @@ TEST_F(Buffer, TooMuchOrNothingIsRefusedWithItsName) {
             EXPECT_EQ(buffer.error().kind, ErrorKind::gpu);
             EXPECT_NE(buffer.error().message.find("'too much'"), std::string::npos) << buffer.error().message;
         }
-}
-
-TEST_F(Buffer, ImportsTheHostsMemoryWithoutACopy) {
-    const std::size_t alignment = gpu->facts().import_alignment;
-    if (alignment == 0) GTEST_SKIP() << gpu->facts().name << " imports no host memory";
-    const std::size_t bytes = 2 * alignment;
-    const std::shared_ptr<std::byte> memory(static_cast<std::byte*>(std::aligned_alloc(alignment, bytes)),
-                                            std::free);
-    std::fill_n(memory.get(), bytes, std::byte{1});
-    const std::weak_ptr<std::byte> alive = memory;
-    auto imported = must(GpuBuffer::import(*gpu, "imported", {memory.get(), bytes}, memory));
-    EXPECT_EQ(imported.mapped<std::byte>().data(), memory.get());
-    const auto copied = must(GpuBuffer::create(*gpu, "copied", bytes, GpuMemory::readback));
-
-    auto commands = must(GpuCommands::begin(gpu, "import"));
-    commands.fill(imported, 0x02020202U, 0, alignment);
-    commands.barrier(GpuStage::transfer, GpuStage::transfer);
-    commands.copy(imported, 0, copied, 0, bytes);
-    run(std::move(commands));
-    for (std::size_t i = 0; i < bytes; ++i) {
-        ASSERT_EQ(memory.get()[i], std::byte(i < alignment ? 2 : 1)) << i;
-        ASSERT_EQ(copied.mapped<std::byte>()[i], memory.get()[i]) << i;
-    }
-    imported = {};
-    EXPECT_EQ(memory.use_count(), 1) << "the owner is let go";
-}
-
-TEST_F(Buffer, ImportsOnlyAlignedMemory) {
-    const std::size_t alignment = gpu->facts().import_alignment;
-    if (alignment == 0) GTEST_SKIP() << gpu->facts().name << " imports no host memory";
-    const std::shared_ptr<std::byte> memory(
-        static_cast<std::byte*>(std::aligned_alloc(alignment, 2 * alignment)), std::free);
-    for (const std::span<std::byte> wrong : {std::span(memory.get() + 16, alignment),
-                                             std::span(memory.get(), 100), std::span(memory.get(), 0)}) {
-        const auto imported = GpuBuffer::import(*gpu, "crooked", wrong, memory);
-        ASSERT_FALSE(imported.ok());
-        EXPECT_NE(imported.error().message.find("'crooked'"), std::string::npos) << imported.error().message;
-    }
 }
 
 }  // namespace
