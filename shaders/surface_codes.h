@@ -48,7 +48,7 @@ struct StripPush {
     uint along_x;             // 1: neighbouring lanes are neighbours along x, as GPUs like it
     uint validity_words;      // of a row
     uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
-    uint factor;              // before terraces: of codes
+    uint factor;              // of codes that become finer
     uint listed;              // runs of blocks that are built, of the last stage; 0: all of the frame
     ValidCodes valid;
 };
@@ -66,7 +66,7 @@ struct StripConstants {
     uint may_be_invalid;  // 0 where every stored value is a valid code
     uint may_be_excluded;  // 0 where ValidCodes excludes nothing
     uint ragged;          // 0 where the width is a multiple of 8 and the height of 2
-    uint before_terraces;  // 1: codes are for terrace removal or the temporal filter: multiplied, or no_finer_code
+    uint to_finer;        // 1: codes are for filters that need finer ones: multiplied, or no_finer_code
 };
 
 /// Of terraces; width to along_x as in StripPush, but that a lane has one row.

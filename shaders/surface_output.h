@@ -71,8 +71,8 @@ Written take(Task task, uint texel, Pixels pixels) {
         else after = joined(after, both);
         if (k == strip_reach) border = both;
         // shaders/terraces.comp tells invalid codes by their own.
-        const uint factor = before_terraces != 0u ? push.factor : 1u;
-        const uint none = before_terraces != 0u ? no_finer_code : 0u;
+        const uint factor = to_finer != 0u ? push.factor : 1u;
+        const uint none = to_finer != 0u ? no_finer_code : 0u;
         written.upper.v[k] = upper_counts ? pixels.upper[k] * factor : none;
         written.lower.v[k] = lower_counts ? pixels.lower[k] * factor : none;
     }
@@ -98,7 +98,7 @@ void finish_word(Task task, uint word) {
     const uint row = 2u * task.strip, at = row * push.validity_words + word;
     out_validity[at] = upper_word;
     if (row + 1u < push.height) out_validity[at + push.validity_words] = lower_word;
-    if (before_terraces == 0u)
+    if (to_finer == 0u)
         out_parts[task.strip * push.validity_words + word] = u64vec2(part_of(finished[0]), part_of(finished[1]));
 }
 

@@ -19,6 +19,7 @@ struct TemporalGate {
 
     /// At most temporal_most_gate.
     int at(std::uint16_t code) const;
+    bool operator==(const TemporalGate&) const = default;
 };
 /// So twice a gate has 16 bits.
 inline constexpr int temporal_most_gate = 32767;
@@ -30,6 +31,7 @@ struct TemporalFilter {
     int factor = 1;  ///< by which codes are multiplied first, so that a mean has somewhere to lie
     TemporalGate gate;
     DepthCoding coding;  ///< of the finer codes; where nothing changed the depth is the same double
+    bool operator==(const TemporalFilter&) const = default;
 };
 
 /// What the scene asks for; nothing: no filter. Needs a scene that `validate` accepts.

@@ -1,81 +1,47 @@
 #include "engine/surface/code_filters.hpp"
 
-#include <algorithm>
 #include <cassert>
 
+#include "engine/surface/hole_filling.hpp"
+#include "engine/surface/median.hpp"
+#include "engine/surface/temporal_filter.hpp"
+#include "engine/surface/terrace_filter.hpp"
+
 namespace touchable {
+namespace {
 
-CodeFilters::CodeFilters(const Scene& scene, VectorUnit unit)
-    : coding_(scene.depth),
-      settings_(scene.filter),
-      unit_(unit),
-      temporal_(temporal_filter(scene)),
-      terraces_(terrace_filter(scene)),
-      median_(unit),
-      smoother_(unit),
-      remover_(unit) {
-    assert(settings_.median == 0 || settings_.median == 3 || settings_.median == 5);
-}
+/// Of the filters so far: lines until one makes bands of them.
+struct FilterStack {
+    const VectorUnit unit;
+    std::unique_ptr<LineSource> lines;
+    std::unique_ptr<BandSource> bands;
 
-std::optional<int> CodeFilters::reach() const {
-    if (temporal_) return std::nullopt;
-    return settings_.fill_holes + settings_.median / 2 + (terraces_ ? terrace_reach : 0);
-}
-
-/// A side of 1 decodes and no more.
-template <class Then>
-void CodeFilters::take_median(int side, const LineSource& source, RowBands& bands, SurfaceFrame& out,
-                              Then&& then) {
-    median_.begin(side, out.width, bands.threads());
-    bands.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
-        median_.filter(band, source, out);
-        then(band);
-    });
-}
-
-void CodeFilters::filter(const RawFrame& raw, RowBands& bands, SurfaceFrame& out,
-                         const BandFinished& finished) {
-    take_size(raw.depth.width, raw.depth.height, out);
-    const StoredLines stored(raw.depth, coding_, unit_);
-    if (settings_.fill_holes == 0) return finish(stored, raw.number, bands, out, finished);
-    take_size(out.width, out.height, filled_);
-    take_median(1, stored, bands, filled_, [](const RowBand&) {});
-    holes_.fill(settings_.fill_holes, bands, filled_);
-    finish(FrameLines(filled_), raw.number, bands, out, finished);
-}
-
-/// From the median on.
-void CodeFilters::finish(const LineSource& source, std::int64_t frame, RowBands& bands, SurfaceFrame& out,
-                         const BandFinished& finished) {
-    SurfaceFrame& smooth = terraces_ ? with_terraces_ : out;
-    take_size(out.width, out.height, smooth);
-    if (temporal_) {
-        smoother_.begin(smooth, frame);
-        smooth.coding = temporal_->coding;
+    void add(const HoleFilling& filling) {
+        assert(lines);
+        lines = std::make_unique<HoleFiller>(std::move(lines), filling.passes);
     }
-    take_median(std::max(settings_.median, 1), source, bands, smooth, [&](const RowBand& band) {
-        if (temporal_) smoother_.smooth(band, *temporal_, smooth);
-        if (!terraces_ && finished) finished(band);
-    });
-    if (terraces_) remove_terraces(bands, out, finished);
-}
+    void add(const MedianWindow& window) {
+        assert(lines);
+        bands = std::make_unique<MedianFilter>(std::move(lines), window.side, unit);
+    }
+    void add(const TemporalFilter& filter) {
+        bands = std::make_unique<TemporalSmoother>(take_bands(), filter, unit);
+    }
+    void add(const TerraceFilter& filter) {
+        bands = std::make_unique<TerraceRemover>(take_bands(), filter, unit);
+    }
+    std::unique_ptr<BandSource> take_bands() {
+        return bands ? std::move(bands) : std::make_unique<UnfilteredBands>(std::move(lines));
+    }
+};
 
-void CodeFilters::take_size(int width, int height, SurfaceFrame& frame) const {
-    frame.coding = coding_;
-    frame.width = width;
-    frame.height = height;
-    frame.codes.resize(frame.index(0, frame.height));
-    frame.validity.resize(static_cast<std::size_t>(frame.validity_words_per_row()) *
-                          static_cast<std::size_t>(frame.height));
-}
+}  // namespace
 
-void CodeFilters::remove_terraces(RowBands& bands, SurfaceFrame& out, const BandFinished& finished) {
-    out.coding = terraces_->coding;
-    remover_.begin(out.width, bands.threads());
-    bands.for_each_band(out.height, TileGrid::cells, [&](const RowBand& band) {
-        remover_.remove(band, *terraces_, with_terraces_, out);
-        if (finished) finished(band);
-    });
+std::unique_ptr<BandSource> make_code_filters(const FilterPlan& plan, VectorUnit unit) {
+    FilterStack stack{unit, std::make_unique<StoredLines>(plan.stored, unit), nullptr};
+    for (const PlannedFilter& planned : plan.filters)
+        std::visit([&](const auto& filter) { stack.add(filter); }, planned.filter);
+    return stack.take_bands();
 }
 
 }  // namespace touchable

@@ -25,25 +25,26 @@ VectorUnit unit_for(VectorUnit most) {
 
 /// A patch is written twice, so that its pixels cost more than those of a whole picture, the more the less
 /// there is to filter.
-double what_pays(const Scene& scene) {
-    return scene.filter.median == 0 ? 0.45 : 0.65;
+double what_pays(const FilterPlan& filters) {
+    return filters.find<MedianWindow>() == nullptr ? 0.45 : 0.65;
 }
 
 class CpuBuilder final : public SurfaceBuilder {
 public:
     CpuBuilder(const Scene& scene, const CpuPlan& plan)
         : scene_(scene),
-          break_even_(plan.break_even.value_or(what_pays(scene))),
+          plan_(scene),
+          break_even_(plan.break_even.value_or(what_pays(plan_))),
           bands_(plan.threads > 0
                      ? plan.threads
                      : threads_for(long{scene.width} * scene.height, pixels_filtered_per_thread)),
-          filters_(scene, unit_for(plan.vectors)),
+          filters_(make_code_filters(plan_, unit_for(plan.vectors))),
           tiles_(unit_for(plan.vectors)) {
-        const auto reach = filters_.reach();
+        const auto reach = plan_.reach();
         if (!reach) return;
         changes_.emplace(scene.width, scene.height, *reach, unit_for(plan.vectors));
         while (static_cast<int>(patch_filters_.size()) < bands_.threads())
-            patch_filters_.emplace_back(scene, unit_for(plan.vectors));
+            patch_filters_.emplace_back(plan_, unit_for(plan.vectors));
     }
     std::string_view name() const override { return "cpu"; }
     double built_share() const override { return built_share_; }
@@ -65,14 +66,15 @@ public:
 
 private:
     bool pays(const BlockMap& stale) {
-        patches_.cover(stale, scene_.width, scene_.height, *filters_.reach());
+        patches_.cover(stale, scene_.width, scene_.height, *plan_.reach());
         const bool cheaper = static_cast<double>(patches_.cost) < break_even_ * scene_.width * scene_.height;
         if (!cheaper) changes_->comparing_was_in_vain();
         return cheaper;
     }
     void build_all(const RawFrame& raw, SurfaceFrame& out) {
         tiles_.begin(bands_.threads(), scene_.width, scene_.height, out);
-        filters_.filter(raw, bands_, out, [&](const RowBand& band) { tiles_.bound_inside(band, out); });
+        out.coding = plan_.coding();
+        filters_->make_all(raw, bands_, out, [&](const RowBand& band) { tiles_.bound_inside(band, out); });
         tiles_.finish(bands_, out);
         built_share_ = 1;
     }
@@ -93,9 +95,10 @@ private:
     }
 
     const Scene scene_;
+    const FilterPlan plan_;
     const double break_even_;
     RowBands bands_;
-    CodeFilters filters_;
+    const std::unique_ptr<BandSource> filters_;
     TileBounder tiles_;
     std::optional<FrameChanges> changes_;  // nothing where filters remember frames before
     Patches patches_;

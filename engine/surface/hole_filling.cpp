@@ -39,40 +39,41 @@ int valid_neighbours(const SurfaceFrame& frame, const ValidityBits& before, int 
 
 }  // namespace
 
-void HoleFiller::fill(int passes, RowBands& bands, SurfaceFrame& frame) {
-    for (int pass = 0; pass < passes; ++pass)
-        if (!fill_once(bands, frame)) return;  // nor would any later pass
+void HoleFiller::begin(const RawFrame& raw, RowBands& bands) {
+    before_filling_.make_all(raw, bands, picture_);
+    for (int pass = 0; pass < passes_; ++pass)
+        if (!fill_once(bands)) return;  // nor would any later pass
 }
 
-bool HoleFiller::fill_once(RowBands& bands, SurfaceFrame& frame) {
-    before_.assign(frame.validity.begin(), frame.validity.end());
+bool HoleFiller::fill_once(RowBands& bands) {
+    before_.assign(picture_.validity.begin(), picture_.validity.end());
     std::atomic<bool> filled_any = false;
-    bands.for_each_band(frame.height, TileGrid::cells, [&](const RowBand& band) {
-        if (fill_rows(band, frame)) filled_any.store(true, std::memory_order_relaxed);
+    bands.for_each_band(picture_.height, TileGrid::cells, [&](const RowBand& band) {
+        if (fill_rows(band)) filled_any.store(true, std::memory_order_relaxed);
     });
     return filled_any.load(std::memory_order_relaxed);
 }
 
 // Codes change in place: a pixel filled in this pass is not valid in `before_`, so nobody reads it yet.
-bool HoleFiller::fill_rows(const RowBand& band, SurfaceFrame& frame) const {
-    const int words = frame.validity_words_per_row();
-    const ValidityBits before{before_, words, frame.height};
+bool HoleFiller::fill_rows(const RowBand& band) {
+    const int words = picture_.validity_words_per_row();
+    const ValidityBits before{before_, words, picture_.height};
     bool filled_any = false;
     for (int y = band.first; y < band.last; ++y)
         for (int w = 0; w < words; ++w) {
-            std::uint32_t holes = ~before.word(w, y) & inside_bits(frame.width, w);
+            std::uint32_t holes = ~before.word(w, y) & inside_bits(picture_.width, w);
             if (holes == 0) continue;
             holes &= before.spread(w, y - 1) | before.spread(w, y) | before.spread(w, y + 1);
             std::uint32_t filled = 0;
             for (; holes != 0; holes &= holes - 1) {
                 const int bit = std::countr_zero(holes), x = w * strip_pixels + bit;
                 std::uint16_t neighbours[8];
-                const int count = valid_neighbours(frame, before, x, y, neighbours);
+                const int count = valid_neighbours(picture_, before, x, y, neighbours);
                 if (count < neighbours_to_fill) continue;
-                frame.codes[frame.index(x, y)] = lower_median(neighbours, count);
+                picture_.codes[picture_.index(x, y)] = lower_median(neighbours, count);
                 filled |= std::uint32_t{1} << bit;
             }
-            frame.validity_row(y)[w] |= filled;
+            picture_.validity_row(y)[w] |= filled;
             filled_any |= filled != 0;
         }
     return filled_any;

@@ -7,36 +7,35 @@ namespace {
 
 class LazyBuilder final : public SurfaceBuilder {
 public:
-    explicit LazyBuilder(const Scene& scene) : scene_(scene), terraces_(terrace_filter(scene)) {}
+    explicit LazyBuilder(const Scene& scene) : scene_(scene), plan_(scene) {}
     std::string_view name() const override { return "lazy"; }
     double built_share() const override { return 0; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
-        if (scene_.filter.temporal)
+        if (plan_.remembers())
             return input_error(
                 "the lazy builder cannot filter in time (filter.temporal is on), because it has no history "
-                "of "
-                "pixels that nobody touched; must be another builder");
+                "of pixels that nobody touched; must be another builder");
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
         out.width = scene_.width;
         out.height = scene_.height;
-        out.coding = terraces_ ? terraces_->coding : scene_.depth;
+        out.coding = plan_.coding();
         out.codes.clear();
         out.validity.clear();
         out.tiles.clear();
         copy_touch_planes(raw, out);
         out.raw = raw;
         auto* vertices = dynamic_cast<LazyVertices*>(out.vertices.get());
-        if (vertices != nullptr && vertices->serves(scene_))
+        if (vertices != nullptr && vertices->serves(plan_))
             vertices->restart();
         else
-            out.vertices = std::make_unique<LazyVertices>(out, scene_);
+            out.vertices = std::make_unique<LazyVertices>(out, plan_);
         return {};
     }
 
 private:
-    Scene scene_;
-    std::optional<TerraceFilter> terraces_;
+    const Scene scene_;
+    const FilterPlan plan_;
 };
 
 }  // namespace

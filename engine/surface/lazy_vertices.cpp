@@ -176,15 +176,17 @@ TileBounds unpacked(std::uint64_t word) {
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 static_assert(std::atomic<std::uint16_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-LazyVertices::LazyVertices(const SurfaceFrame& frame, const Scene& scene)
-    : frame_(frame), filter_(scene.filter), stored_(scene.depth), terraces_(terrace_filter(scene)) {
-    assert(filter_.median == 0 || filter_.median == 3 || filter_.median == 5);
-    assert(filter_.fill_holes >= 0 && filter_.fill_holes <= most_passes);
-    restart();
-}
+static_assert(std::variant_size_v<Filter> == 4, "a new filter has to be done here too, or refused");
 
-bool LazyVertices::serves(const Scene& scene) const {
-    return filter_ == scene.filter && stored_ == scene.depth && terraces_ == terrace_filter(scene);
+LazyVertices::LazyVertices(const SurfaceFrame& frame, const FilterPlan& plan)
+    : frame_(frame),
+      plan_(plan),
+      stored_(plan_.stored),
+      passes_(plan_.find<HoleFilling>() ? plan_.find<HoleFilling>()->passes : 0),
+      radius_(plan_.find<MedianWindow>() ? plan_.find<MedianWindow>()->side / 2 : 0),
+      terraces_(plan_.find<TerraceFilter>()) {
+    assert(!plan_.remembers() && passes_ <= most_passes && radius_ <= largest_radius);
+    restart();
 }
 
 void LazyVertices::restart() {
@@ -206,28 +208,27 @@ DepthSample LazyVertices::at(int x, int y) const {
 }
 
 std::optional<std::uint16_t> LazyVertices::filtered_code(int x, int y) const {
-    const int radius = filter_.median / 2;
     const std::uint16_t stored = stored_code(frame_.raw.depth, stored_, x, y);
     const bool stored_valid = stored_.is_valid(stored);
-    if (!stored_valid && filter_.fill_holes == 0) return std::nullopt;
-    if (stored_valid && radius == 0) return stored;
+    if (!stored_valid && passes_ == 0) return std::nullopt;
+    if (stored_valid && radius_ == 0) return stored;
     if (stored_valid && stored_.kind != DepthCodingKind::hue) {
-        const auto median = radius == 1 ? median_of_clean_window<3>(frame_.raw.depth, stored_, x, y)
-                                        : median_of_clean_window<5>(frame_.raw.depth, stored_, x, y);
+        const auto median = radius_ == 1 ? median_of_clean_window<3>(frame_.raw.depth, stored_, x, y)
+                                         : median_of_clean_window<5>(frame_.raw.depth, stored_, x, y);
         if (median) return median;
     }
     Neighbourhood around(frame_, stored_, x, y);
-    if (!around.load(radius) && filter_.fill_holes > 0) {
-        around.load(radius + filter_.fill_holes);
-        around.fill_holes(filter_.fill_holes, radius);
+    if (!around.load(radius_) && passes_ > 0) {
+        around.load(radius_ + passes_);
+        around.fill_holes(passes_, radius_);
     }
     if (!around.valid(x, y)) return std::nullopt;
-    return around.median(radius);
+    return around.median(radius_);
 }
 
 /// `filtered_code`, kept where that is work.
 std::optional<std::uint16_t> LazyVertices::recent_code(int x, int y) const {
-    if (filter_.median == 0 && filter_.fill_holes == 0) return filtered_code(x, y);
+    if (radius_ == 0 && passes_ == 0) return filtered_code(x, y);
     constexpr std::uint64_t is_valid = 1U << 16;
     const std::uint64_t place = (static_cast<std::uint64_t>(y) + 1) << 40 | static_cast<std::uint64_t>(x)
                                                                                 << 17;
@@ -287,7 +288,7 @@ TileDepths LazyVertices::tile(int tx, int ty) const {
 // A median and a filled hole are codes of pixels within reach, so no filtered code of the tile is missed.
 // Filling may leave fewer invalid pixels than are stored, never more.
 TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
-    const int reach = filter_.median / 2 + filter_.fill_holes;
+    const int reach = radius_ + passes_;
     const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame_.width - 1);
     const int top = ty * TileGrid::cells, bottom = std::min(top + TileGrid::cells, frame_.height - 1);
     const int from_x = std::max(left - reach, 0), to_x = std::min(right + reach, frame_.width - 1);

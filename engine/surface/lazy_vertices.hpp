@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/frame/surface_frame.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/surface/filter_plan.hpp"
 
 namespace touchable {
 
@@ -16,12 +16,12 @@ namespace touchable {
 /// when one of it is asked for first. Any number of readers.
 class LazyVertices final : public VertexSource {
 public:
-    /// `frame` must outlive it. Its codes would be of `frame.coding`, those stored are of the scene's.
-    LazyVertices(const SurfaceFrame& frame, const Scene& scene);
+    /// `frame` must outlive it. None of the filters may remember frames before.
+    LazyVertices(const SurfaceFrame& frame, const FilterPlan& plan);
     /// To be called once the frame holds another raw plane, before anyone reads it.
     void restart();
-    /// Whether frames of this scene are filtered so.
-    bool serves(const Scene& scene) const;
+    /// Whether frames are filtered so.
+    bool serves(const FilterPlan& plan) const { return plan_ == plan; }
 
     DepthSample at(int x, int y) const override;
     /// Over the raw codes of the tile and the filter's reach around it: wider than of the filtered codes.
@@ -37,9 +37,10 @@ private:
     TileBounds finer_bounds(const TileBounds& stored) const;
 
     const SurfaceFrame& frame_;
-    FilterSettings filter_;
-    DepthCoding stored_;
-    std::optional<TerraceFilter> terraces_;
+    const FilterPlan plan_;
+    const DepthCoding& stored_;
+    const int passes_, radius_;      // of hole filling; of the median
+    const TerraceFilter* terraces_;  // null: no filter
     // Bounds of a tile, packed into one word so that readers never see half of them; 0: not yet computed.
     mutable std::vector<std::atomic<std::uint64_t>> tiles_;
     // Of a pixel in every place of a square that repeats over the picture the filtered code, packed likewise

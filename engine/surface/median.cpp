@@ -1,7 +1,6 @@
 #include "engine/surface/median.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 #include "engine/surface/median_row.hpp"
 
@@ -20,32 +19,25 @@ void filter_band(const RowBand& band, const LineSource& source, std::vector<Code
         const CodeLine* window[Side];
         for (int k = 0; k < Side; ++k)
             window[k] = &ring[static_cast<std::size_t>(std::clamp(y + k - radius, 0, bottom) % Side)];
-        std::uint16_t* codes = out.codes.data() + out.index(0, y);
-        if constexpr (Side == 1)
-            window[0]->write_codes(codes);
-        else
-            median_of_row(unit, window, codes, out.width);
+        median_of_row(unit, window, out.codes.data() + out.index(0, y), out.width);
         window[radius]->write_validity(out.validity_row(y));
     }
 }
 
 }  // namespace
 
-void MedianFilter::begin(int side, int width, int threads) {
-    assert(side == 1 || side == 3 || side == 5);
-    side_ = side;
-    lines_.resize(static_cast<std::size_t>(threads));
-    for (std::vector<CodeLine>& ring : lines_) {
-        if (ring.size() < static_cast<std::size_t>(side)) ring.resize(static_cast<std::size_t>(side));
-        for (CodeLine& line : ring) line.resize(width, side / 2);
+void MedianFilter::begin(const RawFrame& raw, RowBands& bands) {
+    lines_->begin(raw, bands);
+    rings_.resize(static_cast<std::size_t>(bands.threads()));
+    for (std::vector<CodeLine>& ring : rings_) {
+        ring.resize(static_cast<std::size_t>(side_));
+        for (CodeLine& line : ring) line.resize(raw.depth.width, side_ / 2);
     }
 }
 
-void MedianFilter::filter(const RowBand& band, const LineSource& source, SurfaceFrame& out) {
-    std::vector<CodeLine>& ring = lines_[static_cast<std::size_t>(band.thread)];
-    if (side_ == 1) filter_band<1>(band, source, ring, unit_, out);
-    if (side_ == 3) filter_band<3>(band, source, ring, unit_, out);
-    if (side_ == 5) filter_band<5>(band, source, ring, unit_, out);
+void MedianFilter::make(const RowBand& band, SurfaceFrame& out) {
+    const auto filter = side_ == 3 ? filter_band<3> : filter_band<5>;
+    filter(band, *lines_, rings_[static_cast<std::size_t>(band.thread)], unit_, out);
 }
 
 }  // namespace touchable

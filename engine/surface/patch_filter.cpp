@@ -13,7 +13,7 @@ void PatchFilter::filter(const RawFrame& raw, const Patch& patch, SurfaceFrame& 
                       std::ptrdiff_t{outer.left} * raw.depth.channels * raw.depth.bytes_per_sample;
     part.depth.width = outer.right - outer.left;
     part.depth.height = outer.bottom - outer.top;
-    filters_.filter(part, alone_, picture_, {});
+    filters_->make_all(part, alone_, picture_);
     copy(patch, out);
 }
 

@@ -1,9 +1,7 @@
 #include <algorithm>
-#include <cassert>
 
 #include "engine/frame/stored_code.hpp"
-#include "engine/scene/temporal.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/surface/filter_plan.hpp"
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
 
@@ -171,32 +169,41 @@ TileBounds bounds_of_tile(const Picture& picture, int tx, int ty) {
 
 class ReferenceBuilder final : public SurfaceBuilder {
 public:
-    explicit ReferenceBuilder(const Scene& scene)
-        : scene_(scene), temporal_(temporal_filter(scene)), terraces_(terrace_filter(scene)) {
-        assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
-    }
+    explicit ReferenceBuilder(const Scene& scene) : scene_(scene), plan_(scene) {}
     std::string_view name() const override { return "reference"; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
-        Picture picture = decoded(raw.depth, scene_.depth);
-        for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) picture = holes_filled_once(picture);
-        if (scene_.filter.median > 0) picture = median_filtered(picture, scene_.filter.median);
-        if (temporal_) {
-            smooth(std::move(picture), raw.number, *temporal_, remembered_);
-            picture = remembered_->picture;
-        }
-        if (terraces_) picture = terraces_removed(std::move(picture), *terraces_);
+        Picture picture = decoded(raw.depth, plan_.stored);
+        for (const PlannedFilter& planned : plan_.filters)
+            picture = std::visit(
+                [&](const auto& filter) { return filtered(std::move(picture), filter, raw.number); },
+                planned.filter);
         store(picture, out);
         copy_touch_planes(raw, out);
         return {};
     }
 
 private:
+    static Picture filtered(Picture picture, const HoleFilling& filling, std::int64_t) {
+        for (int pass = 0; pass < filling.passes; ++pass) picture = holes_filled_once(picture);
+        return picture;
+    }
+    static Picture filtered(Picture picture, const MedianWindow& window, std::int64_t) {
+        return median_filtered(picture, window.side);
+    }
+    Picture filtered(Picture picture, const TemporalFilter& filter, std::int64_t number) {
+        smooth(std::move(picture), number, filter, remembered_);
+        return remembered_->picture;
+    }
+    static Picture filtered(Picture picture, const TerraceFilter& filter, std::int64_t) {
+        return terraces_removed(std::move(picture), filter);
+    }
+
     void store(const Picture& picture, SurfaceFrame& out) const {
         out.width = picture.width;
         out.height = picture.height;
-        out.coding = terraces_ ? terraces_->coding : temporal_ ? temporal_->coding : scene_.depth;
+        out.coding = plan_.coding();
         out.raw = {};
         out.codes.clear();
         out.validity.assign(static_cast<std::size_t>(out.validity_words_per_row() * out.height), 0);
@@ -212,10 +219,9 @@ private:
         out.vertices = std::make_unique<FilteredVertices>(out);
     }
 
-    Scene scene_;
-    std::optional<TemporalFilter> temporal_;
+    const Scene scene_;
+    const FilterPlan plan_;
     std::optional<Remembered> remembered_;
-    std::optional<TerraceFilter> terraces_;
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "engine/surface/surface_recording.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cstddef>
 
 namespace touchable {
@@ -31,16 +30,13 @@ SurfaceRecording::SurfaceRecording(const Scene& scene, std::shared_ptr<SurfaceKe
     : scene_(scene),
       kernels_(std::move(kernels)),
       plan_(plan),
-      temporal_(temporal_filter(scene)),
-      terraces_(terrace_filter(scene)),
+      filters_(scene),
       valid_(valid_codes_of(scene.depth)),
       width_(static_cast<std::uint32_t>(scene.width)),
       height_(static_cast<std::uint32_t>(scene.height)),
       pitch_(groups_for(width_, 8)),
       strips_(groups_for(height_, 2)),
-      grid_(TileGrid::of(scene.width, scene.height)) {
-    assert(scene.filter.median == 0 || scene.filter.median == 3 || scene.filter.median == 5);
-}
+      grid_(TileGrid::of(scene.width, scene.height)) {}
 
 Result<SurfaceRecording> SurfaceRecording::create(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
                                                   const SurfacePlan& plan) {
@@ -51,11 +47,12 @@ Result<SurfaceRecording> SurfaceRecording::create(const Scene& scene, std::share
 }
 
 bool SurfaceRecording::has_room_above() const {
-    return terraces_ || leaves_room_above(valid_);
+    return filters_.find<TerraceFilter>() != nullptr || leaves_room_above(valid_);
 }
 
 Result<void> SurfaceRecording::check_limits() const {
-    if (temporal_ && !has_room_above() && valid_.valid_min == 0 && valid_.excluded[0] != no_such_code)
+    if (filters_.remembers() && !has_room_above() && valid_.valid_min == 0 &&
+        valid_.excluded[0] != no_such_code)
         return Error{
             ErrorKind::gpu,
             "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
@@ -66,8 +63,9 @@ Result<void> SurfaceRecording::check_limits() const {
     if (most_bytes / 16 > limits.max_texel_buffer_elements || most_bytes > limits.max_storage_buffer_range)
         return more_than_the_device_can(scene_, device(), "a buffer");
     const std::uint32_t segments = push_for({}, 0).segments;
-    const std::uint32_t most_groups =
-        std::max(groups_for((terraces_ ? height_ : strips_) * segments, plan_.group_size), groups_for(pitch_, hue_codes_group));
+    const std::uint32_t most_groups = std::max(
+        groups_for((filters_.find<TerraceFilter>() ? height_ : strips_) * segments, plan_.group_size),
+        groups_for(pitch_, hue_codes_group));
     if (most_groups > limits.max_group_count[0] || height_ > limits.max_group_count[1])
         return more_than_the_device_can(scene_, device(), "a dispatch");
     return {};
@@ -75,17 +73,19 @@ Result<void> SurfaceRecording::check_limits() const {
 
 Result<void> SurfaceRecording::make_buffers() {
     const std::size_t codes_bytes = std::size_t{16} * pitch_ * height_;
-    const bool fills = scene_.filter.fill_holes > 0, levels = terraces_.has_value();
+    const HoleFilling* filling = filters_.find<HoleFilling>();
+    const bool fills = filling != nullptr, levels = filters_.find<TerraceFilter>() != nullptr,
+               smooths = filters_.find<TemporalFilter>() != nullptr;
     const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
         {parts_, "parts of bounds", std::size_t{strips_} * groups_for(width_, 32) * tile_pair_bytes},
         {between_[0], "codes between stages", is_hue() || fills || levels ? codes_bytes : 0},
         {between_[1], "codes between passes", fills || levels ? codes_bytes : 0},
-        {finer_, "finer codes", levels || temporal_ ? codes_bytes : 0},
-        {remembered_[0], "codes remembered", temporal_ ? codes_bytes : 0},
-        {remembered_[1], "codes remembered before", temporal_ ? codes_bytes : 0},
-        {held_, "frames held", temporal_ ? codes_bytes / 4 : 0},
+        {finer_, "finer codes", levels || smooths ? codes_bytes : 0},
+        {remembered_[0], "codes remembered", smooths ? codes_bytes : 0},
+        {remembered_[1], "codes remembered before", smooths ? codes_bytes : 0},
+        {held_, "frames held", smooths ? codes_bytes / 4 : 0},
         {fill_passes_, "passes of hole filling",
-         fills ? sizeof(FillPass) * static_cast<std::size_t>(scene_.filter.fill_holes + 1) : 0}};
+         fills ? sizeof(FillPass) * static_cast<std::size_t>(filling->passes + 1) : 0}};
     for (const auto& [buffer, name, bytes] : buffers) {
         if (bytes == 0) continue;
         auto created = GpuBuffer::create(device(), name, bytes, GpuMemory::device);
@@ -96,48 +96,26 @@ Result<void> SurfaceRecording::make_buffers() {
 }
 
 std::optional<int> SurfaceRecording::reach() const {
-    if (is_hue() || scene_.filter.fill_holes > 0 || temporal_ || terraces_) return std::nullopt;
-    return scene_.filter.median / 2;
-}
-
-const DepthCoding& SurfaceRecording::coding() const {
-    return terraces_ ? terraces_->coding : temporal_ ? temporal_->coding : scene_.depth;
+    const bool one_kernel =
+        !is_hue() &&
+        std::all_of(filters_.filters.begin(), filters_.filters.end(), [](const PlannedFilter& planned) {
+            return std::holds_alternative<MedianWindow>(planned.filter);
+        });
+    return one_kernel ? filters_.reach() : std::nullopt;
 }
 
 Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
                                       bool begins, const VulkanVertices& slot) {
-    StoredRows rows = stored;
-    if (is_hue()) {
-        auto hues = record_hue(commands, rows);
-        if (!hues.ok()) return hues.error();
-        rows = *hues;
+    Frame frame{commands, list, begins, slot, stored};
+    if (is_hue())
+        if (auto decoded = record_hue(frame); !decoded.ok()) return decoded;
+    for (const PlannedFilter& planned : filters_.filters) {
+        const auto recorded =
+            std::visit([&](const auto& filter) { return record(filter, frame); }, planned.filter);
+        if (!recorded.ok()) return recorded;
     }
-    if (scene_.filter.fill_holes > 0 && rows.may_be_invalid()) {
-        auto filled = record_filling(commands, rows);
-        if (!filled.ok()) return filled.error();
-        rows = *filled;
-    }
-    int median = scene_.filter.median;
-    if (temporal_ || terraces_) {
-        if (auto filtered = record_codes(commands, median, rows, has_room_above(), finer_, list, slot);
-            !filtered.ok())
-            return filtered;
-        rows = {finer_, 2, pitch_, finer_codes};
-        median = 0;
-    }
-    if (temporal_) {
-        auto smoothed = record_temporal(commands, begins);
-        if (!smoothed.ok()) return smoothed.error();
-        rows = *smoothed;
-    }
-    if (terraces_) {
-        auto levelled = record_terraces(commands, rows.buffer);
-        if (!levelled.ok()) return levelled.error();
-        rows = *levelled;
-    }
-    if (auto ended = record_codes(commands, median, rows, false, slot.codes.gpu, list, slot); !ended.ok())
-        return ended;
-    return record_bounds(commands, list, slot);
+    if (auto ended = record_codes(frame, false, 1, slot.codes.gpu); !ended.ok()) return ended;
+    return record_bounds(frame);
 }
 
 StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t listed) const {
@@ -151,32 +129,27 @@ StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t liste
     push.along_x = plan_.along_x ? 1 : 0;
     push.validity_words = groups_for(width_, 32);
     push.groups = groups_for(strips_ * push.segments, plan_.group_size);
-    push.factor = static_cast<std::uint32_t>(temporal_   ? temporal_->factor
-                                             : terraces_ ? terraces_->factor
-                                                         : 0);
     push.valid = rows.valid;
     push.listed = listed;
     if (listed > 0) push.groups = groups_for(listed * strips_per_tile, plan_.group_size);
     return push;
 }
 
-Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const StoredRows& rows,
-                                                 bool before_terraces) {
-    return kernels_->strip(kernel,
-                           {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
-                            rows.valid.excluded[0] != no_such_code ? 1U : 0U,
-                            width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, before_terraces ? 1U : 0U});
+Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const StoredRows& rows, bool to_finer) {
+    return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
+                                    rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                                    width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, to_finer ? 1U : 0U});
 }
 
-TerracesPush SurfaceRecording::terraces_push() const {
+TerracesPush SurfaceRecording::terraces_push(const TerraceFilter& filter) const {
     TerracesPush push{width_,
                       height_,
                       pitch_,
                       1,
                       pitch_,
                       plan_.along_x ? 1U : 0U,
-                      static_cast<std::uint32_t>(terraces_->gate),
-                      static_cast<std::uint32_t>(terraces_->most)};
+                      static_cast<std::uint32_t>(filter.gate),
+                      static_cast<std::uint32_t>(filter.most)};
     if (plan_.segment_texels > 0) {
         push.segment_texels = plan_.segment_texels;
         push.segments = groups_for(pitch_, push.segment_texels);
@@ -184,29 +157,41 @@ TerracesPush SurfaceRecording::terraces_push() const {
     return push;
 }
 
-/// The kernel that ends in codes, validity and parts of bounds. `before_terraces` codes are those that
-/// terraces are removed from, and only validity is final.
-Result<void> SurfaceRecording::record_codes(GpuCommands& commands, int median, const StoredRows& rows,
-                                            bool before_terraces, const GpuBuffer& to, const BlockList& list,
-                                            const VulkanVertices& slot) {
-    const StripKernel kernel = median == 0   ? StripKernel::decode
-                               : median == 3 ? StripKernel::median3
-                                             : StripKernel::median5;
-    const auto program = program_for(kernel, rows, before_terraces);
+/// The kernel that ends in codes, validity and parts of bounds; `to_finer`: in codes for filters that need
+/// finer ones, and only validity is final.
+Result<void> SurfaceRecording::record_codes(Frame& frame, bool to_finer, int factor, const GpuBuffer& to) {
+    const auto program = program_for(frame.kernel, frame.rows, to_finer);
     if (!program.ok()) return program.error();
-    const StripPush push = push_for(rows, list.count());
-    commands.dispatch(*program, push, {rows.buffer, to, slot.validity.gpu, parts_, list.buffer()},
-                      {push.groups});
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.mark(median == 0 ? "decode" : "median");
+    StripPush push = push_for(frame.rows, frame.list.count());
+    push.factor = static_cast<std::uint32_t>(factor);
+    frame.commands.dispatch(*program, push,
+                            {frame.rows.buffer, to, frame.slot.validity.gpu, parts_, frame.list.buffer()},
+                            {push.groups});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark(frame.kernel == StripKernel::decode ? "decode" : "median");
+    return {};
+}
+
+/// Multiplied codes, where they are not there yet.
+Result<void> SurfaceRecording::record_finer(int factor, Frame& frame) {
+    if (std::exchange(frame.is_finer, true)) return {};
+    if (auto made = record_codes(frame, has_room_above(), factor, finer_); !made.ok()) return made;
+    frame.rows = {finer_, 2, pitch_, finer_codes};
+    frame.kernel = StripKernel::decode;
+    return {};
+}
+
+Result<void> SurfaceRecording::record(const MedianWindow& window, Frame& frame) {
+    frame.kernel = window.side == 3 ? StripKernel::median3 : StripKernel::median5;
     return {};
 }
 
 /// What the filter reads and writes changes places from frame to frame.
-Result<StoredRows> SurfaceRecording::record_temporal(GpuCommands& commands, bool begins) {
+Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame) {
+    if (auto made = record_finer(filter.factor, frame); !made.ok()) return made;
     const auto program = kernels_->temporal();
     if (!program.ok()) return program.error();
-    const TemporalGate& gate = temporal_->gate;
+    const TemporalGate& gate = filter.gate;
     ValidCodes valid = finer_codes;
     if (!has_room_above()) {
         valid.valid_min = valid_.valid_min;
@@ -214,7 +199,7 @@ Result<StoredRows> SurfaceRecording::record_temporal(GpuCommands& commands, bool
     }
     const TemporalPush push{height_,
                             pitch_,
-                            begins ? 1U : 0U,
+                            frame.begins ? 1U : 0U,
                             gate.constant,
                             gate.linear,
                             gate.quadratic,
@@ -224,48 +209,56 @@ Result<StoredRows> SurfaceRecording::record_temporal(GpuCommands& commands, bool
                             has_room_above() ? no_finer_code : 0,
                             valid};
     std::swap(remembered_[0], remembered_[1]);
-    commands.dispatch(*program, push, {finer_, remembered_[1], remembered_[0], held_},
-                      {groups_for(pitch_, temporal_group), height_});
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.mark("temporal");
-    return StoredRows{remembered_[0], 2, pitch_, valid};
+    frame.commands.dispatch(*program, push, {frame.rows.buffer, remembered_[1], remembered_[0], held_},
+                            {groups_for(pitch_, temporal_group), height_});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark("temporal");
+    frame.rows = {remembered_[0], 2, pitch_, valid};
+    return {};
 }
 
-Result<StoredRows> SurfaceRecording::record_terraces(GpuCommands& commands, const GpuBuffer& finer) {
-    const TerracesPush push = terraces_push();
-    GpuBuffer from = finer;
+Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame) {
+    if (auto made = record_finer(filter.factor, frame); !made.ok()) return made;
+    const TerracesPush push = terraces_push(filter);
+    const GpuBuffer first = frame.rows.buffer;
+    GpuBuffer from = first;
     for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
         const bool is_last = pass + 1 == std::size(terrace_steps);
         const auto program = kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last);
         if (!program.ok()) return program.error();
         const GpuBuffer& to = between_[pass % 2];
-        commands.dispatch(*program, push, {from, finer, to},
-                          {groups_for(push.height * push.segments, plan_.group_size)});
-        commands.barrier(GpuStage::compute, GpuStage::compute);
+        frame.commands.dispatch(*program, push, {from, first, to},
+                                {groups_for(push.height * push.segments, plan_.group_size)});
+        frame.commands.barrier(GpuStage::compute, GpuStage::compute);
         from = to;
     }
-    commands.mark("terraces");
-    return StoredRows{from, 2, pitch_, finer_codes};
+    frame.commands.mark("terraces");
+    frame.rows = {from, 2, pitch_, finer_codes};
+    return {};
 }
 
-Result<StoredRows> SurfaceRecording::record_hue(GpuCommands& commands, const StoredRows& rows) {
+Result<void> SurfaceRecording::record_hue(Frame& frame) {
     auto program = kernels_->hue_codes();
     if (!program.ok()) return program.error();
-    const HueCodesPush push{width_, height_, rows.pitch * 4, pitch_,
+    const HueCodesPush push{width_, height_, frame.rows.pitch * 4, pitch_,
                             static_cast<std::uint32_t>(scene_.depth.least_sum)};
-    commands.dispatch(*program, push, {rows.buffer, between_[0]},
-                      {groups_for(pitch_, hue_codes_group), height_});
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.mark("hue");
-    return StoredRows{between_[0], 2, pitch_, valid_};
+    frame.commands.dispatch(*program, push, {frame.rows.buffer, between_[0]},
+                            {groups_for(pitch_, hue_codes_group), height_});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark("hue");
+    frame.rows = {between_[0], 2, pitch_, valid_};
+    return {};
 }
 
 /// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
 /// second: what the first one reads is not in these buffers.
-Result<StoredRows> SurfaceRecording::record_filling(GpuCommands& commands, StoredRows rows) {
+Result<void> SurfaceRecording::record(const HoleFilling& filling, Frame& frame) {
+    StoredRows& rows = frame.rows;
+    if (!rows.may_be_invalid()) return {};
+    GpuCommands& commands = frame.commands;
     commands.fill(fill_passes_, 0);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
-    for (int pass = 0; pass < scene_.filter.fill_holes; ++pass) {
+    for (int pass = 0; pass < filling.passes; ++pass) {
         const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
         const auto program = program_for(StripKernel::fill_holes, rows);
         if (!program.ok()) return program.error();
@@ -281,11 +274,11 @@ Result<StoredRows> SurfaceRecording::record_filling(GpuCommands& commands, Store
         rows = {to, 2, pitch_, valid_};
     }
     commands.mark("fill");
-    return rows;
+    return {};
 }
 
-Result<void> SurfaceRecording::record_bounds(GpuCommands& commands, const BlockList& list,
-                                             const VulkanVertices& slot) {
+Result<void> SurfaceRecording::record_bounds(const Frame& frame) {
+    const VulkanVertices& slot = frame.slot;
     auto program = kernels_->tile_bounds();
     if (!program.ok()) return program.error();
     const TileBoundsPush push{width_,
@@ -295,12 +288,12 @@ Result<void> SurfaceRecording::record_bounds(GpuCommands& commands, const BlockL
                               strips_,
                               static_cast<std::uint32_t>(grid_.tiles_x),
                               static_cast<std::uint32_t>(grid_.tiles_y),
-                              list.count()};
+                              frame.list.count()};
     const std::uint32_t pairs = push.listed > 0 ? push.listed : push.words * push.tiles_y;
-    commands.dispatch(*program, push,
-                      {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu, list.buffer()},
-                      {groups_for(pairs, tile_bounds_group)});
-    commands.mark("bounds");
+    frame.commands.dispatch(*program, push,
+                            {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu, frame.list.buffer()},
+                            {groups_for(pairs, tile_bounds_group)});
+    frame.commands.mark("bounds");
     return {};
 }
 

@@ -2,8 +2,7 @@
 
 #include <optional>
 
-#include "engine/scene/temporal.hpp"
-#include "engine/scene/terraces.hpp"
+#include "engine/surface/filter_plan.hpp"
 #include "engine/surface/stored_plane.hpp"
 #include "engine/surface/surface_kernels.hpp"
 #include "engine/surface/vulkan_vertices.hpp"
@@ -18,11 +17,9 @@ public:
     static Result<SurfaceRecording> create(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
                                            const SurfacePlan& plan);
 
-    /// How far away a pixel may be that another one depends on; nothing where stages leave something between
-    /// them that is of one frame alone, or of all before.
+    const FilterPlan& filters() const { return filters_; }
+    /// Its reach; nothing too where stages leave something between them that is of one frame alone.
     std::optional<int> reach() const;
-    /// Of the codes in the end.
-    const DepthCoding& coding() const;
 
     /// Records a frame, or of one the listed blocks. `begins`: it is not the successor of the last one that
     /// was recorded, and done.
@@ -40,22 +37,33 @@ private:
     Result<void> check_limits() const;
     Result<void> make_buffers();
 
+    /// A frame whose stages are recorded one after the other.
+    struct Frame {
+        GpuCommands& commands;
+        const BlockList& list;
+        const bool begins;
+        const VulkanVertices& slot;
+        StoredRows rows;                           // what the next stage reads
+        StripKernel kernel = StripKernel::decode;  // which is to end in codes; a median waits for that
+        bool is_finer = false;                     // the rows are multiplied codes
+    };
+
     StripPush push_for(const StoredRows& rows, std::uint32_t listed) const;
-    TerracesPush terraces_push() const;
-    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows, bool before_terraces = false);
-    Result<StoredRows> record_hue(GpuCommands& commands, const StoredRows& rows);
-    Result<StoredRows> record_filling(GpuCommands& commands, StoredRows rows);
-    Result<void> record_codes(GpuCommands& commands, int median, const StoredRows& rows, bool before_terraces,
-                              const GpuBuffer& to, const BlockList& list, const VulkanVertices& slot);
-    Result<StoredRows> record_temporal(GpuCommands& commands, bool begins);
-    Result<StoredRows> record_terraces(GpuCommands& commands, const GpuBuffer& finer);
-    Result<void> record_bounds(GpuCommands& commands, const BlockList& list, const VulkanVertices& slot);
+    TerracesPush terraces_push(const TerraceFilter& filter) const;
+    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows, bool to_finer = false);
+    Result<void> record_hue(Frame& frame);
+    Result<void> record(const HoleFilling& filling, Frame& frame);
+    Result<void> record(const MedianWindow& window, Frame& frame);
+    Result<void> record(const TemporalFilter& filter, Frame& frame);
+    Result<void> record(const TerraceFilter& filter, Frame& frame);
+    Result<void> record_finer(int factor, Frame& frame);
+    Result<void> record_codes(Frame& frame, bool to_finer, int factor, const GpuBuffer& to);
+    Result<void> record_bounds(const Frame& frame);
 
     Scene scene_;
     std::shared_ptr<SurfaceKernels> kernels_;
     SurfacePlan plan_;
-    std::optional<TemporalFilter> temporal_;
-    std::optional<TerraceFilter> terraces_;
+    FilterPlan filters_;
     ValidCodes valid_;
     std::uint32_t width_, height_, pitch_, strips_;  // pitch in texels, of codes
     TileGrid grid_;

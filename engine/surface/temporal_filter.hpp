@@ -4,26 +4,26 @@
 #include <optional>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
-#include "engine/surface/row_bands.hpp"
+#include "engine/surface/code_rows.hpp"
 #include "engine/surface/temporal_rows.hpp"
 
 namespace touchable {
 
 /// Averages noise from frame to frame (docs/conventions.md). Remembers one frame: it must see all of them, in
 /// order.
-class TemporalSmoother {
+class TemporalSmoother final : public BandSource {
 public:
-    explicit TemporalSmoother(VectorUnit unit) : unit_(unit) {}
-
-    /// To be called first, of each frame. Nothing is remembered of what is not the frame before this one, by
-    /// its number. No allocation once it has seen the size.
-    void begin(const SurfaceFrame& frame, std::int64_t number);
-    /// The rows of a band, each once: codes become finer and smooth, and more of them valid.
-    void smooth(const RowBand& band, const TemporalFilter& filter, SurfaceFrame& frame);
+    TemporalSmoother(std::unique_ptr<BandSource> before, const TemporalFilter& filter, VectorUnit unit)
+        : before_(std::move(before)), filter_(filter), unit_(unit) {}
+    /// Nothing is remembered of what is not the frame before this one, by its number.
+    void begin(const RawFrame& raw, RowBands& bands) override;
+    /// Codes become finer and smooth, and more of them valid.
+    void make(const RowBand& band, SurfaceFrame& out) override;
 
 private:
-    VectorUnit unit_;
+    const std::unique_ptr<BandSource> before_;
+    const TemporalFilter filter_;
+    const VectorUnit unit_;
     std::size_t words_ = 0;  // of a row
     std::vector<std::uint16_t> codes_;
     std::vector<std::uint32_t> known_, held_low_, held_high_;

@@ -35,7 +35,12 @@ void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const s
 
 }  // namespace
 
-void TerraceRemover::begin(int width, int threads) {
+void TerraceRemover::begin(const RawFrame& raw, RowBands& bands) {
+    before_->make_all(raw, bands, with_terraces_);
+    resize(raw.depth.width, bands.threads());
+}
+
+void TerraceRemover::resize(int width, int threads) {
     const int words = (width + strip_pixels - 1) / strip_pixels;
     if (words == words_ && work_.size() == static_cast<std::size_t>(threads)) return;
     words_ = words;
@@ -52,12 +57,11 @@ void TerraceRemover::begin(int width, int threads) {
     }
 }
 
-void TerraceRemover::remove(const RowBand& band, const TerraceFilter& filter, const SurfaceFrame& from,
-                            SurfaceFrame& to) {
+void TerraceRemover::make(const RowBand& band, SurfaceFrame& out) {
     Work& work = work_[static_cast<std::size_t>(band.thread)];
-    const int height = from.height;
+    const int height = out.height;
     for (int loaded = std::max(band.first - terrace_reach, 0); loaded < band.last + terrace_reach; ++loaded) {
-        if (loaded < height) load(filter, from, loaded, work);
+        if (loaded < height) load(loaded, work);
         // A pass follows the rows before it by its step, and is needed as far beyond the band as those after
         // it reach.
         int y = loaded, reach = terrace_reach;
@@ -66,18 +70,18 @@ void TerraceRemover::remove(const RowBand& band, const TerraceFilter& filter, co
             y -= step;
             reach -= step;
             if (y < std::max(band.first - reach, 0) || y >= std::min(band.last + reach, height)) continue;
-            level_row(unit_, row(work, pass, y - step, height), row(work, pass, y, height),
-                      row(work, pass, y + step, height), words_, {step, filter.gate, pass + 1 == passes},
-                      codes(work, pass + 1, y));
+            level_row(unit_, row(work, pass, y - step), row(work, pass, y), row(work, pass, y + step), words_,
+                      {step, filter_.gate, pass + 1 == passes}, codes(work, pass + 1, y));
         }
-        if (y >= band.first && y < band.last) store(filter, from, y, work, to);
+        if (y >= band.first && y < band.last) store(y, work, out);
     }
 }
 
-void TerraceRemover::load(const TerraceFilter& filter, const SurfaceFrame& from, int y, Work& work) const {
+void TerraceRemover::load(int y, Work& work) const {
+    const SurfaceFrame& from = with_terraces_;
     const std::uint16_t* stored = from.codes.data() + from.index(0, y);
     std::int16_t* to = codes(work, 0, y);
-    for (int x = 0; x < from.width; ++x) to[x] = static_cast<std::int16_t>(stored[x] * filter.factor);
+    for (int x = 0; x < from.width; ++x) to[x] = static_cast<std::int16_t>(stored[x] * filter_.factor);
     const std::uint32_t* validity = from.validity_row(y);
     const int slot = y % known_rows;
     std::int16_t* masks = work.masks.data() + pitch_ * slot + terrace_margin;
@@ -90,19 +94,19 @@ void TerraceRemover::load(const TerraceFilter& filter, const SurfaceFrame& from,
     }
 }
 
-void TerraceRemover::store(const TerraceFilter& filter, const SurfaceFrame& from, int y, Work& work,
-                           SurfaceFrame& to) const {
+void TerraceRemover::store(int y, Work& work, SurfaceFrame& out) const {
+    const SurfaceFrame& from = with_terraces_;
     const std::uint32_t* validity = from.validity_row(y);
-    std::copy(validity, validity + words_, to.validity_row(y));
+    std::copy(validity, validity + words_, out.validity_row(y));
     for (int word = 0; word < words_; ++word) {
         const int x = word * strip_pixels;
-        store_strip(filter, codes(work, passes, y) + x, from.codes.data() + from.index(x, y), validity[word],
-                    to.codes.data() + to.index(x, y), std::min(strip_pixels, from.width - x));
+        store_strip(filter_, codes(work, passes, y) + x, from.codes.data() + from.index(x, y), validity[word],
+                    out.codes.data() + out.index(x, y), std::min(strip_pixels, from.width - x));
     }
 }
 
-TerraceRow TerraceRemover::row(const Work& work, int pass, int y, int height) const {
-    const bool inside = y >= 0 && y < height;
+TerraceRow TerraceRemover::row(const Work& work, int pass, int y) const {
+    const bool inside = y >= 0 && y < with_terraces_.height;
     const Ring& ring = work.rings[pass];
     const int slot = inside ? y % ring.count : 0, known = inside ? y % known_rows : known_rows;
     return {ring.codes.data() + pitch_ * slot + terrace_margin,

@@ -4,9 +4,8 @@
 #include <iterator>
 #include <vector>
 
-#include "engine/frame/surface_frame.hpp"
 #include "engine/scene/terraces.hpp"
-#include "engine/surface/row_bands.hpp"
+#include "engine/surface/code_rows.hpp"
 #include "engine/surface/terrace_rows.hpp"
 
 namespace touchable {
@@ -14,15 +13,13 @@ namespace touchable {
 /// Takes the terraces off quantised depth (docs/conventions.md). The passes go down a band of rows together,
 /// each as far behind the one before it as its taps reach, so that a row is still in the cache when it is
 /// needed.
-class TerraceRemover {
+class TerraceRemover final : public BandSource {
 public:
-    explicit TerraceRemover(VectorUnit unit) : unit_(unit) {}
-
-    /// To be called before the others, of each frame. No allocation once it has seen the size.
-    void begin(int width, int threads);
-    /// The rows of a band of `to`, which has the size: finer codes, 0 where invalid, and validity. Of `from`
-    /// rows up to terrace_reach beyond the band are read.
-    void remove(const RowBand& band, const TerraceFilter& filter, const SurfaceFrame& from, SurfaceFrame& to);
+    TerraceRemover(std::unique_ptr<BandSource> before, const TerraceFilter& filter, VectorUnit unit)
+        : before_(std::move(before)), filter_(filter), unit_(unit) {}
+    void begin(const RawFrame& raw, RowBands& bands) override;
+    /// Finer codes, 0 where invalid, and validity.
+    void make(const RowBand& band, SurfaceFrame& out) override;
 
 private:
     static constexpr int passes = std::size(terrace_steps);
@@ -39,14 +36,17 @@ private:
         std::vector<std::uint32_t> holes;
     };
 
-    void load(const TerraceFilter& filter, const SurfaceFrame& from, int y, Work& work) const;
-    void store(const TerraceFilter& filter, const SurfaceFrame& from, int y, Work& work,
-               SurfaceFrame& to) const;
+    void resize(int width, int threads);
+    void load(int y, Work& work) const;
+    void store(int y, Work& work, SurfaceFrame& out) const;
     /// Row y before a pass; nothing counts in a row outside the picture.
-    TerraceRow row(const Work& work, int pass, int y, int height) const;
+    TerraceRow row(const Work& work, int pass, int y) const;
     std::int16_t* codes(Work& work, int pass, int y) const;
 
-    VectorUnit unit_;
+    const std::unique_ptr<BandSource> before_;
+    const TerraceFilter filter_;
+    const VectorUnit unit_;
+    SurfaceFrame with_terraces_;
     int words_ = 0;
     std::ptrdiff_t pitch_ = 0;
     std::vector<Work> work_;  // of each thread

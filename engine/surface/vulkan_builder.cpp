@@ -119,7 +119,7 @@ void Builder::record_reading_back(GpuCommands& commands, const VulkanVertices& s
 void Builder::show(const VulkanVertices& slot, SurfaceFrame& out) const {
     out.width = scene_.width;
     out.height = scene_.height;
-    out.coding = recording_.coding();
+    out.coding = recording_.filters().coding();
     out.raw = {};
     const auto codes = slot.codes.host.mapped<std::uint16_t>();
     const auto width = static_cast<std::size_t>(scene_.width),
