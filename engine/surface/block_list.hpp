@@ -23,24 +23,23 @@ public:
     static Result<BlockList> create(const GpuDevice& device, int width, int height, std::optional<int> reach,
                                     double most, int run);
 
-    /// To be called first of each frame, with what its slot holds; then `newest` is what it is going to hold.
-    void advance(const RawFrame& raw, BuildNumber held);
+    /// To be called first of each frame, with what its slot holds; gives what it is going to hold.
+    BuildNumber advance(const RawFrame& raw, const BuildNumber& held);
     /// To be called when the frame is built. Without that the next one is built as a whole.
     void done() { done_ = true; }
 
-    BuildNumber newest() const { return newest_; }
-    bool all() const { return all_; }
     std::uint32_t count() const { return count_; }  ///< of runs; 0 too where all are to be built
-    /// Whether a slot that held `held` has the frame's haptic and height planes.
-    bool same_touch_planes(BuildNumber held) const { return changes_ && changes_->same_touch_planes(held); }
-    /// Of pixels, that the blocks lie in.
+    bool same_touch_planes(const BuildNumber& held) const {
+        return changes_ && changes_->same_touch_planes(held);
+    }
+    /// Of pixels, that the blocks lie in; none where nothing has changed.
     const RowRange& rows() const { return rows_; }
     double share() const { return share_; }  ///< of all blocks that are to be built
     /// The runs, as ListedBlocks.
     const GpuBuffer& buffer() const { return buffer_; }
 
 private:
-    void list(const BlockMap& stale);
+    void list(const StaleBlocks& stale);
 
     std::uint32_t height_ = 0;
     double most_ = 0, share_ = 1;
@@ -48,8 +47,7 @@ private:
     std::unique_ptr<FrameChanges> changes_;
     std::unique_ptr<RowBands> bands_;
     GpuBuffer buffer_;
-    BuildNumber newest_ = 0;
-    bool done_ = false, all_ = true;
+    bool done_ = false;
     std::uint32_t count_ = 0;
     RowRange rows_;
 };

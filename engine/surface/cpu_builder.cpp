@@ -51,21 +51,21 @@ public:
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
-        const BuildNumber number = changes_ ? changes_->advance(raw, bands_) : 0;
+        const BuildNumber newest = changes_ ? changes_->advance(raw, bands_) : BuildNumber{};
         TrackedVertices& vertices = tracked_vertices(out);
-        const BuildNumber held = std::exchange(vertices.build, 0);
+        const BuildNumber held = std::exchange(vertices.build, {});
         out.raw = {};
-        if (const BlockMap* stale = changes_ ? changes_->stale_blocks(held) : nullptr; stale && pays(*stale))
+        if (const auto stale = changes_ ? changes_->stale_blocks(held) : std::nullopt; stale && pays(*stale))
             build_patches(raw, out);
         else
             build_all(raw, out);
         if (!changes_ || !changes_->same_touch_planes(held)) copy_touch_planes(raw, out);
-        vertices.build = number;
+        vertices.build = newest;
         return {};
     }
 
 private:
-    bool pays(const BlockMap& stale) {
+    bool pays(const StaleBlocks& stale) {
         patches_.cover(stale, scene_.width, scene_.height, *plan_.reach());
         const bool cheaper = static_cast<double>(patches_.cost) < break_even_ * scene_.width * scene_.height;
         if (!cheaper) changes_->comparing_was_in_vain();

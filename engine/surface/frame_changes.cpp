@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <iterator>
 
-#include "engine/surface/changed_pixels.hpp"
+#include "engine/surface/vectors.hpp"
 
 namespace touchable {
 namespace {
@@ -15,93 +16,147 @@ constexpr double most_changed = 0.5;
 /// So many frames are then not compared at all: a clip in which all is moving goes on for a while.
 constexpr int frames_of_rest = 8;
 
-BuildNumber new_build_number() {
-    static std::atomic<BuildNumber> last{0};
+/// Rows that are compared at a time.
+constexpr int rows_at_once = 4;
+
+/// A block's row in which nothing differs, of at most 3 channels or 2 bytes.
+constexpr std::uint8_t nothing[3 * BlockGrid::width] = {};
+
+std::uint64_t new_builder() {
+    static std::atomic<std::uint64_t> last{0};
     return ++last;
+}
+
+/// Adds to `columns` the bits of every byte that differ in one of the rows.
+template <class Lanes>
+[[gnu::always_inline]] inline void add_bits(const std::uint8_t* const (&before)[rows_at_once],
+                                            const std::uint8_t* const (&after)[rows_at_once], int bytes,
+                                            std::uint8_t* columns) {
+    constexpr int step = sizeof(Lanes);
+    int n = 0;
+    for (; n + step <= bytes; n += step) {
+        Lanes sum;
+        std::memcpy(&sum, columns + n, step);
+        for (int k = 0; k < rows_at_once; ++k) {
+            Lanes a, b;
+            std::memcpy(&a, before[k] + n, step);
+            std::memcpy(&b, after[k] + n, step);
+            sum |= a ^ b;
+        }
+        std::memcpy(columns + n, &sum, step);
+    }
+    for (; n < bytes; ++n)
+        for (int k = 0; k < rows_at_once; ++k)
+            columns[n] = static_cast<std::uint8_t>(columns[n] | (before[k][n] ^ after[k][n]));
+}
+
+int bytes_of_pixel(const PlaneView& plane) {
+    return plane.channels * plane.bytes_per_sample;
 }
 
 }  // namespace
 
 FrameChanges::FrameChanges(int width, int height, int reach, VectorUnit unit)
-    : reach_(reach), unit_(unit), stale_(width, height) {
-    for (Step& step : steps_) step.stale = stale_;
-    const BlockGrid& grid = stale_.grid();
-    boxes_.resize(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
-}
+    : builder_(new_builder()),
+      reach_(reach),
+      unit_(unit),
+      grid_(BlockGrid::of(width, height)),
+      changed_(grid_.count()) {}
 
 BuildNumber FrameChanges::advance(const RawFrame& raw, RowBands& bands) {
-    std::rotate(steps_.begin(), steps_.begin() + 1, steps_.end());
-    Step& step = steps_.back();
-    step.build = new_build_number();
-    step.all = newest_.depth.empty() || !same_form(newest_.depth, raw.depth) || rest_ > 0;
+    ++frame_;
+    const bool compares = rest_ == 0 && !newest_.depth.empty() && same_form(newest_.depth, raw.depth);
     rest_ = std::max(rest_ - 1, 0);
-    step.touch_planes =
-        step.all || !same_samples(newest_.haptic, raw.haptic) || !same_samples(newest_.height, raw.height);
-    if (!step.all) {
-        compare_depth(raw.depth, bands, step);
-        if (step.all) comparing_was_in_vain();
+    if (!compares || !compare_depth(raw.depth, bands)) {
+        all_ = frame_;
+        if (compares) comparing_was_in_vain();
     }
+    if (all_ == frame_ || !same_samples(newest_.haptic, raw.haptic) ||
+        !same_samples(newest_.height, raw.height))
+        touch_planes_ = frame_;
     newest_ = raw.storage ? raw : RawFrame{};
-    return step.build;
+    return {builder_, frame_};
 }
 
 void FrameChanges::comparing_was_in_vain() {
     rest_ = frames_of_rest;
 }
 
-void FrameChanges::compare_depth(const PlaneView& after, RowBands& bands, Step& step) {
-    const BlockGrid& grid = step.stale.grid();
-    const PlaneComparison planes(newest_.depth, after, unit_);
-    const auto most = static_cast<std::ptrdiff_t>(most_changed * static_cast<double>(boxes_.size()));
-    std::ptrdiff_t at_top = 0;
-    for (int row = 0; row < grid.rows; ++row) at_top += planes.changed_at_top(row);
-    step.all = at_top > most;
-    if (step.all) return;
-
+/// False where too much has changed to go on.
+bool FrameChanges::compare_depth(const PlaneView& after, RowBands& bands) {
+    const int most = static_cast<int>(most_changed * static_cast<double>(grid_.count()));
+    std::atomic<int> changed = 0;
     columns_.resize(static_cast<std::size_t>(bands.threads()));
-    bands.for_each_band(grid.rows, 1, [&](const RowBand& band) {
-        for (int row = band.first; row < band.last; ++row)
-            planes.find(row,
-                        std::span(boxes_).subspan(static_cast<std::size_t>(row * grid.columns),
-                                                  static_cast<std::size_t>(grid.columns)),
-                        columns_[static_cast<std::size_t>(band.thread)]);
+    bands.for_each_band(grid_.rows, 1, [&](const RowBand& band) {
+        for (int row = band.first; row < band.last && changed <= most; ++row)
+            changed += compare_row(after, row, columns_[static_cast<std::size_t>(band.thread)]);
     });
-    const auto unchanged =
-        std::count_if(boxes_.begin(), boxes_.end(), [](const PixelBox& b) { return b.empty(); });
-    step.all = std::ssize(boxes_) - unchanged > most;
-    if (step.all) return;
+    return changed <= most;
+}
 
-    step.stale.clear();
-    for (PixelBox& box : boxes_) {
-        if (box.empty()) continue;
-        planes.narrow(box);
-        step.stale.add(
-            PixelBox{box.left - reach_, box.top - reach_, box.right + reach_, box.bottom + reach_});
+/// Marks what the changes of a row of blocks reach, and says how many of the row have some.
+int FrameChanges::compare_row(const PlaneView& after, int row, std::vector<std::uint8_t>& columns) {
+    const int top = row * BlockGrid::height, bottom = std::min(top + BlockGrid::height, after.height);
+    const int pixel_bytes = bytes_of_pixel(after);
+    add_differences(after, top, bottom, columns);
+    int changed = 0;
+    for (int x = 0; x < after.width; x += BlockGrid::width) {
+        const int offset = x * pixel_bytes, bytes = std::min(BlockGrid::width, after.width - x) * pixel_bytes;
+        const std::uint8_t *begin = columns.data() + offset, *end = begin + bytes;
+        if (std::memcmp(begin, nothing, static_cast<std::size_t>(bytes)) == 0) continue;
+        const auto differs = [](std::uint8_t bits) { return bits != 0; };
+        const auto same = [&](int y) {
+            return std::memcmp(newest_.depth.row(y) + offset, after.row(y) + offset,
+                               static_cast<std::size_t>(bytes)) == 0;
+        };
+        const auto first = std::find_if(begin, end, differs) - begin;
+        const auto last =
+            std::find_if(std::reverse_iterator(end), std::reverse_iterator(begin), differs).base() - begin;
+        PixelBox box{x + static_cast<int>(first) / pixel_bytes, top,
+                     x + static_cast<int>(last - 1) / pixel_bytes + 1, bottom};
+        while (same(box.top)) ++box.top;
+        while (same(box.bottom - 1)) --box.bottom;
+        mark(box);
+        ++changed;
+    }
+    return changed;
+}
+
+void FrameChanges::add_differences(const PlaneView& after, int top, int bottom,
+                                   std::vector<std::uint8_t>& columns) const {
+    const int bytes = after.width * bytes_of_pixel(after);
+    columns.assign(static_cast<std::size_t>(bytes), 0);
+    for (int y = top; y < bottom; y += rows_at_once) {
+        const std::uint8_t *a[rows_at_once], *b[rows_at_once];
+        for (int k = 0; k < rows_at_once; ++k) {
+            a[k] = newest_.depth.row(std::min(y + k, bottom - 1));
+            b[k] = after.row(std::min(y + k, bottom - 1));
+        }
+        run_vectors(
+            unit_, [&](auto kind) __attribute__((always_inline)) {
+                add_bits<typename decltype(kind)::Lanes>(a, b, bytes, columns.data());
+            });
     }
 }
 
-std::optional<std::span<const FrameChanges::Step>> FrameChanges::steps_since(BuildNumber held) const {
-    if (held == 0) return std::nullopt;
-    const auto step =
-        std::find_if(steps_.begin(), steps_.end(), [&](const Step& s) { return s.build == held; });
-    if (step == steps_.end()) return std::nullopt;
-    return std::span<const Step>(step + 1, steps_.end());
+/// Every block that the box reaches; those of the rows beside it other threads may mark at the same time.
+void FrameChanges::mark(const PixelBox& changed) {
+    const int left = std::max(changed.left - reach_, 0) / BlockGrid::width;
+    const int top = std::max(changed.top - reach_, 0) / BlockGrid::height;
+    const int right = std::min((changed.right + reach_ - 1) / BlockGrid::width + 1, grid_.columns);
+    const int bottom = std::min((changed.bottom + reach_ - 1) / BlockGrid::height + 1, grid_.rows);
+    for (int y = top; y < bottom; ++y)
+        for (int x = left; x < right; ++x)
+            std::atomic_ref(changed_[grid_.index(x, y)]).store(frame_, std::memory_order_relaxed);
 }
 
-const BlockMap* FrameChanges::stale_blocks(BuildNumber held) {
-    const auto steps = steps_since(held);
-    if (!steps) return nullptr;
-    stale_.clear();
-    for (const Step& step : *steps) {
-        if (step.all) return nullptr;
-        stale_.add(step.stale);
-    }
-    return &stale_;
+std::optional<StaleBlocks> FrameChanges::stale_blocks(const BuildNumber& held) const {
+    if (held.builder != builder_ || held.frame < all_) return std::nullopt;
+    return StaleBlocks(grid_, changed_, held.frame);
 }
 
-bool FrameChanges::same_touch_planes(BuildNumber held) const {
-    const auto steps = steps_since(held);
-    return steps && std::none_of(steps->begin(), steps->end(), [](const Step& s) { return s.touch_planes; });
+bool FrameChanges::same_touch_planes(const BuildNumber& held) const {
+    return held.builder == builder_ && held.frame >= touch_planes_;
 }
 
 }  // namespace touchable

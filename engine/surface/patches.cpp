@@ -16,7 +16,7 @@ int rows_of_patch(int reach) {
 constexpr int pixels_per_row = 256;
 
 /// The next patch of some rows of blocks.
-BlockRun next_patch(const BlockMap& blocks, int top, int bottom, int from) {
+BlockRun next_patch(const StaleBlocks& blocks, int top, int bottom, int from) {
     BlockRun all = blocks.next_run(top, bottom, from);
     BlockRun next = all;
     while (!(next = blocks.next_run(top, bottom, next.last)).empty() &&
@@ -27,7 +27,7 @@ BlockRun next_patch(const BlockMap& blocks, int top, int bottom, int from) {
 
 }  // namespace
 
-void Patches::cover(const BlockMap& blocks, int width, int height, int reach) {
+void Patches::cover(const StaleBlocks& blocks, int width, int height, int reach) {
     patches.clear();
     tile_runs.clear();
     cost = tiles = 0;

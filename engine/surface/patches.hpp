@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/surface/block_map.hpp"
+#include "engine/surface/stale_blocks.hpp"
 
 namespace touchable {
 
@@ -27,7 +27,7 @@ struct Patches {
 
     /// Of a picture of that size, in which pixels up to `reach` away may depend on each other. No allocation
     /// where it has had as many.
-    void cover(const BlockMap& blocks, int width, int height, int reach);
+    void cover(const StaleBlocks& blocks, int width, int height, int reach);
 };
 
 }  // namespace touchable

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "engine/frame/raw_frame.hpp"
+#include "engine/frame/plane_view.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/surface/block_list.hpp"
 #include "shaders/surface_codes.h"
@@ -21,18 +21,16 @@ struct StoredRows {
     }
 };
 
-/// Depth planes of one builder's frames, as its kernels read them: in buffers of their own, which take of a
-/// frame that has changed in part only that part.
+/// Depth planes of one builder's frames, as its kernels read them: in buffers of their own, which keep what
+/// is not taken anew.
 class StoredPlane {
 public:
     /// `valid`: of its values. `copies`: kernels read from the GPU's own memory.
     StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, bool copies)
         : device_(std::move(device)), valid_(valid), copies_(copies) {}
 
-    /// Those of a frame, into a slot that held build `held`.
-    Result<StoredRows> take(const PlaneView& depth, const BlockList& list, BuildNumber held);
-    /// Nothing has changed since build `held`.
-    void keep(const BlockList& list, BuildNumber held);
+    /// Some rows, at least one, of a frame; all of them where the frame before had another form.
+    Result<StoredRows> take(const PlaneView& depth, const RowRange& rows);
     /// Records what `take` leaves to the GPU.
     void record_reading_in(GpuCommands& commands) const;
 
@@ -43,9 +41,7 @@ private:
     const ValidCodes valid_;
     const bool copies_;
     GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
-    BuildNumber uploaded_ = 0;   // which frame they hold
-    std::size_t row_bytes_ = 0;  // of theirs
-    RowRange upload_rows_;       // that were written last
+    std::size_t taken_first_ = 0, taken_bytes_ = 0;  // of theirs, by the last call
 };
 
 }  // namespace touchable

@@ -10,7 +10,7 @@ namespace touchable {
 class TrackedVertices final : public FilteredVertices {
 public:
     using FilteredVertices::FilteredVertices;
-    BuildNumber build = 0;
+    BuildNumber build;
 };
 
 /// Those of a slot, new ones where it has none.

@@ -35,7 +35,7 @@ public:
 
 private:
     Result<VulkanVertices*> slot_of(SurfaceFrame& out) const;
-    Result<void> build_listed(const RawFrame& raw, BuildNumber held, const VulkanVertices& slot);
+    Result<void> build_listed(const RawFrame& raw, const VulkanVertices& slot);
     void record_reading_back(GpuCommands& commands, const VulkanVertices& slot) const;
     void show(const VulkanVertices& slot, SurfaceFrame& out) const;
 
@@ -53,13 +53,13 @@ Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
     if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
     const auto slot = slot_of(out);
     if (!slot.ok()) return slot.error();
-    const BuildNumber held = std::exchange((*slot)->build, 0);
-    list_.advance(raw, held);
-    if (auto built = build_listed(raw, held, **slot); !built.ok()) return built;
+    const BuildNumber held = std::exchange((*slot)->build, {});
+    const BuildNumber newest = list_.advance(raw, held);
+    if (auto built = build_listed(raw, **slot); !built.ok()) return built;
     list_.done();
     show(**slot, out);
     if (!list_.same_touch_planes(held)) copy_touch_planes(raw, out);
-    (*slot)->build = list_.newest();
+    (*slot)->build = newest;
     return {};
 }
 
@@ -74,13 +74,10 @@ Result<VulkanVertices*> Builder::slot_of(SurfaceFrame& out) const {
     return slot;
 }
 
-Result<void> Builder::build_listed(const RawFrame& raw, BuildNumber held, const VulkanVertices& slot) {
+Result<void> Builder::build_listed(const RawFrame& raw, const VulkanVertices& slot) {
     stages_.clear();
-    if (!list_.all() && list_.count() == 0) {
-        stored_.keep(list_, held);
-        return {};
-    }
-    auto rows = stored_.take(raw.depth, list_, held);
+    if (list_.rows().count() == 0) return {};
+    auto rows = stored_.take(raw.depth, list_.rows());
     if (!rows.ok()) return rows.error();
     auto commands = GpuCommands::begin(device_, "surface");
     if (!commands.ok()) return commands.error();

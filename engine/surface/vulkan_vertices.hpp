@@ -26,7 +26,7 @@ public:
     bool serves(const GpuDevice& device, int width, int height, bool copied) const;
 
     SharedPlane codes, validity, tiles;
-    BuildNumber build = 0;  ///< that the memory holds
+    BuildNumber build;  ///< that the memory holds
 
 private:
     VulkanVertices(const GpuDevice& device, const SurfaceFrame& frame, int width, int height)

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 
-#include "engine/surface/changed_pixels.hpp"
 #include "engine/surface/frame_changes.hpp"
 #include "engine/surface/patches.hpp"
 #include "tests/surface/pictures.hpp"
@@ -14,99 +14,61 @@ namespace {
 constexpr std::pair<int, int> sizes[] = {{1, 1},   {31, 15}, {32, 16},  {33, 17}, {34, 33},
                                          {97, 48}, {7, 130}, {203, 81}, {64, 64}};
 
-/// Blocks with a pixel of `pixels`, one by one.
-template <class Contains>
-std::vector<std::uint8_t> blocks_with(int width, int height, Contains&& contains) {
-    const BlockGrid grid = BlockGrid::of(width, height);
-    std::vector<std::uint8_t> blocks(static_cast<std::size_t>(grid.columns * grid.rows));
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            if (contains(x, y)) blocks[static_cast<std::size_t>(y / 16 * grid.columns + x / 32)] = 1;
-    return blocks;
-}
-
-std::vector<std::uint8_t> blocks_of(const BlockMap& map) {
-    std::vector<std::uint8_t> blocks;
-    for (int y = 0; y < map.grid().rows; ++y)
-        for (int x = 0; x < map.grid().columns; ++x) blocks.push_back(map.contains(x, y) ? 1 : 0);
-    return blocks;
-}
-
-BlockMap random_map(int width, int height, Random& random) {
-    BlockMap map(width, height);
-    for (int n = random.below(1 + map.grid().columns * map.grid().rows / 2); n >= 0; --n) {
-        const int x = random.below(width), y = random.below(height);
-        map.add(PixelBox{x, y, x + 1, y + 1});
-    }
-    return map;
-}
-
-TEST(BlockMap, HasEveryBlockThatABoxTouches) {
-    Random random(1);
-    for (const auto& [width, height] : sizes)
-        for (int n = 0; n < 100; ++n) {
-            const PixelBox box{random.below(2 * width) - width, random.below(2 * height) - height,
-                               random.below(2 * width), random.below(2 * height)};
-            BlockMap map(width, height);
-            map.add(box);
-            const auto expected = blocks_with(width, height, [&](int x, int y) {
-                return x >= box.left && x < box.right && y >= box.top && y < box.bottom;
-            });
-            ASSERT_EQ(blocks_of(map), expected) << width << "x" << height;
-            ASSERT_EQ(map.count(), std::count(expected.begin(), expected.end(), 1));
-        }
-}
-
-TEST(BlockMap, IsTheUnionOfWhatWasAdded) {
-    Random random(2);
-    for (const auto& [width, height] : sizes) {
-        const BlockMap a = random_map(width, height, random), b = random_map(width, height, random);
-        BlockMap both = a;
-        both.add(b);
-        auto expected = blocks_of(a);
-        const auto other = blocks_of(b);
-        for (std::size_t n = 0; n < expected.size(); ++n) expected[n] |= other[n];
-        EXPECT_EQ(blocks_of(both), expected);
-        both.clear();
-        EXPECT_EQ(both.count(), 0);
-    }
-}
-
-/// Around the samples of a block that differ, by looking at each.
-PixelBox obvious_box(const PlaneView& a, const PlaneView& b, int column, int row) {
-    PixelBox box{a.width, a.height, 0, 0};
+/// Around the samples of a block that differ, by looking at each; nothing where none does.
+std::optional<PixelBox> obvious_box(const PlaneView& a, const PlaneView& b, int column, int row) {
+    std::optional<PixelBox> box;
     for (int y = row * 16; y < std::min(row * 16 + 16, a.height); ++y)
         for (int x = column * 32; x < std::min(column * 32 + 32, a.width); ++x)
             for (int c = 0; c < a.channels; ++c)
-                if (a.sample(x, y, c) != b.sample(x, y, c))
-                    box = {std::min(box.left, x), std::min(box.top, y), std::max(box.right, x + 1),
-                           std::max(box.bottom, y + 1)};
-    return box.empty() ? PixelBox{} : box;
+                if (a.sample(x, y, c) != b.sample(x, y, c)) {
+                    const PixelBox one = box.value_or(PixelBox{x, y, x + 1, y + 1});
+                    box = PixelBox{std::min(one.left, x), std::min(one.top, y), std::max(one.right, x + 1),
+                                   std::max(one.bottom, y + 1)};
+                }
+    return box;
 }
 
-void expect_found(const PlaneView& a, const PlaneView& b, VectorUnit unit) {
-    const PlaneComparison planes(a, b, unit);
+/// Which blocks have a pixel within reach of such a box, pixel by pixel; nothing where more than half have
+/// one of their own.
+std::optional<std::vector<bool>> obviously_stale(const PlaneView& a, const PlaneView& b, int reach) {
     const BlockGrid grid = BlockGrid::of(a.width, a.height);
-    std::vector<PixelBox> boxes(static_cast<std::size_t>(grid.columns));
-    std::vector<std::uint8_t> columns;
-    for (int row = 0; row < grid.rows; ++row) {
-        planes.find(row, boxes, columns);
-        int at_top = 0;
+    std::vector<bool> stale(grid.count());
+    std::size_t changed = 0;
+    for (int row = 0; row < grid.rows; ++row)
         for (int column = 0; column < grid.columns; ++column) {
-            PixelBox& found = boxes[static_cast<std::size_t>(column)];
-            const PixelBox expected = obvious_box(a, b, column, row);
-            ASSERT_EQ(found.left, expected.left);
-            ASSERT_EQ(found.right, expected.right);
-            if (!found.empty()) planes.narrow(found);
-            ASSERT_EQ(found, expected) << a.width << "x" << a.height << ", " << a.channels << " of "
-                                       << a.bytes_per_sample << " bytes, block " << column << ", " << row;
-            at_top += !expected.empty() && expected.top == row * 16;
+            const auto box = obvious_box(a, b, column, row);
+            if (!box) continue;
+            ++changed;
+            for (int y = std::max(box->top - reach, 0); y < std::min(box->bottom + reach, a.height); ++y)
+                for (int x = std::max(box->left - reach, 0); x < std::min(box->right + reach, a.width); ++x)
+                    stale[grid.index(x / 32, y / 16)] = true;
         }
-        ASSERT_EQ(planes.changed_at_top(row), at_top);
-    }
+    if (2 * changed > grid.count()) return std::nullopt;
+    return stale;
 }
 
-TEST(ChangedPixels, AreFoundInEverySampleForm) {
+void expect_found(const RawFrame& a, const RawFrame& b, int reach, VectorUnit unit) {
+    FrameChanges changes(a.depth.width, a.depth.height, reach, unit);
+    RowBands bands(2);
+    const BuildNumber before = changes.advance(a, bands);
+    changes.advance(b, bands);
+    const auto found = changes.stale_blocks(before);
+    const auto expected = obviously_stale(a.depth, b.depth, reach);
+    ASSERT_EQ(found.has_value(), expected.has_value());
+    if (!found) return;
+    int count = 0;
+    for (int y = 0; y < found->grid().rows; ++y)
+        for (int x = 0; x < found->grid().columns; ++x) {
+            const bool stale = (*expected)[found->grid().index(x, y)];
+            ASSERT_EQ(found->contains(x, y), stale)
+                << a.depth.width << "x" << a.depth.height << ", " << a.depth.channels << " of "
+                << a.depth.bytes_per_sample << " bytes, reach " << reach << ", block " << x << ", " << y;
+            count += stale;
+        }
+    EXPECT_EQ(found->count(), count);
+}
+
+TEST(ChangedPixels, MakeWhatTheyReachStaleInEverySampleForm) {
     Random random(3);
     for (const auto& [width, height] : sizes)
         for (const auto& [channels, bytes] : {std::pair{1, 1}, {1, 2}, {3, 1}})
@@ -117,13 +79,19 @@ TEST(ChangedPixels, AreFoundInEverySampleForm) {
                 const int changes = n == 0 ? 0 : n == 1 ? samples * height * 4 : random.below(6) + 1;
                 for (int k = 0; k < changes; ++k)
                     after[static_cast<std::size_t>(random.below(samples * height))] = 8;
-                StoredPlane a = store_plane(samples, height, before, {bytes, random.below(4), n % 2 == 0});
-                StoredPlane b = store_plane(samples, height, after, {bytes, random.below(4), n % 3 == 0});
-                for (StoredPlane* plane : {&a, &b}) {
-                    plane->view.width = width;
-                    plane->view.channels = channels;
+                RawFrame frames[2];
+                const bool upward[] = {n % 2 == 0, n % 3 == 0};
+                for (int k = 0; k < 2; ++k) {
+                    const auto memory = std::make_shared<StoredPlane>(store_plane(
+                        samples, height, k == 0 ? before : after, {bytes, random.below(4), upward[k]}));
+                    frames[k] = memory->frame();
+                    frames[k].depth.width = width;
+                    frames[k].depth.channels = channels;
+                    frames[k].storage = memory;
                 }
-                for (const VectorUnit unit : usable_vector_units()) expect_found(a.view, b.view, unit);
+                for (const int reach : {0, 1, 2, 17})
+                    for (const VectorUnit unit : usable_vector_units())
+                        expect_found(frames[0], frames[1], reach, unit);
             }
 }
 
@@ -135,7 +103,10 @@ TEST(Patches, CoverEveryStaleBlockOnce) {
     for (const auto& [width, height] : sizes)
         for (const int reach : {0, 1, 2, 5, 17, 34})
             for (int n = 0; n < 6; ++n) {
-                const BlockMap map = random_map(width, height, random);
+                const BlockGrid grid_of_blocks = BlockGrid::of(width, height);
+                std::vector<std::uint64_t> changed(grid_of_blocks.count());
+                for (std::uint64_t& frame : changed) frame = static_cast<std::uint64_t>(random.below(4));
+                const StaleBlocks map(grid_of_blocks, changed, static_cast<std::uint64_t>(random.below(4)));
                 patches.cover(map, width, height, reach);
                 std::vector<int> covered(static_cast<std::size_t>(width * height));
                 for (const auto& [inner, outer] : patches.patches) {
@@ -192,8 +163,8 @@ protected:
     }
     BuildNumber repeat() { return changes_.advance(kept_frame(codes_), bands_); }
     std::string stale(BuildNumber held) {
-        const BlockMap* map = changes_.stale_blocks(held);
-        if (map == nullptr) return "all";
+        const auto map = changes_.stale_blocks(held);
+        if (!map) return "all";
         std::string text;
         for (int y = 0; y < 4; ++y)
             for (int x = 0; x < 4; ++x)
@@ -231,19 +202,17 @@ TEST_F(Changes, AddUpSinceTheBuildThatASlotHolds) {
     EXPECT_EQ(stale(fourth), "");
 }
 
-TEST_F(Changes, AreUnknownOfOtherBuildsAndOldOnes) {
+TEST_F(Changes, AreKnownOfEveryFrameOfTheSameBuilder) {
     FrameChanges others(128, 64, 1, VectorUnit::baseline);
     const BuildNumber other = others.advance(kept_frame(codes_), bands_), first = repeat();
-    EXPECT_NE(other, first);
-    EXPECT_EQ(stale(0), "all");
+    EXPECT_EQ(stale({}), "all");
     EXPECT_EQ(stale(other), "all");
-    for (int n = 0; n < 7; ++n) {
+    EXPECT_FALSE(changes_.same_touch_planes(other));
+    for (int n = 0; n < 100; ++n) {
         EXPECT_EQ(stale(first), n == 0 ? "" : "00 ") << n;
         change(8, 8);
     }
-    EXPECT_EQ(stale(first), "00 ");
-    change(8, 8);
-    EXPECT_EQ(stale(first), "all");
+    EXPECT_EQ(stale(other), "all");
 }
 
 TEST_F(Changes, AreUnknownWherePlanesAreNotKeptOrHaveAnotherForm) {
@@ -304,7 +273,7 @@ TEST_F(Changes, TellHapticAndHeightPlanesApart) {
     EXPECT_TRUE(changes_.same_touch_planes(rougher));
     advance(other->data(), nullptr);
     EXPECT_FALSE(changes_.same_touch_planes(rougher));
-    EXPECT_FALSE(changes_.same_touch_planes(0));
+    EXPECT_FALSE(changes_.same_touch_planes({}));
     EXPECT_EQ(stale(none), "");
 }
 

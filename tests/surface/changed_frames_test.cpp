@@ -211,8 +211,7 @@ TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
     EXPECT_GT(whole_again, 20);
 }
 
-/// Planes may be read where they lie or uploaded, as a whole or in part; and what kernels leave for the next
-/// frame is of another slot.
+/// Planes are uploaded as a whole or in part; and what kernels leave for the next frame is of another slot.
 TEST(ChangedFramesByVulkan, HaveTheBitsOfWholeOnes) {
     int patched = 0, whole_again = 0, nothing = 0;
     for (const int median : {0, 3, 5})
@@ -253,7 +252,7 @@ TEST(ChangedFramesByVulkan, HaveTheBitsOfWholeOnes) {
     EXPECT_GT(nothing, 0);
 }
 
-/// A frame that was read where it lay has left the rows that were uploaded before as they were.
+/// Rows are uploaded in part from planes of whatever stride, over what was uploaded from another.
 TEST(ChangedFramesByVulkan, ReadNoRowThatIsOlderThanTheSlot) {
     const Scene scene = depth_scene(64, 70, 16, Marking::zero, {3, 0});
     Random random(1);

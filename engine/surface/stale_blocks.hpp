@@ -11,8 +11,6 @@ namespace touchable {
 /// Pixels [left, right) x [top, bottom).
 struct PixelBox {
     int left = 0, top = 0, right = 0, bottom = 0;
-    bool empty() const { return right <= left || bottom <= top; }
-    bool operator==(const PixelBox&) const = default;
 };
 
 /// Blocks of 32x16 pixels, a validity word wide and a tile high; those at the right and lower edge of a
@@ -25,7 +23,11 @@ struct BlockGrid {
         return {(width + BlockGrid::width - 1) / BlockGrid::width,
                 (height + BlockGrid::height - 1) / BlockGrid::height};
     }
-    bool operator==(const BlockGrid&) const = default;
+    std::size_t count() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+    std::size_t index(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+               static_cast<std::size_t>(column);
+    }
 };
 
 /// Neighbours in a row of blocks (or of tiles): [first, last).
@@ -34,31 +36,24 @@ struct BlockRun {
     bool empty() const { return last <= first; }
 };
 
-/// A set of a picture's blocks.
-class BlockMap {
+/// Those of a picture's blocks that have changed since some frame.
+class StaleBlocks {
 public:
-    BlockMap() = default;
-    BlockMap(int width, int height)
-        : grid_(BlockGrid::of(width, height)),
-          blocks_(static_cast<std::size_t>(grid_.columns) * static_cast<std::size_t>(grid_.rows)) {}
+    /// `changed`: of each block the frame in which it last changed, which has to outlive this.
+    StaleBlocks(const BlockGrid& grid, const std::vector<std::uint64_t>& changed, std::uint64_t since)
+        : grid_(grid), changed_(&changed), since_(since) {}
 
     const BlockGrid& grid() const { return grid_; }
-    void clear();
-    /// Every block with a pixel in the box, which may reach beyond the picture.
-    void add(const PixelBox& box);
-    /// Every block of a set of the same picture.
-    void add(const BlockMap& other);
-    bool contains(int column, int row) const { return this->row(row)[column] != 0; }
+    bool contains(int column, int row) const { return (*changed_)[grid_.index(column, row)] > since_; }
     int count() const;
     /// The first run of blocks at or after column `from`, in any of the rows [first_row, last_row); empty
     /// where there is none.
     BlockRun next_run(int first_row, int last_row, int from) const;
 
 private:
-    const std::uint8_t* row(int y) const { return blocks_.data() + std::ptrdiff_t{grid_.columns} * y; }
-
     BlockGrid grid_;
-    std::vector<std::uint8_t> blocks_;  // 1: in the set
+    const std::vector<std::uint64_t>* changed_;
+    std::uint64_t since_;
 };
 
 }  // namespace touchable
