@@ -34,12 +34,15 @@ struct DepthCoding {
     /// from the members above. Least > greatest: none is valid.
     std::uint16_t valid_min = 0, valid_max = 255;
 
-    bool is_valid(std::uint16_t code) const {
-        if (code < valid_min || code > valid_max) return false;
-        for (int k = 0; k < invalid_code_count; ++k)
-            if (code == invalid_codes[static_cast<std::size_t>(k)]) return false;
-        return true;
+    /// Whether every code from `least` to `greatest` is valid.
+    bool all_valid(std::uint16_t least, std::uint16_t greatest) const {
+        for (int k = 0; k < invalid_code_count; ++k) {
+            const std::uint16_t code = invalid_codes[static_cast<std::size_t>(k)];
+            if (least <= code && code <= greatest) return false;
+        }
+        return least >= valid_min && greatest <= valid_max;
     }
+    bool is_valid(std::uint16_t code) const { return all_valid(code, code); }
     /// Depth of a valid code, in scene units, of the coding's own semantics; > 0 and <= far.
     double depth(std::uint16_t code) const {
         if (kind == DepthCodingKind::metric) return scale * code;

@@ -9,7 +9,6 @@
 #include "engine/surface/raw_check.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "engine/surface/tile_bounds.hpp"
-#include "engine/surface/tracked_vertices.hpp"
 
 namespace touchable {
 namespace {
@@ -27,6 +26,24 @@ VectorUnit unit_for(VectorUnit most) {
 /// there is to filter.
 double what_pays(const FilterPlan& filters) {
     return filters.find<MedianWindow>() == nullptr ? 0.45 : 0.65;
+}
+
+/// Filtered vertices that know which build their frame holds. No other builder keeps them in a slot of its
+/// own.
+class TrackedVertices final : public FilteredVertices {
+public:
+    using FilteredVertices::FilteredVertices;
+    BuildNumber build;
+};
+
+/// Those of a slot, new ones where it has none.
+TrackedVertices& tracked_vertices(SurfaceFrame& slot) {
+    auto* vertices = dynamic_cast<TrackedVertices*>(slot.vertices.get());
+    if (vertices != nullptr) return *vertices;
+    auto made = std::make_unique<TrackedVertices>(slot);
+    vertices = made.get();
+    slot.vertices = std::move(made);
+    return *vertices;
 }
 
 class CpuBuilder final : public SurfaceBuilder {

@@ -95,16 +95,6 @@ private:
     std::uint8_t valid_since_[largest_side * largest_side];  // the pass that made it valid; 0: as stored
 };
 
-/// Whether every code from `least` to `greatest` is valid, so that what lies between need not be asked one by
-/// one.
-bool all_are_valid(const DepthCoding& coding, std::uint16_t least, std::uint16_t greatest) {
-    for (int n = 0; n < coding.invalid_code_count; ++n) {
-        const std::uint16_t code = coding.invalid_codes[static_cast<std::size_t>(n)];
-        if (least <= code && code <= greatest) return false;
-    }
-    return least >= coding.valid_min && greatest <= coding.valid_max;
-}
-
 /// Least and greatest sample of a row from `x` on.
 template <class Sample>
 void bound_samples(const std::uint8_t* row, int x, int count, std::uint16_t& least, std::uint16_t& greatest) {
@@ -125,7 +115,7 @@ std::optional<TileBounds> bounds_of_clean_area(const PlaneView& depth, const Dep
         (depth.bytes_per_sample == 2 ? bound_samples<std::uint16_t>
                                      : bound_samples<std::uint8_t>)(depth.row(y), left, right - left + 1,
                                                                     bounds.least, bounds.greatest);
-    if (!all_are_valid(coding, bounds.least, bounds.greatest)) return std::nullopt;
+    if (!coding.all_valid(bounds.least, bounds.greatest)) return std::nullopt;
     return bounds;
 }
 
@@ -145,7 +135,7 @@ std::optional<std::uint16_t> median_of_clean_window(const PlaneView& depth, cons
         least = lesser(least, codes[0]);
         greatest = greater(greatest, codes[Side - 1]);
     }
-    if (!all_are_valid(coding, least, greatest)) return std::nullopt;
+    if (!coding.all_valid(least, greatest)) return std::nullopt;
     return median_of_columns(columns);
 }
 

@@ -64,54 +64,45 @@ ValidCodes valid_codes_of(const DepthCoding& coding) {
     return codes;
 }
 
+/// A program, when it is first asked for.
+Result<GpuProgram> SurfaceKernels::made(GpuProgram& kept, const char* name,
+                                        std::span<const std::uint32_t> spirv, GpuLayout layout,
+                                        std::span<const std::uint32_t> constants) {
+    if (kept) return kept;
+    auto program = GpuProgram::create(*device_, name, spirv, std::move(layout), constants);
+    if (program.ok()) kept = *program;
+    return program;
+}
+
 Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstants& c) {
     const auto constants = std::bit_cast<Constants>(c);
-    GpuProgram& program = strips_[{kernel, constants}];
-    if (program) return program;
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
     layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 3, buffer);
     const KernelSource source = source_of(kernel);
-    auto made = GpuProgram::create(*device_, source.name, source.spirv, std::move(layout), constants);
-    if (made.ok()) program = *made;
-    return made;
+    return made(strips_[{kernel, constants}], source.name, source.spirv, std::move(layout), constants);
 }
 
 Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last) {
     const std::array<std::uint32_t, 3> constants{group_size, static_cast<std::uint32_t>(step),
                                                  is_last ? 1U : 0U};
-    GpuProgram& program = terraces_[constants];
-    if (program) return program;
-    auto made =
-        GpuProgram::create(*device_, "terraces", terraces_spv,
-                           {sizeof(TerracesPush), {texels, texels, buffer}, {group_size, 1, 1}}, constants);
-    if (made.ok()) program = *made;
-    return made;
+    return made(terraces_[constants], "terraces", terraces_spv,
+                {sizeof(TerracesPush), {texels, texels, buffer}, {group_size, 1, 1}}, constants);
 }
 
 Result<GpuProgram> SurfaceKernels::temporal() {
-    if (temporal_) return temporal_;
-    auto made =
-        GpuProgram::create(*device_, "temporal", temporal_spv,
-                           {sizeof(TemporalPush), {texels, texels, buffer, buffer}, {temporal_group, 1, 1}});
-    if (made.ok()) temporal_ = *made;
-    return made;
+    return made(temporal_, "temporal", temporal_spv,
+                {sizeof(TemporalPush), {texels, texels, buffer, buffer}, {temporal_group, 1, 1}});
 }
 
 Result<GpuProgram> SurfaceKernels::tile_bounds() {
-    if (tile_bounds_) return tile_bounds_;
-    auto made = GpuProgram::create(
-        *device_, "tile_bounds", tile_bounds_spv,
+    return made(
+        tile_bounds_, "tile_bounds", tile_bounds_spv,
         {sizeof(TileBoundsPush), {texels, texels, buffer, buffer, buffer}, {tile_bounds_group, 1, 1}});
-    if (made.ok()) tile_bounds_ = *made;
-    return made;
 }
 
 Result<GpuProgram> SurfaceKernels::hue_codes() {
-    if (hue_codes_) return hue_codes_;
-    auto made = GpuProgram::create(*device_, "hue_codes", hue_codes_spv,
-                                   {sizeof(HueCodesPush), {buffer, buffer}, {hue_codes_group, 1, 1}});
-    if (made.ok()) hue_codes_ = *made;
-    return made;
+    return made(hue_codes_, "hue_codes", hue_codes_spv,
+                {sizeof(HueCodesPush), {buffer, buffer}, {hue_codes_group, 1, 1}});
 }
 
 }  // namespace touchable

@@ -46,6 +46,9 @@ public:
 private:
     using Constants = std::array<std::uint32_t, 6>;
 
+    Result<GpuProgram> made(GpuProgram& kept, const char* name, std::span<const std::uint32_t> spirv,
+                            GpuLayout layout, std::span<const std::uint32_t> constants = {});
+
     std::shared_ptr<GpuDevice> device_;
     std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
     std::map<std::array<std::uint32_t, 3>, GpuProgram> terraces_;

@@ -36,6 +36,8 @@ SurfaceRecording::SurfaceRecording(const Scene& scene, std::shared_ptr<SurfaceKe
       height_(static_cast<std::uint32_t>(scene.height)),
       pitch_(groups_for(width_, 8)),
       strips_(groups_for(height_, 2)),
+      segment_texels_(plan.segment_texels > 0 ? plan.segment_texels : pitch_),
+      segments_(groups_for(pitch_, segment_texels_)),
       grid_(TileGrid::of(scene.width, scene.height)) {}
 
 Result<SurfaceRecording> SurfaceRecording::create(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
@@ -62,9 +64,8 @@ Result<void> SurfaceRecording::check_limits() const {
     const std::size_t most_bytes = std::size_t{is_hue() ? 24U : 16U} * pitch_ * height_;
     if (most_bytes / 16 > limits.max_texel_buffer_elements || most_bytes > limits.max_storage_buffer_range)
         return more_than_the_device_can(scene_, device(), "a buffer");
-    const std::uint32_t segments = push_for({}, 0).segments;
     const std::uint32_t most_groups = std::max(
-        groups_for((filters_.find<TerraceFilter>() ? height_ : strips_) * segments, plan_.group_size),
+        groups_for((filters_.find<TerraceFilter>() ? height_ : strips_) * segments_, plan_.group_size),
         groups_for(pitch_, hue_codes_group));
     if (most_groups > limits.max_group_count[0] || height_ > limits.max_group_count[1])
         return more_than_the_device_can(scene_, device(), "a dispatch");
@@ -124,14 +125,13 @@ StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t liste
     push.height = height_;
     push.in_pitch = rows.pitch;
     push.out_pitch = pitch_;
-    push.segment_texels = plan_.segment_texels > 0 ? plan_.segment_texels : pitch_;
-    push.segments = groups_for(pitch_, push.segment_texels);
+    push.segment_texels = segment_texels_;
+    push.segments = segments_;
     push.along_x = plan_.along_x ? 1 : 0;
     push.validity_words = groups_for(width_, 32);
-    push.groups = groups_for(strips_ * push.segments, plan_.group_size);
     push.valid = rows.valid;
     push.listed = listed;
-    if (listed > 0) push.groups = groups_for(listed * strips_per_tile, plan_.group_size);
+    push.groups = groups_for(listed > 0 ? listed * strips_per_tile : strips_ * segments_, plan_.group_size);
     return push;
 }
 
@@ -139,22 +139,6 @@ Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const Store
     return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
                                     rows.valid.excluded[0] != no_such_code ? 1U : 0U,
                                     width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, to_finer ? 1U : 0U});
-}
-
-TerracesPush SurfaceRecording::terraces_push(const TerraceFilter& filter) const {
-    TerracesPush push{width_,
-                      height_,
-                      pitch_,
-                      1,
-                      pitch_,
-                      plan_.along_x ? 1U : 0U,
-                      static_cast<std::uint32_t>(filter.gate),
-                      static_cast<std::uint32_t>(filter.most)};
-    if (plan_.segment_texels > 0) {
-        push.segment_texels = plan_.segment_texels;
-        push.segments = groups_for(pitch_, push.segment_texels);
-    }
-    return push;
 }
 
 /// The kernel that ends in codes, validity and parts of bounds; `to_finer`: in codes for filters that need
@@ -219,7 +203,14 @@ Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame
 
 Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame) {
     if (auto made = record_finer(filter.factor, frame); !made.ok()) return made;
-    const TerracesPush push = terraces_push(filter);
+    const TerracesPush push{width_,
+                            height_,
+                            pitch_,
+                            segments_,
+                            segment_texels_,
+                            plan_.along_x ? 1U : 0U,
+                            static_cast<std::uint32_t>(filter.gate),
+                            static_cast<std::uint32_t>(filter.most)};
     const GpuBuffer first = frame.rows.buffer;
     GpuBuffer from = first;
     for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
@@ -228,7 +219,7 @@ Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame)
         if (!program.ok()) return program.error();
         const GpuBuffer& to = between_[pass % 2];
         frame.commands.dispatch(*program, push, {from, first, to},
-                                {groups_for(push.height * push.segments, plan_.group_size)});
+                                {groups_for(height_ * segments_, plan_.group_size)});
         frame.commands.barrier(GpuStage::compute, GpuStage::compute);
         from = to;
     }

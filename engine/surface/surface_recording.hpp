@@ -49,7 +49,6 @@ private:
     };
 
     StripPush push_for(const StoredRows& rows, std::uint32_t listed) const;
-    TerracesPush terraces_push(const TerraceFilter& filter) const;
     Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows, bool to_finer = false);
     Result<void> record_hue(Frame& frame);
     Result<void> record(const HoleFilling& filling, Frame& frame);
@@ -66,6 +65,7 @@ private:
     FilterPlan filters_;
     ValidCodes valid_;
     std::uint32_t width_, height_, pitch_, strips_;  // pitch in texels, of codes
+    std::uint32_t segment_texels_, segments_;        // of a row
     TileGrid grid_;
     GpuBuffer between_[2];     // codes between stages
     GpuBuffer finer_;          // codes before they are filtered in time, or terraces are removed

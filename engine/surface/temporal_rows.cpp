@@ -10,19 +10,9 @@ namespace touchable {
 namespace {
 
 /// As many values of 32 bits.
-template <class Lanes>
-struct Wide;
-template <>
-struct Wide<Lanes16> {
-    using Lanes = std::uint32_t __attribute__((vector_size(32)));
-};
-template <>
-struct Wide<Lanes32> {
-    using Lanes = std::uint32_t __attribute__((vector_size(64)));
-};
-template <>
-struct Wide<Lanes64> {
-    using Lanes = std::uint32_t __attribute__((vector_size(128)));
+template <class Narrow>
+struct Wide {
+    using Lanes [[gnu::vector_size(2 * sizeof(Narrow))]] = std::uint32_t;
 };
 
 /// The upper half of a product.

@@ -15,18 +15,8 @@ static_assert(*std::max_element(std::begin(terrace_steps), std::end(terrace_step
 
 /// As many values with a sign.
 template <class Bits>
-struct WithSign;
-template <>
-struct WithSign<Lanes16> {
-    using Lanes = std::int16_t __attribute__((vector_size(16)));
-};
-template <>
-struct WithSign<Lanes32> {
-    using Lanes = std::int16_t __attribute__((vector_size(32)));
-};
-template <>
-struct WithSign<Lanes64> {
-    using Lanes = std::int16_t __attribute__((vector_size(64)));
+struct WithSign {
+    using Lanes [[gnu::vector_size(sizeof(Bits))]] = std::int16_t;
 };
 
 // 16 bits are enough, though second differences may leave them (terrace_range).
