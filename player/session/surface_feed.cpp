@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/surface/filter_plan.hpp"
 
 namespace touchable {
 
@@ -29,7 +30,7 @@ SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<Sur
       builder_(std::move(builder)),
       rate_(scene.rate),
       stored_(scene.depth),
-      settles_(scene.filter.temporal) {}
+      settles_(FilterPlan(scene).remembers()) {}
 
 Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();

@@ -32,7 +32,7 @@ public:
     // The parts, for a thread each (FeedThreads).
     /// Decodes a frame; nothing after the last.
     Result<std::optional<RawFrame>> read_next();
-    /// Builds and publishes it, or, without a temporal filter, the frame before once more where nothing that
+    /// Builds and publishes it, or, where no filter remembers, the frame before once more where nothing that
     /// can be touched has changed; false while the timeline has no room.
     Result<bool> publish(const RawFrame& raw);
     SurfaceTimeline& timeline() { return timeline_; }
@@ -64,7 +64,7 @@ private:
     std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;
     DepthCoding stored_;
-    bool settles_;  // the temporal filter makes another surface of the same frame once more
+    bool settles_;  // a filter that remembers makes another surface of the same frame once more
     SurfaceTimeline timeline_{4};
     PlanesHash hash_;
     std::optional<RawFrame> newest_;  // of those that were built

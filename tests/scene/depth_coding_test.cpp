@@ -167,6 +167,22 @@ TEST(DepthCoding, MarkedCodesAreInvalidWhereverTheyLie) {
     EXPECT_FALSE(coding.is_valid(17));
 }
 
+TEST(DepthCoding, AStretchOfCodesIsValidWhereEachOfItIs) {
+    DepthCoding coding = between_planes(DepthCodingKind::linear, 40, 180, 255, true);
+    coding.invalid_codes = {0, 255, 17, 0};
+    coding.invalid_code_count = 3;
+    derive_valid_range(coding);
+    for (int first = 0; first <= 260; ++first) {
+        bool all = true;
+        for (int last = first; last <= 260; ++last) {
+            all = all && coding.is_valid(static_cast<std::uint16_t>(last));
+            ASSERT_EQ(coding.all_valid(static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last)),
+                      all)
+                << first << " to " << last;
+        }
+    }
+}
+
 TEST(DepthCoding, TheValidRangeEndsAtValidCodesWhateverIsMarked) {
     Random random(25);
     int trimmed = 0, nothing_left = 0;
