@@ -11,6 +11,7 @@
 #include "engine/printable.hpp"
 #include "player/commands/check_command.hpp"
 #include "player/commands/command.hpp"
+#include "player/commands/compare_command.hpp"
 #include "player/commands/export_command.hpp"
 #include "player/commands/info_command.hpp"
 #include "player/commands/make_command.hpp"
@@ -68,6 +69,7 @@ int run(int argc, char** argv) {
     add_touch_command(app, command);
     add_info_command(app, command);
     add_export_command(app, command);
+    add_compare_command(app, command);
     add_check_command(app, command);
 
     try {

@@ -111,7 +111,7 @@ std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& sessio
                        "nothing holds the hand back"),
         sub.add_option(
                "--hand", session.hand,
-               "wander, stroke, press, poke or csv:FILE, each with :key=value,... (docs/hands.md)")
+               "wander, stroke, press, poke, csv:FILE or rec:FILE, each with :key=value,... (docs/hands.md)")
             ->capture_default_str(),
         add_whole_option(sub, "--fingers", session.fingers, "copies of the hand's path, spread on a circle",
                          1, 256)

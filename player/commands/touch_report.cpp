@@ -12,6 +12,13 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+/// The clip's, and what the hand has to say after the run.
+std::vector<std::string> notes_of(const TouchSetup& setup) {
+    std::vector<std::string> notes = setup.notes;
+    for (const std::string& remark : setup.hand->remarks()) notes.push_back("hand: " + remark);
+    return notes;
+}
+
 void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts& live) {
     const auto frames = report["frames"].get<double>();
     report["late_ticks"] = live.loop.late;
@@ -37,7 +44,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     const std::string cpu = cpu_facts().model;
     Json report{{"format", 1},
                 {"clip", setup.clip.file.string()},
-                {"notes", setup.notes},
+                {"notes", notes_of(setup)},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},
                 {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder_why : ""},

@@ -13,7 +13,8 @@ struct LiveFacts {
     LoopFacts loop;
     std::int64_t late_frames = 0;  ///< not built yet when the surface first needed them
     bool interrupted = false;      ///< a person ended it
-    std::optional<Error> failure;  ///< what else ended it too early: the device, or a frame that cannot be read
+    std::optional<Error>
+        failure;  ///< what else ended it too early: the device, or a frame that cannot be read
 };
 
 /// Touch on the wall clock: decoding, building and the haptic loop each on a thread of its own, the sinks on
@@ -26,9 +27,9 @@ public:
     LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
                 const TouchSolver& solver, const TouchSessionSettings& settings);
 
-    /// To the end, or until the person asks to stop, which is how most sessions end, or until the device or the
-    /// clip fails. What was touched until then counts: an error only where no tick was run by then, or where
-    /// the sinks have not got all.
+    /// To the end, or until the person asks to stop, which is how most sessions end, or until the device or
+    /// the clip fails. What was touched until then counts: an error only where no tick was run by then, or
+    /// where the sinks have not got all.
     Result<void> run(std::span<TouchSink* const> sinks);
     const LiveFacts& facts() const { return facts_; }
 

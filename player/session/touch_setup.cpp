@@ -9,6 +9,7 @@
 #include "player/session/clip_workspace.hpp"
 #include "player/session/field_probe.hpp"
 #include "player/session/recorded_facts.hpp"
+#include "player/session/repeating_hand.hpp"
 #include "player/session/replay.hpp"
 
 namespace touchable {
@@ -47,15 +48,34 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     return {};
 }
 
+/// A hand that knows its goals already: how many fingers it has, and at what scale it touches.
+Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
+    if (!RepeatingHand::is_meant(options.hand)) return {};
+    auto hand = RepeatingHand::read(options.hand);
+    if (!hand.ok()) return hand.error();
+    const int fingers = (*hand)->fingers();
+    if (options.fingers != 1 && options.fingers != fingers)
+        return usage_error("--fingers " + std::to_string(options.fingers) + ": " + options.hand + " has " +
+                           std::to_string(fingers) + "; leave it out");
+    setup.settings.fingers = fingers;
+    setup.settings.touch.metres_per_scene_unit = (*hand)->metres_per_scene_unit();
+    setup.hand = std::move(*hand);
+    return {};
+}
+
 /// A hand over the clip's first frame, and where it stands there.
 Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     const auto first = setup.feed->pair_at(0);
     if (!first.ok()) return first.error();
     setup.workspace = clip_workspace(setup.scene, *first->prev.frame);
+    setup.hand_words = options.hand;
+    if (setup.hand) {
+        setup.workspace.metres_per_scene_unit = setup.settings.touch.metres_per_scene_unit;
+        return {};
+    }
     const HeightField field(setup.scene, *first);
     auto hand = make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field));
     if (!hand.ok()) return hand.error();
-    setup.hand_words = options.hand;
     setup.hand = std::move(*hand);
     setup.settings.touch.metres_per_scene_unit = setup.workspace.metres_per_scene_unit;
     return {};
@@ -63,7 +83,7 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
 
 Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.device) return {};
-    auto device = make_simulated_device(*options.device, options.fingers,
+    auto device = make_simulated_device(*options.device, setup.settings.fingers,
                                         {options.guard.max_force, options.guard.max_stiffness});
     if (!device.ok()) return device.error();
     setup.device = std::move(*device);
@@ -92,6 +112,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->settings.guard = options.guard;
     setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
 
+    if (auto read = repeat_hand(*setup, options); !read.ok()) return read.error();
     auto clip = open_chosen(options.clip);
     if (!clip.ok()) return clip.error();
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();

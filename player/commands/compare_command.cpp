@@ -1,0 +1,128 @@
+#include "player/commands/compare_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "player/commands/file_option.hpp"
+#include "player/session/force_comparison.hpp"
+#include "player/session/memory.hpp"
+
+namespace touchable {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CompareOptions {
+    std::string a, b;
+    bool json = false;
+};
+
+Json to_json(const Deviation& d) {
+    return {{"mean", d.mean}, {"p95", d.p95}, {"max", d.max}};
+}
+
+Json to_json(const ForceComparison& c) {
+    Json bands = Json::array(), worst = Json::array();
+    for (std::size_t k = 0; k < noise_bands.size(); ++k)
+        bands.push_back({{"from_hz", noise_bands[k].from_hz},
+                         {"to_hz", noise_bands[k].to_hz},
+                         {"a_n", c.noise_a_n[k]},
+                         {"b_n", c.noise_b_n[k]}});
+    for (const WorstTick& one : c.worst)
+        worst.push_back({{"tick", one.tick}, {"finger", one.finger}, {"difference_n", one.newtons}});
+    return {
+        {"ticks", c.ticks},
+        {"fingers", c.fingers},
+        {"other_goals", c.other_goals},
+        {"contact", {{"both", c.both}, {"only_a", c.only_a}, {"only_b", c.only_b}, {"neither", c.neither}}},
+        {"force_n", {{"a", c.mean_a_n}, {"b", c.mean_b_n}, {"a_minus_b", c.longer_n}}},
+        {"difference_n", to_json(c.difference_n)},
+        {"direction_degrees", to_json(c.direction_degrees)},
+        {"noise_windows", c.noise_windows},
+        {"noise_n", bands},
+        {"worst", worst}};
+}
+
+template <class... Values>
+void print_line(const char* format, Values... values) {
+    char line[200];
+    std::snprintf(line, sizeof line, format, values...);
+    std::cout << line << '\n';
+}
+
+void print_contact(const ForceComparison& c) {
+    const double all = 0.01 * static_cast<double>(c.both + c.only_a + c.only_b + c.neither);
+    print_line("  contact      both %.1f %%, only A %.1f %%, only B %.1f %%, neither %.1f %%",
+               static_cast<double>(c.both) / all, static_cast<double>(c.only_a) / all,
+               static_cast<double>(c.only_b) / all, static_cast<double>(c.neither) / all);
+}
+
+void print_noise(const ForceComparison& c) {
+    if (c.noise_windows == 0) {
+        print_line("  noise        not known: both never touch for %zu ms without a break",
+                   ForceComparison::noise_window);
+        return;
+    }
+    for (std::size_t k = 0; k < noise_bands.size(); ++k)
+        print_line("  %s %3.0f to %3.0f Hz: A %.4f N, B %.4f N", k == 0 ? "noise       " : "            ",
+                   noise_bands[k].from_hz, noise_bands[k].to_hz, c.noise_a_n[k], c.noise_b_n[k]);
+}
+
+void print_table(const ForceComparison& c) {
+    print_line("  compared     %lld ticks of %d finger%s", static_cast<long long>(c.ticks), c.fingers,
+               c.fingers == 1 ? "" : "s");
+    if (c.other_goals > 0)
+        print_line("  left out     %lld whose goals differ", static_cast<long long>(c.other_goals));
+    print_contact(c);
+    if (c.both > 0) {
+        print_line("  force        A %.4f N, B %.4f N, A - B %+.4f N (mean, where both touch)", c.mean_a_n,
+                   c.mean_b_n, c.longer_n);
+        print_line("  difference   mean %.4f N, 95 %% at most %.4f N, largest %.4f N", c.difference_n.mean,
+                   c.difference_n.p95, c.difference_n.max);
+        print_line("  direction    mean %.2f degrees, 95 %% at most %.2f, largest %.2f (from %.2f N on)",
+                   c.direction_degrees.mean, c.direction_degrees.p95, c.direction_degrees.max,
+                   ForceComparison::least_newtons);
+    }
+    print_noise(c);
+    for (const WorstTick& one : c.worst)
+        print_line("  %s tick %lld, finger %d: %.4f N",
+                   &one == &c.worst.front() ? "worst       " : "            ",
+                   static_cast<long long>(one.tick), one.finger, one.newtons);
+    if (c.worst.empty()) print_line("  every force is the same");
+}
+
+Result<void> compare(const CompareOptions& options) {
+    const auto a = read_force_table(options.a);
+    if (!a.ok()) return a.error();
+    const auto b = read_force_table(options.b);
+    if (!b.ok()) return b.error();
+    const auto compared = compare_forces(*a, *b);
+    if (!compared.ok()) return compared.error();
+    if (options.json)
+        std::cout << to_json(*compared).dump(2) << '\n';
+    else
+        print_table(*compared);
+    return {};
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Command& command) {
+    auto* sub =
+        app.add_subcommand("compare", "say what differs between the forces of two runs of the same hand");
+    auto options = std::make_shared<CompareOptions>();
+    add_file_option(*sub, "A", options->a, "forces file of the first run (touch --forces)")->required();
+    add_file_option(*sub, "B", options->b, "forces file of the second run")->required();
+    sub->add_flag("--json", options->json, "the same figures as JSON");
+    sub->callback([options, &command] {
+        command = [options] {
+            return within_memory("the forces of both runs", [&] { return compare(*options); });
+        };
+    });
+}
+
+}  // namespace touchable
