@@ -70,6 +70,18 @@ Place rim_place(const Motion& motion, const ImageStep& step, const CellPoint& fr
         exit.edge == Feature::edge_v ? from.b + exit.length * step.dy : from.a + exit.length * step.dx);
 }
 
+/// A place a rounding beside the rim of its face or edge is on the rim, where other faces have a say.
+Place on_the_rim(const Place& at) {
+    const auto snapped = [](double f) { return f < 0x1p-48 ? 0.0 : (f > 1 - 0x1p-48 ? 1.0 : f); };
+    const double a = snapped(at.a), b = snapped(at.b);
+    if (at.feature == Feature::edge_v) return edge_place(at.feature, at.i, at.j, b);
+    if (at.feature == Feature::edge_h || at.feature == Feature::edge_d)
+        return edge_place(at.feature, at.i, at.j, a);
+    if (at.feature == Feature::face_lower || at.feature == Feature::face_upper)
+        return face_or_rim_place(at.feature, at.i, at.j, a, std::abs(a - b) < 0x1p-48 ? a : b);
+    return at;
+}
+
 /// The distance to the goal is the same after such a way: it is gone whole, whatever friction says, which
 /// could end ever shorter ones and never let it arrive.
 bool too_short_to_tell(const Motion& motion, const dvec3& pull) {
@@ -125,6 +137,10 @@ public:
                 // Held back by friction, the place may have another cone than the start: look again.
                 const bool whole = stalls > 0 && too_short_to_tell(motion, pull);
                 arrived = move(motion, whole ? no_friction : cone, next) && cone.stopping == 0;
+                if (whole) {
+                    next = on_the_rim(next);
+                    arrived &= next.feature == motion.feature;
+                }
                 // Also where there is no friction yet: what was in motion is, where it meets some.
                 sliding = space_.field().has_friction();
             }
@@ -223,6 +239,15 @@ private:
                after <= before + misplaced_by(proxy_, proxy_.point) + misplaced_by(next, point);
     }
 
+    /// Whether it is certain that a place is nearer to the goal, where squares of the distance cannot tell:
+    /// of a goal a billion units away they are the same all over the picture. Before^2 - after^2 is the step
+    /// times the sum of both pulls; of the step the roundings of its ends are not known.
+    bool is_surely_nearer(const dvec3& point, const dvec3& pull, const dvec3& rest) const {
+        const dvec3 both = pull + rest;
+        const double ends = glm::length(point) + glm::length(proxy_.point);
+        return glm::dot(point - proxy_.point, both) > 0x1p-48 * ends * glm::length(both);
+    }
+
     /// Takes the new place unless it is farther from the goal than rounding explains.
     Progress take(const Place& next, bool sliding, const dvec3& pull) {
         const dvec3 point = surface_point(space_, next);
@@ -231,14 +256,13 @@ private:
         if (!(after <= before * (1.0 + 1e-13)) &&
             !is_explained(std::sqrt(before), std::sqrt(after), next, point))
             return Progress::none;
+        const bool nearer = after < std::min(least_, before) || is_surely_nearer(point, pull, rest);
         static_cast<Place&>(proxy_) = next;
         proxy_.point = point;
         proxy_.sliding = sliding;
         // Nearer than it ever was: places a rounding apart could take turns for ever.
-        least_ = std::min(least_, before);
-        if (!(after < least_)) return Progress::same;
-        least_ = after;
-        return Progress::nearer;
+        least_ = std::min({least_, before, after});
+        return nearer ? Progress::nearer : Progress::same;
     }
 
     /// A proxy that rests only because it may not leave is asked once more.
