@@ -19,5 +19,8 @@ endif()
 # One room of the house: a static library `touchable_<name>`, reached by includes written from the root.
 function(touchable_room name)
   add_library(touchable_${name} STATIC ${ARGN})
-  target_include_directories(touchable_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  add_library(touchable::${name} ALIAS touchable_${name})
+  target_compile_features(touchable_${name} PUBLIC cxx_std_20)
+  target_include_directories(touchable_${name} PUBLIC
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/touchable>)
 endfunction()
