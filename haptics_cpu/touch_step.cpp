@@ -13,6 +13,10 @@ namespace {
 // A proxy is on the surface by construction; this is room for the roundings of checking it in the world.
 constexpr double behind_tolerance = 1e-9;
 
+bool fits(const SurfaceFrame* frame, const Scene& scene) {
+    return frame && has_size(*frame, scene.width, scene.height);
+}
+
 }  // namespace
 
 TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers)
@@ -43,29 +47,47 @@ int TouchStep::ticks_until(std::int64_t tick) {
     return last < tick ? static_cast<int>(std::min<std::int64_t>(tick - last, longest_ticks)) : 1;
 }
 
-TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair) {
-    const auto start = std::chrono::steady_clock::now();
-    const HeightField field(scene, pair);
-    solver_.tick(field, goals_, fingers_, contacts_, ticks_until(tick));
+void TouchStep::solve(const HeightField& field, int ticks) {
+    solver_.tick(field, goals_, fingers_, contacts_, ticks);
     for (std::size_t k = 0; k < guards_.size(); ++k) {
         forces_[k] = guards_[k].guard(contacts_[k]);
         // Whoever comes back may be anywhere by then.
         if (waits_to_be_free_ && contacts_[k].goal_held && guards_[k].has_let_go()) meet_anew(k);
     }
-    const auto end = std::chrono::steady_clock::now();
+}
 
+/// Of a tick without a surface: what no finger can have met, which the guards take for a fault.
+void TouchStep::meet_nothing() {
+    for (std::size_t k = 0; k < guards_.size(); ++k) {
+        contacts_[k] = {};
+        contacts_[k].goal = contacts_[k].proxy = fingers_[k].goal;
+        contacts_[k].goal_held = true;
+        forces_[k] = guards_[k].guard(contacts_[k]);
+    }
+}
+
+TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair) {
+    using std::chrono::steady_clock;
+    const auto start = steady_clock::now();
+    const int ticks = ticks_until(tick);
     TouchTick done;
+    if (fits(pair.prev.frame, scene) && fits(pair.next.frame, scene)) {
+        const HeightField field(scene, pair);
+        solve(field, ticks);
+        done.solve_us = std::chrono::duration<double, std::micro>(steady_clock::now() - start).count();
+        done.blend = field.blend();
+        for (const Contact& contact : contacts_)
+            done.behind |= is_behind_surface(field, contact.proxy, behind_tolerance);
+    } else {
+        meet_nothing();
+    }
     done.tick = tick;
     done.time_ns = time_ns;
     done.pair = pair;
-    done.blend = field.blend();
     done.goals = goals_;
     done.contacts = contacts_;
     done.forces = forces_;
     done.metres_per_scene_unit = solver_.settings().metres_per_scene_unit;
-    done.solve_us = std::chrono::duration<double, std::micro>(end - start).count();
-    for (const Contact& contact : contacts_)
-        done.behind |= is_behind_surface(field, contact.proxy, behind_tolerance);
     return done;
 }
 

@@ -25,10 +25,13 @@ public:
     /// (GuardSettings), or feels it come on as after a jump. Time goes on.
     void begin_epoch();
     /// No allocation, lock or I/O. The spans stay as they are until the next call. `tick` counts time: where
-    /// it is more than 1 after the last one, that long has passed.
+    /// it is more than 1 after the last one, that long has passed. Frames that are missing, or have not the
+    /// scene's size, are a fault: forces ramp to zero.
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
 private:
+    void solve(const HeightField& field, int ticks);
+    void meet_nothing();
     void meet_anew(std::size_t finger);
     int ticks_until(std::int64_t tick);
 

@@ -15,6 +15,7 @@
 #include "player/commands/export_command.hpp"
 #include "player/commands/info_command.hpp"
 #include "player/commands/make_command.hpp"
+#include "player/commands/plot_command.hpp"
 #include "player/commands/touch_command.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/standard_output.hpp"
@@ -34,7 +35,7 @@ Result<void> print_overview(const CLI::App& app) {
     std::cout << "touchable " << TOUCHABLE_VERSION << ": touch a depth video and feel its forces.\n\n";
     for (const CLI::App* command : app.get_subcommands({}))
         std::printf("  %-8s%s\n", command->get_name().c_str(), command->get_description().c_str());
-    std::cout << "\nOptions of a command: touchable help COMMAND\n";
+    std::cout << "Options of a command: touchable help COMMAND\n";
     return {};
 }
 
@@ -70,6 +71,7 @@ int run(int argc, char** argv) {
     add_info_command(app, command);
     add_export_command(app, command);
     add_compare_command(app, command);
+    add_plot_command(app, command);
     add_check_command(app, command);
 
     try {

@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from plots.style import COLOURS, BadInput, read_figures, save
+from plots.files import read_figures, save
+from style import COLOURS, BadInput
 
 GLOBE = re.compile(r"globe-(?P<size>\d+x\d+)-(?P<bits>\w+)-1f-(?P<mode>world|pixel|scaled)"
                    r"(?P<camera>-A|-Aprime)?(-m(?P<median>\d))?(?P<lazy>-lazy)?")

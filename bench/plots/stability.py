@@ -6,7 +6,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from plots.style import BadInput, colour, read_figures, save
+from plots.files import read_figures, save
+from style import BadInput, colour
 
 LOOP = re.compile(r"(?P<scene>[a-z]+)-\d+x\d+-\w+-1f-(?P<metric>world|pixel)-b(?P<damping>[\d.]+)"
                   r"(-d(?P<delay>\d+))?(-f(?P<friction>[\d.]+))?(-q(?P<quantum>[\d.]+))?")

@@ -29,6 +29,13 @@ void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
 
 }  // namespace
 
+bool has_size(const SurfaceFrame& frame, int width, int height) {
+    if (frame.width != width || frame.height != height || !frame.vertices) return false;
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return (frame.haptic.empty() || frame.haptic.size() == 3 * pixels) &&
+           (frame.heights.empty() || frame.heights.size() == pixels);
+}
+
 void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out) {
     // Not cleared first: memory that has the size is not filled with zeros on the way.
     if (raw.haptic.empty()) {

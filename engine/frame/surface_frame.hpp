@@ -70,6 +70,9 @@ inline DepthSample sample_of(const SurfaceFrame& frame, int x, int y) {
     return {frame.coding.depth(frame.codes[frame.index(x, y)]), true};
 }
 
+/// True for a frame of this size with vertices, whose planes are of that size or empty.
+bool has_size(const SurfaceFrame& frame, int width, int height);
+
 /// Copies the haptic and height planes of a raw frame, or empties them where it has none.
 void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out);
 

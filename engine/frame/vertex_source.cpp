@@ -1,7 +1,6 @@
 #include "engine/frame/vertex_source.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -42,9 +41,9 @@ TileDepths FilteredVertices::tile(int tx, int ty) const {
 }
 
 ExactVertices::ExactVertices(int width, int height, std::vector<double> depths)
-    : width_(width), height_(height), depths_(std::move(depths)) {
-    assert(width_ > 0 && height_ > 0);
-    assert(depths_.size() == static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+    : width_(std::max(width, 0)), height_(std::max(height, 0)), depths_(std::move(depths)) {
+    depths_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_),
+                   std::numeric_limits<double>::quiet_NaN());
     const TileGrid grid = TileGrid::of(width_, height_);
     tiles_.reserve(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
     for (int ty = 0; ty < grid.tiles_y; ++ty)

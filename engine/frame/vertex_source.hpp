@@ -54,7 +54,7 @@ private:
 /// Unquantised depths, for scenes whose truth is known. No depth is invalid unless it is not finite.
 class ExactVertices final : public VertexSource {
 public:
-    /// `depths`: width x height, row-major, scene units.
+    /// `depths`: width x height, row-major, scene units. Where there are fewer, the rest is not valid.
     ExactVertices(int width, int height, std::vector<double> depths);
     DepthSample at(int x, int y) const override;
     TileDepths tile(int tx, int ty) const override;

@@ -23,9 +23,13 @@ std::string fault_of_name(const std::string& name) {
 
 }  // namespace
 
+CLI::Validator ends_in_png() {
+    return {[](std::string& name) { return fault_of_name(name); }, ""};
+}
+
 void add_picture_options(CLI::App& sub, PictureOptions& options) {
     auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene to this PNG file")
-                        ->check(CLI::Validator([](std::string& name) { return fault_of_name(name); }, ""));
+                        ->check(ends_in_png());
     sub.add_option("--view", options.view,
                    "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES; "
                    "what is left out is the clip's camera's")
@@ -66,9 +70,9 @@ Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair
                                  std::span<const FingerMark> fingers) {
     const auto surface = painter->surface_of(field, pair, colour);
     if (!surface.ok()) return surface.error();
-    const glm::dvec3 middle = middle_of(field);
-    return make_picture(settings, field.scene(), *surface, middle, fingers, mark_sizes(field.scene(), middle),
-                        *painter);
+    const Subject subject = subject_of(field);
+    return make_picture(settings, field.scene(), *surface, subject, fingers,
+                        mark_sizes(field.scene(), subject.middle), *painter);
 }
 
 Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,

@@ -12,7 +12,8 @@
 
 namespace CLI {
 class App;
-}
+class Validator;
+}  // namespace CLI
 
 namespace touchable {
 
@@ -25,6 +26,9 @@ struct PictureOptions {
 
     bool draws_on_gpu() const { return file && painter != "cpu"; }
 };
+
+/// Refuses a name of a picture that other programs would take for something else than PNG.
+CLI::Validator ends_in_png();
 
 /// Adds --picture FILE, --view, --painter and --picture-size.
 void add_picture_options(CLI::App& sub, PictureOptions& options);

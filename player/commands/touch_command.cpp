@@ -103,9 +103,6 @@ std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& sessio
     return {
         sub.add_flag("--live", session.live,
                      "in real time on the wall clock, each part on a thread of its own"),
-        sub.add_flag("--start-buried", session.start_buried,
-                     "live: a finger that is inside the surface when it first meets it is pushed out at "
-                     "once; otherwise it feels nothing until it has been free"),
         sub.add_option("--device", session.device,
                        "live: what the hand holds, simulated[:key=value,...] (docs/devices.md); without it "
                        "nothing holds the hand back"),
@@ -136,6 +133,9 @@ void add_force_options(CLI::App& sub, TouchWords& words) {
                                 "N/mm per second: how fast stiffness may rise in contact; otherwise at once");
     words.fix_by_recording(
         {words.slew,
+         sub.add_flag("--start-buried", session.start_buried,
+                      "live: a finger that is inside the surface when it first meets it is pushed out at "
+                      "once; otherwise it feels nothing until it has been free"),
          add_word_option(sub, "--metric", session.metric,
                          "where distances are measured: world; to compare, pixel (the paper's) or scaled "
                          "(pixel with levels as long as they are where the finger is)",
@@ -153,10 +153,28 @@ void add_force_options(CLI::App& sub, TouchWords& words) {
                          rises),
          sub.add_option("--damping", guard.damping, "N s/m beside the spring, against the hand's motion")
              ->capture_default_str(),
-         sub.add_option(
-                "--passivity", guard.passivity,
-                "N s/m: the most by which a controller may brake to take back created energy; 0: off")
+         sub.add_option("--passivity", guard.passivity,
+                        "N s/m: the most by which a controller may brake to take back created energy; 0: off")
              ->capture_default_str()});
+}
+
+/// In the help each option stands under what it is about; what few people need comes last.
+void group_options(CLI::App& sub) {
+    const struct {
+        const char* name;
+        std::vector<const char*> options;
+    } groups[] = {
+        {"The clip", {"--scene", "--intrinsics", "--depth-unit"}},
+        {"The hand",
+         {"--hand", "--fingers", "--seconds", "--live", "--device", "--max-force", "--max-stiffness"}},
+        {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},
+        {"Files", {"--json", "--forces", "--record", "--replay", "--overwrite", "--strict"}},
+        {"A picture", {"--picture", "--picture-at", "--picture-size", "--view"}},
+        {"Expert",
+         {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness", "--stiffness-slew",
+          "--damping", "--passivity", "--start-buried"}}};
+    for (const auto& group : groups)
+        for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }
 
 }  // namespace
@@ -166,16 +184,18 @@ void add_touch_command(CLI::App& app, Command& command) {
         "touch", "touch a clip with a scripted or recorded hand: forces, figures, a recording");
     auto words = std::make_shared<TouchWords>();
     TouchOptions& o = words->options;
+    // In the order in which the help names their groups.
     words->clip_word = add_clip_options(*sub, words->clip);
-    add_builder_options(*sub, o.session.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
-    add_file_options(*sub, o);
-    add_picture_options(*sub, o.picture);
-    add_moment_options(*sub, *words);
+    words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
     words->fix_by_recording(add_hand_options(*sub, o.session));
     words->fix_by_recording(add_filter_options(*sub, words->clip));
     words->fix_by_recording({add_interpolation_option(*sub, words->clip.choice)});
-    words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
+    add_file_options(*sub, o);
+    add_picture_options(*sub, o.picture);
+    add_moment_options(*sub, *words);
     add_force_options(*sub, *words);
+    add_builder_options(*sub, o.session.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
+    group_options(*sub);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
             const auto options = read_words(*words);

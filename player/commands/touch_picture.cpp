@@ -105,7 +105,7 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     std::ostringstream line;
     line << "picture: " << order_.file->target().string() << " by the " << order_.painter->name()
          << " painter" << (gpu.empty() ? "" : " on " + gpu) << "; 1 N is "
-         << mark_sizes(setup.scene, middle_of(field)).length_per_newton << " units long\n";
+         << mark_sizes(setup.scene, subject_of(field).middle).length_per_newton << " units long\n";
     line_ = line.str();
     return {};
 }

@@ -11,10 +11,13 @@
 namespace touchable {
 namespace {
 
-// Okabe and Ito's colours, in the order of the plots of bench/plot.py: told apart by every kind of eye.
-constexpr std::array<PackedColour, 7> finger_colours{
-    pack_colour(0, 114, 178),   pack_colour(230, 159, 0),  pack_colour(0, 158, 115), pack_colour(213, 94, 0),
-    pack_colour(204, 121, 167), pack_colour(86, 180, 233), pack_colour(240, 228, 66)};
+// Okabe and Ito's colours, in the order of the plots (player/plot/style.py): told apart by every kind of eye.
+// Three of Tol's follow, so that ten fingers differ.
+constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178),   pack_colour(230, 159, 0),
+                                                      pack_colour(0, 158, 115),   pack_colour(213, 94, 0),
+                                                      pack_colour(204, 121, 167), pack_colour(86, 180, 233),
+                                                      pack_colour(240, 228, 66),  pack_colour(51, 34, 136),
+                                                      pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
 
 /// Darkens what is drawn near a ball: its soft shadow on the surface it touches.
 void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& camera, LightPicture& picture) {
@@ -44,6 +47,10 @@ void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& came
 
 }  // namespace
 
+PackedColour finger_colour(std::size_t finger) {
+    return finger_colours[finger % finger_colours.size()];
+}
+
 MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle) {
     const double width = -middle.z * scene.width / scene.camera.fx;
     return {0.02 * width, 0.06 * width};
@@ -55,7 +62,7 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
     for (const FingerMark& finger : fingers) draw_shadow(finger.proxy, radius, camera, picture);
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         const FingerMark& finger = fingers[k];
-        const Material solid{light_of(finger_colours[k % finger_colours.size()]), 1};
+        const Material solid{light_of(finger_colour(k)), 1};
         const auto points = static_cast<double>(finger.trail.size());
         auto thread = [&](std::size_t at) {
             return 0.22 * radius * (0.15 + 0.85 * static_cast<double>(at) / points);
@@ -79,8 +86,7 @@ void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, c
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         const FingerMark& finger = fingers[k];
         if (!finger.touching) continue;
-        const glm::vec3 light =
-            glm::mix(light_of(finger_colours[k % finger_colours.size()]), glm::vec3(1.0F), 0.3F);
+        const glm::vec3 light = glm::mix(light_of(finger_colour(k)), glm::vec3(1.0F), 0.3F);
         draw_rod(camera, finger.goal, finger.proxy, 0.14 * radius, 0.14 * radius, {light, 0.9F}, picture);
         draw_sphere(camera, finger.goal, 0.8 * radius, {light, 0.8F}, picture);
     }

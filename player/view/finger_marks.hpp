@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
@@ -17,6 +18,9 @@ struct FingerMark {
     bool touching = false;
     std::vector<glm::dvec3> trail;  ///< where the proxy went, oldest first, as points of the surface drawn
 };
+
+/// The colour of a finger, by its number.
+PackedColour finger_colour(std::size_t finger);
 
 /// How large fingers are drawn.
 struct MarkSizes {

@@ -1,6 +1,9 @@
 #include "player/view/scene_picture.hpp"
 
 #include <cstdint>
+#include <glm/geometric.hpp>
+
+#include "player/view/legend.hpp"
 
 namespace touchable {
 namespace {
@@ -15,16 +18,25 @@ int samples_for(const PictureSettings& settings) {
 }  // namespace
 
 Result<Image> make_picture(const PictureSettings& settings, const Scene& scene, const ViewSurface& surface,
-                           const glm::dvec3& centre, std::span<const FingerMark> fingers,
+                           const Subject& subject, std::span<const FingerMark> fingers,
                            const MarkSizes& sizes, SurfacePainter& painter) {
     const int samples = samples_for(settings);
+    Viewpoint viewpoint = settings.viewpoint;
+    if (!viewpoint.zoom && !viewpoint.own)
+        viewpoint.zoom =
+            whole_zoom(viewpoint, scene, subject.middle, subject.points, settings.width, settings.height);
     const ViewCamera camera =
-        make_view(settings.viewpoint, scene, centre, settings.width * samples, settings.height * samples);
+        make_view(viewpoint, scene, subject.middle, settings.width * samples, settings.height * samples);
     auto planes = painter.paint(surface, camera);
     if (!planes.ok()) return planes.error();
     LightPicture picture = on_background(std::move(*planes));
     draw_fingers(fingers, sizes, camera, picture);
-    return developed(picture, samples);
+    Image image = developed(picture, samples);
+    if (fingers.empty()) return image;
+    const double pixels = camera.focal / samples / glm::length(subject.middle - camera.eye);
+    if (auto drawn = draw_legend({fingers.size(), sizes.length_per_newton * pixels}, image); !drawn.ok())
+        return drawn.error();
+    return image;
 }
 
 }  // namespace touchable

@@ -15,9 +15,11 @@ struct PictureSettings {
 };
 
 /// The surface and the fingers on it, from anywhere, smooth at edges: painted two or three times as large (as
-/// memory allows) and averaged in light. `centre`: what an orbit goes round, world.
+/// memory allows) and averaged in light. An orbit goes round the middle of `subject`, and shows all of it
+/// unless the viewpoint has a zoom. Where there are fingers, and the picture is large enough, a legend
+/// explains them.
 Result<Image> make_picture(const PictureSettings& settings, const Scene& scene, const ViewSurface& surface,
-                           const glm::dvec3& centre, std::span<const FingerMark> fingers,
+                           const Subject& subject, std::span<const FingerMark> fingers,
                            const MarkSizes& sizes, SurfacePainter& painter);
 
 }  // namespace touchable

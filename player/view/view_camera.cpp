@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <set>
 #include <string_view>
+#include <vector>
 
 #include "engine/trigonometry.hpp"
 
@@ -60,21 +63,33 @@ ViewCamera view_of(const Sight& sight, const Scene& scene, int width, int height
     return view;
 }
 
-ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
-                      int height) {
+/// Of an orbit's eye: unit vectors to the right, up, and back to the eye from what it looks at.
+struct Axes {
+    glm::dvec3 right, up, back;
+};
+
+Axes orbit_axes(const Viewpoint& viewpoint) {
     const double az = viewpoint.azimuth * degree, el = viewpoint.elevation * degree;
     const glm::dvec3 back(sine(az) * cosine(el), sine(el), cosine(az) * cosine(el));
     const glm::dvec3 right(cosine(az), 0, -sine(az));
-    const glm::dvec3 up = glm::cross(back, right);
-    const double distance = -centre.z / viewpoint.zoom;
+    return {right, glm::cross(back, right), back};
+}
+
+/// Pixels.
+glm::dvec2 orbit_focal(const Viewpoint& viewpoint, const Scene& scene, int width, int height) {
+    if (!viewpoint.fov) return glm::dvec2(scene.camera.fx, scene.camera.fy) * fit(scene, width, height);
+    const double half = *viewpoint.fov * 0.5 * degree;
+    return glm::dvec2(height / 2.0 * cosine(half) / sine(half));
+}
+
+ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
+                      int height) {
+    const auto [right, up, back] = orbit_axes(viewpoint);
+    const double distance = -centre.z / viewpoint.zoom.value_or(1.0);
     const glm::dvec3 eye = centre + distance * back;
     const glm::dmat4 eye_from_world = from_rows({right, -glm::dot(right, eye)}, {up, -glm::dot(up, eye)},
                                                 {back, -glm::dot(back, eye)}, {0, 0, 0, 1});
-    glm::dvec2 focal = glm::dvec2(scene.camera.fx, scene.camera.fy) * fit(scene, width, height);
-    if (viewpoint.fov) {
-        const double half = *viewpoint.fov * 0.5 * degree;
-        focal = glm::dvec2(height / 2.0 * cosine(half) / sine(half));
-    }
+    const glm::dvec2 focal = orbit_focal(viewpoint, scene, width, height);
     return view_of({eye_from_world, eye, focal, {width / 2.0, height / 2.0}, near_share * distance}, scene,
                    width, height);
 }
@@ -82,14 +97,14 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
 /// What is wrong with "key=value" of an orbit; nothing where it is right. `read`: the keys before it.
 std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoint,
                                       std::set<std::string_view>& read) {
-    double fov = 0;
+    double zoom = 0, fov = 0;
     const struct {
         std::string_view key;
         double least, most;
         double* value;
     } keys[] = {{"az", -180, 180, &viewpoint.azimuth},
                 {"el", -89, 89, &viewpoint.elevation},
-                {"zoom", 0.1, 20, &viewpoint.zoom},
+                {"zoom", 0.1, 20, &zoom},
                 {"fov", 5, 120, &fov}};
     const std::size_t equals = word.find('=');
     for (const auto& key : keys) {
@@ -100,6 +115,7 @@ std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoin
         if (failure == std::errc() && end == digits.data() + digits.size() && *key.value >= key.least &&
             *key.value <= key.most) {
             if (key.value == &fov) viewpoint.fov = fov;
+            if (key.value == &zoom) viewpoint.zoom = zoom;
             return std::nullopt;
         }
         char range[64];
@@ -153,6 +169,29 @@ ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
     return view_of(
         {glm::dmat4(1.0), glm::dvec3(0.0), scale * glm::dvec2(camera.fx, camera.fy), centre, nearest}, scene,
         width, height);
+}
+
+double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre,
+                  std::span<const glm::dvec3> points, int width, int height) {
+    constexpr double margin = 0.93;     // of the picture
+    constexpr double outliers = 0.002;  // of the points
+    if (points.empty()) return 1;
+    const auto [right, up, back] = orbit_axes(viewpoint);
+    const glm::dvec2 reach =
+        orbit_focal(viewpoint, scene, width, height) / (margin * 0.5 * glm::dvec2(width, height));
+    // From how far away each point is in the picture: focal |right| / (distance - back) is at most half of
+    // it.
+    std::vector<double> distances;
+    distances.reserve(points.size());
+    for (const glm::dvec3& point : points) {
+        const glm::dvec3 from = point - centre;
+        distances.push_back(glm::dot(from, back) + std::max(reach.x * std::abs(glm::dot(from, right)),
+                                                            reach.y * std::abs(glm::dot(from, up))));
+    }
+    const auto at =
+        distances.end() - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(distances.size()));
+    std::nth_element(distances.begin(), at, distances.end());
+    return std::clamp(-centre.z / std::max(*at, -centre.z), 0.1, 1.0);
 }
 
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,

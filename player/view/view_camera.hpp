@@ -5,6 +5,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "engine/result.hpp"
@@ -19,9 +20,10 @@ inline constexpr const char* usual_viewpoint = "orbit:az=20,el=15";
 /// `usual_viewpoint`, round the middle of what is seen.
 struct Viewpoint {
     bool own = false;
-    double azimuth = 0;         ///< degrees to the right of the clip's camera, -180 to 180
-    double elevation = 0;       ///< degrees above it, -89 to 89
-    double zoom = 1;            ///< 0.1 to 20; 1 is as far away as the clip's camera, 2 half as far
+    double azimuth = 0;    ///< degrees to the right of the clip's camera, -180 to 180
+    double elevation = 0;  ///< degrees above it, -89 to 89
+    /// 0.1 to 20; 1 is as far away as the clip's camera, 2 half as far. Nothing: `whole_zoom`.
+    std::optional<double> zoom;
     std::optional<double> fov;  ///< vertical, degrees, 5 to 120; nothing: the clip's
 };
 Result<Viewpoint> parse_viewpoint(const std::string& words);
@@ -49,7 +51,12 @@ struct ViewCamera {
 /// -Z) is seen.
 ViewCamera own_view(const Scene& scene, int width, int height, double nearest);
 
-/// The viewpoint's view. `centre`: what an orbit goes round, world.
+/// The largest zoom, at most 1, at which an orbit round `centre` shows `points` (world), a few outliers
+/// aside.
+double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre,
+                  std::span<const glm::dvec3> points, int width, int height);
+
+/// The viewpoint's view. `centre`: what an orbit goes round, world. Without a zoom: 1.
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
                      int height);
 

@@ -1,7 +1,6 @@
 #include "player/view/view_surface.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "player/view/surface_light.hpp"
@@ -61,8 +60,8 @@ ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, Vi
     return surface;
 }
 
-glm::dvec3 middle_of(const HeightField& field) {
-    std::array<std::vector<double>, 3> coordinates;
+Subject subject_of(const HeightField& field) {
+    Subject subject{{0, 0, -field.scene().depth.far}, {}};
     // A hundred thousand pixels tell the middle as well as millions.
     const int step = 1 + std::max(field.width(), field.height()) / 512;
     const Scene& scene = field.scene();
@@ -71,19 +70,18 @@ glm::dvec3 middle_of(const HeightField& field) {
             const FieldVertex vertex = field.vertex(x, y);
             if (!vertex.valid || vertex.depth >= 0.999 * scene.depth.far) continue;
             const double depth = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
-            const glm::dvec3 point = unproject(scene.camera, x, y, depth);
-            for (int axis = 0; axis < 3; ++axis)
-                coordinates[static_cast<std::size_t>(axis)].push_back(point[axis]);
+            subject.points.push_back(unproject(scene.camera, x, y, depth));
         }
-    if (coordinates[0].empty()) return {0, 0, -scene.depth.far};
-    glm::dvec3 middle;
+    if (subject.points.empty()) return subject;
+    std::vector<double> values(subject.points.size());
     for (int axis = 0; axis < 3; ++axis) {
-        auto& values = coordinates[static_cast<std::size_t>(axis)];
+        std::transform(subject.points.begin(), subject.points.end(), values.begin(),
+                       [axis](const glm::dvec3& point) { return point[axis]; });
         const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
         std::nth_element(values.begin(), at, values.end());
-        middle[axis] = *at;
+        subject.middle[axis] = *at;
     }
-    return middle;
+    return subject;
 }
 
 }  // namespace touchable

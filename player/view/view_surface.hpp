@@ -51,9 +51,13 @@ ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, Vi
 /// With q_of(field), and classify_tiles of that.
 ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour);
 
-/// The lower medians of X, Y and Z, world, over the valid pixels that are not at the far plane, where
-/// backgrounds are: the middle of what is seen. The point at the far plane on the optical axis where there
-/// are none.
-glm::dvec3 middle_of(const HeightField& field);
+/// What there is to look at, world: a hundred thousand points at most of the valid pixels that are not at the
+/// far plane, where backgrounds are, and the lower medians of their X, Y and Z. Without any, the middle is
+/// the point at the far plane on the optical axis.
+struct Subject {
+    glm::dvec3 middle{0.0};
+    std::vector<glm::dvec3> points;
+};
+Subject subject_of(const HeightField& field);
 
 }  // namespace touchable

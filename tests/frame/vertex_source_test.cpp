@@ -162,6 +162,14 @@ TEST(ExactVertices, GiveTheDepthsTheyWereMadeOfAndHonestTiles) {
     }
 }
 
+TEST(ExactVertices, DepthsThatAreMissingAreNotValid) {
+    const ExactVertices vertices(3, 2, {7, 8});
+    EXPECT_TRUE(vertices.at(1, 0).valid);
+    EXPECT_FALSE(vertices.at(2, 0).valid);
+    EXPECT_FALSE(vertices.at(2, 1).valid);
+    EXPECT_TRUE(vertices.tile(0, 0).any_invalid);
+}
+
 TEST(ExactVertices, DepthsThatAreNotFiniteAreInvalidAndBoundNothing) {
     const double infinity = std::numeric_limits<double>::infinity();
     std::vector<double> depths(33 * 16, 7.5);

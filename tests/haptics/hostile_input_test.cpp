@@ -9,6 +9,7 @@
 #include "engine/content/random.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/haptics/force_path.hpp"
+#include "tests/haptics/small_field.hpp"
 
 namespace touchable::test {
 namespace {
@@ -195,6 +196,37 @@ TEST(HostileInput, WhatCannotGoOutIsZeroAndAllBeginsAnew) {
         ASSERT_EQ(again.force, wanted.force) << tick;
         ASSERT_EQ(again.reasons, wanted.reasons) << tick;
     }
+}
+
+TEST(HostileInput, AFrameThatIsMissingOrOfAnotherSizeEndsTheForceWithoutAJump) {
+    SmallField field(20, 20, 100);
+    SmallField other(21, 20, 100);
+    SurfaceFrame bare;
+    bare.width = bare.height = 20;
+    SmallField wrong_haptic(20, 20, 100), wrong_heights(20, 20, 100);
+    wrong_haptic.prev.haptic.resize(7);
+    wrong_heights.prev.heights.resize(399);
+    const SurfaceFrame* frames[] = {nullptr, &other.prev, &bare, &wrong_haptic.prev, &wrong_heights.prev};
+    const auto solver = TouchSolver::create(field.scene, {});
+    for (const SurfaceFrame* frame : frames)
+        for (const bool later : {false, true}) {
+            TouchStep step(*solver, GuardSettings{}, 1);
+            step.goals()[0] = {0, 0, -103};
+            double last = 0;
+            for (int tick = 0; tick < 500; ++tick) {
+                FramePair pair = field.pair();
+                if (tick >= 150 && tick < 300) (later ? pair.next : pair.prev).frame = frame;
+                const double force = step.run(tick, tick, field.scene, pair).forces[0].force.z;
+                ASSERT_LE(std::abs(force - last), 3.0 / 100 + 1e-9) << tick;
+                last = force;
+                if (tick == 149 || tick == 499) {
+                    ASSERT_NEAR(force, 3, 1e-9) << tick;
+                }
+                if (tick == 299) {
+                    ASSERT_EQ(force, 0);
+                }
+            }
+        }
 }
 
 TEST(GuardSettings, WhatNoGuardCanKeepIsRefusedAndAGuardOfItExertsNoForce) {

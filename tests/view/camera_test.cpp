@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
 #include "player/view/view_camera.hpp"
 
 namespace touchable {
@@ -91,6 +97,43 @@ TEST(ViewCamera, FieldOfViewIsThatOfThePicturesHeight) {
     const Scene scene = any_scene();
     const ViewCamera view = make_view({false, 0, 0, 1, 90.0}, scene, {0, 0, -300}, 640, 480);
     EXPECT_NEAR(view.project({0, 300, -300})->y, 0, 1e-6);
+}
+
+TEST(ViewCamera, TheWholeZoomShowsEveryPointAndNoMoreThanItHasTo) {
+    const Scene scene = any_scene();
+    const glm::dvec3 centre(0, 0, -300);
+    std::vector<glm::dvec3> ball;
+    for (int k = 0; k < 100; ++k)
+        for (int j = 0; j < 50; ++j) {
+            const double longitude = 0.0628 * k, latitude = 0.0628 * (j - 25);
+            ball.push_back(centre + 190.0 * glm::dvec3(std::cos(longitude) * std::cos(latitude),
+                                                       std::sin(latitude),
+                                                       std::sin(longitude) * std::cos(latitude)));
+        }
+    for (const auto& [width, height] : {std::pair(640, 480), std::pair(300, 900), std::pair(900, 200)})
+        for (const std::optional<double> fov : {std::optional<double>(), std::optional(30.0)}) {
+            Viewpoint viewpoint{false, 20, 15, std::nullopt, fov};
+            viewpoint.zoom = whole_zoom(viewpoint, scene, centre, ball, width, height);
+            ASSERT_LT(*viewpoint.zoom, 1);
+            ASSERT_GT(*viewpoint.zoom, 0.1);
+            const ViewCamera view = make_view(viewpoint, scene, centre, width, height);
+            double farthest = 0;  // from the middle, in halves of the picture
+            for (const glm::dvec3& point : ball) {
+                const auto screen = view.project(point);
+                ASSERT_TRUE(screen);
+                farthest = std::max(
+                    {farthest, std::abs(2 * screen->x / width - 1), std::abs(2 * screen->y / height - 1)});
+            }
+            EXPECT_LT(farthest, 1.0);
+            EXPECT_GT(farthest, 0.88);
+        }
+}
+
+TEST(ViewCamera, TheWholeZoomOfWhatIsSmallOrNothingIsOne) {
+    const glm::dvec3 centre(0, 0, -300);
+    const std::vector<glm::dvec3> points{{10, 0, -300}, {0, 10, -290}};
+    EXPECT_EQ(whole_zoom({}, any_scene(), centre, points, 640, 480), 1);
+    EXPECT_EQ(whole_zoom({}, any_scene(), centre, {}, 640, 480), 1);
 }
 
 TEST(ViewCamera, UnprojectIsTheInverseOfProject) {

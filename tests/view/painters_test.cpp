@@ -72,7 +72,7 @@ protected:
         for (const char* words :
              {"own", "orbit:az=20,el=8", "orbit:az=45,el=18", "orbit:az=-35,el=-25,zoom=4"}) {
             const auto viewpoint = parse_viewpoint(words);
-            compare(surface, make_view(*viewpoint, shown.scene, middle_of(field), 480, 320), words);
+            compare(surface, make_view(*viewpoint, shown.scene, subject_of(field).middle, 480, 320), words);
         }
     }
 };
@@ -88,7 +88,7 @@ TEST_F(Painters, DrawNoiseAlike) {
     const HeightField field = shown->field();
     const ViewSurface surface = make_view_surface(field, {});
     const ViewCamera camera =
-        make_view({false, 20, 8, 1, std::nullopt}, shown->scene, middle_of(field), 480, 320);
+        make_view({false, 20, 8, 1, std::nullopt}, shown->scene, subject_of(field).middle, 480, 320);
     const PicturePlanes cpu = must(make_cpu_painter()->paint(surface, camera));
     expect_alike(cpu, must(must(make_raster_painter(gpu))->paint(surface, camera)), 0, "raster");
     // Lone slivers, whose z triangle hardware finds less exactly: only where they are is compared.
@@ -253,7 +253,7 @@ TEST_F(Painters, KeepTheirWordFromSurfaceToSurface) {
         const HeightField field = shown->field();
         const ViewSurface surface = make_view_surface(field, {});
         const ViewCamera camera =
-            make_view({false, 15, 5, 1, std::nullopt}, shown->scene, middle_of(field), 240, 160);
+            make_view({false, 15, 5, 1, std::nullopt}, shown->scene, subject_of(field).middle, 240, 160);
         expect_alike(must(make_cpu_painter()->paint(surface, camera)), must(painter->paint(surface, camera)),
                      0, "again");
     }
@@ -265,7 +265,7 @@ TEST_F(Painters, DrawWhatTheyMadeOnTheGpuAlike) {
     for (const double blend : {0.0, 0.35}) {
         const HeightField field = shown->field(blend);
         const ViewCamera camera =
-            make_view({false, 25, 10, 1, std::nullopt}, shown->scene, middle_of(field), 300, 200);
+            make_view({false, 25, 10, 1, std::nullopt}, shown->scene, subject_of(field).middle, 300, 200);
         const auto cpu = make_cpu_painter();
         const ViewSurface made = must(cpu->surface_of(field, shown->pair(blend), shown->raw_prev.colour));
         const PicturePlanes expected = must(cpu->paint(made, camera));

@@ -11,7 +11,7 @@ Result<Image> picture(const Shown& shown, const PictureSettings& settings,
     const HeightField field = shown.field();
     const auto painter = make_cpu_painter();
     return make_picture(settings, shown.scene, make_view_surface(field, shown.raw_prev.colour),
-                        middle_of(field), fingers, {2, 6}, *painter);
+                        subject_of(field), fingers, {2, 6}, *painter);
 }
 
 TEST(ScenePicture, HasTheSizeAskedFor) {

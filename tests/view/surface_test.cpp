@@ -121,7 +121,7 @@ TEST(ViewSurface, AColourIsTheTracksInALightThatLeavesItsHue) {
 
 TEST(ViewSurface, TheMiddleIsOfWhatIsNotAtTheFarPlane) {
     const auto shown = shown_scene("globe", 96, 64);
-    const glm::dvec3 middle = middle_of(shown->field());
+    const glm::dvec3 middle = subject_of(shown->field()).middle;
     EXPECT_NEAR(middle.x, 0, 3);
     EXPECT_GT(middle.z, -140);
     EXPECT_LT(middle.z, -50);
@@ -129,7 +129,7 @@ TEST(ViewSurface, TheMiddleIsOfWhatIsNotAtTheFarPlane) {
     RandomDepths empty(1, DepthSemantics::range, 1.0);
     const std::vector<double> none(static_cast<std::size_t>(empty.scene.width * empty.scene.height), NAN);
     empty.prev.vertices = std::make_unique<ExactVertices>(empty.scene.width, empty.scene.height, none);
-    EXPECT_EQ(middle_of(empty.field(0)), glm::dvec3(0, 0, -400));
+    EXPECT_EQ(subject_of(empty.field(0)).middle, glm::dvec3(0, 0, -400));
 }
 
 }  // namespace

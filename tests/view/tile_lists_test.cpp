@@ -15,7 +15,6 @@
 namespace touchable::test {
 namespace {
 
-
 class TileListsOnGpu : public GpuTest {
 protected:
     /// Lists by the kernels and by their twin, which are the same.

@@ -1,27 +1,10 @@
-"""What all pictures share: colours, how they are saved, and how input that cannot be used is refused."""
+"""Reports of touchable-bench, and how pictures of them are saved."""
 
 import json
 import os
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-
-# Okabe and Ito's colours: told apart by every kind of eye, and over grey.
-COLOURS = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#F0E442"]
-
-plt.rcParams.update({"font.size": 10, "axes.spines.top": False, "axes.spines.right": False,
-                     "axes.edgecolor": "#666666", "axes.titlesize": 12, "legend.frameon": False})
-
-
-class BadInput(Exception):
-    """What is wrong, where, and what would be right."""
-
-
-def colour(index):
-    return COLOURS[index % len(COLOURS)]
+from style import BadInput
 
 
 def read_figures(file):

@@ -1,4 +1,4 @@
-"""What fingers felt and where they went: from `touchable touch --forces` and `touchable export`."""
+"""What fingers felt and where they went: from `touchable touch --forces` and `touchable export`. For `touchable plot`."""
 
 import csv
 import json
@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from plots.style import BadInput, colour, save
+from style import COLOURS, BadInput, colour
 
 NUMBERS = ["time_s", "force_x", "force_y", "force_z", "pixel_x", "pixel_y"]
 FLAGS = ["finger", "contact", "guard"]
-STRIPS_AT_MOST = 12
+STRIPS_AT_MOST = len(COLOURS)
 
 
 def read_forces(file):
@@ -69,12 +69,13 @@ def draw_strip(axes, finger, index, top):
               transform=axes.transAxes, va="center", fontsize=9, color="#333333", linespacing=1.35)
 
 
-def draw_forces(arguments):
-    fingers = read_forces(arguments.forces)
+def draw_forces(file):
+    """Force over time, one strip per finger."""
+    fingers = read_forces(file)
     shown = fingers[:STRIPS_AT_MOST]
     top = 1.08 * max(magnitude(finger).max() for finger in shown) or 1.0
     if not np.isfinite(top):
-        raise BadInput(f"{arguments.forces}: a force is not finite")
+        raise BadInput(f"{file}: a force is not finite")
     figure, strips = plt.subplots(len(shown), 1, sharex=True, squeeze=False, layout="constrained",
                                   figsize=(10, 1.5 + 1.2 * max(2, len(shown))))
     for index, (axes, finger) in enumerate(zip(strips[:, 0], shown)):
@@ -85,13 +86,10 @@ def draw_forces(arguments):
     some = "" if len(shown) == len(fingers) else f" (the first {len(shown)} shown)"
     what = "finger" if len(fingers) == 1 else "fingers"
     strips[0, 0].set_title(f"Force on {len(fingers)} {what}{some} over {seconds:.2f} s, "
-                           f"{contact_share(fingers):.0f} % of ticks in contact", loc="left", pad=26)
-    handles = [Patch(facecolor=colour(k), alpha=0.7, label=name(finger)) for k, finger in enumerate(shown)]
+                           f"{contact_share(fingers):.0f} % of ticks in contact", loc="left")
     if any(np.any(finger["guard"] != 0) for finger in shown):
-        handles.append(Patch(facecolor="#999999", alpha=0.45, label="changed by the guard"))
-    strips[0, 0].legend(handles=handles, loc="lower left", bbox_to_anchor=(-0.01, 0.98), ncol=7, fontsize=9,
-                        handlelength=1.2, columnspacing=1.4)
-    save(figure, arguments.out)
+        strips[0, 0].set_title("grey: changed by the guard", loc="right", fontsize=9, color="#666666")
+    return figure
 
 
 def read_plane(file):
@@ -137,13 +135,14 @@ def stretches(finger):
     return x, y
 
 
-def draw_paths(arguments):
-    folder = Path(arguments.export)
+def draw_paths(file, export):
+    """The paths of the proxies over the depth of the frame in the folder `export`."""
+    folder = Path(export)
     title, near_is_high = read_scene(folder / "scene.json")
     codes, valid = read_plane(folder / "codes.png"), read_plane(folder / "valid.png") > 0
     if codes.shape != valid.shape:
         raise BadInput(f"{folder / 'valid.png'}: must have the size of codes.png")
-    fingers = read_forces(arguments.forces)
+    fingers = read_forces(file)
     height, width = codes.shape
     figure, axes = plt.subplots(layout="constrained", figsize=(10, 8.3 * height / width + 0.9))
     axes.imshow(shades(codes, valid, near_is_high), interpolation="nearest")
@@ -172,4 +171,4 @@ def draw_paths(arguments):
     axes.set_title(f"{title or folder.name}: {len(fingers)} {what} over the depth, near is light "
                    f"({seconds:.2f} s, {contact_share(fingers):.0f} % in contact)", loc="left")
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0)
-    save(figure, arguments.out)
+    return figure

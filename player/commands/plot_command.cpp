@@ -1,0 +1,56 @@
+#include "player/commands/plot_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/picture_options.hpp"
+#include "player/commands/plot_script.hpp"
+
+namespace touchable {
+namespace {
+namespace fs = std::filesystem;
+
+struct PlotOptions {
+    fs::path forces, picture;
+    std::optional<fs::path> over;
+    Existing existing = Existing::keep;
+};
+
+Result<void> plot(const PlotOptions& options) {
+    std::vector<NamedFile> inputs{{"the forces file", options.forces}};
+    std::vector<std::string> words{options.forces.string()};
+    if (options.over) {
+        for (const char* name : {"scene.json", "codes.png", "valid.png"})
+            inputs.push_back({"--over", *options.over / name});
+        words.push_back(options.over->string());
+    }
+    if (auto free = check_outputs({{{"the picture", options.picture}}, options.existing}, inputs); !free.ok())
+        return free;
+    NewFile file(options.picture, options.existing);
+    if (auto usable = file.check(); !usable.ok()) return usable;
+    if (auto drawn = run_plot_script(words, file.path()); !drawn.ok()) return drawn;
+    if (auto named = file.commit(); !named.ok()) return named;
+    std::cout << "plot: " << file.target().string() << '\n';
+    return {};
+}
+
+}  // namespace
+
+void add_plot_command(CLI::App& app, Command& command) {
+    auto* sub = app.add_subcommand("plot", "draw the forces of a run over time, or its ways over a frame");
+    auto options = std::make_shared<PlotOptions>();
+    add_file_option(*sub, "FORCES", options->forces, "forces file (touch --forces)")->required();
+    add_file_option(*sub, "PICTURE", options->picture, "PNG file to write")->required()->check(ends_in_png());
+    add_file_option(
+        *sub, "--over", options->over,
+        "instead: where the fingers went over the depth of the frame in this folder (export --out)");
+    add_overwrite_option(*sub, options->existing);
+    sub->callback([options, &command] { command = [options] { return plot(*options); }; });
+}
+
+}  // namespace touchable
