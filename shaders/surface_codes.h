@@ -69,18 +69,24 @@ struct StripConstants {
     uint to_finer;        // 1: codes are for filters that need finer ones: multiplied, or no_finer_code
 };
 
+/// A length by depth in codes; see engine/scene/code_curve.hpp.
+struct CurvePush {
+    uint constant, linear, quadratic, last, shift, from_last;
+};
+
 /// Of terraces; width to along_x as in StripPush, but that a lane has one row.
 struct TerracesPush {
     uint width, height, pitch;
     uint segments, segment_texels, along_x;
-    uint gate, most;
+    CurvePush levels;  // from one level to the next, in multiplied codes
+    uint step, noise;  // TerraceFilter
 };
 
 /// Of temporal.
 struct TemporalPush {
     uint height, pitch;  // pixels; texels from one row to the next
     uint begins;         // 1: nothing is known of the frame before
-    uint constant, linear, quadratic, last, shift, from_last;  // TemporalGate
+    CurvePush gate;
     uint none;           // what an invalid code becomes; beyond `valid`
     ValidCodes valid;    // which exclude nothing
 };

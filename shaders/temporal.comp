@@ -8,6 +8,7 @@
 
 #include "shaders/surface_codes.h"
 #include "shaders/texels.h"
+#include "shaders/code_curve.h"
 
 layout(local_size_x = temporal_group) in;
 layout(push_constant, std430) uniform Push { TemporalPush push; };
@@ -17,15 +18,10 @@ layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[
 /// Of each texel: for how many frames each of its codes has only been held, in two bits.
 layout(set = 0, binding = 3, std430) buffer Held { uint held[]; };
 
-const uint most_gate = 32767u, hold_frames = 3u;
-
-uint gate_at(uint code) {
-    const uint n = (push.from_last != 0u ? push.last - code : code) << push.shift;
-    return min(push.constant + (push.linear * n >> 16) + (push.quadratic * (n * n >> 16) >> 16), most_gate);
-}
+const uint hold_frames = 3u;
 
 uint smoothed(uint code, uint before) {
-    const uint distance = max(code, before) - min(code, before), gate = gate_at(code);
+    const uint distance = max(code, before) - min(code, before), gate = curve_at(push.gate, code);
     const uint tent = 2u * min(distance, gate) - min(distance, 2u * gate), kept = 3u * tent / 4u;
     return code > before ? code - kept : code + kept;
 }

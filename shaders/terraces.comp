@@ -17,6 +17,11 @@ layout(set = 0, binding = 1) uniform utextureBuffer first_texels;  // before all
 layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[]; };
 
 #include "shaders/texels.h"
+#include "shaders/code_curve.h"
+
+const uint most_level = 8191u;
+/// From one level to the next at a code.
+int level_at(uint code) { return int(clamp(curve_at(push.levels, code), push.step, most_level)); }
 
 /// Eight codes of a row. Outside the picture none is valid. An invalid code needs no care: it is so large that
 /// every second difference with it is beyond twice the gate, where the tent is 0 (terrace_range).
@@ -41,8 +46,8 @@ Span moved_on(Span span, int row, int texel) {
 }
 
 /// Tents, which are 2 clamp(s, -gate, gate) - clamp(s, -2 gate, 2 gate), of two second differences.
-int tents(int a, int b) {
-    const int gate = int(push.gate), wide = 2 * gate;
+int tents(int a, int b, int gate) {
+    const int wide = 2 * gate;
     return 2 * (clamp(a, -gate, gate) + clamp(b, -gate, gate)) - (clamp(a, -wide, wide) + clamp(b, -wide, wide));
 }
 
@@ -70,13 +75,15 @@ void main() {
         uint codes[8];
         [[unroll]] for (int k = 0; k < 8; ++k) {
             const int x = 8 + k, centre = here.v[x], twice = 2 * centre;
-            const int straight = tents(here.v[x - tap] + here.v[x + tap] - twice, above.v[x] + below.v[x] - twice);
+            const int gate = (5 * level_at(uint(centre)) + 3 * int(push.noise)) >> 2;
+            const int straight = tents(here.v[x - tap] + here.v[x + tap] - twice, above.v[x] + below.v[x] - twice, gate);
             const int diagonal = tents(above.v[x - tap] + below.v[x + tap] - twice,
-                                       above.v[x + tap] + below.v[x - tap] - twice);
+                                       above.v[x + tap] + below.v[x - tap] - twice, gate);
             const int sum = 2 * straight + diagonal;
             int code = centre + ((sum + 8) >> 4);
             if (is_last != 0u) {
-                const int least = 2 * (int(was.v[k]) - int(push.most)), range = 4 * int(push.most);
+                const int most = (4 * level_at(was.v[k]) + 3 * int(push.noise)) >> 2;
+                const int least = 2 * (int(was.v[k]) - most), range = 4 * most;
                 code = clamp(2 * centre + ((sum + 4) >> 3), least, least + range);
             }
             codes[k] = centre == int(no_finer_code) ? no_finer_code : uint(code);

@@ -181,20 +181,23 @@ Result<void> check_filter(const Scene& scene) {
     if (auto passes = check_within("filter.fill_holes", filter.fill_holes, 0, 16); !passes) return passes;
     if (!(filter.terrace_noise >= 0 && filter.terrace_noise <= most_terrace_noise))
         return refuse("filter.terrace_noise", filter.terrace_noise, "from 0 to 4 codes");
-    const DepthNoise& noise = filter.temporal_noise;
+    if (auto part = check_not_negative("filter.levels' constant", filter.levels.constant); !part) return part;
+    if (auto part = check_not_negative("filter.levels' quadratic", filter.levels.quadratic); !part)
+        return part;
+    const DepthLength& noise = filter.temporal_noise;
     if (auto part = check_not_negative("filter.temporal_noise's constant", noise.constant); !part)
         return part;
     if (auto part = check_not_negative("filter.temporal_noise's quadratic", noise.quadratic); !part)
         return part;
-    if (filter.temporal && noise == DepthNoise{})
+    if (filter.temporal && noise == DepthLength{})
         return input_error(
             "filter.temporal_noise is [0, 0]: must be [constant, quadratic], how noisy depth is in scene "
             "units, because filter.temporal is on");
     // Of metric codes without `far` the largest is not known yet.
-    if (filter.terraces == TerraceRemoval::on && !scene.far_from_frames && terrace_factor(scene.depth) == 0)
+    if (filter.terraces == TerraceRemoval::on && !scene.far_from_frames && terrace_factor(scene) == 0)
         return input_error("filter.terraces is on: must be off or auto where depth codes go beyond " +
                            std::to_string(largest_code_with_terraces) +
-                           ", because they leave no room for finer ones");
+                           " (or less, with large filter.levels), because they leave no room for finer ones");
     return {};
 }
 

@@ -7,6 +7,7 @@
 
 #include "engine/result.hpp"
 #include "engine/scene/camera.hpp"
+#include "engine/scene/code_curve.hpp"
 #include "engine/scene/depth_coding.hpp"
 
 namespace touchable {
@@ -55,21 +56,19 @@ enum class FrameInterpolation { hold, linear };
 /// Automatic: where kappa says that it helps (terraces.hpp).
 enum class TerraceRemoval { off, on, automatic };
 
-/// Standard deviation of a stored depth's noise: constant + quadratic depth^2, all in scene units. Time of
-/// flight is mostly constant, stereo and structured light mostly quadratic.
-struct DepthNoise {
-    double constant = 0, quadratic = 0;
-    bool operator==(const DepthNoise&) const = default;
-};
-
 /// Integer filters between stored values and codes; see engine/surface.
 struct FilterSettings {
     int median = 0;      ///< window side: 0 (off), 3 or 5
     int fill_holes = 0;  ///< passes, 0 to 16
     TerraceRemoval terraces = TerraceRemoval::off;
     double terrace_noise = 0;  ///< standard deviation of the stored depth, codes, 0 to 4
-    bool temporal = false;     ///< noise from frame to frame is averaged (temporal.hpp)
-    DepthNoise temporal_noise{};
+    /// Distance from one depth that occurs to the next, where that is more than a code's step: cameras that
+    /// measure disparity and store millimetres have levels that grow with depth squared.
+    DepthLength levels{};
+    bool temporal = false;  ///< noise from frame to frame is averaged (temporal.hpp)
+    /// Standard deviation of a stored depth. Time of flight: mostly constant; stereo and structured light:
+    /// mostly quadratic.
+    DepthLength temporal_noise{};
     bool operator==(const FilterSettings&) const = default;
 };
 

@@ -120,18 +120,22 @@ void read_default_properties(const Node& node, HapticProperties& properties) {
     if (node.has("dynamic_friction")) properties.dynamic_friction = node["dynamic_friction"].number();
 }
 
+DepthLength read_length(const Node& node) {
+    const std::vector<Node> terms =
+        node.elements(2, 2, "[constant, quadratic], two numbers such as [1.5, 0]");
+    return {terms[0].number(), terms[1].number()};
+}
+
 void read_filter(const Node& node, FilterSettings& filter) {
-    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise", "temporal", "temporal_noise"});
+    node.allow_only(
+        {"median", "fill_holes", "terraces", "terrace_noise", "levels", "temporal", "temporal_noise"});
     if (node.has("median")) filter.median = node["median"].whole();
     if (node.has("fill_holes")) filter.fill_holes = node["fill_holes"].whole();
     if (node.has("terraces")) filter.terraces = node["terraces"].one_of(terrace_names);
     if (node.has("terrace_noise")) filter.terrace_noise = node["terrace_noise"].number();
+    if (node.has("levels")) filter.levels = read_length(node["levels"]);
     if (node.has("temporal")) filter.temporal = node["temporal"].one_of(temporal_names);
-    if (node.has("temporal_noise")) {
-        const std::vector<Node> terms =
-            node["temporal_noise"].elements(2, 2, "[constant, quadratic], two numbers such as [1.5, 0]");
-        filter.temporal_noise = {terms[0].number(), terms[1].number()};
-    }
+    if (node.has("temporal_noise")) filter.temporal_noise = read_length(node["temporal_noise"]);
 }
 
 FolderSource read_folder(const Node& node) {
@@ -229,8 +233,9 @@ OrderedJson write_filter(const FilterSettings& filter) {
     OrderedJson json = {{"median", filter.median}, {"fill_holes", filter.fill_holes}};
     if (filter.terraces != TerraceRemoval::off) json["terraces"] = name_of(terrace_names, filter.terraces);
     if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
+    if (filter.levels != DepthLength{}) json["levels"] = {filter.levels.constant, filter.levels.quadratic};
     if (filter.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
-    if (filter.temporal_noise != DepthNoise{})
+    if (filter.temporal_noise != DepthLength{})
         json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
     return json;
 }

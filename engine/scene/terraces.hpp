@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 
 #include "engine/scene/scene.hpp"
@@ -11,9 +13,18 @@ struct TerraceFilter {
     /// By which codes are multiplied before the passes, 1 where the temporal filter did it; the last one
     /// doubles them.
     int factor = 0;
-    int gate = 0;  ///< second differences up to it are terraces, from twice it on they are the surface's own
-    int most = 0;  ///< by which a code may change, before it is doubled
+    int step = 0;        ///< from one stored code to the next, in multiplied codes
+    CodeCurve levels;    ///< from one level to the next, in multiplied codes; zero: every code is one
+    int noise = 0;       ///< standard deviation, in multiplied codes
     DepthCoding coding;  ///< of the finer codes; where nothing changed the depth is the same double
+
+    /// At a multiplied code: from one level to the next.
+    int level_at(std::uint16_t code) const { return std::clamp(levels.at(code), step, most_level); }
+    /// Second differences up to it are terraces, from twice it on they are the surface's own.
+    int gate_at(std::uint16_t code) const { return (5 * level_at(code) + 3 * noise) / 4; }
+    /// By how much a code may change, before it is doubled.
+    int most_at(std::uint16_t code) const { return (4 * level_at(code) + 3 * noise) / 4; }
+    static constexpr int most_level = 8191;  ///< so that five of them and the noise have 16 bits
 
     bool operator==(const TerraceFilter&) const = default;
 };
@@ -29,8 +40,8 @@ inline constexpr int terrace_range = 32767;
 inline constexpr int most_terrace_noise = 4;
 
 /// The factor, at most 126; 0 where codes are too large for one of at least 2: terrace removal has no room.
-int terrace_factor(const DepthCoding& coding);
-/// Codes beyond it leave no room.
+int terrace_factor(const Scene& scene);
+/// Codes beyond it leave no room, even where every one of them is a level.
 inline constexpr int largest_code_with_terraces = 16378;
 
 /// The largest code that a depth is told by: of metric codes only those up to `far` are.
@@ -40,8 +51,11 @@ int largest_code(const DepthCoding& coding);
 /// largest all are valid.
 DepthCoding finer(const DepthCoding& coding, int factor);
 
-/// How steep one step of the staircase feels: depth step of one code / width of one pixel, at that depth.
-double kappa_of_code(const Scene& scene, double depth);
+/// From one level to the next at a depth, scene units: a code's step, or what the scene says where that is
+/// more.
+double level_distance(const Scene& scene, double depth);
+/// How steep one step of the staircase feels: level_distance / width of one pixel, at that depth.
+double kappa_of_depth(const Scene& scene, double depth);
 /// The same half-way between the depths of the nearest and the farthest valid code.
 double kappa_of_scene(const Scene& scene);
 

@@ -101,11 +101,13 @@ Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
         for (int y = 0; y < picture.height; ++y)
             for (int x = 0; x < picture.width; ++x) {
                 if (!before.at(x, y).valid) continue;
-                const int code = before.at(x, y).code, sum = levelling_of(before, x, y, step, filter.gate);
+                const std::uint16_t code = before.at(x, y).code;
+                const int sum = levelling_of(before, x, y, step, filter.gate_at(code));
                 // The last pass doubles codes, so that half of a step is not rounded away.
                 int after = is_last ? 2 * code + ((sum + 4) >> 3) : code + ((sum + 8) >> 4);
-                const int was = first.at(x, y).code;
-                if (is_last) after = std::clamp(after, 2 * (was - filter.most), 2 * (was + filter.most));
+                const std::uint16_t was = first.at(x, y).code;
+                const int most = filter.most_at(was);
+                if (is_last) after = std::clamp(after, 2 * (was - most), 2 * (was + most));
                 picture.at(x, y).code = static_cast<std::uint16_t>(after);
             }
     }
@@ -120,7 +122,7 @@ struct Remembered {
 };
 
 /// The code of a frame, drawn towards the one before by what is likely to be noise.
-std::uint16_t smoothed(int code, int before, const TemporalGate& gate) {
+std::uint16_t smoothed(int code, int before, const CodeCurve& gate) {
     const int noise = tent(code - before, gate.at(static_cast<std::uint16_t>(code)));
     const int kept = std::abs(noise) * 3 / 4;
     return static_cast<std::uint16_t>(noise > 0 ? code - kept : code + kept);

@@ -18,6 +18,15 @@ bool leaves_room_above(const ValidCodes& valid) {
     return valid.valid_min + valid.valid_span < no_finer_code;
 }
 
+CurvePush pushed(const CodeCurve& curve) {
+    return {curve.constant,
+            curve.linear,
+            curve.quadratic,
+            curve.last,
+            static_cast<std::uint32_t>(curve.shift),
+            curve.from_last ? 1U : 0U};
+}
+
 Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, const char* what) {
     return {ErrorKind::gpu, "frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
                                 " are larger than " + what + " may be on " + device.facts().name};
@@ -175,23 +184,14 @@ Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame
     if (auto made = record_finer(filter.factor, frame); !made.ok()) return made;
     const auto program = kernels_->temporal();
     if (!program.ok()) return program.error();
-    const TemporalGate& gate = filter.gate;
     ValidCodes valid = finer_codes;
     if (!has_room_above()) {
         valid.valid_min = valid_.valid_min;
         valid.valid_span = valid_.valid_span;
     }
-    const TemporalPush push{height_,
-                            pitch_,
-                            frame.begins ? 1U : 0U,
-                            gate.constant,
-                            gate.linear,
-                            gate.quadratic,
-                            gate.last,
-                            static_cast<std::uint32_t>(gate.shift),
-                            gate.from_last ? 1U : 0U,
-                            has_room_above() ? no_finer_code : 0,
-                            valid};
+    const TemporalPush push{
+        height_, pitch_, frame.begins ? 1U : 0U, pushed(filter.gate), has_room_above() ? no_finer_code : 0,
+        valid};
     std::swap(remembered_[0], remembered_[1]);
     frame.commands.dispatch(*program, push, {frame.rows.buffer, remembered_[1], remembered_[0], held_},
                             {groups_for(pitch_, temporal_group), height_});
@@ -209,8 +209,9 @@ Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame)
                             segments_,
                             segment_texels_,
                             plan_.along_x ? 1U : 0U,
-                            static_cast<std::uint32_t>(filter.gate),
-                            static_cast<std::uint32_t>(filter.most)};
+                            pushed(filter.levels),
+                            static_cast<std::uint32_t>(filter.step),
+                            static_cast<std::uint32_t>(filter.noise)};
     const GpuBuffer first = frame.rows.buffer;
     GpuBuffer from = first;
     for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {

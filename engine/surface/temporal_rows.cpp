@@ -3,40 +3,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/surface/curve_lanes.hpp"
 #include "engine/surface/validity_strip.hpp"
 #include "engine/surface/vectors.hpp"
 
 namespace touchable {
 namespace {
-
-/// As many values of 32 bits.
-template <class Narrow>
-struct Wide {
-    using Lanes [[gnu::vector_size(2 * sizeof(Narrow))]] = std::uint32_t;
-};
-
-/// The upper half of a product.
-template <class Lanes>
-[[gnu::always_inline]] inline Lanes high_product(const Lanes& a, const Lanes& b) {
-    return __builtin_convertvector((__builtin_convertvector(a, typename Wide<Lanes>::Lanes) *
-                                    __builtin_convertvector(b, typename Wide<Lanes>::Lanes)) >>
-                                       16,
-                                   Lanes);
-}
-
-template <class Lanes>
-struct GateLanes {
-    const TemporalGate& gate;
-
-    [[gnu::always_inline]] Lanes at(const Lanes& codes) const {
-        const Lanes constant = Lanes{} + gate.constant;
-        if ((gate.linear | gate.quadratic) == 0) return constant;
-        const Lanes n = (gate.from_last ? gate.last - codes : codes) << gate.shift;
-        const Lanes sum = constant + high_product<Lanes>(n, Lanes{} + gate.linear) +
-                          high_product<Lanes>(high_product<Lanes>(n, n), Lanes{} + gate.quadratic);
-        return lesser<Lanes>(sum, Lanes{} + std::uint16_t{temporal_most_gate});
-    }
-};
 
 /// Without comparing, see code_line.cpp: of `above` and `below` one is 0, and so is what is kept of it.
 template <class Lanes>
@@ -117,7 +89,7 @@ struct RowSmoothing {
     [[gnu::always_inline]] void smooth_all(std::uint16_t* at, std::uint16_t* before) const {
         for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
             const Lanes code = finer_codes<Lanes>(at + k);
-            store<Lanes>(smoothed(code, load_lanes<Lanes>(before + k), gate<Lanes>().at(code)), at + k,
+            store<Lanes>(smoothed(code, load_lanes<Lanes>(before + k), curve_at(filter.gate, code)), at + k,
                          before + k);
         }
     }
@@ -131,18 +103,14 @@ struct RowSmoothing {
             const Lanes both = now & lanes_of_bits<Lanes>(bits.known >> k);
             const Lanes old = load_lanes<Lanes>(before + k);
             const Lanes code = (finer_codes<Lanes>(at + k) & now) | (old & held);
-            store<Lanes>(smoothed<Lanes>(code, (old & both) | (code & ~both), gate<Lanes>().at(code)), at + k,
-                         before + k);
+            store<Lanes>(smoothed<Lanes>(code, (old & both) | (code & ~both), curve_at(filter.gate, code)),
+                         at + k, before + k);
         }
     }
 
     template <class Lanes>
     [[gnu::always_inline]] Lanes finer_codes(const std::uint16_t* at) const {
         return load_lanes<Lanes>(at) * static_cast<std::uint16_t>(filter.factor);
-    }
-    template <class Lanes>
-    [[gnu::always_inline]] GateLanes<Lanes> gate() const {
-        return {filter.gate};
     }
     template <class Lanes>
     [[gnu::always_inline]] void store(const Lanes& result, std::uint16_t* at, std::uint16_t* before) const {

@@ -20,13 +20,20 @@ constexpr int known_rows = terrace_reach + 2;
 void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const std::uint16_t* before,
                  std::uint32_t validity, std::uint16_t* codes, int count) {
     const auto factor = static_cast<std::uint16_t>(2 * filter.factor);
-    const auto most = static_cast<std::int16_t>(2 * filter.most);
-    const auto least = static_cast<std::int16_t>(-most);
-    for (int k = 0; k < count; ++k) {
+    const auto hold = [&](int k, std::int16_t most) {
         const auto was = static_cast<std::uint16_t>(before[k] * factor);
         const auto moved = static_cast<std::int16_t>(static_cast<std::uint16_t>(finer[k]) - was);
-        codes[k] = static_cast<std::uint16_t>(was + std::clamp(moved, least, most));
-    }
+        codes[k] =
+            static_cast<std::uint16_t>(was + std::clamp(moved, static_cast<std::int16_t>(-most), most));
+    };
+    const auto even_most = static_cast<std::int16_t>(2 * filter.most_at(0));
+    if (filter.levels.is_zero())
+        for (int k = 0; k < count; ++k) hold(k, even_most);
+    else
+        for (int k = 0; k < count; ++k) {
+            const auto code = static_cast<std::uint16_t>(before[k] * filter.factor);
+            hold(k, static_cast<std::int16_t>(2 * filter.most_at(code)));
+        }
     if (validity == ~std::uint32_t{0}) return;
     std::uint16_t masks[strip_pixels];
     masks_of_bits(validity, masks);
@@ -71,7 +78,7 @@ void TerraceRemover::make(const RowBand& band, SurfaceFrame& out) {
             reach -= step;
             if (y < std::max(band.first - reach, 0) || y >= std::min(band.last + reach, height)) continue;
             level_row(unit_, row(work, pass, y - step), row(work, pass, y), row(work, pass, y + step), words_,
-                      {step, filter_.gate, pass + 1 == passes}, codes(work, pass + 1, y));
+                      {step, filter_, pass + 1 == passes}, codes(work, pass + 1, y));
         }
         if (y >= band.first && y < band.last) store(y, work, out);
     }

@@ -31,7 +31,7 @@ void TerracePatch::level(const TerraceFilter& filter) {
         const bool is_last = &step == std::end(terrace_steps) - 1;
         for (int y = top_; y <= bottom_; ++y)
             level_row(unit, row(codes_, y - step), row(codes_, y), row(codes_, y + step), words,
-                      {step, filter.gate, is_last}, next_[y - top_] + terrace_margin);
+                      {step, filter, is_last}, next_[y - top_] + terrace_margin);
         std::memcpy(codes_, next_, sizeof(codes_));
     }
 }
@@ -42,8 +42,9 @@ bool TerracePatch::is_set(int x, int y) const {
 
 std::uint16_t TerracePatch::code(int x, int y, const TerraceFilter& filter) const {
     const int line = y - top_, column = terrace_margin + x - left_;
-    const int was = before_[line][column], after = static_cast<std::uint16_t>(codes_[line][column]);
-    return static_cast<std::uint16_t>(std::clamp(after, 2 * (was - filter.most), 2 * (was + filter.most)));
+    const std::uint16_t was = static_cast<std::uint16_t>(before_[line][column]);
+    const int most = filter.most_at(was), after = static_cast<std::uint16_t>(codes_[line][column]);
+    return static_cast<std::uint16_t>(std::clamp(after, 2 * (was - most), 2 * (was + most)));
 }
 
 TerraceRow TerracePatch::row(const std::int16_t (&codes)[side][pitch], int y) const {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "engine/scene/terraces.hpp"
+#include "engine/surface/curve_lanes.hpp"
 #include "engine/surface/validity_strip.hpp"
 #include "engine/surface/vectors.hpp"
 
@@ -79,6 +79,16 @@ template <class Lanes>
     return (word[-1] | word[0] | word[1]) != 0;
 }
 
+/// TerraceFilter::gate_at.
+template <class Bits, class Lanes>
+[[gnu::always_inline]] inline Lanes gate_at(const TerraceFilter& filter, const Bits& code) {
+    const Bits step = Bits{} + static_cast<std::uint16_t>(filter.step);
+    const Bits most = Bits{} + std::uint16_t{TerraceFilter::most_level};
+    const Bits level = lesser<Bits>(greater<Bits>(curve_at(filter.levels, code), step), most);
+    return reinterpret_cast<Lanes>(
+        (level * std::uint16_t{5} + static_cast<std::uint16_t>(3 * filter.noise)) >> 2);
+}
+
 struct RowLevelling {
     const TerraceRow &above, &here, &below;
     int words;
@@ -90,7 +100,9 @@ struct RowLevelling {
         using Bits = typename Kind::Lanes;
         using Lanes = typename WithSign<Bits>::Lanes;
         static_assert(strip_pixels % lane_count<Bits> == 0);
-        const Lanes gate = Lanes{} + static_cast<std::int16_t>(pass.gate);
+        const TerraceFilter& filter = pass.filter;
+        const bool is_even = filter.levels.is_zero();
+        const Lanes even_gate = Lanes{} + static_cast<std::int16_t>(filter.gate_at(0));
         for (int word = 0; word < words; ++word) {
             const bool has_holes = any_hole_near(above.holes + word) || any_hole_near(here.holes + word) ||
                                    any_hole_near(below.holes + word);
@@ -99,8 +111,8 @@ struct RowLevelling {
                 find_differences<Bits>({above.codes + x, here.codes + x, below.codes + x}, pass.step, d);
                 if (has_holes)
                     leave_out_holes<Lanes>({above.masks + x, here.masks + x, below.masks + x}, pass.step, d);
-                const Lanes sum = levelling(d, gate);
                 const Bits centre = load_lanes<Bits>(here.codes + x);
+                const Lanes sum = levelling(d, is_even ? even_gate : gate_at<Bits, Lanes>(filter, centre));
                 const Bits after = pass.is_last ? centre + centre + reinterpret_cast<Bits>((sum + 4) >> 3)
                                                 : centre + reinterpret_cast<Bits>((sum + 8) >> 4);
                 std::memcpy(out + x, &after, sizeof(after));

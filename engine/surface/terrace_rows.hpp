@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "engine/scene/terraces.hpp"
 #include "engine/surface/vector_unit.hpp"
 
 namespace touchable {
@@ -19,7 +20,8 @@ inline constexpr int terrace_margin = 8;
 /// One pass over a row of `words` times 32 pixels: `above` and `below` are `step` rows away. Fills all of
 /// `out`; codes that do not count mean nothing. The last pass doubles codes, to 16 bits without a sign.
 struct TerracePass {
-    int step, gate;
+    int step;
+    const TerraceFilter& filter;
     bool is_last;
 };
 void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,

@@ -16,7 +16,7 @@ double field_of_view_degrees(int pixels, double c, double f) {
 }
 
 Kappa kappa_at(const Scene& scene, double depth) {
-    return {depth, kappa_of_code(scene, depth)};
+    return {depth, kappa_of_depth(scene, depth)};
 }
 
 /// Share of invalid stored values and the range of the valid ones, in the first frame.

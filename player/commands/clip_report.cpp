@@ -71,7 +71,7 @@ const char* removal_name(TerraceRemoval terraces) {
 std::string temporal_words(const FilterSettings& filter) {
     std::ostringstream words;
     words << (filter.temporal ? "on" : "off");
-    const DepthNoise& noise = filter.temporal_noise;
+    const DepthLength& noise = filter.temporal_noise;
     if (filter.temporal) words << " (noise " << noise.constant;
     if (filter.temporal && noise.quadratic > 0) words << " + " << noise.quadratic << " depth^2";
     if (filter.temporal) words << " units)";
@@ -89,7 +89,7 @@ std::string filter_words(const FilterSettings& filter) {
 /// Whether terrace removal is worth while, and whether it is done.
 std::string terrace_words(const Scene& scene) {
     std::ostringstream words;
-    if (terrace_factor(scene.depth) == 0)
+    if (terrace_factor(scene) == 0)
         words << "codes leave no room for finer ones";
     else
         words << "kappa " << kappa_of_scene(scene) << " half-way: removal is "
@@ -269,7 +269,7 @@ Json to_json(const ClipFacts& facts) {
         {"temporal", scene.filter.temporal ? "on" : "off"},
         {"temporal_noise", {scene.filter.temporal_noise.constant, scene.filter.temporal_noise.quadratic}}};
     out["terraces"] = {{"kappa", kappa_of_scene(scene)},
-                       {"finer_codes", 2 * terrace_factor(scene.depth)},
+                       {"finer_codes", 2 * terrace_factor(scene)},
                        {"advised", terraces_advised(scene)},
                        {"removed", terrace_filter(scene).has_value()}};
     out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";

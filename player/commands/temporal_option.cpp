@@ -34,7 +34,7 @@ Result<TemporalChoice> read_temporal(const std::string& typed) {
             "--temporal '" + typed +
             "' will not do; right would be off, on, or the noise of depth in scene units, such as 1.5 "
             "or 1.5,0.002");
-    return TemporalChoice{true, DepthNoise{*constant, *quadratic}};
+    return TemporalChoice{true, DepthLength{*constant, *quadratic}};
 }
 
 }  // namespace touchable

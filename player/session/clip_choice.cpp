@@ -9,7 +9,7 @@ namespace {
 Result<void> apply(const TemporalChoice& temporal, FilterSettings& filter) {
     filter.temporal = temporal.on;
     if (temporal.noise) filter.temporal_noise = *temporal.noise;
-    if (temporal.on && !temporal.noise && filter.temporal_noise == DepthNoise{})
+    if (temporal.on && !temporal.noise && filter.temporal_noise == DepthLength{})
         return usage_error(
             "--temporal on: the scene does not say how noisy its depth is; right would be that noise in "
             "scene units instead of on, such as 1.5");

@@ -13,7 +13,7 @@ namespace touchable {
 /// The temporal filter as a person wants it.
 struct TemporalChoice {
     bool on = false;
-    std::optional<DepthNoise> noise;  ///< of the depth, scene units; nothing: what the scene says
+    std::optional<DepthLength> noise;  ///< of the depth, scene units; nothing: what the scene says
 };
 
 /// A clip, and what a person wants of it instead of what it says itself. Nothing: the clip's own.

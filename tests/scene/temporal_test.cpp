@@ -9,7 +9,7 @@
 namespace touchable {
 namespace {
 
-Scene coded(DepthCodingKind kind, int code_max, bool near_is_high, DepthNoise noise) {
+Scene coded(DepthCodingKind kind, int code_max, bool near_is_high, DepthLength noise) {
     Scene scene;
     scene.width = 720;
     scene.height = 480;
@@ -31,7 +31,7 @@ constexpr DepthCodingKind kinds[] = {DepthCodingKind::linear, DepthCodingKind::i
 constexpr int largest_codes[] = {3, 100, 255, 1023, 1536, 4095, 16383, 65535};
 
 TEST(Temporal, TheGateIsTheNoiseInCodesOfEveryCoding) {
-    for (const DepthNoise noise : {DepthNoise{6, 0}, DepthNoise{0, 4e-6}, DepthNoise{2, 1e-6}})
+    for (const DepthLength noise : {DepthLength{6, 0}, DepthLength{0, 4e-6}, DepthLength{2, 1e-6}})
         for (const DepthCodingKind kind : kinds)
             for (const int code_max : largest_codes)
                 for (const bool near_is_high : {false, true}) {
@@ -59,8 +59,8 @@ TEST(Temporal, TheGateGrowsWithTheNoiseAlongTheCodes) {
     for (const DepthCodingKind kind : kinds)
         for (const int code_max : {600, 4095, 65535})
             for (const bool near_is_high : {false, true}) {
-                const DepthNoise noise =
-                    kind == DepthCodingKind::inverse ? DepthNoise{3, 0} : DepthNoise{1, 4e-6};
+                const DepthLength noise =
+                    kind == DepthCodingKind::inverse ? DepthLength{3, 0} : DepthLength{1, 4e-6};
                 const TemporalFilter filter = *temporal_filter(coded(kind, code_max, near_is_high, noise));
                 const bool up = filter.coding.deeper_is_higher() != (kind == DepthCodingKind::inverse);
                 for (int code = filter.coding.valid_min; code < filter.coding.valid_max; ++code) {
@@ -75,14 +75,14 @@ TEST(Temporal, ATwentiethOfAMillimetreOrAKilometreOfNoiseOverflowsNothing) {
     for (const double noise : {0.05, 1e3, 1e12})
         for (const DepthCodingKind kind : kinds)
             for (const int code_max : largest_codes)
-                for (const DepthNoise of :
-                     {DepthNoise{noise, 0}, DepthNoise{0, noise}, DepthNoise{noise, noise}}) {
+                for (const DepthLength of :
+                     {DepthLength{noise, 0}, DepthLength{0, noise}, DepthLength{noise, noise}}) {
                     if (kind == DepthCodingKind::metric && code_max < 500) continue;
                     const TemporalFilter filter = *temporal_filter(coded(kind, code_max, true, of));
                     for (int code = 0; code <= largest_code(filter.coding); code += 13) {
                         const int gate = filter.gate.at(static_cast<std::uint16_t>(code));
                         ASSERT_GE(gate, 0);
-                        ASSERT_LE(gate, temporal_most_gate);
+                        ASSERT_LE(gate, code_curve_most);
                         if (noise >= 1e3 && of.constant > 0 && kind != DepthCodingKind::inverse) {
                             ASSERT_GT(gate, noise > 1e3 ? 15000 : 100);
                         }
@@ -95,7 +95,7 @@ TEST(Temporal, PlanesThatDoublesHardlyTellApartHaveTheLargestCoefficients) {
     scene.depth.near = 1.5000000000000002;
     scene.depth.far = std::nextafter(scene.depth.near, 2);
     ASSERT_EQ(1 / scene.depth.near, 1 / scene.depth.far);
-    const TemporalGate gate = temporal_filter(scene)->gate;
+    const CodeCurve gate = temporal_filter(scene)->gate;
     for (const int coefficient : {gate.constant, gate.linear, gate.quadratic}) EXPECT_EQ(coefficient, 21845);
 }
 
@@ -114,7 +114,7 @@ TEST(Temporal, CodesAreAsMuchFinerAsBeforeTerraceRemoval) {
         Scene scene = coded(DepthCodingKind::linear, code_max, true, {6, 0});
         const auto filter = temporal_filter(scene);
         ASSERT_TRUE(filter);
-        EXPECT_EQ(filter->factor, std::max(terrace_factor(scene.depth), 1));
+        EXPECT_EQ(filter->factor, std::max(terrace_factor(scene), 1));
         for (int code = 0; code <= code_max; code += 7)
             EXPECT_EQ(filter->coding.depth(static_cast<std::uint16_t>(code * filter->factor)),
                       scene.depth.depth(static_cast<std::uint16_t>(code)));
@@ -126,8 +126,8 @@ TEST(Temporal, CodesAreAsMuchFinerAsBeforeTerraceRemoval) {
         if (!alone) continue;
         EXPECT_EQ(alone->factor, filter->factor);
         EXPECT_EQ(terraces->factor, 1) << "they are finer already";
-        EXPECT_EQ(terraces->gate, alone->gate);
-        EXPECT_EQ(terraces->most, alone->most);
+        EXPECT_EQ(terraces->gate_at(0), alone->gate_at(0));
+        EXPECT_EQ(terraces->most_at(0), alone->most_at(0));
         EXPECT_EQ(terraces->coding, alone->coding);
     }
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace touchable {
 namespace {
 
@@ -41,17 +43,17 @@ TEST(Terraces, TheFactorIsWhatSixteenBitsHaveRoomFor) {
     const std::pair<int, int> expected[] = {{8, 126}, {9, 63}, {10, 31}, {11, 15},
                                             {12, 7},  {13, 3}, {14, 0},  {16, 0}};
     for (const auto& [bits, factor] : expected)
-        EXPECT_EQ(terrace_factor(coded(DepthCodingKind::linear, bits).depth), factor) << bits;
+        EXPECT_EQ(terrace_factor(coded(DepthCodingKind::linear, bits)), factor) << bits;
     Scene few = coded(DepthCodingKind::linear, 8);
     few.depth.code_max = 15;
-    EXPECT_EQ(terrace_factor(few.depth), 126);
+    EXPECT_EQ(terrace_factor(few), 126);
     Scene hue = coded(DepthCodingKind::hue, 8, false);
     hue.depth.code_max = 1536;
-    EXPECT_EQ(terrace_factor(hue.depth), 21);
-    EXPECT_EQ(terrace_factor(millimetres(300, 4000).depth), 8) << "codes beyond `far` need no room";
-    EXPECT_EQ(terrace_factor(millimetres(300, 5000).depth), 4) << "of metric codes a power of two";
-    EXPECT_EQ(terrace_factor(millimetres(300, 16378).depth), 2);
-    EXPECT_EQ(terrace_factor(millimetres(300, 16379).depth), 0);
+    EXPECT_EQ(terrace_factor(hue), 21);
+    EXPECT_EQ(terrace_factor(millimetres(300, 4000)), 8) << "codes beyond `far` need no room";
+    EXPECT_EQ(terrace_factor(millimetres(300, 5000)), 4) << "of metric codes a power of two";
+    EXPECT_EQ(terrace_factor(millimetres(300, 16378)), 2);
+    EXPECT_EQ(terrace_factor(millimetres(300, 16379)), 0);
 }
 
 TEST(Terraces, FinerCodesAreValidFromTheLeastToTheLargestValidOne) {
@@ -74,7 +76,7 @@ TEST(Terraces, CodesAndGateFitTheRangeWithTheMostNoise) {
         const auto filter = terrace_filter(removed(scene, most_terrace_noise));
         ASSERT_EQ(filter.has_value(), code_max <= largest_code_with_terraces);
         if (!filter) continue;
-        EXPECT_LE(code_max * filter->factor + filter->gate, terrace_range) << code_max;
+        EXPECT_LE(code_max * filter->factor + filter->gate_at(0), terrace_range) << code_max;
         EXPECT_EQ(filter->coding.code_max, 2 * code_max * filter->factor);
     }
 }
@@ -106,14 +108,69 @@ TEST(Terraces, AFinerCodeOfAnUnchangedPixelIsTheSameDepthToTheBit) {
 
 TEST(Terraces, GateAndMostAreOfALevelAndOfNoise) {
     const auto quiet = terrace_filter(removed(coded(DepthCodingKind::linear, 8)));
-    EXPECT_EQ(quiet->gate, 157);  // 5/4 of 126
-    EXPECT_EQ(quiet->most, 126);
+    EXPECT_EQ(quiet->gate_at(0), 157);  // 5/4 of 126
+    EXPECT_EQ(quiet->most_at(0), 126);
     const auto noisy = terrace_filter(removed(coded(DepthCodingKind::linear, 8), 1));
-    EXPECT_EQ(noisy->gate, 252);  // (5 x 126 + 3 x 126)/4
-    EXPECT_EQ(noisy->most, 220);
+    EXPECT_EQ(noisy->gate_at(0), 252);  // (5 x 126 + 3 x 126)/4
+    EXPECT_EQ(noisy->most_at(0), 220);
     const auto ten = terrace_filter(removed(coded(DepthCodingKind::linear, 10), 0.3));
-    EXPECT_EQ(ten->gate, (5 * 31 + 3 * 9) / 4);  // 0.3 x 31 = 9.3
-    EXPECT_EQ(ten->most, (4 * 31 + 3 * 9) / 4);
+    EXPECT_EQ(ten->gate_at(0), (5 * 31 + 3 * 9) / 4);  // 0.3 x 31 = 9.3
+    EXPECT_EQ(ten->most_at(0), (4 * 31 + 3 * 9) / 4);
+}
+
+// Of a camera that measures disparity and stores millimetres: 11 mm apart at 2 m.
+TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
+    Scene scene = removed(millimetres(500, 4000));
+    scene.filter.levels = {0, 2.75e-6};
+    const auto filter = terrace_filter(scene);
+    ASSERT_TRUE(filter);
+    EXPECT_EQ(filter->factor, 4) << "room for levels of 44 codes at 4 m";
+    for (const double depth : {500.0, 700.0, 1000.0, 2000.0, 3000.0, 4000.0}) {
+        const auto code = static_cast<std::uint16_t>(4 * depth);
+        const double level = std::max(1.0, 2.75e-6 * depth * depth);
+        EXPECT_NEAR(filter->level_at(code), 4 * level, 2.5) << depth;
+        EXPECT_EQ(filter->gate_at(code), 5 * filter->level_at(code) / 4);
+        EXPECT_EQ(filter->most_at(code), filter->level_at(code));
+        EXPECT_NEAR(level_distance(scene, depth), level, 1e-9) << depth;
+        EXPECT_NEAR(kappa_of_depth(scene, depth), level / (depth / 420), 1e-9) << depth;
+        EXPECT_LE(code + filter->gate_at(code), terrace_range);
+    }
+}
+
+// Levels as of disparity are as far apart everywhere in inverse depth.
+TEST(Terraces, LevelsOfInverseCodesAreToldInCodesToo) {
+    for (const bool near_is_high : {true, false}) {
+        Scene scene = removed(coded(DepthCodingKind::inverse, 10, near_is_high));
+        const double step = (1.0 / 40 - 1.0 / 180) / 1023;
+        scene.filter.levels = {0, 3 * step};
+        const auto filter = terrace_filter(scene);
+        ASSERT_TRUE(filter);
+        for (int code = 0; code <= 1023; code += 93)
+            EXPECT_NEAR(filter->level_at(static_cast<std::uint16_t>(code * filter->factor)),
+                        3 * filter->factor, 1)
+                << code;
+    }
+}
+
+TEST(Terraces, CodesAndGateFitTheRangeWhateverTheLevels) {
+    for (const double constant : {0.0, 3.0, 500.0, 1e9})
+        for (const double quadratic : {0.0, 1e-6, 1e-3, 1e9})
+            for (const auto kind :
+                 {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::metric})
+                for (const int bits : {8, 10, 12}) {
+                    Scene scene =
+                        kind == DepthCodingKind::metric ? millimetres(20, 1 << bits) : coded(kind, bits);
+                    scene = removed(scene, most_terrace_noise);
+                    scene.filter.levels = {constant, quadratic};
+                    const auto filter = terrace_filter(scene);
+                    if (!filter) continue;
+                    const int last = largest_code(scene.depth) * filter->factor;
+                    for (const int code : {0, last / 3, last}) {
+                        const int gate = filter->gate_at(static_cast<std::uint16_t>(code));
+                        ASSERT_LE(last + gate, terrace_range) << constant << " " << quadratic << " " << bits;
+                        ASSERT_LE(2 * filter->most_at(static_cast<std::uint16_t>(code)), 32767);
+                    }
+                }
 }
 
 // Half-way between the planes, at 110, a pixel is 110/420 wide and a step (180 - 40)/255 deep.

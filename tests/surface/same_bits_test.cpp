@@ -178,12 +178,15 @@ std::vector<FilterSettings> all_filters() {
     filters.push_back({0, 0, TerraceRemoval::on});
     filters.push_back({3, 1, TerraceRemoval::on, 0.5});
     filters.push_back({0, 2, TerraceRemoval::on, 4});
+    filters.push_back({0, 0, TerraceRemoval::on, 0, {0, 4e-6}});
+    filters.push_back({3, 3, TerraceRemoval::on, 0.25, {20, 1e-5}});
     return filters;
 }
 
 INSTANTIATE_TEST_SUITE_P(Filters, SameBitsWithFilter, testing::ValuesIn(all_filters()), [](const auto& test) {
     return "Median" + std::to_string(test.param.median) + "Fill" + std::to_string(test.param.fill_holes) +
-           (test.param.terraces == TerraceRemoval::on ? "Terraces" : "");
+           (test.param.terraces == TerraceRemoval::on ? "Terraces" : "") +
+           (test.param.levels != DepthLength{} ? "Levels" : "");
 });
 
 TEST_F(SameBits, WithTheMostPassesOfHoleFilling) {

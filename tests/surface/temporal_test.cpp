@@ -160,7 +160,7 @@ TEST(TemporalFilter, TheGateIsThatOfTheDepthSeen) {
         scene.depth.near_is_high = near_is_high;
         scene.filter.temporal_noise = {0, 1e-6};
         derive_valid_range(scene.depth);
-        const TemporalGate gate = temporal_filter(scene)->gate;
+        const CodeCurve gate = temporal_filter(scene)->gate;
         const int near = near_is_high ? 60000 : 5535, far = near_is_high ? 600 : 64935;
         const int near_gate = gate.at(static_cast<std::uint16_t>(near)),
                   far_gate = gate.at(static_cast<std::uint16_t>(far));

@@ -191,7 +191,7 @@ TEST(Terraces, NoCodeMovesByMoreThanItMay) {
     for (const double noise : {0.0, 1.0, 4.0}) {
         Scene scene = scene_of(61, 45);
         scene.filter.terrace_noise = noise;
-        const int most = terrace_filter(scene)->most;
+        const int most = terrace_filter(scene)->most_at(0);
         const Codes stored = picture(61, 45, [&](int x, int) { return 60 + x / 9 + random.below(6); });
         const auto made = levelled(scene, stored);
         const SurfaceFrame& frame = *made;

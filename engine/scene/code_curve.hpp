@@ -1,0 +1,36 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "engine/scene/depth_coding.hpp"
+
+namespace touchable {
+
+/// A length that grows with depth z: constant + quadratic z^2, scene units.
+struct DepthLength {
+    double constant = 0, quadratic = 0;
+    bool operator==(const DepthLength&) const = default;
+};
+
+/// Such a length at a code, told in codes, in integers (docs/conventions.md). With every coding it is a
+/// polynomial of second degree in the code's distance from one end, with coefficients that are not negative:
+/// of inverse depth w it is constant w^2 + quadratic.
+struct CodeCurve {
+    std::uint16_t constant = 0, linear = 0, quadratic = 0;  ///< each at most a third of 65535
+    std::uint16_t last = 0;                                 ///< largest code
+    int shift = 0;                                          ///< by which a distance fills 16 bits
+    bool from_last = false;                                 ///< distances are taken from `last`, not from 0
+
+    /// At most code_curve_most.
+    int at(std::uint16_t code) const;
+    bool is_zero() const { return (constant | linear | quadratic) == 0; }
+    bool operator==(const CodeCurve&) const = default;
+};
+/// So twice as much has 16 bits.
+inline constexpr int code_curve_most = 32767;
+
+/// `times` the length, in codes of `coding`.
+CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times);
+
+}  // namespace touchable

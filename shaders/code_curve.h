@@ -1,0 +1,7 @@
+// CodeCurve::at of engine/scene/code_curve.hpp; after shaders/surface_codes.h.
+
+/// At most 32767. `code` is not beyond `curve.last`, or what comes out means nothing.
+uint curve_at(CurvePush curve, uint code) {
+    const uint n = (curve.from_last != 0u ? curve.last - code : code) << curve.shift;
+    return min(curve.constant + (curve.linear * n >> 16) + (curve.quadratic * (n * n >> 16) >> 16), 32767u);
+}
