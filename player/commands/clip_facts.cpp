@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/scene/terraces.hpp"
@@ -63,6 +64,10 @@ Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
     facts.frames = (*reader)->frame_count();
     facts.notes = (*reader)->notes();
     add_first_frame(**first, facts);
+    if (auto back = (*reader)->rewind(); !back.ok()) return back.error();
+    auto measured = measure_depth(**reader, facts.scene);
+    if (!measured.ok()) return measured.error();
+    facts.measured = std::move(*measured);
 
     const Camera& camera = facts.scene.camera;
     facts.fov_x_degrees = field_of_view_degrees(facts.scene.width, camera.cx, camera.fx);

@@ -9,6 +9,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
+#include "player/session/measured_filter.hpp"
 
 namespace touchable {
 
@@ -29,7 +30,8 @@ struct ClipFacts {
     double fov_x_degrees = 0, fov_y_degrees = 0;
     double invalid_pct = 0;  ///< of the first frame's stored values
     double nearest = 0,
-           farthest = 0;   ///< valid depths of the first frame, scene units; both 0: none is valid
+           farthest = 0;  ///< valid depths of the first frame, scene units; both 0: none is valid
+    std::optional<MeasuredDepth> measured;  ///< nothing: no pixel of the first frames is valid
     Kappa near, mid, far;  ///< at the near plane (metric without one: at `nearest`), between, at far
 
     bool has_track(const std::string& role) const;

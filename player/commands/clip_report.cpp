@@ -86,16 +86,30 @@ std::string filter_words(const FilterSettings& filter) {
            removal_name(filter.terraces) + ", temporal " + temporal_words(filter);
 }
 
-/// Whether terrace removal is worth while, and whether it is done.
-std::string terrace_words(const Scene& scene) {
-    std::ostringstream words;
-    if (terrace_factor(scene) == 0)
-        words << "codes leave no room for finer ones";
-    else
-        words << "kappa " << kappa_of_scene(scene) << " half-way: removal is "
-              << (terraces_advised(scene) ? "advised" : "not worth while");
-    words << (terrace_filter(scene) ? "; removed" : "; left");
-    return words.str();
+/// How far levels are apart, whether terrace removal is worth while, and whether it is done.
+std::string terrace_words(const ClipFacts& facts) {
+    if (!facts.measured) return "not known: no pixel of the first frames is valid";
+    const std::string words = facts.measured->in_words() + "; ";
+    const TerraceRemoval asked = facts.scene.filter.terraces;
+    if (terrace_factor(facts.scene) == 0) return words + "left: codes leave no room for finer ones";
+    if (asked == TerraceRemoval::on) return words + "removed";
+    if (asked == TerraceRemoval::automatic) return words + (facts.measured->advised ? "removed" : "left");
+    return words + "left" + (facts.measured->advised ? "; --terraces auto removes them" : "");
+}
+
+/// The same for a program.
+Json terraces_json(const ClipFacts& facts) {
+    const bool advised = facts.measured && facts.measured->advised;
+    const TerraceRemoval asked = facts.scene.filter.terraces;
+    Json out{{"finer_codes", 2 * terrace_factor(facts.scene)},
+             {"advised", advised},
+             {"removed", asked == TerraceRemoval::on || (asked == TerraceRemoval::automatic && advised)}};
+    if (!facts.measured) return out;
+    out["median_depth"] = facts.measured->median;
+    out["levels"] = {facts.measured->levels.constant, facts.measured->levels.quadratic};
+    out["level_distance"] = facts.measured->distance;
+    out["kappa"] = facts.measured->kappa;
+    return out;
 }
 
 double mm_per_unit(const Scene& scene) {
@@ -219,9 +233,9 @@ void tell_depth(const ClipFacts& facts, Lines& lines) {
                               << facts.invalid_pct << " % of the pixels invalid\n";
     lines.line("kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
                         << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
-                        << " units (depth step of one code / width of a pixel)\n";
+                        << " units (depth of one code / width of a pixel)\n";
     lines.line("filters") << filter_words(scene.filter) << '\n';
-    lines.line("terraces") << terrace_words(scene) << '\n';
+    lines.line("terraces") << terrace_words(facts) << '\n';
     lines.line("in between") << (scene.interpolation == FrameInterpolation::hold
                                      ? "hold the earlier frame"
                                      : "linear between two frames")
@@ -268,10 +282,7 @@ Json to_json(const ClipFacts& facts) {
         {"terrace_noise", scene.filter.terrace_noise},
         {"temporal", scene.filter.temporal ? "on" : "off"},
         {"temporal_noise", {scene.filter.temporal_noise.constant, scene.filter.temporal_noise.quadratic}}};
-    out["terraces"] = {{"kappa", kappa_of_scene(scene)},
-                       {"finer_codes", 2 * terrace_factor(scene)},
-                       {"advised", terraces_advised(scene)},
-                       {"removed", terrace_filter(scene).has_value()}};
+    out["terraces"] = terraces_json(facts);
     out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
     add_touch(facts, out);
     out["notes"] = facts.notes;

@@ -148,7 +148,8 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
         return checked;
     auto clip = open_chosen(options.clip);
     if (!clip.ok()) return clip.error();
-    auto& [reader, scene] = *clip;
+    const auto& reader = clip->reader;
+    Scene& scene = clip->scene;
     at_work = frames_in_words(scene);
     const auto frames = reader->frame_count();
     const std::int64_t wanted = options.last.value_or(options.first);

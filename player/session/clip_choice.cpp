@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "player/session/measured_filter.hpp"
+
 namespace touchable {
 
 namespace {
@@ -38,7 +40,9 @@ Result<OpenClip> open_chosen(const ClipChoice& choice) {
     if (!reader.ok()) return reader.error();
     auto scene = applied(choice, (*reader)->scene());
     if (!scene.ok()) return scene.error();
-    return OpenClip{std::move(*reader), std::move(*scene)};
+    auto measured = settle_terraces(**reader, *scene);
+    if (!measured.ok()) return measured.error();
+    return OpenClip{std::move(*reader), std::move(*scene), std::move(*measured)};
 }
 
 }  // namespace touchable

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
@@ -33,8 +34,9 @@ struct ClipChoice {
 struct OpenClip {
     std::unique_ptr<ClipReader> reader;
     Scene scene;  ///< as the run applies it
+    std::optional<std::string> measured{};  ///< what the first frames decided, for a person
 };
-/// Refused (ErrorKind::usage) where what is wanted does not go with the clip.
+/// The clip at its beginning. Refused (ErrorKind::usage) where what is wanted does not go with the clip.
 Result<OpenClip> open_chosen(const ClipChoice& choice);
 
 }  // namespace touchable

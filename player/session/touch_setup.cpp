@@ -40,6 +40,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
 Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& options) {
     setup.scene = std::move(clip.scene);
     setup.notes = clip.reader->notes();
+    if (clip.measured) setup.notes.push_back(*clip.measured);
     setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
     auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
@@ -153,7 +154,7 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const s
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(recorded.width) + "x" + std::to_string(recorded.height));
-    return OpenClip{std::move(*reader), recorded};
+    return OpenClip{std::move(*reader), recorded, {}};
 }
 
 /// Ticks at the times that were recorded, and of a live run with the frames they found: that was a matter of

@@ -65,9 +65,15 @@ TEST(Info, AdvisesTerraceRemovalWhereStepsAreSteep) {
         const auto facts = facts_of({"info", clip, "--json"});
         EXPECT_EQ(facts["terraces"]["advised"], advised) << bits;
         EXPECT_EQ(facts["terraces"]["removed"], false) << bits;
-        EXPECT_EQ(facts["terraces"]["kappa"], facts["kappa"]["mid"]["kappa"]) << bits;
+        const double depth = facts["terraces"]["median_depth"];
+        EXPECT_GT(depth, facts["first_frame"]["nearest"].get<double>()) << bits;
+        EXPECT_LT(depth, 0.5 * facts["first_frame"]["farthest"].get<double>())
+            << "of the globe, not of what is behind";
+        const double step = 140.0 / (std::stoi(bits) == 8 ? 255 : 65535);
+        EXPECT_NEAR(facts["terraces"]["level_distance"].get<double>(), step, 1e-9) << bits;
+        EXPECT_NEAR(facts["terraces"]["kappa"].get<double>(), step / (depth * 0.0112 / 4.7), 1e-9) << bits;
         EXPECT_EQ(facts["filter"]["terraces"], "off") << bits;
-        const std::string said = advised ? "removal is advised; left" : "no room for finer ones; left";
+        const std::string said = advised ? "left; --terraces auto" : "left: codes leave no room";
         EXPECT_NE(run_touchable({"info", clip}).out.find(said), std::string::npos) << bits;
     }
 }

@@ -1,0 +1,154 @@
+// What the depths that occur tell of the camera that made them.
+#include "engine/surface/depth_survey.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/content/random.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/scene/terraces.hpp"
+#include "tests/real_data.hpp"
+#include "tests/surface/pictures.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int width = 320, height = 240;
+
+Scene millimetres() {
+    Scene scene;
+    scene.width = width;
+    scene.height = height;
+    scene.camera = {262, 262, 159.5, 119.5};
+    scene.depth_bits = 16;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 1;
+    scene.depth.near = 0;
+    scene.depth.far = 6000;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_codes = {0};
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+/// A ground that rises to a hill, 1.5 to 2.7 m away, some noise, and holes; `store`: a code of a depth in mm.
+template <class Store>
+DepthSurvey survey_of(const Scene& scene, Store store) {
+    DepthSurvey survey(scene);
+    SplitMix64 random(7);
+    std::vector<std::uint16_t> codes;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double hill = std::hypot(x - 200.0, y - 90.0) / 60;
+            const double noise = static_cast<double>(random.next() >> 40) * 0x1p-24 - 0.5;
+            const double depth = 1500 + 3 * x + y - 300 * std::exp(-hill * hill) + 2 * noise;
+            codes.push_back(random.next() % 50 == 0 ? 0 : store(depth));
+        }
+    survey.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    return survey;
+}
+
+std::uint16_t rounded(double depth) {
+    return static_cast<std::uint16_t>(depth + 0.5);
+}
+
+TEST(DepthSurvey, FindsTheLevelsOfDisparityBehindMillimetres) {
+    for (const double q : {1.5e-6, 2.85e-6, 6e-6}) {
+        // Depth of a disparity that is a whole number of steps: 1 / z = k q.
+        const auto survey = survey_of(
+            millimetres(), [&](double depth) { return rounded(1 / (q * std::floor(1 / (q * depth)))); });
+        EXPECT_NEAR(survey.levels().quadratic, q, 0.05 * q);
+        EXPECT_EQ(survey.levels().constant, 0);
+    }
+}
+
+TEST(DepthSurvey, FindsLevelsThatAreEvenlyApart) {
+    for (const int step : {4, 10, 25}) {
+        const auto survey = survey_of(millimetres(), [&](double depth) {
+            return static_cast<std::uint16_t>(step * std::floor(depth / step));
+        });
+        EXPECT_EQ(survey.levels(), (DepthLength{static_cast<double>(step), 0})) << step;
+    }
+}
+
+TEST(DepthSurvey, SeesNoLevelsWhereEveryCodeOccurs) {
+    EXPECT_EQ(survey_of(millimetres(), rounded).levels(), DepthLength{});
+}
+
+TEST(DepthSurvey, SeesNoLevelsInDepthsWithoutARule) {
+    SplitMix64 random(3);
+    std::vector<std::uint16_t> of_depth;
+    for (int depth = 0, level = 1; depth < 8000; ++depth) {
+        if (random.next() % 12 == 0) level = depth;
+        of_depth.push_back(static_cast<std::uint16_t>(level));
+    }
+    const auto survey =
+        survey_of(millimetres(), [&](double depth) { return of_depth[static_cast<std::size_t>(depth)]; });
+    const DepthLength levels = survey.levels();
+    // A mean of 12 is the best that may be said of them.
+    EXPECT_TRUE(levels == DepthLength{} || (levels.quadratic == 0 && levels.constant < 25));
+}
+
+// Codes of each column, of which no two are neighbours; but no terraces.
+TEST(DepthSurvey, ASlopeIsNoStaircase) {
+    const Scene scene = millimetres();
+    std::vector<std::uint16_t> codes;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) codes.push_back(rounded(1 / (1e-3 - 2.5e-6 * x)));
+    DepthSurvey survey(scene);
+    survey.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    EXPECT_EQ(survey.levels(), DepthLength{});
+}
+
+TEST(DepthSurvey, OfNothingSaysNothing) {
+    DepthSurvey survey(millimetres());
+    EXPECT_FALSE(survey.median_depth());
+    EXPECT_EQ(survey.levels(), DepthLength{});
+}
+
+TEST(DepthSurvey, TheMedianLeavesOutTheFarPlaneUnlessAllIsThere) {
+    Scene scene = millimetres();
+    std::vector<std::uint16_t> codes(width * height, 6000);
+    DepthSurvey far(scene);
+    far.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    EXPECT_EQ(far.median_depth(), 6000);
+    for (std::size_t k = 0; k < 300; ++k) codes[k] = static_cast<std::uint16_t>(1000 + k);
+    DepthSurvey some(scene);
+    some.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    EXPECT_EQ(some.median_depth(), 1149);
+}
+
+// Whatever is made here has a level at each code.
+TEST(DepthSurvey, SeesNoLevelsInGeneratedScenes) {
+    for (const char* name :
+         {"globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs", "grain"})
+        for (const int bits : {8, 12, 16}) {
+            SceneOptions options;
+            options.width = 240;
+            options.height = 160;
+            options.bits = bits;
+            const auto made = make_scene(name, options);
+            ASSERT_TRUE(made.ok()) << made.error().message;
+            DepthSurvey survey((*made)->scene());
+            for (int frame = 0; frame < 3; ++frame) survey.add((*made)->frame(frame));
+            EXPECT_EQ(survey.levels(), DepthLength{}) << name << ", " << bits << " bits";
+        }
+}
+
+TEST(DepthSurvey, KnowsAStructuredLightCameraByItsPictures) {
+    TOUCHABLE_NEEDS_DATA(real_data("stills/redwood5"));
+    auto reader = open_clip(real_data("stills/redwood5"),
+                            std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/redwood5.json");
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    DepthSurvey survey((*reader)->scene());
+    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next()) survey.add(**frame);
+    EXPECT_NEAR(survey.levels().quadratic * 2000 * 2000, 14.2, 0.3) << "mm at 2 m";
+    EXPECT_NEAR(*survey.median_depth(), 1861, 1);
+}
+
+}  // namespace
+}  // namespace touchable::test
