@@ -48,12 +48,17 @@ Result<std::vector<std::string>> words_of_help(const CLI::App& app, int argc, ch
         if (argc == 3 && command->get_name() == name) return std::vector<std::string>{"-h", name};
         known += (known.empty() ? "" : ", ") + command->get_name();
     }
+    if (argc == 3) return usage_error("there is no command " + name + "; there are " + known);
     return usage_error("help goes with one command at most; there are " + known);
 }
 
 /// CLI11's words for what is wrong, on one line, with the way to the right ones.
 Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
     std::string message = error.what();
+    if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // which names them from the last to the first
+        message = "not expected:";
+        for (const std::string& word : app.remaining(true)) message += ' ' + word;
+    }
     for (char& c : message)
         if (c == '\n') c = ' ';
     const auto chosen = app.get_subcommands();

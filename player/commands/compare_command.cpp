@@ -30,8 +30,8 @@ Json to_json(const ForceComparison& c) {
     for (std::size_t k = 0; k < noise_bands.size(); ++k)
         bands.push_back({{"from_hz", noise_bands[k].from_hz},
                          {"to_hz", noise_bands[k].to_hz},
-                         {"a_n", c.noise_a_n[k]},
-                         {"b_n", c.noise_b_n[k]}});
+                         {"a_n", c.noise_windows > 0 ? Json(c.noise_a_n[k]) : Json()},
+                         {"b_n", c.noise_windows > 0 ? Json(c.noise_b_n[k]) : Json()}});
     for (const WorstTick& one : c.worst)
         worst.push_back({{"tick", one.tick}, {"finger", one.finger}, {"difference_n", one.newtons}});
     return {
@@ -63,8 +63,11 @@ void print_contact(const ForceComparison& c) {
 
 void print_noise(const ForceComparison& c) {
     if (c.noise_windows == 0) {
-        print_line("  noise        not known: both never touch for %zu ms without a break",
-                   ForceComparison::noise_window);
+        print_line(
+            "  noise        not known: the runs never touch at once for %zu ms; a hand that stays in contact "
+            "helps "
+            "(press, or wander with glide=1000)",
+            ForceComparison::noise_window);
         return;
     }
     for (std::size_t k = 0; k < noise_bands.size(); ++k)

@@ -12,9 +12,20 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// The clip's, and what the hand has to say after the run.
-std::vector<std::string> notes_of(const TouchSetup& setup) {
+std::string in_seconds(double seconds) {
+    char words[32];
+    std::snprintf(words, sizeof words, "%.3g s", seconds);
+    return words;
+}
+
+/// The clip's, what became of it when it ended, and what the hand has to say after the run.
+std::vector<std::string> notes_of(const TouchSetup& setup, std::int64_t ticks) {
     std::vector<std::string> notes = setup.notes;
+    const double clip = static_cast<double>(setup.feed->end_ns()) * 1e-9,
+                 run = 1e-3 * static_cast<double>(ticks);
+    if (setup.feed->ended() && setup.feed->frames() > 1 && run > 1.02 * clip)
+        notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
+                        in_seconds(run));
     for (const std::string& remark : setup.hand->remarks()) notes.push_back("hand: " + remark);
     return notes;
 }
@@ -44,7 +55,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     const std::string cpu = cpu_facts().model;
     Json report{{"format", 1},
                 {"clip", setup.clip.file.string()},
-                {"notes", notes_of(setup)},
+                {"notes", notes_of(setup, figures.ticks())},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},
                 {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder_why : ""},
@@ -53,7 +64,9 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                 {"width", setup.scene.width},
                 {"height", setup.scene.height},
                 {"frames", setup.feed->frames()},
-                {"fingers", setup.settings.fingers}};
+                {"fingers", setup.settings.fingers},
+                {"device_metres_per_metre",
+                 setup.settings.touch.metres_per_scene_unit / setup.scene.metres_per_unit}};
     report.update(figures.to_json());
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
@@ -98,6 +111,8 @@ std::string report_to_text(const Json& r) {
                         r["device_name"].get<std::string>() + ")" + (why.empty() ? "" : ": " + why));
     line("fingers", count("fingers") + ", " + r["hand"].get<std::string>() +
                         (r.contains("device") ? " with " + r["device"].get<std::string>() : ""));
+    line("scale", number(1 / r["device_metres_per_metre"].get<double>(),
+                         "the hand moves 1 m over %.3g m of the scene"));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
                       number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
@@ -125,7 +140,8 @@ std::string report_to_text(const Json& r) {
                                     number(r["late_frames_pct"], " (%.1f %%)") +
                                     (r["late_frames"] == 0 ? "" : "; decoding and building are too slow"));
     }
-    line("time per frame", spread(r["frame_ms"]) + " ms");
+    line("time per frame", number(r["stages_ms"]["read"], "%.3g ms decoding (median); surface ") +
+                               spread(r["frame_ms"]) + " ms");
     line("force hash", r["force_hash"].get<std::string>());
     return text;
 }

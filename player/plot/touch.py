@@ -95,8 +95,8 @@ def draw_forces(file):
 def read_plane(file):
     try:
         plane = matplotlib.image.imread(file)
-    except (OSError, SyntaxError, ValueError) as fault:
-        raise BadInput(f"{file}: cannot be read: {fault}") from None
+    except (OSError, SyntaxError, ValueError):
+        raise BadInput(f"{file}: cannot be read: must be of a folder that `touchable export` wrote") from None
     if plane.ndim != 2:
         raise BadInput(f"{file}: must be a grey picture")
     return plane
@@ -108,8 +108,8 @@ def read_scene(file):
         depth = scene["depth"]
         near_is_high = depth["coding"] != "metric" and depth.get("near_is", "high") == "high"
         return scene.get("name", ""), near_is_high
-    except (OSError, ValueError, KeyError, TypeError) as fault:
-        raise BadInput(f"{file}: must be the scene.json of an export: {fault}") from None
+    except (OSError, ValueError, KeyError, TypeError):
+        raise BadInput(f"{file}: must be the scene.json of a folder that `touchable export` wrote") from None
 
 
 def shades(codes, valid, near_is_high):
@@ -144,6 +144,11 @@ def draw_paths(file, export):
         raise BadInput(f"{folder / 'valid.png'}: must have the size of codes.png")
     fingers = read_forces(file)
     height, width = codes.shape
+    for finger in fingers:
+        x, y = stretches(finger)
+        if np.nanmax(np.append(x, 0)) > width + 1 or np.nanmax(np.append(y, 0)) > height + 1:
+            raise BadInput(f"{file}: fingers were beyond this frame of {width}x{height} pixels: must be a run over the "
+                           f"clip that {folder} is a frame of")
     figure, axes = plt.subplots(layout="constrained", figsize=(10, 8.3 * height / width + 0.9))
     axes.imshow(shades(codes, valid, near_is_high), interpolation="nearest")
     halo = [matplotlib.patheffects.Stroke(linewidth=3.2, foreground="white", alpha=0.75),

@@ -36,17 +36,18 @@ std::string in_words(const char* format, double first, double second = 0) {
     return words;
 }
 
-/// Filters whose answer at a pixel takes many others: too long for a tick.
-bool reaches_far(const Scene& scene) {
-    return scene.filter.fill_holes > 0 || terrace_filter(scene).has_value();
+/// A filter whose answer at a pixel takes many others, too long for a tick; none: "".
+std::string filter_that_reaches_far(const Scene& scene) {
+    if (terrace_filter(scene)) return "removing terraces";
+    return scene.filter.fill_holes > 0 ? "filling holes" : "";
 }
 
 BuilderPick pick_on_cpu(const TouchLoad& load, double whole_ms) {
     if (!load.moves) return {"cpu", "the clip is a single frame"};
     if (load.live) return {"cpu", "in real time no touch may wait for a filter"};
     if (load.scene.filter.temporal) return {"cpu", "the temporal filter needs whole frames"};
-    if (reaches_far(load.scene))
-        return {"cpu", "filling holes and removing terraces takes much of the picture around a finger"};
+    if (const std::string filter = filter_that_reaches_far(load.scene); !filter.empty())
+        return {"cpu", filter + " takes much of the picture around a finger"};
     const double lazy_ms = lazy_ms_per_second(load);
     if (whole_ms - lazy_ms < least_gain_ms)
         return {"cpu",

@@ -74,8 +74,8 @@ void draw_panel(cairo_t* c, const Legend& legend, double bottom) {
     const double newtons = scale_newtons(legend.pixels_per_newton, longest_arrow);
     char force[64];
     std::snprintf(force, sizeof force, "force on the finger; this long: %g N", newtons);
-    const char* texts[] = {"finger, where the surface holds it", "where the hand is (goal)", force,
-                           "the finger's way in the last 0.5 s"};
+    const char* texts[] = {"finger; where it touches, held by the surface", "where the hand is (goal)", force,
+                           "its way while it touched, 0.5 s at most"};
     cairo_select_font_face(c, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(c, text_size);
     double widest = first_dot + dot_distance * fingers - icon_width;

@@ -124,17 +124,19 @@ TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
     scene.filter.levels = {0, 2.75e-6};
     const auto filter = terrace_filter(scene);
     ASSERT_TRUE(filter);
-    EXPECT_EQ(filter->factor, 4) << "room for levels of 44 codes at 4 m";
+    EXPECT_EQ(filter->factor, 8);
     for (const double depth : {500.0, 700.0, 1000.0, 2000.0, 3000.0, 4000.0}) {
-        const auto code = static_cast<std::uint16_t>(4 * depth);
+        const auto code = static_cast<std::uint16_t>(8 * depth);
         const double level = std::max(1.0, 2.75e-6 * depth * depth);
-        EXPECT_NEAR(filter->level_at(code), 4 * level, 2.5) << depth;
+        EXPECT_NEAR(filter->level_at(code), 8 * level, 2.5) << depth;
         EXPECT_EQ(filter->gate_at(code), 5 * filter->level_at(code) / 4);
         EXPECT_EQ(filter->most_at(code), filter->level_at(code));
         EXPECT_NEAR(level_distance(scene, depth), level, 1e-9) << depth;
         EXPECT_NEAR(kappa_of_depth(scene, depth), level / (depth / 420), 1e-9) << depth;
         EXPECT_LE(code + filter->gate_at(code), terrace_range);
     }
+    scene.filter.levels = {0, 30e-6};
+    EXPECT_EQ(terrace_filter(scene)->factor, 4) << "levels of 480 codes at 4 m need room";
 }
 
 // Levels as of disparity are as far apart everywhere in inverse depth.
