@@ -11,6 +11,7 @@
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const int tap = 8;      // pixels from the centre to its taps, at most 8
 layout(constant_id = 2) const uint is_last = 0u;  // 1: codes are doubled, and held near what they were before all passes
+layout(constant_id = 3) const uint has_levels = 0u;  // 1: levels differ in distance; 0: all are push.step apart
 layout(push_constant, std430) uniform Push { TerracesPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer finer_texels;
 layout(set = 0, binding = 1) uniform utextureBuffer first_texels;  // before all passes
@@ -21,7 +22,11 @@ layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[
 
 const uint most_level = 8191u;
 /// From one level to the next at a code.
-int level_at(uint code) { return int(clamp(curve_at(push.levels, code), push.step, most_level)); }
+int level_at(uint code) {
+    return int(has_levels != 0u ? clamp(curve_at(push.levels, code), push.step, most_level) : push.step);
+}
+
+int gate_of(int level) { return (5 * level + 3 * int(push.noise)) >> 2; }
 
 /// Eight codes of a row. Outside the picture none is valid. An invalid code needs no care: it is so large that
 /// every second difference with it is beyond twice the gate, where the tent is 0 (terrace_range).
@@ -59,6 +64,7 @@ void main() {
     const int y = int(row), first = int(segment * push.segment_texels);
     const int end = min(first + int(push.segment_texels), int(texels));
 
+    const int even_gate = gate_of(int(push.step));
     Span above, here, below;
     [[unroll]] for (int n = -1; n <= 0; ++n) {
         above = moved_on(above, y - tap, first + n);
@@ -75,7 +81,7 @@ void main() {
         uint codes[8];
         [[unroll]] for (int k = 0; k < 8; ++k) {
             const int x = 8 + k, centre = here.v[x], twice = 2 * centre;
-            const int gate = (5 * level_at(uint(centre)) + 3 * int(push.noise)) >> 2;
+            const int gate = has_levels != 0u ? gate_of(level_at(uint(centre))) : even_gate;
             const int straight = tents(here.v[x - tap] + here.v[x + tap] - twice, above.v[x] + below.v[x] - twice, gate);
             const int diagonal = tents(above.v[x - tap] + below.v[x + tap] - twice,
                                        above.v[x + tap] + below.v[x - tap] - twice, gate);

@@ -39,12 +39,6 @@ Steps steps_of(const DepthCoding& coding, const DepthLength& length, int last) {
 
 }  // namespace
 
-int CodeCurve::at(std::uint16_t code) const {
-    const std::uint32_t n = static_cast<std::uint32_t>(from_last ? last - code : code) << shift;
-    const std::uint32_t value = constant + (linear * n >> 16) + (quadratic * (n * n >> 16) >> 16);
-    return static_cast<int>(std::min<std::uint32_t>(value, code_curve_most));
-}
-
 CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times) {
     CodeCurve curve;
     const int last = largest_code(coding);

@@ -13,6 +13,9 @@ struct DepthLength {
     bool operator==(const DepthLength&) const = default;
 };
 
+/// So twice as much has 16 bits.
+inline constexpr int code_curve_most = 32767;
+
 /// Such a length at a code, told in codes, in integers (docs/conventions.md). With every coding it is a
 /// polynomial of second degree in the code's distance from one end, with coefficients that are not negative:
 /// of inverse depth w it is constant w^2 + quadratic.
@@ -23,13 +26,14 @@ struct CodeCurve {
     bool from_last = false;                                 ///< distances are taken from `last`, not from 0
 
     /// At most code_curve_most.
-    int at(std::uint16_t code) const;
+    int at(std::uint16_t code) const {
+        const std::uint32_t n = static_cast<std::uint32_t>(from_last ? last - code : code) << shift;
+        const std::uint32_t value = constant + (linear * n >> 16) + (quadratic * (n * n >> 16) >> 16);
+        return static_cast<int>(std::min<std::uint32_t>(value, code_curve_most));
+    }
     bool is_zero() const { return (constant | linear | quadratic) == 0; }
     bool operator==(const CodeCurve&) const = default;
 };
-/// So twice as much has 16 bits.
-inline constexpr int code_curve_most = 32767;
-
 /// `times` the length, in codes of `coding`.
 CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times);
 

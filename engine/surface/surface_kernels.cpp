@@ -82,9 +82,10 @@ Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstant
     return made(strips_[{kernel, constants}], source.name, source.spirv, std::move(layout), constants);
 }
 
-Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last) {
-    const std::array<std::uint32_t, 3> constants{group_size, static_cast<std::uint32_t>(step),
-                                                 is_last ? 1U : 0U};
+Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last,
+                                            bool has_levels) {
+    const std::array<std::uint32_t, 4> constants{group_size, static_cast<std::uint32_t>(step),
+                                                 is_last ? 1U : 0U, has_levels ? 1U : 0U};
     return made(terraces_[constants], "terraces", terraces_spv,
                 {sizeof(TerracesPush), {texels, texels, buffer}, {group_size, 1, 1}}, constants);
 }

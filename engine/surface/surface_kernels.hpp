@@ -37,8 +37,9 @@ public:
     const std::shared_ptr<GpuDevice>& device() const { return device_; }
 
     Result<GpuProgram> strip(StripKernel kernel, const StripConstants& constants);
-    /// One pass of terrace removal, its taps `step` pixels away.
-    Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last);
+    /// One pass of terrace removal, its taps `step` pixels away; `has_levels`: gates differ from code to
+    /// code.
+    Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last, bool has_levels);
     Result<GpuProgram> temporal();
     Result<GpuProgram> tile_bounds();
     Result<GpuProgram> hue_codes();
@@ -51,7 +52,7 @@ private:
 
     std::shared_ptr<GpuDevice> device_;
     std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
-    std::map<std::array<std::uint32_t, 3>, GpuProgram> terraces_;
+    std::map<std::array<std::uint32_t, 4>, GpuProgram> terraces_;
     GpuProgram temporal_, tile_bounds_, hue_codes_;
 };
 

@@ -216,7 +216,8 @@ Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame)
     GpuBuffer from = first;
     for (std::size_t pass = 0; pass < std::size(terrace_steps); ++pass) {
         const bool is_last = pass + 1 == std::size(terrace_steps);
-        const auto program = kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last);
+        const auto program =
+            kernels_->terraces(plan_.group_size, terrace_steps[pass], is_last, !filter.levels.is_zero());
         if (!program.ok()) return program.error();
         const GpuBuffer& to = between_[pass % 2];
         frame.commands.dispatch(*program, push, {from, first, to},

@@ -20,20 +20,19 @@ constexpr int known_rows = terrace_reach + 2;
 void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const std::uint16_t* before,
                  std::uint32_t validity, std::uint16_t* codes, int count) {
     const auto factor = static_cast<std::uint16_t>(2 * filter.factor);
-    const auto hold = [&](int k, std::int16_t most) {
+    std::int16_t most[strip_pixels];
+    if (filter.levels.is_zero())
+        std::fill_n(most, strip_pixels, static_cast<std::int16_t>(2 * filter.most_at(0)));
+    else
+        for (int k = 0; k < count; ++k)
+            most[k] = static_cast<std::int16_t>(
+                2 * filter.most_at(static_cast<std::uint16_t>(before[k] * filter.factor)));
+    for (int k = 0; k < count; ++k) {
         const auto was = static_cast<std::uint16_t>(before[k] * factor);
         const auto moved = static_cast<std::int16_t>(static_cast<std::uint16_t>(finer[k]) - was);
         codes[k] =
-            static_cast<std::uint16_t>(was + std::clamp(moved, static_cast<std::int16_t>(-most), most));
-    };
-    const auto even_most = static_cast<std::int16_t>(2 * filter.most_at(0));
-    if (filter.levels.is_zero())
-        for (int k = 0; k < count; ++k) hold(k, even_most);
-    else
-        for (int k = 0; k < count; ++k) {
-            const auto code = static_cast<std::uint16_t>(before[k] * filter.factor);
-            hold(k, static_cast<std::int16_t>(2 * filter.most_at(code)));
-        }
+            static_cast<std::uint16_t>(was + std::clamp(moved, static_cast<std::int16_t>(-most[k]), most[k]));
+    }
     if (validity == ~std::uint32_t{0}) return;
     std::uint16_t masks[strip_pixels];
     masks_of_bits(validity, masks);

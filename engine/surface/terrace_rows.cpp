@@ -89,6 +89,8 @@ template <class Bits, class Lanes>
         (level * std::uint16_t{5} + static_cast<std::uint16_t>(3 * filter.noise)) >> 2);
 }
 
+/// `has_levels`: gates differ from code to code.
+template <bool has_levels>
 struct RowLevelling {
     const TerraceRow &above, &here, &below;
     int words;
@@ -101,7 +103,6 @@ struct RowLevelling {
         using Lanes = typename WithSign<Bits>::Lanes;
         static_assert(strip_pixels % lane_count<Bits> == 0);
         const TerraceFilter& filter = pass.filter;
-        const bool is_even = filter.levels.is_zero();
         const Lanes even_gate = Lanes{} + static_cast<std::int16_t>(filter.gate_at(0));
         for (int word = 0; word < words; ++word) {
             const bool has_holes = any_hole_near(above.holes + word) || any_hole_near(here.holes + word) ||
@@ -112,7 +113,9 @@ struct RowLevelling {
                 if (has_holes)
                     leave_out_holes<Lanes>({above.masks + x, here.masks + x, below.masks + x}, pass.step, d);
                 const Bits centre = load_lanes<Bits>(here.codes + x);
-                const Lanes sum = levelling(d, is_even ? even_gate : gate_at<Bits, Lanes>(filter, centre));
+                Lanes gate = even_gate;
+                if constexpr (has_levels) gate = gate_at<Bits, Lanes>(filter, centre);
+                const Lanes sum = levelling(d, gate);
                 const Bits after = pass.is_last ? centre + centre + reinterpret_cast<Bits>((sum + 4) >> 3)
                                                 : centre + reinterpret_cast<Bits>((sum + 8) >> 4);
                 std::memcpy(out + x, &after, sizeof(after));
@@ -125,7 +128,10 @@ struct RowLevelling {
 
 void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,
                int words, const TerracePass& pass, std::int16_t* out) {
-    run_vectors(unit, RowLevelling{above, here, below, words, pass, out});
+    if (pass.filter.levels.is_zero())
+        run_vectors(unit, RowLevelling<false>{above, here, below, words, pass, out});
+    else
+        run_vectors(unit, RowLevelling<true>{above, here, below, words, pass, out});
 }
 
 }  // namespace touchable
