@@ -48,7 +48,7 @@ struct StripPush {
     uint along_x;             // 1: neighbouring lanes are neighbours along x, as GPUs like it
     uint validity_words;      // of a row
     uint pass, groups;        // of fill_holes: which pass this is, and workgroups of each
-    uint factor;              // of codes that become finer
+    uint factor, shift;       // CodeScale of codes that filters after the median work on
     uint listed;              // runs of blocks that are built, of the last stage; 0: all of the frame
     ValidCodes valid;
 };

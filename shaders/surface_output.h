@@ -53,6 +53,12 @@ Bounds bounds_of(uint upper_code, uint lower_code, bool upper, bool lower, bool 
                   max(upper ? upper_code : 0u, lower ? lower_code : 0u), any_invalid ? 1u : 0u);
 }
 
+/// CodeScale::of, of codes that filters work on.
+uint scaled(uint code) {
+    if (to_finer == 0u) return code;
+    return push.shift == 0u ? code * push.factor : max((code >> (push.shift - 1u)) + 1u >> 1u, min(code, 1u));
+}
+
 Written take(Task task, uint texel, Pixels pixels) {
     const uint inside = inside_bits(texel);
     const uint inside_lower = ragged == 0u || 2u * task.strip + 1u < push.height ? inside : 0u;
@@ -71,10 +77,9 @@ Written take(Task task, uint texel, Pixels pixels) {
         else after = joined(after, both);
         if (k == strip_reach) border = both;
         // shaders/terraces.comp tells invalid codes by their own.
-        const uint factor = to_finer != 0u ? push.factor : 1u;
         const uint none = to_finer != 0u ? no_finer_code : 0u;
-        written.upper.v[k] = upper_counts ? pixels.upper[k] * factor : none;
-        written.lower.v[k] = lower_counts ? pixels.lower[k] * factor : none;
+        written.upper.v[k] = upper_counts ? scaled(pixels.upper[k]) : none;
+        written.lower.v[k] = lower_counts ? scaled(pixels.lower[k]) : none;
     }
 
     const uint shift = 8u * ((texel + 3u) & 3u) + 8u - uint(strip_reach);

@@ -17,10 +17,13 @@ double gate_per_noise(int median) {
 
 std::optional<TemporalFilter> temporal_filter(const Scene& scene) {
     if (!scene.filter.temporal) return std::nullopt;
-    const int factor = std::max(terrace_factor(scene), 1);
-    const DepthCoding coding = finer(scene.depth, factor);
-    return TemporalFilter{
-        factor, code_curve(coding, scene.filter.temporal_noise, gate_per_noise(scene.filter.median)), coding};
+    CodeScale scale = terrace_scale(scene).value_or(CodeScale{});
+    if (scale.shift > 0 && !terrace_filter(scene))
+        scale = {};  // rounding codes is worth it for terraces alone
+    const DepthCoding coding = scaled(scene.depth, scale);
+    const CodeCurve gate =
+        code_curve(coding, scene.filter.temporal_noise, gate_per_noise(scene.filter.median));
+    return TemporalFilter{scale, gate, coding};
 }
 
 }  // namespace touchable

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "engine/scene/code_curve.hpp"
+#include "engine/scene/code_scale.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -12,7 +13,7 @@ inline constexpr int temporal_hold_frames = 3;
 
 /// The temporal filter, as it works on one scene's codes; docs/conventions.md has the arithmetic.
 struct TemporalFilter {
-    int factor = 1;      ///< by which codes are multiplied first, so that a mean has somewhere to lie
+    CodeScale scale;     ///< of codes first, so that a mean has somewhere to lie
     CodeCurve gate;      ///< how far from one frame to the next a code may be off by noise alone
     DepthCoding coding;  ///< of the finer codes; where nothing changed the depth is the same double
     bool operator==(const TemporalFilter&) const = default;

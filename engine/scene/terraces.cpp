@@ -10,6 +10,8 @@ namespace {
 // The gate is at most 5/4 factors and 3/4 of the noise: fewer than five factors.
 static_assert(5 + 3 * most_terrace_noise < 4 * 5);
 static_assert(terrace_range / (largest_code_with_terraces + 5) == 2);
+// Six gates, what a pass adds to 16 times a code at most, at the largest factor and the most noise.
+static_assert(6 * ((5 * TerraceFilter::most_level + 3 * most_terrace_noise * 126) / 4) <= 32767);
 static_assert(terrace_range / (largest_code_with_terraces + 1 + 5) == 1);
 
 /// Depth from a code to the next one, scene units; of the last code that from the one before it.
@@ -18,6 +20,20 @@ double step_of_code(const DepthCoding& coding, std::uint16_t code) {
     code = std::min(code, static_cast<std::uint16_t>(coding.valid_max - 1));
     return std::fabs(coding.depth(static_cast<std::uint16_t>(code + 1)) - coding.depth(code));
 }
+
+/// Of the levels at the nearest and the deepest valid code the distance in codes, whichever is more; 0 where
+/// every code is a level.
+double most_codes_of_a_level(const Scene& scene) {
+    const DepthCoding& coding = scene.depth;
+    if (scene.filter.levels == DepthLength{} || coding.valid_min >= coding.valid_max) return 0;
+    double most = 0;
+    for (const std::uint16_t code : {coding.valid_min, coding.valid_max})
+        most = std::max(most, level_distance(scene, coding.depth(code)) / step_of_code(coding, code));
+    return most;
+}
+
+/// Levels of so many codes at the deepest one make up for rounding codes.
+constexpr double least_level_to_round = 8;
 
 }  // namespace
 
@@ -39,19 +55,30 @@ DepthCoding finer(const DepthCoding& coding, int factor) {
     return result;
 }
 
-int terrace_factor(const Scene& scene) {
+DepthCoding scaled(const DepthCoding& coding, const CodeScale& scale) {
+    if (scale.shift == 0) return finer(coding, scale.factor);
+    DepthCoding result = finer(coding, 1);
+    result.code_max = scale.of(largest_code(coding));
+    result.scale = coding.scale * (1 << scale.shift);
+    result.valid_min = scale.of(coding.valid_min);
+    result.valid_max = scale.of(coding.valid_max);
+    return result;
+}
+
+std::optional<CodeScale> terrace_scale(const Scene& scene) {
     const DepthCoding& coding = scene.depth;
-    // Room for the largest gate, of the deepest or the nearest level; see terrace_range.
-    int reserve = 5;
-    if (scene.filter.levels != DepthLength{} && coding.valid_min <= coding.valid_max)
-        for (const std::uint16_t code : {coding.valid_min, coding.valid_max}) {
-            const double codes = level_distance(scene, coding.depth(code)) / step_of_code(coding, code);
-            reserve = std::max(reserve, static_cast<int>(std::min(1.25 * codes, 32767.0)) + 4);
-        }
-    int factor = terrace_range / (std::max(largest_code(coding), 255) + reserve);
-    if (coding.kind == DepthCodingKind::metric)
-        factor = static_cast<int>(std::bit_floor(static_cast<unsigned>(factor)));
-    return factor < 2 ? 0 : factor;
+    // Of the largest gate, in codes; see terrace_range.
+    const double levels = most_codes_of_a_level(scene);
+    const int last = largest_code(coding), gate = static_cast<int>(std::min(1.25 * levels, 32767.0));
+    int factor = terrace_range / (std::max(last, 255) + (levels > 0 ? std::max(gate + 4, 5) : 5));
+    if (coding.kind != DepthCodingKind::metric)
+        return factor < 2 ? std::nullopt : std::optional(CodeScale{factor});
+    if (factor >= 2) return CodeScale{static_cast<int>(std::bit_floor(static_cast<unsigned>(factor)))};
+    for (const int shift : {1, 2})
+        if (levels >= least_level_to_round &&
+            CodeScale{1, shift}.of(last) + (gate >> shift) + 5 <= terrace_range)
+            return CodeScale{1, shift};
+    return std::nullopt;
 }
 
 double level_distance(const Scene& scene, double depth) {
@@ -72,21 +99,22 @@ double kappa_of_scene(const Scene& scene) {
 }
 
 bool terraces_advised(const Scene& scene) {
-    return terrace_factor(scene) > 0 && kappa_of_scene(scene) >= kappa_of_terraces;
+    return terrace_scale(scene) && kappa_of_scene(scene) >= kappa_of_terraces;
 }
 
 std::optional<TerraceFilter> terrace_filter(const Scene& scene) {
     const FilterSettings& settings = scene.filter;
     const bool wanted = settings.terraces == TerraceRemoval::on ||
                         (settings.terraces == TerraceRemoval::automatic && terraces_advised(scene));
-    const int factor = terrace_factor(scene);
-    if (!wanted || factor == 0) return std::nullopt;
-    const int noise = static_cast<int>(std::floor(settings.terrace_noise * factor + 0.5));
-    const DepthCoding working = finer(scene.depth, factor);
+    const auto scale = terrace_scale(scene);
+    if (!wanted || !scale) return std::nullopt;
+    const int noise =
+        static_cast<int>(std::floor(settings.terrace_noise * scale->factor / (1 << scale->shift) + 0.5));
+    const DepthCoding working = scaled(scene.depth, *scale);
     const CodeCurve levels =
         settings.levels == DepthLength{} ? CodeCurve{} : code_curve(working, settings.levels, 1.0);
-    return TerraceFilter{settings.temporal ? 1 : factor, factor, levels, noise,
-                         finer(scene.depth, 2 * factor)};
+    return TerraceFilter{settings.temporal ? CodeScale{} : *scale, scale->factor, levels, noise,
+                         finer(working, 2)};
 }
 
 }  // namespace touchable

@@ -4,15 +4,16 @@
 #include <cstdint>
 #include <optional>
 
+#include "engine/scene/code_scale.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 
 /// Terrace removal, as it works on one scene's codes; docs/conventions.md has the arithmetic.
 struct TerraceFilter {
-    /// By which codes are multiplied before the passes, 1 where the temporal filter did it; the last one
-    /// doubles them.
-    int factor = 0;
+    /// Of codes before the passes, nothing to do where the temporal filter did it; the last pass doubles
+    /// them.
+    CodeScale scale;
     int step = 0;        ///< from one stored code to the next, in multiplied codes
     CodeCurve levels;    ///< from one level to the next, in multiplied codes; zero: every code is one
     int noise = 0;       ///< standard deviation, in multiplied codes
@@ -24,7 +25,7 @@ struct TerraceFilter {
     int gate_at(std::uint16_t code) const { return (5 * level_at(code) + 3 * noise) / 4; }
     /// By how much a code may change, before it is doubled.
     int most_at(std::uint16_t code) const { return (4 * level_at(code) + 3 * noise) / 4; }
-    static constexpr int most_level = 8191;  ///< so that five of them and the noise have 16 bits
+    static constexpr int most_level = 4000;  ///< so that six gates, with the most noise, have 15 bits
 
     bool operator==(const TerraceFilter&) const = default;
 };
@@ -39,13 +40,16 @@ inline constexpr int terrace_range = 32767;
 /// Noise that there is room for, in stored codes.
 inline constexpr int most_terrace_noise = 4;
 
-/// The factor, at most 126; 0 where codes are too large for one of at least 2: terrace removal has no room.
-int terrace_factor(const Scene& scene);
+/// Of the codes that filters work on: at most 126 times as many. Nothing where codes are too large to be
+/// twice as many, or to become fewer: terrace removal has no room.
+std::optional<CodeScale> terrace_scale(const Scene& scene);
 /// Codes beyond it leave no room, even where every one of them is a level.
 inline constexpr int largest_code_with_terraces = 16378;
 
 /// The largest code that a depth is told by: of metric codes only those up to `far` are.
 int largest_code(const DepthCoding& coding);
+/// The coding of these codes.
+DepthCoding scaled(const DepthCoding& coding, const CodeScale& scale);
 /// The coding of codes `factor` times as many, of metric codes a power of two: a multiplied code is the same
 /// depth, to the bit. From the least valid code to the
 /// largest all are valid.

@@ -124,7 +124,7 @@ Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& s
             std::visit([&](const auto& filter) { return record(filter, frame); }, planned.filter);
         if (!recorded.ok()) return recorded;
     }
-    if (auto ended = record_codes(frame, false, 1, slot.codes.gpu); !ended.ok()) return ended;
+    if (auto ended = record_codes(frame, false, {}, slot.codes.gpu); !ended.ok()) return ended;
     return record_bounds(frame);
 }
 
@@ -152,11 +152,13 @@ Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const Store
 
 /// The kernel that ends in codes, validity and parts of bounds; `to_finer`: in codes for filters that need
 /// finer ones, and only validity is final.
-Result<void> SurfaceRecording::record_codes(Frame& frame, bool to_finer, int factor, const GpuBuffer& to) {
+Result<void> SurfaceRecording::record_codes(Frame& frame, bool to_finer, const CodeScale& scale,
+                                            const GpuBuffer& to) {
     const auto program = program_for(frame.kernel, frame.rows, to_finer);
     if (!program.ok()) return program.error();
     StripPush push = push_for(frame.rows, frame.list.count());
-    push.factor = static_cast<std::uint32_t>(factor);
+    push.factor = static_cast<std::uint32_t>(scale.factor);
+    push.shift = static_cast<std::uint32_t>(scale.shift);
     frame.commands.dispatch(*program, push,
                             {frame.rows.buffer, to, frame.slot.validity.gpu, parts_, frame.list.buffer()},
                             {push.groups});
@@ -166,9 +168,9 @@ Result<void> SurfaceRecording::record_codes(Frame& frame, bool to_finer, int fac
 }
 
 /// Multiplied codes, where they are not there yet.
-Result<void> SurfaceRecording::record_finer(int factor, Frame& frame) {
+Result<void> SurfaceRecording::record_finer(const CodeScale& scale, Frame& frame) {
     if (std::exchange(frame.is_finer, true)) return {};
-    if (auto made = record_codes(frame, has_room_above(), factor, finer_); !made.ok()) return made;
+    if (auto made = record_codes(frame, has_room_above(), scale, finer_); !made.ok()) return made;
     frame.rows = {finer_, 2, pitch_, finer_codes};
     frame.kernel = StripKernel::decode;
     return {};
@@ -181,7 +183,7 @@ Result<void> SurfaceRecording::record(const MedianWindow& window, Frame& frame) 
 
 /// What the filter reads and writes changes places from frame to frame.
 Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame) {
-    if (auto made = record_finer(filter.factor, frame); !made.ok()) return made;
+    if (auto made = record_finer(filter.scale, frame); !made.ok()) return made;
     const auto program = kernels_->temporal();
     if (!program.ok()) return program.error();
     ValidCodes valid = finer_codes;
@@ -202,7 +204,7 @@ Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame
 }
 
 Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame) {
-    if (auto made = record_finer(filter.factor, frame); !made.ok()) return made;
+    if (auto made = record_finer(filter.scale, frame); !made.ok()) return made;
     const TerracesPush push{width_,
                             height_,
                             pitch_,

@@ -55,8 +55,8 @@ private:
     Result<void> record(const MedianWindow& window, Frame& frame);
     Result<void> record(const TemporalFilter& filter, Frame& frame);
     Result<void> record(const TerraceFilter& filter, Frame& frame);
-    Result<void> record_finer(int factor, Frame& frame);
-    Result<void> record_codes(Frame& frame, bool to_finer, int factor, const GpuBuffer& to);
+    Result<void> record_finer(const CodeScale& scale, Frame& frame);
+    Result<void> record_codes(Frame& frame, bool to_finer, const CodeScale& scale, const GpuBuffer& to);
     Result<void> record_bounds(const Frame& frame);
 
     Scene scene_;

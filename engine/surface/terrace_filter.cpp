@@ -19,19 +19,18 @@ constexpr int known_rows = terrace_reach + 2;
 /// All in 16 bits, as CPUs like it: five passes cannot move a code by more than fits them.
 void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const std::uint16_t* before,
                  std::uint32_t validity, std::uint16_t* codes, int count) {
-    const auto factor = static_cast<std::uint16_t>(2 * filter.factor);
+    std::uint16_t was[strip_pixels];
+    for (int k = 0; k < count; ++k) was[k] = filter.scale.of(before[k]);
     std::int16_t most[strip_pixels];
     if (filter.levels.is_zero())
         std::fill_n(most, strip_pixels, static_cast<std::int16_t>(2 * filter.most_at(0)));
     else
-        for (int k = 0; k < count; ++k)
-            most[k] = static_cast<std::int16_t>(
-                2 * filter.most_at(static_cast<std::uint16_t>(before[k] * filter.factor)));
+        for (int k = 0; k < count; ++k) most[k] = static_cast<std::int16_t>(2 * filter.most_at(was[k]));
     for (int k = 0; k < count; ++k) {
-        const auto was = static_cast<std::uint16_t>(before[k] * factor);
-        const auto moved = static_cast<std::int16_t>(static_cast<std::uint16_t>(finer[k]) - was);
-        codes[k] =
-            static_cast<std::uint16_t>(was + std::clamp(moved, static_cast<std::int16_t>(-most[k]), most[k]));
+        const auto twice = static_cast<std::uint16_t>(2 * was[k]);
+        const auto moved = static_cast<std::int16_t>(static_cast<std::uint16_t>(finer[k]) - twice);
+        codes[k] = static_cast<std::uint16_t>(
+            twice + std::clamp(moved, static_cast<std::int16_t>(-most[k]), most[k]));
     }
     if (validity == ~std::uint32_t{0}) return;
     std::uint16_t masks[strip_pixels];
@@ -87,7 +86,7 @@ void TerraceRemover::load(int y, Work& work) const {
     const SurfaceFrame& from = with_terraces_;
     const std::uint16_t* stored = from.codes.data() + from.index(0, y);
     std::int16_t* to = codes(work, 0, y);
-    for (int x = 0; x < from.width; ++x) to[x] = static_cast<std::int16_t>(stored[x] * filter_.factor);
+    for (int x = 0; x < from.width; ++x) to[x] = static_cast<std::int16_t>(filter_.scale.of(stored[x]));
     const std::uint32_t* validity = from.validity_row(y);
     const int slot = y % known_rows;
     std::int16_t* masks = work.masks.data() + pitch_ * slot + terrace_margin;

@@ -86,12 +86,20 @@ std::string filter_words(const FilterSettings& filter) {
            removal_name(filter.terraces) + ", temporal " + temporal_words(filter);
 }
 
+/// As terrace removal would see it.
+Scene with_levels(const ClipFacts& facts) {
+    Scene scene = facts.scene;
+    if (facts.measured) scene.filter.levels = facts.measured->levels;
+    return scene;
+}
+
 /// How far levels are apart, whether terrace removal is worth while, and whether it is done.
 std::string terrace_words(const ClipFacts& facts) {
     if (!facts.measured) return "not known: no pixel of the first frames is valid";
     const std::string words = facts.measured->in_words() + "; ";
+    const bool room = terrace_scale(with_levels(facts)).has_value();
     const TerraceRemoval asked = facts.scene.filter.terraces;
-    if (terrace_factor(facts.scene) == 0) return words + "left: codes leave no room for finer ones";
+    if (!room) return words + "left: codes leave no room for finer ones";
     if (asked == TerraceRemoval::on) return words + "removed";
     if (asked == TerraceRemoval::automatic) return words + (facts.measured->advised ? "removed" : "left");
     return words + "left" + (facts.measured->advised ? "; --terraces auto removes them" : "");
@@ -101,7 +109,8 @@ std::string terrace_words(const ClipFacts& facts) {
 Json terraces_json(const ClipFacts& facts) {
     const bool advised = facts.measured && facts.measured->advised;
     const TerraceRemoval asked = facts.scene.filter.terraces;
-    Json out{{"finer_codes", 2 * terrace_factor(facts.scene)},
+    const auto scale = terrace_scale(with_levels(facts));
+    Json out{{"finer_codes", scale ? 2.0 * scale->factor / (1 << scale->shift) : 0},
              {"advised", advised},
              {"removed", asked == TerraceRemoval::on || (asked == TerraceRemoval::automatic && advised)}};
     if (!facts.measured) return out;

@@ -5,6 +5,7 @@
 
 #include "player/commands/machine_facts.hpp"
 #include "player/commands/touch_warnings.hpp"
+#include "player/session/measured_filter.hpp"
 
 namespace touchable {
 
@@ -21,6 +22,9 @@ std::string in_seconds(double seconds) {
 /// The clip's, what became of it when it ended, and what the hand has to say after the run.
 std::vector<std::string> notes_of(const TouchSetup& setup, std::int64_t ticks) {
     std::vector<std::string> notes = setup.notes;
+    if (setup.scene.filter.terraces == TerraceRemoval::off)
+        if (const auto depth = measured_depth(setup.feed->survey(), setup.scene); depth && depth->advised)
+            notes.push_back(depth->in_words() + " make slopes a staircase; --terraces auto removes it");
     const double clip = static_cast<double>(setup.feed->end_ns()) * 1e-9,
                  run = 1e-3 * static_cast<double>(ticks);
     if (setup.feed->ended() && setup.feed->frames() > 1 && run > 1.02 * clip)
@@ -40,6 +44,17 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     report["late_frames"] = live.late_frames;
     report["interrupted"] = live.interrupted;
     report["late_frames_pct"] = frames > 0 ? 100.0 * static_cast<double>(live.late_frames) / frames : 0.0;
+}
+
+/// A finger that the device cannot push out any harder: most often it is caught behind a wall.
+std::string limited_words(const Json& report) {
+    const auto& limited = report["force_limited"];
+    if (limited["finger_ticks"] == 0) return "";
+    char words[96];
+    std::snprintf(words, sizeof words, "; at the device's limit for %.3f s, at most %.3f s in a row",
+                  1e-3 * limited["finger_ticks"].get<double>(),
+                  1e-3 * limited["longest_ticks"].get<double>());
+    return words;
 }
 
 /// What a builder does, for a person who has not heard of builders.
@@ -116,7 +131,7 @@ std::string report_to_text(const Json& r) {
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
                       number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
-                      number(r["force_n"]["max"], "%.3f N max"));
+                      number(r["force_n"]["max"], "%.3f N max") + limited_words(r));
     line("guard", count("guarded_ticks") + " ticks changed by it");
     if (r["waiting_ticks"] > 0)
         line("began inside", count("waiting_ticks") +

@@ -25,7 +25,10 @@ Result<Scene> applied(const ClipChoice& choice, Scene scene) {
     if (choice.temporal)
         if (auto done = apply(*choice.temporal, scene.filter); !done.ok()) return done.error();
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
-    if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
+    // Whether there is room for terrace removal depends on levels that are measured yet.
+    Scene without = scene;
+    without.filter.terraces = TerraceRemoval::off;
+    if (auto valid = validate(without); !valid.ok()) return usage_error(valid.error().message);
     return scene;
 }
 

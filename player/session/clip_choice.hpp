@@ -33,7 +33,7 @@ struct ClipChoice {
 
 struct OpenClip {
     std::unique_ptr<ClipReader> reader;
-    Scene scene;  ///< as the run applies it
+    Scene scene;                            ///< as the run applies it
     std::optional<std::string> measured{};  ///< what the first frames decided, for a person
 };
 /// The clip at its beginning. Refused (ErrorKind::usage) where what is wanted does not go with the clip.

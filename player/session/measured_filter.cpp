@@ -3,15 +3,29 @@
 #include <sstream>
 
 #include "engine/scene/terraces.hpp"
-#include "engine/surface/depth_survey.hpp"
 
 namespace touchable {
 
 std::string MeasuredDepth::in_words() const {
     std::ostringstream words;
-    words.precision(4);
-    words << "levels " << distance << " units apart at " << median << " (kappa " << kappa << ")";
+    words.precision(3);
+    words << "levels " << 1000 * distance * metres_per_unit << " mm apart at " << median * metres_per_unit
+          << " m (kappa " << kappa << ")";
     return words.str();
+}
+
+std::optional<MeasuredDepth> measured_depth(const DepthSurvey& survey, const Scene& scene) {
+    const auto median = survey.median_depth();
+    if (!median) return std::nullopt;
+    Scene measured = scene;
+    if (measured.filter.levels == DepthLength{}) measured.filter.levels = survey.levels();
+    const double kappa = kappa_of_depth(measured, *median);
+    return MeasuredDepth{scene.metres_per_unit,
+                         *median,
+                         measured.filter.levels,
+                         level_distance(measured, *median),
+                         kappa,
+                         terrace_scale(measured) && kappa >= kappa_of_terraces};
 }
 
 Result<std::optional<MeasuredDepth>> measure_depth(ClipReader& reader, const Scene& scene) {
@@ -23,13 +37,7 @@ Result<std::optional<MeasuredDepth>> measure_depth(ClipReader& reader, const Sce
         survey.add(**frame);
     }
     if (auto back = reader.rewind(); !back.ok()) return back.error();
-    const auto median = survey.median_depth();
-    if (!median) return std::optional<MeasuredDepth>();
-    Scene measured = scene;
-    if (measured.filter.levels == DepthLength{}) measured.filter.levels = survey.levels();
-    const double kappa = kappa_of_depth(measured, *median);
-    return std::optional(MeasuredDepth{*median, measured.filter.levels, level_distance(measured, *median),
-                                       kappa, terrace_factor(measured) > 0 && kappa >= kappa_of_terraces});
+    return measured_depth(survey, scene);
 }
 
 Result<std::optional<std::string>> settle_terraces(ClipReader& reader, Scene& scene) {

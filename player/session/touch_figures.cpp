@@ -36,6 +36,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
     bool waiting = false;
     energy_.resize(tick.contacts.size());
+    limited_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
         const glm::dvec3& force = tick.forces[k].force;
@@ -47,6 +48,10 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         guarded |= tick.forces[k].reasons != guard_none;
         softened |= (tick.forces[k].reasons & guard_stiffness) != 0;
         waiting |= (tick.forces[k].reasons & guard_waiting) != 0;
+        const bool limited = (tick.forces[k].reasons & guard_force) != 0;
+        limited_[k] = limited ? limited_[k] + 1 : 0;
+        force_limited_ticks_ += limited;
+        longest_limited_ = std::max(longest_limited_, limited_[k]);
         energy_[k] = tick.forces[k].energy;
         events_ += c.counts.events;
         if (!c.touching) continue;
@@ -113,6 +118,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},
             {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
+            {"force_limited", {{"finger_ticks", force_limited_ticks_}, {"longest_ticks", longest_limited_}}},
             {"stiffness_limited",
              {{"ticks", stiffness_limited_ticks_}, {"largest_n_mm", largest_stiffness_ / 1000}}},
             {"energy_mj", energy_mj()},

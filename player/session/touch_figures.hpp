@@ -42,7 +42,10 @@ private:
     double largest_stiffness_ = 0;  // that the clip asked for in contact, N/m
     std::int64_t events_ = 0;
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
-    std::vector<EnergyFigures> energy_;     // of each finger, up to the newest tick
+    std::int64_t force_limited_ticks_ = 0,
+                 longest_limited_ = 0;   // finger ticks at the device's force; in a row
+    std::vector<std::int64_t> limited_;  // of each finger, in a row up to the newest tick
+    std::vector<EnergyFigures> energy_;  // of each finger, up to the newest tick
     std::vector<double> tick_us_, late_us_;
     ForceHash hash_;
 };

@@ -43,6 +43,23 @@ const std::vector<Words> shapings{{"--stribeck", "0.05"},
                                   {"--damping", "3"},
                                   {"--passivity", "20"}};
 
+TEST_F(TouchShaping, TheReportSaysHowLongTheDevicesForceWasNotEnough) {
+    make("globe");
+    const auto free = touch(with({"--max-force", "1000"}));
+    EXPECT_EQ(free["force_limited"]["finger_ticks"], 0);
+    const Words weak{"--max-force", "0.4", "--fingers", "3"};
+    const int rows = rows_with(2, weak);
+    ASSERT_GT(rows, 100);
+    const auto report = touch(with(weak));
+    EXPECT_EQ(report["force_limited"]["finger_ticks"], rows);
+    const int longest = report["force_limited"]["longest_ticks"];
+    EXPECT_GT(longest, 10);
+    EXPECT_LE(longest, rows);
+    Words words = with(weak);
+    words.insert(words.begin(), "touch");
+    EXPECT_NE(run_touchable(words).out.find("at the device's limit for"), std::string::npos);
+}
+
 TEST_F(TouchShaping, EachIsFeltAndRepeatsToTheBit) {
     make("globe");  // land and water differ in stiffness and friction
     const std::string plain = force_hash(with({}));

@@ -128,7 +128,7 @@ Scene random_scene(Random& random) {
                                 static_friction * random.between(0, 1)};
     scene.filter = {random.below(2) ? 3 : 5, static_cast<int>(random.below(17))};
     scene.filter.terraces = static_cast<TerraceRemoval>(random.below(3));
-    if (!scene.far_from_frames && terrace_factor(scene) == 0 &&
+    if (!scene.far_from_frames && !terrace_scale(scene) &&
         scene.filter.terraces == TerraceRemoval::on)
         scene.filter.terraces = TerraceRemoval::off;
     if (random.below(2)) scene.filter.terrace_noise = random.between(0, 4);

@@ -114,9 +114,9 @@ TEST(Temporal, CodesAreAsMuchFinerAsBeforeTerraceRemoval) {
         Scene scene = coded(DepthCodingKind::linear, code_max, true, {6, 0});
         const auto filter = temporal_filter(scene);
         ASSERT_TRUE(filter);
-        EXPECT_EQ(filter->factor, std::max(terrace_factor(scene), 1));
+        EXPECT_EQ(filter->scale, terrace_scale(scene).value_or(CodeScale{}));
         for (int code = 0; code <= code_max; code += 7)
-            EXPECT_EQ(filter->coding.depth(static_cast<std::uint16_t>(code * filter->factor)),
+            EXPECT_EQ(filter->coding.depth(static_cast<std::uint16_t>(code * filter->scale.factor)),
                       scene.depth.depth(static_cast<std::uint16_t>(code)));
         scene.filter.terraces = TerraceRemoval::on;
         const auto terraces = terrace_filter(scene);
@@ -124,8 +124,8 @@ TEST(Temporal, CodesAreAsMuchFinerAsBeforeTerraceRemoval) {
         const auto alone = terrace_filter(scene);
         ASSERT_EQ(terraces.has_value(), alone.has_value());
         if (!alone) continue;
-        EXPECT_EQ(alone->factor, filter->factor);
-        EXPECT_EQ(terraces->factor, 1) << "they are finer already";
+        EXPECT_EQ(alone->scale, filter->scale);
+        EXPECT_EQ(terraces->scale, CodeScale{}) << "they are finer already";
         EXPECT_EQ(terraces->gate_at(0), alone->gate_at(0));
         EXPECT_EQ(terraces->most_at(0), alone->most_at(0));
         EXPECT_EQ(terraces->coding, alone->coding);

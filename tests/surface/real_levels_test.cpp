@@ -57,8 +57,8 @@ double off_the_planes(const RawFrame& raw, const Scene& scene, double level) {
     double sum = 0;
     int faces = 0;
     const auto q = [&](int x, int y) { return 1 / sample_of(surface, x, y).depth; };
-    for (int y = reach; y < scene.height - reach; y += 3)
-        for (int x = reach; x < scene.width - reach; x += 3) {
+    for (int y = reach; y < scene.height - reach; y += 5)
+        for (int x = reach; x < scene.width - reach; x += 5) {
             const auto plane = plane_around(raw, scene.depth, x, y);
             if (!plane || plane->residual > 0.45 * level) continue;
             const Plane face{q(x, y), q(x + 1, y) - q(x, y), q(x + 1, y + 1) - q(x + 1, y), 0};

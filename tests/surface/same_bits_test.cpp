@@ -74,7 +74,9 @@ protected:
     void count(const Scene& scene, const std::vector<std::uint16_t>& stored, const SurfaceFrame& frame) {
         ++seen_.pictures;
         const auto terraces = terrace_filter(scene);
-        const int factor = terraces ? 2 * terraces->factor : 1;
+        const auto unchanged = [&](std::uint16_t code) {
+            return terraces ? 2 * terraces->scale.of(code) : int{code};
+        };
         seen_.finer += terraces.has_value();
         for (int y = 0; y < frame.height; ++y)
             for (int x = 0; x < frame.width; ++x) {
@@ -85,7 +87,7 @@ protected:
                 seen_.non_zero += after != 0;
                 seen_.zero_but_valid += is_valid && after == 0;
                 seen_.filled += is_valid && !was_valid;
-                seen_.smoothed += is_valid && was_valid && before * factor != after;
+                seen_.smoothed += is_valid && was_valid && unchanged(before) != after;
             }
         const TileGrid grid = TileGrid::of(frame.width, frame.height);
         for (std::size_t n = 0; n < frame.tiles.size(); ++n) {
