@@ -17,7 +17,8 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
     const std::string rest = colon == std::string::npos ? "" : description.substr(colon + 1);
     if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
     if (auto hand = make_scripted_hand(name, rest, fingers, workspace, probe)) return std::move(*hand);
-    return usage_error("unknown hand '" + name + "'; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
+    return usage_error("unknown hand '" + name +
+                       "'; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
 }
 
 }  // namespace touchable

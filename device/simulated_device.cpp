@@ -19,12 +19,14 @@ bool is_finite(const glm::dvec3& v) {
 }
 
 constexpr HandleDynamics standard;
-constexpr std::array<HandKey, 6> device_keys{{
+constexpr std::array<HandKey, 8> device_keys{{
     {"mass", "kg", 0.05, 10, standard.mass},
     {"damping", "N s/m", 0, 50, standard.damping},
     {"friction", "N", 0, 5, standard.friction},
     {"quantum", "um", 0, 1000, standard.quantum * 1e6},
     {"hand", "N/mm", 0.01, 5, standard.hand_stiffness / 1000},
+    {"force", "N", 0.1, 1000, 10},
+    {"stiffness", "N/mm", 0.01, 1000, 10},
     {"unplug", "s", 0.001, 1e6, 0},
 }};
 
@@ -109,8 +111,7 @@ void SimulatedDevice::go_limp() {
     std::fill(exerted_.begin(), exerted_.end(), glm::dvec3(0));
 }
 
-Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers,
-                                                               const DeviceLimits& limits) {
+Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers) {
     const std::size_t colon = description.find(':');
     if (description.substr(0, colon) != "simulated")
         return usage_error("unknown device '" + description.substr(0, colon) +
@@ -124,6 +125,7 @@ Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string
     handle.friction = given->number("friction");
     handle.quantum = given->number("quantum") / 1e6;
     handle.hand_stiffness = given->number("hand") * 1000;
+    const DeviceLimits limits{given->number("force"), given->number("stiffness") * 1000};
     auto device = std::make_unique<SimulatedDevice>(fingers, limits, handle);
     if (given->given("unplug"))
         device->unplug_after(static_cast<std::int64_t>(given->number("unplug") / period_s + 0.5));

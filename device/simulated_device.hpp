@@ -55,7 +55,6 @@ private:
 
 /// From its description, "simulated[:key=value,...]" (docs/devices.md lists every key); an unknown name, key
 /// or value is refused with the legal ones.
-Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers,
-                                                               const DeviceLimits& limits);
+Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers);
 
 }  // namespace touchable

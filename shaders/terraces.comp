@@ -20,7 +20,7 @@ layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[
 #include "shaders/texels.h"
 #include "shaders/code_curve.h"
 
-const uint most_level = 4000u;
+const uint most_level = 2900u;
 /// From one level to the next at a code.
 int level_at(uint code) {
     return int(has_levels != 0u ? clamp(curve_at(push.levels, code), push.step, most_level) : push.step);

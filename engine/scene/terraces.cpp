@@ -10,8 +10,9 @@ namespace {
 // The gate is at most 5/4 factors and 3/4 of the noise: fewer than five factors.
 static_assert(5 + 3 * most_terrace_noise < 4 * 5);
 static_assert(terrace_range / (largest_code_with_terraces + 5) == 2);
-// Six gates, what a pass adds to 16 times a code at most, at the largest factor and the most noise.
-static_assert(6 * ((5 * TerraceFilter::most_level + 3 * most_terrace_noise * 126) / 4) <= 32767);
+// Eight gates, which the sum of a pass may reach on its way (terrace_rows.cpp), at the largest factor and the
+// most noise.
+static_assert(8 * ((5 * TerraceFilter::most_level + 3 * most_terrace_noise * 126) / 4) <= 32767);
 static_assert(terrace_range / (largest_code_with_terraces + 1 + 5) == 1);
 
 /// Depth from a code to the next one, scene units; of the last code that from the one before it.

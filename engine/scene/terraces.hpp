@@ -25,7 +25,7 @@ struct TerraceFilter {
     int gate_at(std::uint16_t code) const { return (5 * level_at(code) + 3 * noise) / 4; }
     /// By how much a code may change, before it is doubled.
     int most_at(std::uint16_t code) const { return (4 * level_at(code) + 3 * noise) / 4; }
-    static constexpr int most_level = 4000;  ///< so that six gates, with the most noise, have 15 bits
+    static constexpr int most_level = 2900;  ///< so that eight gates, with the most noise, have 15 bits
 
     bool operator==(const TerraceFilter&) const = default;
 };

@@ -84,9 +84,13 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
 
 Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.device) return {};
-    auto device = make_simulated_device(*options.device, setup.settings.fingers,
-                                        {options.guard.max_force, options.guard.max_stiffness});
+    auto device = make_simulated_device(*options.device, setup.settings.fingers);
     if (!device.ok()) return device.error();
+    // A person may ask for less than the device can, never for more.
+    const DeviceLimits can = (*device)->limits();
+    GuardSettings& guard = setup.settings.guard;
+    guard.max_force = std::min(guard.max_force, can.max_force);
+    guard.max_stiffness = std::min(guard.max_stiffness, can.max_stiffness);
     setup.device = std::move(*device);
     setup.device_words = *options.device;
     return {};

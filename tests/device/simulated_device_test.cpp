@@ -124,9 +124,11 @@ TEST(SimulatedHandles, YieldToTheForceAsFarAsTheHandsSpringLets) {
 }
 
 TEST(SimulatedHandles, AreWhatTheDescriptionSays) {
-    const DeviceLimits limits{.max_force = 8, .max_stiffness = 2000};
-    const auto device = make_simulated_device("simulated:mass=0.2,damping=0,hand=0.1,quantum=50", 1, limits);
+    const auto device =
+        make_simulated_device("simulated:mass=0.2,damping=0,hand=0.1,quantum=50,force=8,stiffness=2", 1);
     ASSERT_TRUE(device.ok());
+    EXPECT_EQ((*device)->limits().max_force, 8);
+    EXPECT_EQ((*device)->limits().max_stiffness, 2000);
     ASSERT_TRUE((*device)->open().ok());
     (*device)->put(0, {0.01, 0, 0});
     const std::array force{glm::dvec3(0.4, 0, 0)};
@@ -144,8 +146,7 @@ TEST(SimulatedHandles, AreWhatTheDescriptionSays) {
 }
 
 TEST(SimulatedHandles, AreLimpOnceTheDeviceIsUnplugged) {
-    const DeviceLimits limits{.max_force = 8, .max_stiffness = 2000};
-    const auto device = make_simulated_device("simulated:unplug=0.03", 1, limits);
+    const auto device = make_simulated_device("simulated:unplug=0.03", 1);
     ASSERT_TRUE(device.ok());
     ASSERT_TRUE((*device)->open().ok());
     const std::array force{glm::dvec3(0.4, 0, 0)};
@@ -159,10 +160,7 @@ TEST(SimulatedHandles, AreLimpOnceTheDeviceIsUnplugged) {
 }
 
 TEST(SimulatedHandles, DescriptionsThatMeanNothingAreRefused) {
-    const DeviceLimits limits{.max_force = 8, .max_stiffness = 2000};
-    const auto refusal = [&](const char* words) {
-        return make_simulated_device(words, 1, limits).error().message;
-    };
+    const auto refusal = [](const char* words) { return make_simulated_device(words, 1).error().message; };
     EXPECT_EQ(refusal("falcon"), "unknown device 'falcon'; the one there is is simulated");
     EXPECT_EQ(refusal("simulated:mass=0"),
               "device 'simulated': mass=0 will not do; mass takes 0.05 to 10 kg");

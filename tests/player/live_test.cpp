@@ -118,6 +118,22 @@ TEST_F(Live, ASessionWithASimulatedDeviceReplaysWithoutOne) {
     EXPECT_EQ(replay["force_hash"], live["force_hash"]);
 }
 
+TEST_F(Live, TheGuardKeepsToTheDevicesLimitsWhateverIsAskedFor) {
+    const Words press{clip,         "--live",        "--device",  "simulated:force=0.3,hand=2",
+                      "--hand",     "press:depth=6", "--seconds", "0.8",
+                      "--max-force"};
+    const auto with = [&](const char* newtons) {
+        Words words = press;
+        words.emplace_back(newtons);
+        return touch(words);
+    };
+    const auto more = with("50"), less = with("0.1");
+    EXPECT_GT(more["force_limited"]["finger_ticks"], 0);
+    EXPECT_GT(more["force_n"]["max"], 0.25);
+    EXPECT_LE(more["force_n"]["max"], 0.3);
+    EXPECT_LE(less["force_n"]["max"], 0.1);
+}
+
 // A hand that begins inside, comes out within 0.2 s, and goes in again.
 TEST_F(Live, AFingerThatBeginsInsideFeelsNothingUntilItHasBeenFree) {
     std::ofstream(folder / "inside.csv") << "t_s,in\n0,0.02\n0.2,0\n0.4,0.02\n";
