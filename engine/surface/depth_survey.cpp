@@ -9,7 +9,7 @@
 namespace touchable {
 namespace {
 
-constexpr std::uint16_t not_valid = 65535;
+constexpr int not_valid = -1;
 
 /// Value and weight.
 using Weighted = std::pair<double, std::int64_t>;
@@ -48,18 +48,19 @@ void DepthSurvey::add(const RawFrame& frame) {
     for (int y = 0; y < depth.height; ++y) {
         for (int x = 0; x < depth.width; ++x) {
             const std::uint16_t code = stored_code(depth, coding_, x, y);
-            row_[static_cast<std::size_t>(x)] = coding_.is_valid(code) ? code : not_valid;
+            row_[static_cast<std::size_t>(x)] = coding_.is_valid(code) ? int{code} : not_valid;
         }
         for (std::size_t x = 0; x < width; ++x) {
             if (row_[x] == not_valid) continue;
-            ++counts_[row_[x]].pixels;
+            CodeCount& count = counts_[static_cast<std::size_t>(row_[x])];
+            ++count.pixels;
             if (x + 1 < width && row_[x + 1] != not_valid) {
-                ++counts_[row_[x]].right;
-                counts_[row_[x]].same_right += row_[x] == row_[x + 1];
+                ++count.right;
+                count.same_right += row_[x] == row_[x + 1];
             }
             if (above_[x] != not_valid) {
-                ++counts_[row_[x]].below;
-                counts_[row_[x]].same_below += row_[x] == above_[x];
+                ++count.below;
+                count.same_below += row_[x] == above_[x];
             }
         }
         above_.swap(row_);

@@ -43,7 +43,7 @@ private:
 
     const DepthCoding coding_;
     std::vector<CodeCount> counts_;
-    std::vector<std::uint16_t> above_, row_;  // codes, of work
+    std::vector<int> above_, row_;  // codes of the rows in hand
 };
 
 }  // namespace touchable

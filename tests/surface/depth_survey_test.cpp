@@ -104,6 +104,16 @@ TEST(DepthSurvey, ASlopeIsNoStaircase) {
     EXPECT_EQ(survey.levels(), DepthLength{});
 }
 
+TEST(DepthSurvey, EveryCodeCounts) {
+    Scene scene = millimetres();
+    scene.depth.far = 65535;
+    derive_valid_range(scene.depth);
+    const std::vector<std::uint16_t> codes(width * height, 65535);
+    DepthSurvey survey(scene);
+    survey.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    EXPECT_EQ(survey.median_depth(), 65535);
+}
+
 TEST(DepthSurvey, OfNothingSaysNothing) {
     DepthSurvey survey(millimetres());
     EXPECT_FALSE(survey.median_depth());
