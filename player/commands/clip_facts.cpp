@@ -52,23 +52,22 @@ bool ClipFacts::has_track(const std::string& role) const {
 Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     auto clip = open_chosen(choice);
     if (!clip.ok()) return clip.error();
-    ClipReader& reader = *clip->reader;
     ClipFacts facts;
     facts.clip = choice.file.string();
-    const auto first = reader.next();
+    const auto first = clip->reader->next();
     if (!first.ok()) return first.error();
     if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
     facts.scene = clip->scene;
     facts.chosen = clip->chosen;
-    facts.tracks = reader.tracks();
-    facts.frames = reader.frame_count();
-    facts.notes = reader.notes();
+    facts.tracks = clip->reader->tracks();
+    facts.frames = clip->reader->frame_count();
+    facts.notes = clip->reader->notes();
     add_first_frame(**first, facts);
-    if (auto back = reader.rewind(); !back.ok()) return back.error();
+    if (auto back = clip->reader->rewind(); !back.ok()) return back.error();
     if (facts.chosen) {
         facts.measured = facts.chosen->measured;
     } else {
-        auto measured = measure_depth(reader, facts.scene);
+        auto measured = measure_depth(clip->reader, facts.scene);
         if (!measured.ok()) return measured.error();
         facts.measured = std::move(*measured);
     }

@@ -1,9 +1,13 @@
 #include "player/session/chosen_filters.hpp"
 
+#include <cstddef>
 #include <cstdio>
+#include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "engine/surface/filter_choice.hpp"
+#include "player/session/frames_in_hand.hpp"
 #include "player/session/interrupt.hpp"
 
 namespace touchable {
@@ -23,6 +27,16 @@ std::string joined(const std::vector<std::string>& parts) {
     std::string words;
     for (const std::string& part : parts) words += (words.empty() ? "" : ", ") + part;
     return words;
+}
+
+/// Frames that were looked at are kept to be played, up to so many bytes: 25 of 1920x1080 with all planes.
+constexpr std::size_t most_bytes_in_hand = std::size_t{512} << 20;
+
+std::size_t bytes_of(const RawFrame& frame) {
+    std::size_t bytes = 0;
+    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
+        bytes += static_cast<std::size_t>(std::abs(plane->stride)) * static_cast<std::size_t>(plane->height);
+    return bytes;
 }
 
 std::string pct(double share) {
@@ -82,20 +96,32 @@ std::string in_words(const ChosenFilters& chosen) {
     return joined(on) + "; --filters off for none";
 }
 
-Result<std::optional<MeasuredDepth>> measure_depth(ClipReader& reader, const Scene& scene) {
+Result<std::optional<MeasuredDepth>> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene) {
     DepthSurvey survey(scene);
+    std::vector<RawFrame> seen;
+    std::size_t bytes = 0;
+    bool whole = true;
     for (int k = 0; k < DepthSurvey::frames; ++k) {
         if (interrupted()) return interrupted_error();
-        const auto frame = reader.next();
+        const auto frame = reader->next();
         if (!frame.ok() && k == 0) return frame.error();
-        if (!frame.ok() || !*frame) break;  // whoever plays it will meet what is wrong there
+        whole = frame.ok();
+        if (!frame.ok() || !*frame) break;
         survey.add(**frame);
+        bytes += bytes_of(**frame);
+        if (bytes <= most_bytes_in_hand) seen.push_back(**frame);
     }
-    if (auto back = reader.rewind(); !back.ok()) return back.error();
+    // Whoever plays the clip will meet what is wrong there.
+    if (whole && bytes <= most_bytes_in_hand) {
+        reader = with_frames_in_hand(std::move(reader), std::move(seen));
+        return survey.measured();
+    }
+    seen.clear();
+    if (auto back = reader->rewind(); !back.ok()) return back.error();
     return survey.measured();
 }
 
-Result<std::optional<ChosenFilters>> settle_filters(ClipReader& reader, Scene& scene) {
+Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene) {
     const bool needs_levels =
         scene.filter.terraces != TerraceRemoval::off && scene.filter.levels == DepthLength{};
     const bool needs_noise = scene.filter.temporal && scene.filter.temporal_noise == DepthLength{};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -10,8 +11,9 @@
 
 namespace touchable {
 
-/// What the first frames say of a clip's depth, nothing where no pixel is valid; goes back to the beginning.
-Result<std::optional<MeasuredDepth>> measure_depth(ClipReader& reader, const Scene& scene);
+/// What the first frames say of a clip's depth, nothing where no pixel is valid. Needs a reader at the
+/// beginning, and leaves one that is there again.
+Result<std::optional<MeasuredDepth>> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene);
 
 /// Filters that were chosen by what was measured.
 struct ChosenFilters {
@@ -22,7 +24,7 @@ struct ChosenFilters {
 };
 /// Settles what the scene leaves open (choose_filters), and levels that terrace removal needs. Nothing where
 /// it leaves nothing open: then no frame is read.
-Result<std::optional<ChosenFilters>> settle_filters(ClipReader& reader, Scene& scene);
+Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene);
 
 /// "terraces (levels 11.4 mm apart at 2 m), temporal (noise 2.1 mm), no median".
 std::string in_words(const ChosenFilters& chosen);

@@ -57,7 +57,7 @@ Result<OpenClip> open_chosen(const ClipChoice& choice) {
     if (!reader.ok()) return reader.error();
     auto scene = applied(choice, (*reader)->scene());
     if (!scene.ok()) return scene.error();
-    auto chosen = settle_filters(**reader, *scene);
+    auto chosen = settle_filters(*reader, *scene);
     if (!chosen.ok()) return chosen.error();
     return OpenClip{std::move(*reader), std::move(*scene), std::move(*chosen)};
 }
