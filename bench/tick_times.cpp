@@ -85,6 +85,7 @@ TickTimes time_hot(TimedRun& run, int repeats) {
     }
     std::sort(means.begin(), means.end());
     times.mean_us = means[means.size() / 2];
+    times.in_order_us = times.wall_us;
     std::sort(times.wall_us.begin(), times.wall_us.end());
     return times;
 }
@@ -107,6 +108,7 @@ TickTimes time_paced(TimedRun& run) {
         if ((k + 1) % batch_ticks == 0 || k + 1 == run.ticks()) disturbances.end_batch();
     }
     times.mean_us = sum / run.ticks();
+    times.in_order_us = times.wall_us;
     std::sort(times.wall_us.begin(), times.wall_us.end());
     return times;
 }

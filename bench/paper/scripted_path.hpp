@@ -1,0 +1,27 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <string_view>
+
+namespace touchable {
+
+/// Where a scripted hand means to be, seen along the optical axis: an ellipse, a line or an eight about the
+/// middle of the picture, which turns slowly, so that it is never the same way again. Nobody's motion.
+struct ScriptedPath {
+    std::string_view name;
+    double reach_x, hz_x;  ///< device metres; x = reach_x sin(2 pi hz_x t) before it is turned
+    double reach_y, hz_y;  ///< y = reach_y cos(2 pi hz_y t)
+    double turn_hz;
+
+    /// Device metres right of and above the middle.
+    glm::dvec2 at(double seconds) const;
+};
+
+/// To and fro over 4 cm with 10 cm/s at most, in place of the paper's subject who was to scratch softly.
+inline constexpr ScriptedPath scratch{"scratch", 0.020, 0.83, 0.004, 0.31, 0.037};
+/// In place of three people who were to move as fast as possible: 0.34 to 0.46 m/s.
+inline constexpr ScriptedPath fast_hands[] = {{"line", 0.018, 4.0, 0, 0, 0.07},
+                                              {"circle", 0.018, 3.0, 0.018, 3.0, 0},
+                                              {"eight", 0.018, 2.3, 0.012, 4.6, 0.05}};
+
+}  // namespace touchable
