@@ -13,6 +13,8 @@ public:
     virtual ~TimedRun() = default;
     virtual int ticks() const = 0;
     virtual void restart() = 0;
+    /// Untimed, before ticks from `begin` to below `end`, at most 64: what others would have made ready.
+    virtual void prepare(int /*begin*/, int /*end*/) {}
     virtual void tick(int k) = 0;
 };
 

@@ -8,7 +8,13 @@ namespace touchable {
 namespace {
 
 constexpr int globe_frames = 30;       // a second
-constexpr std::size_t lazy_slots = 3;  // the pair in use and the one that is built
+constexpr std::size_t lazy_slots = 4;  // 64 ms of 30 frames/s need no more
+
+std::int64_t frame_at(const FrameRate& rate, std::int64_t time_ns) {
+    std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
+    while (rate.time_ns(n + 1) <= time_ns) ++n;
+    return n;
+}
 
 }  // namespace
 
@@ -79,18 +85,21 @@ const RawFrame& PlayedClip::raw(std::int64_t number) const {
     return clip_->frames[static_cast<std::size_t>(number) % clip_->frames.size()];
 }
 
-SurfaceFrame& PlayedClip::slot(std::int64_t number) {
-    return slots_[static_cast<std::size_t>(number) % slots_.size()];
+std::size_t PlayedClip::slot(std::int64_t number) const {
+    return static_cast<std::size_t>(number) % slots_.size();
 }
 
-FramePair PlayedClip::pair_at(std::int64_t time_ns) {
-    const FrameRate& rate = scene_.rate;
-    std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
-    while (rate.time_ns(n + 1) <= time_ns) ++n;
+void PlayedClip::play_to(std::int64_t time_ns) {
     // It was right in `build`, with frames of this form.
-    for (; lazy_ && built_ <= n + 1; ++built_) static_cast<void>(builder_->build(raw(built_), slot(built_)));
+    for (; lazy_ && built_ <= frame_at(scene_.rate, time_ns) + 1; ++built_)
+        static_cast<void>(builder_->build(raw(built_), slots_[slot(built_)]));
+}
+
+FramePair PlayedClip::pair_at(std::int64_t time_ns) const {
+    const FrameRate& rate = scene_.rate;
+    const std::int64_t n = frame_at(rate, time_ns);
     const auto timed = [&](std::int64_t number) {
-        return TimedFrame{number, rate.time_ns(number), &slot(number)};
+        return TimedFrame{number, rate.time_ns(number), &slots_[slot(number)]};
     };
     FramePair pair{timed(n), timed(n + 1), 0};
     pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /

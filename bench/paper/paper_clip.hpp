@@ -49,15 +49,18 @@ public:
     const PaperClip& clip() const { return *clip_; }
     /// With the filter.
     const Scene& scene() const { return scene_; }
+    /// From its beginning; with a lazy filter pixels are filtered anew.
     void restart() { built_ = 0; }
-    /// Times do not go back but by `restart`. Builds lazily what is due.
-    FramePair pair_at(std::int64_t time_ns);
+    /// Gets the surfaces ready for `pair_at` of times up to this one, from at most 64 ms before on. Times do
+    /// not go back but by `restart`.
+    void play_to(std::int64_t time_ns);
+    FramePair pair_at(std::int64_t time_ns) const;
 
 private:
     PlayedClip(std::shared_ptr<const PaperClip> clip, const PaperFilter& filter);
     Result<void> build();
     const RawFrame& raw(std::int64_t number) const;
-    SurfaceFrame& slot(std::int64_t number);
+    std::size_t slot(std::int64_t number) const;
 
     std::shared_ptr<const PaperClip> clip_;
     Scene scene_;

@@ -34,8 +34,15 @@ public:
         handle_.put(meant(0), glm::dvec3(0.0));
     }
 
+    /// How far the proxy is from where the hand means to be, sideways, device metres.
+    double held_back(int k, const Contact& contact) const {
+        const glm::dvec3 off = workspace_.to_device(contact.proxy) - meant(k);
+        return std::sqrt(off.x * off.x + off.y * off.y);
+    }
+
     /// The contact of tick k, or what is wrong with it.
     Result<Contact> tick(int k) {
+        played_.play_to(k * tick_ns);
         const HeightField field(played_.scene(), played_.pair_at(k * tick_ns));
         const glm::dvec3 goal = workspace_.to_scene(handle_.reading());
         Contact contact;
@@ -68,6 +75,7 @@ private:
 struct Scratched {
     std::vector<double> newtons;
     int touching = 0;
+    double held_back_squares = 0;  // device metres squared
 };
 
 Result<Scratched> scratched(Scratching& hand) {
@@ -78,6 +86,8 @@ Result<Scratched> scratched(Scratching& hand) {
         if (k < settling_ticks) continue;
         recorded.newtons.push_back(glm::length(contact->force));
         recorded.touching += contact->touching;
+        const double off = hand.held_back(k, *contact);
+        recorded.held_back_squares += off * off;
     }
     if (2 * recorded.touching < segments * segment_ticks)
         return Error{ErrorKind::check, "less than half of the ticks are in contact"};
@@ -138,6 +148,7 @@ Result<void> measure_scratch(std::shared_ptr<const PaperClip> clip, const Scratc
     figures.push_back({"force_n_mean", sum / count, "N"});
     figures.push_back(
         {"force_n_max", *std::max_element(recorded->newtons.begin(), recorded->newtons.end()), "N"});
+    figures.push_back({"held_back_mm", 1000 * std::sqrt(recorded->held_back_squares / count), "mm"});
     figures.push_back({"contact_pct", 100 * recorded->touching / count, "%"});
     add_curve(spectrum, figures);
     return {};

@@ -12,7 +12,7 @@ struct SweepRun {
     TouchCase setup;
     PaperFilter filter;
     ScriptedPath path;
-    int seconds = 30;
+    int seconds = 30;  ///< after one in which the hand comes down
     int repeats = 5;
 };
 
