@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -63,9 +64,12 @@ public:
     explicit PaperSuite(bool quick) : quick_(quick) {}
 
     std::vector<BenchCase> cases() {
-        for (const double noise : {1.0, 0.5, 2.0})
-            if (!quick_ || noise == 1)
-                for (const bool still : {false, true}) add_scratches(noise, still);
+        for (const bool still : {false, true}) add_scratches(1, still, scratch_hands[0]);
+        if (!quick_) {
+            for (const double noise : {0.5, 2.0})
+                for (const bool still : {false, true}) add_scratches(noise, still, scratch_hands[0]);
+            for (const ScratchHand& hand : std::span(scratch_hands).subspan(1)) add_scratches(1, false, hand);
+        }
         add_sweeps("globe", {0, true}, TouchMetric::world);
         add_sweeps("globe", {3, false, false, true}, TouchMetric::pixel);
         add_sweeps("chest", {5, true}, TouchMetric::world);
@@ -74,16 +78,17 @@ public:
     }
 
 private:
-    void add_scratches(double noise, bool still) {
+    void add_scratches(double noise, bool still, const ScratchHand& hand) {
         for (const TouchMetric metric : {TouchMetric::pixel, TouchMetric::world})
             for (const PaperFilter& filter : {PaperFilter{0}, PaperFilter{3}, PaperFilter{5},
                                               PaperFilter{5, true}, PaperFilter{5, true, true}})
-                if (!(still && filter.temporal)) add_scratch(noise, still, metric, filter);
+                if (!(still && filter.temporal)) add_scratch(noise, still, hand, metric, filter);
     }
 
-    void add_scratch(double noise, bool still, TouchMetric metric, const PaperFilter& filter) {
-        ScratchRun run{setup_of("chest", 320, 240, metric, filter), filter};
-        run.setup.run = "scratch-" + noise_name(noise);
+    void add_scratch(double noise, bool still, const ScratchHand& hand, TouchMetric metric,
+                     const PaperFilter& filter) {
+        ScratchRun run{setup_of("chest", 320, 240, metric, filter), filter, hand};
+        run.setup.run = "scratch-" + noise_name(noise) + std::string(hand.name);
         if (filter.temporal) run.setup.run += "-temporal";
         if (still) run.setup.run += "-still";
         add(name_of(run.setup), [shelf = shelf_, run, noise, still](Figures& figures) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/paper/scratch_run.hpp"
 #include "bench/paper/scripted_path.hpp"
 #include "bench/suite.hpp"
 
@@ -82,8 +83,10 @@ void print_figure_19(const Measured& measured) {
         "", "metric pixel, the paper's", "metric world, ours");
     for (const std::string noise : {"1", "0.5", "2"}) {
         const std::string levels = "noise of " + noise + (noise == "1" ? " level" : " levels");
-        print_filters(measured, levels + ", the clip plays", "-scratch-n" + noise);
-        print_filters(measured, levels + ", one frame", "-scratch-n" + noise + "-still");
+        for (const ScratchHand& hand : scratch_hands)
+            print_filters(measured, levels + ", the clip plays, " + std::string(hand.words),
+                          "-scratch-n" + noise + std::string(hand.name));
+        print_filters(measured, levels + ", one frame, softly", "-scratch-n" + noise + "-still");
     }
 }
 

@@ -7,30 +7,30 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "bench/paper/scripted_path.hpp"
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "device/held_handle.hpp"
 #include "device/workspace.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr int segments = 10, segment_ticks = 10'000, settling_ticks = 1000;  // the paper's: 100 s at 1 kHz
-constexpr double rate_hz = 1000, press_n = 1;                                // softly
+constexpr double rate_hz = 1000;
 constexpr int points_per_octave = 12;
 
 /// One finger on a playing clip, through a device that a hand holds: as bench/loop/closed_loop.hpp, but the
 /// hand moves, and the surface is noisy.
 class Scratching {
 public:
-    Scratching(PlayedClip& played, const TouchSolver& solver)
+    Scratching(PlayedClip& played, const TouchSolver& solver, const ScratchHand& hand)
         : played_(played),
           solver_(solver),
           workspace_{solver.settings().metres_per_scene_unit, {0, 0, 0}},
-          handle_(dynamics_, 1 / rate_hz),
+          path_(hand.path),
+          handle_(hand.dynamics, 1 / rate_hz),
           // Where both springs, surface and hand, rest under the force.
-          under_(press_n / played.scene().default_properties.stiffness + press_n / dynamics_.hand_stiffness) {
+          under_(hand.press_n / played.scene().default_properties.stiffness +
+                 hand.press_n / hand.dynamics.hand_stiffness) {
         handle_.put(meant(0), glm::dvec3(0.0));
     }
 
@@ -58,14 +58,14 @@ public:
 private:
     /// Under the true surface: the person sees a chest, not noise.
     glm::dvec3 meant(int k) const {
-        const glm::dvec3 surface = played_.clip().surface_at(scratch.at(k / rate_hz));
+        const glm::dvec3 surface = played_.clip().surface_at(path_.at(k / rate_hz));
         return workspace_.to_device(surface) - glm::dvec3(0, 0, under_);
     }
 
     PlayedClip& played_;
     const TouchSolver& solver_;
     Workspace workspace_;
-    const HandleDynamics dynamics_{};
+    ScriptedPath path_;
     HeldHandle handle_;
     double under_;  // device metres along the optical axis
     FingerState finger_;
@@ -136,7 +136,7 @@ Result<void> measure_scratch(std::shared_ptr<const PaperClip> clip, const Scratc
     settings.metres_per_scene_unit = (*played)->scene().device_metres_per_unit.value();
     const auto solver = TouchSolver::create((*played)->scene(), settings);
     if (!solver.ok()) return solver.error();
-    Scratching hand(**played, *solver);
+    Scratching hand(**played, *solver, run.hand);
     const auto recorded = scratched(hand);
     if (!recorded.ok()) return recorded.error();
 
