@@ -22,6 +22,8 @@ constexpr std::array suites{
                conclude_surface},
     BenchSuite{"loop", "hand, device and surface in a closed loop: up to which stiffness it is stable",
                loop_cases},
+    BenchSuite{"paper", "the paper's own experiments: spectrum of the force, time of a tick", paper_cases,
+               conclude_paper},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };

@@ -3,6 +3,7 @@
 
 plot.py pareto TOUCH.json OUT.png      run time against error of every option of the touch solver
 plot.py stability LOOP.json OUT.png    up to which stiffness a closed loop is stable, beside theory
+plot.py spectrum PAPER.json OUT.png    power spectral density of the force by filter, as the paper's Fig. 19
 """
 
 import argparse
@@ -13,20 +14,24 @@ sys.dont_write_bytecode = True  # a plot leaves nothing in the source tree
 sys.path.append(str(Path(__file__).resolve().parents[1] / "player" / "plot"))
 
 from plots.pareto import draw_pareto
+from plots.spectrum import draw_spectrum
 from plots.stability import draw_stability
 from style import BadInput
 
 
 def main():
     parser = argparse.ArgumentParser(description="Draws what touchable-bench wrote.")
-    commands = parser.add_subparsers(required=True, metavar="pareto|stability")
+    commands = parser.add_subparsers(required=True, metavar="pareto|stability|spectrum")
     pareto = commands.add_parser("pareto", help="run time against error of the touch solver's options")
     pareto.add_argument("results", metavar="TOUCH.json")
     pareto.set_defaults(draw=draw_pareto)
     stability = commands.add_parser("stability", help="the closed loop's boundary of stability beside theory")
     stability.add_argument("results", metavar="LOOP.json")
     stability.set_defaults(draw=draw_stability)
-    for command in (pareto, stability):
+    spectrum = commands.add_parser("spectrum", help="the spectrum of the force, filter by filter")
+    spectrum.add_argument("results", metavar="PAPER.json")
+    spectrum.set_defaults(draw=draw_spectrum)
+    for command in (pareto, stability, spectrum):
         command.add_argument("out", metavar="OUT.png")
     arguments = parser.parse_args()
     try:

@@ -134,7 +134,10 @@ Error cannot_write(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string tables_of(const std::vector<CaseFigures>& cases) {
+std::string tables_of(const std::vector<CaseFigures>& measured) {
+    std::vector<CaseFigures> cases = measured;
+    for (CaseFigures& c : cases)
+        std::erase_if(c.figures, [](const Figure& figure) { return !figure.in_tables; });
     std::string text;
     const CaseFigures* const end = cases.data() + cases.size();
     for (const CaseFigures* first = cases.data(); first != end;) {

@@ -9,8 +9,9 @@
 namespace touchable {
 
 /// Aligned tables: one for each stretch of cases that have the same metrics, a row per case; of cases with
-/// more metrics than fit beside each other (30), one for up to 10, a row per metric.
-std::string tables_of(const std::vector<CaseFigures>& cases);
+/// more metrics than fit beside each other (30), one for up to 10, a row per metric. Figures that are for
+/// plots alone are left out.
+std::string tables_of(const std::vector<CaseFigures>& measured);
 
 /// Whether the report could be written there; leaves nothing behind. To be asked before hours of measuring.
 Result<void> check_writable(const std::filesystem::path& file);

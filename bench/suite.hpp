@@ -13,7 +13,9 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", or "" for a count
+    std::string_view
+        unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", or "" for a count
+    bool in_tables = true;  ///< false: many of its kind, for a plot; in the JSON alone
 };
 using Figures = std::vector<Figure>;
 
@@ -44,6 +46,9 @@ struct BenchSuite {
 std::vector<BenchCase> touch_cases(bool quick);
 std::vector<BenchCase> surface_cases(bool quick);
 std::vector<BenchCase> loop_cases(bool quick);
+std::vector<BenchCase> paper_cases(bool quick);
+/// Prints the paper's figures beside ours.
+Result<void> conclude_paper(const std::vector<CaseFigures>& measured);
 /// Prints the table of the suite's targets; missing one is no error here.
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
 /// Those of the suites touch and surface that targets stand on; tables of both, and an error where one is

@@ -23,6 +23,7 @@ double mean_cpu_us(TimedRun& run) {
     double sum = 0;
     for (int k = 0; k < ticks;) {
         const int end = std::min(k + batch_ticks, ticks);
+        run.prepare(k, end);
         const std::int64_t begin = thread_cpu_ns();
         for (; k < end; ++k) run.tick(k);
         sum += microseconds(thread_cpu_ns() - begin, clock_costs().thread_cpu);
@@ -57,6 +58,7 @@ void take_wall_times(TimedRun& run, TickTimes& times) {
     Disturbances disturbances(times);
     for (int k = 0; k < ticks;) {
         const int end = std::min(k + batch_ticks, ticks);
+        run.prepare(k, end);
         for (; k < end; ++k) {
             const std::int64_t begin = monotonic_ns();
             run.tick(k);
@@ -85,6 +87,7 @@ TickTimes time_hot(TimedRun& run, int repeats) {
     }
     std::sort(means.begin(), means.end());
     times.mean_us = means[means.size() / 2];
+    times.in_order_us = times.wall_us;
     std::sort(times.wall_us.begin(), times.wall_us.end());
     return times;
 }
@@ -97,6 +100,7 @@ TickTimes time_paced(TimedRun& run) {
     Disturbances disturbances(times);
     const std::int64_t start = monotonic_ns() + period_ns;
     for (int k = 0; k < run.ticks(); ++k) {
+        run.prepare(k, k + 1);
         sleep_until(start + k * period_ns);
         const std::int64_t cpu_begin = thread_cpu_ns(), begin = monotonic_ns();
         run.tick(k);
@@ -107,6 +111,7 @@ TickTimes time_paced(TimedRun& run) {
         if ((k + 1) % batch_ticks == 0 || k + 1 == run.ticks()) disturbances.end_batch();
     }
     times.mean_us = sum / run.ticks();
+    times.in_order_us = times.wall_us;
     std::sort(times.wall_us.begin(), times.wall_us.end());
     return times;
 }

@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "engine/content/random.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable {
@@ -13,13 +12,6 @@ namespace {
 
 constexpr int blobs = 12;
 constexpr double most_blob_radius = 5, silhouette = 50, flying_share = 0.3;
-
-/// Of 12 uniform numbers, which is normal enough.
-double normal(SplitMix64& random) {
-    double sum = -6;
-    for (int n = 0; n < 12; ++n) sum += random.unit();
-    return sum;
-}
 
 /// Of variance 1, each the mean of four that its neighbours take part in too.
 std::vector<double> shared_noise(int width, int height, SplitMix64& random) {
@@ -100,6 +92,12 @@ double ball_and_wall(double x, double y, double t) {
     const double a = u * u + v * v + 1, b = u * cx + cz, c = cx * cx + cz * cz - radius * radius;
     const double root = b * b - a * c;
     return root > 0 ? std::min((b - std::sqrt(root)) / a, wall) : wall;
+}
+
+double normal(SplitMix64& random) {
+    double sum = -6;
+    for (int n = 0; n < 12; ++n) sum += random.unit();
+    return sum;
 }
 
 double camera_noise(double depth) {

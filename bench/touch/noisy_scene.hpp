@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "engine/content/random.hpp"
 #include "engine/frame/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -18,6 +19,8 @@ Scene noisy_scene();
 /// sideways and 0.19 m/s in depth.
 double ball_and_wall(double x, double y, double t);
 
+/// Of mean 0 and variance 1: the sum of 12 uniform numbers, which is normal enough.
+double normal(SplitMix64& random);
 /// Standard deviation at a depth: 1.2 + 1.9 (z - 0.4)^2 mm, z in metres (Kinect of the first kind; Khoshelham
 /// and Elberink 2012).
 double camera_noise(double depth);

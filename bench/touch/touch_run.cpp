@@ -11,19 +11,6 @@
 namespace touchable {
 namespace {
 
-/// What is wrong with a contact; nullptr if it is sound.
-const char* fault_of(const Contact& contact, const HeightField& field, double metres_per_scene_unit,
-                     double tolerance) {
-    const glm::dvec3 spring =
-        contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
-    const glm::dvec3 off = contact.force - spring;
-    // Written so that NaN is a fault.
-    if (!(glm::dot(off, off) <= 1e-24 * glm::dot(spring, spring)))
-        return "the force is not k S (P - G), or not finite";
-    if (is_behind_surface(field, contact.proxy, tolerance)) return "the proxy is behind the surface";
-    return nullptr;
-}
-
 Error wrong(int tick, std::size_t finger, const char* fault) {
     return {ErrorKind::check,
             "tick " + std::to_string(tick) + ", finger " + std::to_string(finger) + ": " + fault};
@@ -78,6 +65,18 @@ void add_figures(const RunCounts& counts, double mean_us, Figures& figures) {
 
 double behind_tolerance(TouchMetric metric) {
     return metric == TouchMetric::world ? 1e-9 : 1e-3;
+}
+
+const char* fault_of(const Contact& contact, const HeightField& field, double metres_per_scene_unit,
+                     double tolerance) {
+    const glm::dvec3 spring =
+        contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
+    const glm::dvec3 off = contact.force - spring;
+    // Written so that NaN is a fault.
+    if (!(glm::dot(off, off) <= 1e-24 * glm::dot(spring, spring)))
+        return "the force is not k S (P - G), or not finite";
+    if (is_behind_surface(field, contact.proxy, tolerance)) return "the proxy is behind the surface";
+    return nullptr;
 }
 
 Result<RunCounts> verify(TouchRun& run) {

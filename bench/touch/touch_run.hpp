@@ -60,6 +60,11 @@ void add_figures(const RunCounts& counts, double mean_us, Figures& figures);
 /// roundings; the paper's triangles are flat in pixels and levels, which bends them in the world.
 double behind_tolerance(TouchMetric metric);
 
+/// What is wrong with a contact: its force is finite and as Hooke has it, its proxy not behind the surface.
+/// nullptr if it is sound.
+const char* fault_of(const Contact& contact, const HeightField& field, double metres_per_scene_unit,
+                     double tolerance);
+
 /// Runs it once, untimed, and looks at every tick: finite, force as Hooke has it, no proxy behind the
 /// surface, and at least half of all ticks in contact.
 Result<RunCounts> verify(TouchRun& run);

@@ -45,5 +45,11 @@ TEST(Report, OfFewMetricsHasARowPerCase) {
     EXPECT_NE(tables.find("\n\n       count\nother      5\n"), std::string::npos) << tables;
 }
 
+TEST(Report, TablesLeaveOutWhatIsForPlots) {
+    CaseFigures c{"case", {{"shown", 5, ""}}};
+    for (int n = 0; n < 100; ++n) c.figures.push_back({"curve_" + std::to_string(n), 1, "", false});
+    EXPECT_EQ(tables_of({c}), "      shown\ncase      5\n");
+}
+
 }  // namespace
 }  // namespace touchable

@@ -1,0 +1,110 @@
+#include "bench/paper/paper_clip.hpp"
+
+#include <utility>
+
+#include "bench/paper/chest_scene.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int globe_frames = 30;       // a second
+constexpr std::size_t lazy_slots = 4;  // 64 ms of 30 frames/s need no more
+
+std::int64_t frame_at(const FrameRate& rate, std::int64_t time_ns) {
+    std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
+    while (rate.time_ns(n + 1) <= time_ns) ++n;
+    return n;
+}
+
+}  // namespace
+
+glm::dvec3 PaperClip::surface_at(const glm::dvec2& place) const {
+    const Camera& camera = scene.camera;
+    const auto planar = [&](double x, double y) {
+        return planar_depth(camera, scene.depth.semantics, x, y, depth(x, y));
+    };
+    const double per_metre = 1 / (scene.device_metres_per_unit.value() * planar(camera.cx, camera.cy));
+    const double x = camera.cx + camera.fx * place.x * per_metre;
+    const double y = camera.cy - camera.fy * place.y * per_metre;
+    return unproject(camera, x, y, planar(x, y));
+}
+
+Result<std::shared_ptr<const PaperClip>> make_globe_clip() {
+    SceneOptions options;
+    options.bits = 8;
+    options.properties = true;
+    auto made = make_scene("globe", options);
+    if (!made.ok()) return made.error();
+    const std::shared_ptr<const AnalyticScene> content = std::move(made).value();
+    auto clip = std::make_shared<PaperClip>();
+    clip->scene = content->scene();
+    clip->depth = [content](double x, double y) { return content->depth(x, y, 0); };
+    for (int n = 0; n <= globe_frames; ++n) clip->frames.push_back(content->frame(n));
+    for (int n = globe_frames - 1; n > 0; --n)
+        clip->frames.push_back(clip->frames[static_cast<std::size_t>(n)]);
+    return std::shared_ptr<const PaperClip>(std::move(clip));
+}
+
+std::shared_ptr<const PaperClip> make_chest_clip(double noise_levels, int frames) {
+    auto clip = std::make_shared<PaperClip>();
+    clip->scene = chest_scene();
+    clip->noise_levels = noise_levels;
+    clip->depth = [camera = clip->scene.camera](double x, double y) { return chest_range(camera, x, y); };
+    for (int n = 0; n < frames; ++n) clip->frames.push_back(noisy_chest_frame(clip->scene, noise_levels, n));
+    return clip;
+}
+
+PlayedClip::PlayedClip(std::shared_ptr<const PaperClip> clip, const PaperFilter& filter)
+    : clip_(std::move(clip)),
+      scene_(clip_->scene),
+      lazy_(filter.lazy),
+      slots_(filter.lazy ? lazy_slots : clip_->frames.size()) {
+    scene_.filter.median = filter.median;
+    scene_.filter.terraces = filter.terraces ? TerraceRemoval::on : TerraceRemoval::off;
+    scene_.filter.terrace_noise = clip_->noise_levels;
+    scene_.filter.temporal = filter.temporal;
+    scene_.filter.temporal_noise.constant = clip_->noise_levels * scene_.depth.level();
+    builder_ = lazy_ ? make_lazy_builder(scene_) : make_cpu_builder(scene_);
+}
+
+Result<std::unique_ptr<PlayedClip>> PlayedClip::make(std::shared_ptr<const PaperClip> clip,
+                                                     const PaperFilter& filter) {
+    std::unique_ptr<PlayedClip> played(new PlayedClip(std::move(clip), filter));
+    if (auto built = played->build(); !built.ok()) return built.error();
+    return played;
+}
+
+Result<void> PlayedClip::build() {
+    for (std::size_t n = 0; n < slots_.size(); ++n)
+        if (auto built = builder_->build(raw(static_cast<std::int64_t>(n)), slots_[n]); !built.ok())
+            return built;
+    return {};
+}
+
+const RawFrame& PlayedClip::raw(std::int64_t number) const {
+    return clip_->frames[static_cast<std::size_t>(number) % clip_->frames.size()];
+}
+
+std::size_t PlayedClip::slot(std::int64_t number) const {
+    return static_cast<std::size_t>(number) % slots_.size();
+}
+
+void PlayedClip::play_to(std::int64_t time_ns) {
+    // It was right in `build`, with frames of this form.
+    for (; lazy_ && built_ <= frame_at(scene_.rate, time_ns) + 1; ++built_)
+        static_cast<void>(builder_->build(raw(built_), slots_[slot(built_)]));
+}
+
+FramePair PlayedClip::pair_at(std::int64_t time_ns) const {
+    const FrameRate& rate = scene_.rate;
+    const std::int64_t n = frame_at(rate, time_ns);
+    const auto timed = [&](std::int64_t number) {
+        return TimedFrame{number, rate.time_ns(number), &slots_[slot(number)]};
+    };
+    FramePair pair{timed(n), timed(n + 1), 0};
+    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+    return pair;
+}
+
+}  // namespace touchable

@@ -1,0 +1,157 @@
+#include "bench/paper/scratch_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "bench/clocks.hpp"
+#include "bench/touch/force_spectrum.hpp"
+#include "bench/touch/touch_run.hpp"
+#include "device/workspace.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int segments = 10, segment_ticks = 10'000, settling_ticks = 1000;  // the paper's: 100 s at 1 kHz
+constexpr double rate_hz = 1000;
+constexpr int points_per_octave = 12;
+
+/// One finger on a playing clip, through a device that a hand holds: as bench/loop/closed_loop.hpp, but the
+/// hand moves, and the surface is noisy.
+class Scratching {
+public:
+    Scratching(PlayedClip& played, const TouchSolver& solver, const ScratchHand& hand)
+        : played_(played),
+          solver_(solver),
+          workspace_{solver.settings().metres_per_scene_unit, {0, 0, 0}},
+          path_(hand.path),
+          handle_(hand.dynamics, 1 / rate_hz),
+          // Where both springs, surface and hand, rest under the force.
+          under_(hand.press_n / played.scene().default_properties.stiffness +
+                 hand.press_n / hand.dynamics.hand_stiffness) {
+        handle_.put(meant(0), glm::dvec3(0.0));
+    }
+
+    /// How far the proxy is from where the hand means to be, sideways, device metres.
+    double held_back(int k, const Contact& contact) const {
+        const glm::dvec3 off = workspace_.to_device(contact.proxy) - meant(k);
+        return std::sqrt(off.x * off.x + off.y * off.y);
+    }
+
+    /// The contact of tick k, or what is wrong with it.
+    Result<Contact> tick(int k) {
+        played_.play_to(k * tick_ns);
+        const HeightField field(played_.scene(), played_.pair_at(k * tick_ns));
+        const glm::dvec3 goal = workspace_.to_scene(handle_.reading());
+        Contact contact;
+        solver_.tick(field, {&goal, 1}, {&finger_, 1}, {&contact, 1});
+        if (const char* fault = fault_of(contact, field, workspace_.metres_per_scene_unit,
+                                         behind_tolerance(solver_.settings().metric)))
+            return Error{ErrorKind::check, "tick " + std::to_string(k) + ": " + fault};
+        handle_.intend(meant(k));
+        handle_.advance(contact.force);
+        return contact;
+    }
+
+private:
+    /// Under the true surface: the person sees a chest, not noise.
+    glm::dvec3 meant(int k) const {
+        const glm::dvec3 surface = played_.clip().surface_at(path_.at(k / rate_hz));
+        return workspace_.to_device(surface) - glm::dvec3(0, 0, under_);
+    }
+
+    PlayedClip& played_;
+    const TouchSolver& solver_;
+    Workspace workspace_;
+    ScriptedPath path_;
+    HeldHandle handle_;
+    double under_;  // device metres along the optical axis
+    FingerState finger_;
+};
+
+/// What was recorded: the force's magnitude, tick by tick.
+struct Scratched {
+    std::vector<double> newtons;
+    int touching = 0;
+    double held_back_squares = 0;  // device metres squared
+};
+
+Result<Scratched> scratched(Scratching& hand) {
+    Scratched recorded;
+    for (int k = 0; k < settling_ticks + segments * segment_ticks; ++k) {
+        const auto contact = hand.tick(k);
+        if (!contact.ok()) return contact.error();
+        if (k < settling_ticks) continue;
+        recorded.newtons.push_back(glm::length(contact->force));
+        recorded.touching += contact->touching;
+        const double off = hand.held_back(k, *contact);
+        recorded.held_back_squares += off * off;
+    }
+    if (2 * recorded.touching < segments * segment_ticks)
+        return Error{ErrorKind::check, "less than half of the ticks are in contact"};
+    return recorded;
+}
+
+std::string number(const char* format, double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+
+void add_bands(const Spectrum& spectrum, Figures& figures) {
+    const auto rms_mn = [&](double from, double to) { return 1000 * std::sqrt(spectrum.between(from, to)); };
+    figures.push_back({"force_band_mn", rms_mn(20, rate_hz / 2), "mN"});
+    double from = first_octave_hz;
+    for (int octave = 0; octave < octaves; ++octave, from *= 2)
+        figures.push_back({"force_band_mn_" + number("%.0f", from) + "_" + number("%.0f", 2 * from),
+                           rms_mn(from, 2 * from), "mN"});
+}
+
+/// The density from 1 Hz on, the mean over each twelfth of an octave that has a wave.
+void add_curve(const Spectrum& spectrum, Figures& figures) {
+    const double ratio = std::pow(2, 1.0 / points_per_octave), half = rate_hz / 2;
+    for (double from = 1; from < half; from *= ratio) {
+        double sum = 0, waves = 0;
+        for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
+            const double hz = static_cast<double>(k) * spectrum.hz_step;
+            if (hz < from || hz >= from * ratio) continue;
+            sum += spectrum.power[k];
+            ++waves;
+        }
+        if (waves == 0) continue;
+        figures.push_back({"force_psd_" + number("%.4g", from * std::sqrt(ratio)) + "hz",
+                           sum / (waves * spectrum.hz_step), "N^2/Hz", false});
+    }
+}
+
+}  // namespace
+
+Result<void> measure_scratch(std::shared_ptr<const PaperClip> clip, const ScratchRun& run, Figures& figures) {
+    const auto played = PlayedClip::make(std::move(clip), run.filter);
+    if (!played.ok()) return played.error();
+    TouchSettings settings;
+    settings.metric = run.setup.metric;
+    settings.metres_per_scene_unit = (*played)->scene().device_metres_per_unit.value();
+    const auto solver = TouchSolver::create((*played)->scene(), settings);
+    if (!solver.ok()) return solver.error();
+    Scratching hand(**played, *solver, run.hand);
+    const auto recorded = scratched(hand);
+    if (!recorded.ok()) return recorded.error();
+
+    const Spectrum spectrum = welch_spectrum(recorded->newtons, rate_hz, segments);
+    add_bands(spectrum, figures);
+    const auto count = static_cast<double>(recorded->newtons.size());
+    double sum = 0;
+    for (const double newtons : recorded->newtons) sum += newtons;
+    figures.push_back({"force_n_mean", sum / count, "N"});
+    figures.push_back(
+        {"force_n_max", *std::max_element(recorded->newtons.begin(), recorded->newtons.end()), "N"});
+    figures.push_back({"held_back_mm", 1000 * std::sqrt(recorded->held_back_squares / count), "mm"});
+    figures.push_back({"contact_pct", 100 * recorded->touching / count, "%"});
+    add_curve(spectrum, figures);
+    return {};
+}
+
+}  // namespace touchable

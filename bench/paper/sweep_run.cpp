@@ -1,0 +1,141 @@
+#include "bench/paper/sweep_run.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "bench/clocks.hpp"
+#include "bench/tick_times.hpp"
+#include "bench/touch/touch_run.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int second_ticks = 1000;
+constexpr double under_mm = 2, above_mm = 50;  // of the true surface, along the optical axis
+
+/// A tick is what the haptic thread does in one: with a lazy filter it filters what it touches.
+class SweepTicks final : public TimedRun {
+public:
+    SweepTicks(PlayedClip& played, const TouchSolver& solver, std::vector<glm::dvec3> goals)
+        : played_(played), solver_(solver), goals_(std::move(goals)) {}
+
+    int ticks() const override { return static_cast<int>(goals_.size()); }
+    void restart() override {
+        finger_ = {};
+        played_.restart();
+    }
+    void prepare(int /*begin*/, int end) override { played_.play_to((end - 1) * tick_ns); }
+    void tick(int k) override {
+        const HeightField field(played_.scene(), played_.pair_at(k * tick_ns));
+        solver_.tick(field, {&goals_[static_cast<std::size_t>(k)], 1}, {&finger_, 1}, {&contact_, 1});
+    }
+    const Contact& contact() const { return contact_; }
+    /// What is wrong with the contact of tick k, which was the last; nullptr if it is sound.
+    const char* fault(int k) const {
+        const HeightField field(played_.scene(), played_.pair_at(k * tick_ns));
+        return fault_of(contact_, field, solver_.settings().metres_per_scene_unit,
+                        behind_tolerance(solver_.settings().metric));
+    }
+
+private:
+    PlayedClip& played_;
+    const TouchSolver& solver_;
+    std::vector<glm::dvec3> goals_;
+    FingerState finger_;
+    Contact contact_;
+};
+
+/// The hand comes down in the first half second; what is reported begins with the second one.
+std::vector<glm::dvec3> goals_of(const PaperClip& clip, const SweepRun& run) {
+    const double units_per_mm = 0.001 / clip.scene.device_metres_per_unit.value();
+    std::vector<glm::dvec3> goals;
+    for (int k = 0; k < (1 + run.seconds) * second_ticks; ++k) {
+        const double way_down = std::min(1.0, k / (0.5 * second_ticks));
+        const double under = -above_mm + (under_mm + above_mm) * way_down;
+        goals.push_back(clip.surface_at(run.path.at(0.001 * k)) - glm::dvec3(0, 0, under * units_per_mm));
+    }
+    return goals;
+}
+
+/// Mean over the seconds of a run, but for the first, of the largest of each.
+double mean_of_maxima(const double* values, int seconds) {
+    double sum = 0;
+    for (int second = 1; second <= seconds; ++second) {
+        const double* const begin = values + std::ptrdiff_t{second} * second_ticks;
+        sum += *std::max_element(begin, begin + second_ticks);
+    }
+    return sum / seconds;
+}
+
+/// Runs it once, untimed, looks at every tick, and counts from the second second on.
+Result<void> add_primitives(SweepTicks& ticks, const SweepRun& run, Figures& figures) {
+    ticks.restart();
+    std::vector<double> primitives;
+    double sum = 0;
+    int touching = 0, capped = 0;
+    for (int k = 0; k < ticks.ticks(); ++k) {
+        ticks.prepare(k, k + 1);
+        ticks.tick(k);
+        if (const char* fault = ticks.fault(k))
+            return Error{ErrorKind::check, "tick " + std::to_string(k) + ": " + fault};
+        const Contact& contact = ticks.contact();
+        primitives.push_back(contact.counts.events);
+        if (k < second_ticks) continue;
+        sum += primitives.back();
+        touching += contact.touching;
+        capped += contact.counts.capped;
+    }
+    const int counted = run.seconds * second_ticks;
+    if (2 * touching < counted) return Error{ErrorKind::check, "less than half of the ticks are in contact"};
+    figures.push_back({"primitives_second_max", mean_of_maxima(primitives.data(), run.seconds), ""});
+    figures.push_back({"primitives_mean", sum / touching, ""});
+    figures.push_back({"contact_pct", 100.0 * touching / counted, "%"});
+    figures.push_back({"capped_ticks", static_cast<double>(capped), ""});
+    return {};
+}
+
+/// Each tick's least time over the repeats: what it takes where nothing else happens on the machine.
+std::vector<double> least_of_repeats(const std::vector<double>& in_order, int repeats) {
+    const std::size_t ticks = in_order.size() / static_cast<std::size_t>(repeats);
+    std::vector<double> least(in_order.begin(), in_order.begin() + static_cast<std::ptrdiff_t>(ticks));
+    for (std::size_t k = ticks; k < in_order.size(); ++k)
+        least[k % ticks] = std::min(least[k % ticks], in_order[k]);
+    return least;
+}
+
+void add_maxima(const TickTimes& times, const SweepRun& run, Figures& figures) {
+    std::vector<double> repeats;
+    for (int repeat = 0; repeat < run.repeats; ++repeat)
+        repeats.push_back(mean_of_maxima(
+            times.in_order_us.data() + std::ptrdiff_t{repeat} * (1 + run.seconds) * second_ticks,
+            run.seconds));
+    std::sort(repeats.begin(), repeats.end());
+    figures.push_back({"tick_us_second_max", repeats[repeats.size() / 2], "us"});
+    figures.push_back({"tick_us_second_max_undisturbed",
+                       mean_of_maxima(least_of_repeats(times.in_order_us, run.repeats).data(), run.seconds),
+                       "us"});
+}
+
+}  // namespace
+
+Result<void> measure_sweep(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures) {
+    std::vector<glm::dvec3> goals = goals_of(*clip, run);
+    const auto played = PlayedClip::make(std::move(clip), run.filter);
+    if (!played.ok()) return played.error();
+    TouchSettings settings;
+    settings.metric = run.setup.metric;
+    settings.metres_per_scene_unit = (*played)->scene().device_metres_per_unit.value();
+    const auto solver = TouchSolver::create((*played)->scene(), settings);
+    if (!solver.ok()) return solver.error();
+    SweepTicks ticks(**played, *solver, std::move(goals));
+    Figures primitives;
+    if (auto counted = add_primitives(ticks, run, primitives); !counted.ok()) return counted;
+    const TickTimes times = time_hot(ticks, run.repeats);
+    add_maxima(times, run, figures);
+    figures.insert(figures.end(), primitives.begin(), primitives.end());
+    add_figures(times, "", figures);
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "bench/paper/paper_clip.hpp"
+#include "bench/paper/scripted_path.hpp"
+#include "bench/suite.hpp"
+
+namespace touchable {
+
+/// The paper's first experiment (Table I): a scripted hand moves over a clip as fast as a person might, in
+/// contact, 2 mm under the true surface.
+struct SweepRun {
+    TouchCase setup;
+    PaperFilter filter;
+    ScriptedPath path;
+    int seconds = 30;  ///< after one in which the hand comes down
+    int repeats = 5;
+};
+
+/// Appends tick_us_second_max and primitives_second_max (the largest of each second, mean over the seconds),
+/// primitives_mean, and the times of a tick; an error if a tick is not right (as `verify` has it).
+Result<void> measure_sweep(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures);
+
+}  // namespace touchable

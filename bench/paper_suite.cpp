@@ -1,0 +1,138 @@
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "bench/paper/scratch_run.hpp"
+#include "bench/paper/sweep_run.hpp"
+#include "bench/suite.hpp"
+
+namespace touchable {
+namespace {
+
+/// Frames of the chest, each with its own noise: not as many as fit a segment of 10 s, nor a second, so that
+/// the loop and what is measured have no period in common.
+constexpr int chest_frames = 293;
+
+/// The clip made last; cases of one clip stand together.
+class ClipShelf {
+public:
+    Result<std::shared_ptr<const PaperClip>> globe() {
+        if (name_ == "globe") return clip_;
+        auto made = make_globe_clip();
+        if (!made.ok()) return made.error();
+        return keep("globe", *made);
+    }
+    std::shared_ptr<const PaperClip> chest(double noise_levels, int frames) {
+        const std::string name = "chest " + std::to_string(noise_levels) + " " + std::to_string(frames);
+        return name_ == name ? clip_ : keep(name, make_chest_clip(noise_levels, frames));
+    }
+
+private:
+    std::shared_ptr<const PaperClip> keep(const std::string& name, std::shared_ptr<const PaperClip> clip) {
+        name_ = name;
+        return clip_ = std::move(clip);
+    }
+
+    std::string name_;
+    std::shared_ptr<const PaperClip> clip_;
+};
+
+std::string noise_name(double levels) {
+    char text[32];
+    std::snprintf(text, sizeof text, "n%g", levels);
+    return text;
+}
+
+TouchCase setup_of(const char* scene, int width, int height, TouchMetric metric, const PaperFilter& filter) {
+    TouchCase c;
+    c.scene = scene;
+    c.width = width;
+    c.height = height;
+    c.bits = 8;
+    c.metric = metric;
+    c.median = filter.median;
+    c.terraces = filter.terraces;
+    c.lazy = filter.lazy;
+    return c;
+}
+
+/// The list of cases in the making.
+class PaperSuite {
+public:
+    explicit PaperSuite(bool quick) : quick_(quick) {}
+
+    std::vector<BenchCase> cases() {
+        for (const bool still : {false, true}) add_scratches(1, still, scratch_hands[0]);
+        if (!quick_) {
+            for (const double noise : {0.5, 2.0})
+                for (const bool still : {false, true}) add_scratches(noise, still, scratch_hands[0]);
+            for (const ScratchHand& hand : std::span(scratch_hands).subspan(1)) add_scratches(1, false, hand);
+        }
+        add_sweeps("globe", {0, true}, TouchMetric::world);
+        add_sweeps("globe", {3, false, false, true}, TouchMetric::pixel);
+        add_sweeps("chest", {5, true}, TouchMetric::world);
+        add_sweeps("chest", {3, false, false, true}, TouchMetric::pixel);
+        return std::move(cases_);
+    }
+
+private:
+    void add_scratches(double noise, bool still, const ScratchHand& hand) {
+        for (const TouchMetric metric : {TouchMetric::pixel, TouchMetric::world})
+            for (const PaperFilter& filter : {PaperFilter{0}, PaperFilter{3}, PaperFilter{5},
+                                              PaperFilter{5, true}, PaperFilter{5, true, true}})
+                if (!(still && filter.temporal)) add_scratch(noise, still, hand, metric, filter);
+    }
+
+    void add_scratch(double noise, bool still, const ScratchHand& hand, TouchMetric metric,
+                     const PaperFilter& filter) {
+        ScratchRun run{setup_of("chest", 320, 240, metric, filter), filter, hand};
+        run.setup.run = "scratch-" + noise_name(noise) + std::string(hand.name);
+        if (filter.temporal) run.setup.run += "-temporal";
+        if (still) run.setup.run += "-still";
+        add(name_of(run.setup), [shelf = shelf_, run, noise, still](Figures& figures) {
+            return measure_scratch(shelf->chest(noise, still ? 1 : chest_frames), run, figures);
+        });
+    }
+
+    void add_sweeps(const std::string& scene, const PaperFilter& filter, TouchMetric metric) {
+        const bool globe = scene == "globe";
+        for (const ScriptedPath& path : fast_hands) {
+            SweepRun run{setup_of(scene.c_str(), globe ? 720 : 320, globe ? 480 : 240, metric, filter),
+                         filter, path};
+            run.setup.run = path.name;
+            if (quick_) {
+                run.seconds = 10;
+                run.repeats = 3;
+            }
+            add(name_of(run.setup), [shelf = shelf_, run, globe](Figures& figures) -> Result<void> {
+                if (!globe) return measure_sweep(shelf->chest(1, chest_frames), run, figures);
+                auto clip = shelf->globe();
+                if (!clip.ok()) return clip.error();
+                return measure_sweep(*clip, run, figures);
+            });
+        }
+    }
+
+    template <class Measure>
+    void add(const std::string& name, Measure measure) {
+        cases_.push_back({name, [name, measure](Figures& figures) -> Result<void> {
+                              auto measured = measure(figures);
+                              if (measured.ok()) return measured;
+                              return Error{measured.error().kind, name + ": " + measured.error().message};
+                          }});
+    }
+
+    bool quick_;
+    std::shared_ptr<ClipShelf> shelf_ = std::make_shared<ClipShelf>();
+    std::vector<BenchCase> cases_;
+};
+
+}  // namespace
+
+std::vector<BenchCase> paper_cases(bool quick) {
+    return PaperSuite(quick).cases();
+}
+
+}  // namespace touchable
