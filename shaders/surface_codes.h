@@ -82,6 +82,14 @@ struct TerracesPush {
     uint step, noise;  // TerraceFilter
 };
 
+/// Of flying_pixels.
+struct FlyingPixelsPush {
+    uint width, height;
+    uint in_pitch, out_pitch;  // texels from one row to the next
+    CurvePush gate;
+    ValidCodes valid;
+};
+
 /// Of temporal.
 struct TemporalPush {
     uint height, pitch;  // pixels; texels from one row to the next
@@ -118,6 +126,7 @@ struct HueCodesPush {
 const uint tile_bounds_group = 32u;
 const uint hue_codes_group = 32u;
 const uint temporal_group = 32u;
+const uint flying_pixels_group = 32u;
 const uint tile_cells = 16u;
 const uint strips_per_tile = 8u;
 

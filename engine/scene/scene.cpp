@@ -189,6 +189,10 @@ Result<void> check_filter(const Scene& scene) {
         return part;
     if (auto part = check_not_negative("filter.temporal_noise's quadratic", noise.quadratic); !part)
         return part;
+    const DepthLength& flying = filter.flying_pixels;
+    if (auto part = check_not_negative("filter.flying_pixels' constant", flying.constant); !part) return part;
+    if (auto part = check_not_negative("filter.flying_pixels' quadratic", flying.quadratic); !part)
+        return part;
     if (filter.temporal && noise == DepthLength{})
         return input_error(
             "filter.temporal_noise is [0, 0]: must be [constant, quadratic], how noisy depth is in scene "

@@ -69,17 +69,20 @@ struct FilterSettings {
     /// Standard deviation of a stored depth. Time of flight: mostly constant; stereo and structured light:
     /// mostly quadratic.
     DepthLength temporal_noise{};
+    /// Depths that differ by no more belong to one surface; a pixel that hangs between two of them is pulled
+    /// to one (flying_pixels.hpp). Zero: off.
+    DepthLength flying_pixels{};
     bool operator==(const FilterSettings&) const = default;
 };
 
 /// Which filters a scene leaves open. Whoever opens a clip to play it settles them by what its first frames
 /// tell (choose_filters) and clears this; until then they are off.
 struct UnstatedFilters {
-    bool median = false, fill_holes = false, terraces = false, temporal = false;
-    bool any() const { return median || fill_holes || terraces || temporal; }
+    bool median = false, fill_holes = false, terraces = false, temporal = false, flying_pixels = false;
+    bool any() const { return median || fill_holes || terraces || temporal || flying_pixels; }
     bool operator==(const UnstatedFilters&) const = default;
 };
-inline constexpr UnstatedFilters all_unstated{true, true, true, true};
+inline constexpr UnstatedFilters all_unstated{true, true, true, true, true};
 
 /// Frame n is at floor(n 1e9 den / num) ns.
 struct FrameRate {

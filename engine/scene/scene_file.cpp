@@ -127,8 +127,8 @@ DepthLength read_length(const Node& node) {
 }
 
 void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unstated) {
-    node.allow_only(
-        {"median", "fill_holes", "terraces", "terrace_noise", "levels", "temporal", "temporal_noise"});
+    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise", "levels", "temporal",
+                     "temporal_noise", "flying_pixels"});
     if (node.has("median")) filter.median = node["median"].whole();
     if (node.has("fill_holes")) filter.fill_holes = node["fill_holes"].whole();
     if (node.has("terraces")) filter.terraces = node["terraces"].one_of(terrace_names);
@@ -136,7 +136,9 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     if (node.has("levels")) filter.levels = read_length(node["levels"]);
     if (node.has("temporal")) filter.temporal = node["temporal"].one_of(temporal_names);
     if (node.has("temporal_noise")) filter.temporal_noise = read_length(node["temporal_noise"]);
-    unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal")};
+    unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal"),
+                !node.has("flying_pixels")};
+    if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
 }
 
 FolderSource read_folder(const Node& node) {
@@ -242,6 +244,8 @@ OrderedJson write_filter(const Scene& scene) {
     if (!open.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
     if (filter.temporal_noise != DepthLength{})
         json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
+    if (!open.flying_pixels)
+        json["flying_pixels"] = {filter.flying_pixels.constant, filter.flying_pixels.quadratic};
     return json;
 }
 

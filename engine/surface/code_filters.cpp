@@ -2,6 +2,7 @@
 
 #include <cassert>
 
+#include "engine/surface/flying_pixels.hpp"
 #include "engine/surface/hole_filling.hpp"
 #include "engine/surface/median.hpp"
 #include "engine/surface/temporal_filter.hpp"
@@ -12,10 +13,15 @@ namespace {
 
 /// Of the filters so far: lines until one makes bands of them.
 struct FilterStack {
+    const DepthCoding& stored;
     const VectorUnit unit;
     std::unique_ptr<LineSource> lines;
     std::unique_ptr<BandSource> bands;
 
+    void add(const FlyingPixels& filter) {
+        assert(lines);
+        lines = std::make_unique<FlyingPixelLander>(std::move(lines), filter, stored);
+    }
     void add(const HoleFilling& filling) {
         assert(lines);
         lines = std::make_unique<HoleFiller>(std::move(lines), filling.passes);
@@ -38,7 +44,7 @@ struct FilterStack {
 }  // namespace
 
 std::unique_ptr<BandSource> make_code_filters(const FilterPlan& plan, VectorUnit unit) {
-    FilterStack stack{unit, std::make_unique<StoredLines>(plan.stored, unit), nullptr};
+    FilterStack stack{plan.stored, unit, std::make_unique<StoredLines>(plan.stored, unit), nullptr};
     for (const PlannedFilter& planned : plan.filters)
         std::visit([&](const auto& filter) { stack.add(filter); }, planned.filter);
     return stack.take_bands();

@@ -7,6 +7,7 @@ namespace touchable {
 FilterPlan::FilterPlan(const Scene& scene) : stored(scene.depth) {
     const FilterSettings& asked = scene.filter;
     assert(asked.median == 0 || asked.median == 3 || asked.median == 5);
+    if (const auto filter = flying_pixels(scene)) filters.push_back({*filter, flying_reach, coding()});
     if (asked.fill_holes > 0) filters.push_back({HoleFilling{asked.fill_holes}, asked.fill_holes, coding()});
     if (asked.median > 0) filters.push_back({MedianWindow{asked.median}, asked.median / 2, coding()});
     if (const auto filter = temporal_filter(scene))

@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/scene/flying_pixels.hpp"
 #include "engine/scene/temporal.hpp"
 #include "engine/scene/terraces.hpp"
 
@@ -21,7 +22,7 @@ struct MedianWindow {
 };
 
 /// Every builder has an overload for each, so that none of them can miss a new one.
-using Filter = std::variant<HoleFilling, MedianWindow, TemporalFilter, TerraceFilter>;
+using Filter = std::variant<FlyingPixels, HoleFilling, MedianWindow, TemporalFilter, TerraceFilter>;
 
 struct PlannedFilter {
     Filter filter;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/surface/flying_pixels.hpp"
 #include "engine/surface/hole_filling.hpp"
 #include "engine/surface/lower_median.hpp"
 #include "engine/surface/median_columns.hpp"
@@ -16,11 +17,25 @@ namespace {
 constexpr int largest_radius = 2, most_passes = 16;
 constexpr int largest_side = 2 * (largest_radius + most_passes) + 1;
 
+/// The stored code of a pixel, valid or not, that does not fly; `flying` null: whether it does or not.
+std::uint16_t landed_code(const PlaneView& depth, const DepthCoding& coding, const FlyingPixels* flying,
+                          int x, int y) {
+    const std::uint16_t stored = stored_code(depth, coding, x, y);
+    if (!flying || !coding.is_valid(stored)) return stored;
+    const auto at = [&](int dx, int dy) {
+        if (x + dx < 0 || x + dx >= depth.width || y + dy < 0 || y + dy >= depth.height) return -1;
+        const std::uint16_t code = stored_code(depth, coding, x + dx, y + dy);
+        return coding.is_valid(code) ? int{code} : -1;
+    };
+    return landed(at, flying->gate_at(stored));
+}
+
 /// The pixels around one that its filtered value depends on, on the stack.
 class Neighbourhood {
 public:
-    Neighbourhood(const SurfaceFrame& frame, const DepthCoding& coding, int x, int y)
-        : frame_(frame), coding_(coding), x_(x), y_(y) {}
+    Neighbourhood(const SurfaceFrame& frame, const DepthCoding& coding, const FlyingPixels* flying, int x,
+                  int y)
+        : frame_(frame), coding_(coding), flying_(flying), x_(x), y_(y) {}
 
     /// Decodes the pixels at most `reach` away. False where one of them is invalid.
     bool load(int reach) {
@@ -28,7 +43,7 @@ public:
         bool all_valid = true;
         for (int y = top_; y <= bottom_; ++y)
             for (int x = left_; x <= right_; ++x) {
-                const std::uint16_t code = stored_code(frame_.raw.depth, coding_, x, y);
+                const std::uint16_t code = landed_code(frame_.raw.depth, coding_, flying_, x, y);
                 const bool valid = coding_.is_valid(code);
                 codes_[index(x, y)] = code;
                 valid_since_[index(x, y)] = valid ? 0 : never;
@@ -89,6 +104,7 @@ private:
 
     const SurfaceFrame& frame_;
     const DepthCoding& coding_;
+    const FlyingPixels* flying_;
     int x_, y_;
     int left_ = 0, top_ = 0, right_ = 0, bottom_ = 0;  // what is loaded
     std::uint16_t codes_[largest_side * largest_side];
@@ -166,12 +182,13 @@ TileBounds unpacked(std::uint64_t word) {
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 static_assert(std::atomic<std::uint16_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-static_assert(std::variant_size_v<Filter> == 4, "a new filter has to be done here too, or refused");
+static_assert(std::variant_size_v<Filter> == 5, "a new filter has to be done here too, or refused");
 
 LazyVertices::LazyVertices(const SurfaceFrame& frame, const FilterPlan& plan)
     : frame_(frame),
       plan_(plan),
       stored_(plan_.stored),
+      flying_(plan_.find<FlyingPixels>()),
       passes_(plan_.find<HoleFilling>() ? plan_.find<HoleFilling>()->passes : 0),
       radius_(plan_.find<MedianWindow>() ? plan_.find<MedianWindow>()->side / 2 : 0),
       terraces_(plan_.find<TerraceFilter>()) {
@@ -198,16 +215,16 @@ DepthSample LazyVertices::at(int x, int y) const {
 }
 
 std::optional<std::uint16_t> LazyVertices::filtered_code(int x, int y) const {
-    const std::uint16_t stored = stored_code(frame_.raw.depth, stored_, x, y);
+    const std::uint16_t stored = landed_code(frame_.raw.depth, stored_, flying_, x, y);
     const bool stored_valid = stored_.is_valid(stored);
     if (!stored_valid && passes_ == 0) return std::nullopt;
     if (stored_valid && radius_ == 0) return stored;
-    if (stored_valid && stored_.kind != DepthCodingKind::hue) {
+    if (stored_valid && stored_.kind != DepthCodingKind::hue && !flying_) {
         const auto median = radius_ == 1 ? median_of_clean_window<3>(frame_.raw.depth, stored_, x, y)
                                          : median_of_clean_window<5>(frame_.raw.depth, stored_, x, y);
         if (median) return median;
     }
-    Neighbourhood around(frame_, stored_, x, y);
+    Neighbourhood around(frame_, stored_, flying_, x, y);
     if (!around.load(radius_) && passes_ > 0) {
         around.load(radius_ + passes_);
         around.fill_holes(passes_, radius_);
@@ -218,7 +235,7 @@ std::optional<std::uint16_t> LazyVertices::filtered_code(int x, int y) const {
 
 /// `filtered_code`, kept where that is work.
 std::optional<std::uint16_t> LazyVertices::recent_code(int x, int y) const {
-    if (radius_ == 0 && passes_ == 0) return filtered_code(x, y);
+    if (radius_ == 0 && passes_ == 0 && !flying_) return filtered_code(x, y);
     constexpr std::uint64_t is_valid = 1U << 16;
     const std::uint64_t place = (static_cast<std::uint64_t>(y) + 1) << 40 | static_cast<std::uint64_t>(x)
                                                                                 << 17;
@@ -275,10 +292,10 @@ TileDepths LazyVertices::tile(int tx, int ty) const {
     return depths_of(unpacked(word), frame_.coding);
 }
 
-// A median and a filled hole are codes of pixels within reach, so no filtered code of the tile is missed.
-// Filling may leave fewer invalid pixels than are stored, never more.
+// A landed pixel, a median and a filled hole are codes of pixels within reach, so no filtered code of the
+// tile is missed. Filling may leave fewer invalid pixels than are stored, never more.
 TileBounds LazyVertices::raw_bounds(int tx, int ty) const {
-    const int reach = radius_ + passes_;
+    const int reach = radius_ + passes_ + (flying_ ? flying_reach : 0);
     const int left = tx * TileGrid::cells, right = std::min(left + TileGrid::cells, frame_.width - 1);
     const int top = ty * TileGrid::cells, bottom = std::min(top + TileGrid::cells, frame_.height - 1);
     const int from_x = std::max(left - reach, 0), to_x = std::min(right + reach, frame_.width - 1);

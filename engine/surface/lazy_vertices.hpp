@@ -39,6 +39,7 @@ private:
     const SurfaceFrame& frame_;
     const FilterPlan plan_;
     const DepthCoding& stored_;
+    const FlyingPixels* flying_;     // null: no filter
     const int passes_, radius_;      // of hole filling; of the median
     const TerraceFilter* terraces_;  // null: no filter
     // Bounds of a tile, packed into one word so that readers never see half of them; 0: not yet computed.

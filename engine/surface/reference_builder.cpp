@@ -72,6 +72,41 @@ Picture median_filtered(const Picture& before, int side) {
     return after;
 }
 
+/// Of three pixels in a row to one side, the second, where the last two are one surface; -1: no such side.
+int side_of(const Picture& picture, int x, int y, int dx, int dy, int gate) {
+    for (int n = 1; n <= 3; ++n)
+        if (!picture.inside(x + n * dx, y + n * dy) || !picture.at(x + n * dx, y + n * dy).valid) return -1;
+    const int second = picture.at(x + 2 * dx, y + 2 * dy).code,
+              third = picture.at(x + 3 * dx, y + 3 * dy).code;
+    return std::abs(second - third) <= gate ? second : -1;
+}
+
+/// A pixel far from the surfaces on both sides of a line, and between them, becomes the nearer one.
+Picture flying_pixels_landed(const Picture& before, const FlyingPixels& filter) {
+    Picture after = before;
+    for (int y = 0; y < before.height; ++y)
+        for (int x = 0; x < before.width; ++x) {
+            if (!before.at(x, y).valid) continue;
+            const int code = before.at(x, y).code, gate = filter.gate_at(before.at(x, y).code);
+            std::vector<std::pair<int, int>> sides;  // distance and code
+            for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
+                const int a = side_of(before, x, y, -dx, -dy, gate), b = side_of(before, x, y, dx, dy, gate);
+                if (a < 0 || b < 0) continue;
+                const bool one_with_neighbours = std::abs(before.at(x - dx, y - dy).code - code) <= gate &&
+                                                 std::abs(before.at(x + dx, y + dy).code - code) <= gate;
+                const bool between = (a < code) != (b < code);  // and far from both, so neither
+                const bool far = std::abs(a - code) > 2 * gate && std::abs(b - code) > 2 * gate;
+                if (one_with_neighbours || !between || !far) continue;
+                sides.emplace_back(std::abs(a - code), a);
+                sides.emplace_back(std::abs(b - code), b);
+            }
+            if (!sides.empty())
+                after.at(x, y).code =
+                    static_cast<std::uint16_t>(std::min_element(sides.begin(), sides.end())->second);
+        }
+    return after;
+}
+
 /// 0 where either tap is outside the picture or invalid.
 int second_difference(const Picture& picture, int x, int y, int dx, int dy) {
     if (!picture.inside(x + dx, y + dy) || !picture.inside(x - dx, y - dy)) return 0;
@@ -187,6 +222,9 @@ public:
     }
 
 private:
+    static Picture filtered(Picture picture, const FlyingPixels& filter, std::int64_t) {
+        return flying_pixels_landed(picture, filter);
+    }
     static Picture filtered(Picture picture, const HoleFilling& filling, std::int64_t) {
         for (int pass = 0; pass < filling.passes; ++pass) picture = holes_filled_once(picture);
         return picture;

@@ -7,6 +7,7 @@
 #include "engine/scene/terraces.hpp"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
+#include "shaders/flying_pixels.spv.h"
 #include "shaders/hue_codes.spv.h"
 #include "shaders/median3.spv.h"
 #include "shaders/median5.spv.h"
@@ -88,6 +89,12 @@ Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, 
                                                  is_last ? 1U : 0U, has_levels ? 1U : 0U};
     return made(terraces_[constants], "terraces", terraces_spv,
                 {sizeof(TerracesPush), {texels, texels, buffer}, {group_size, 1, 1}}, constants);
+}
+
+Result<GpuProgram> SurfaceKernels::flying_pixels(std::uint32_t sample_bytes) {
+    const std::array<std::uint32_t, 1> constants{sample_bytes};
+    return made(flying_pixels_[sample_bytes - 1], "flying_pixels", flying_pixels_spv,
+                {sizeof(FlyingPixelsPush), {texels, buffer}, {flying_pixels_group, 1, 1}}, constants);
 }
 
 Result<GpuProgram> SurfaceKernels::temporal() {

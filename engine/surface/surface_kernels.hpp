@@ -40,6 +40,8 @@ public:
     /// One pass of terrace removal, its taps `step` pixels away; `has_levels`: gates differ from code to
     /// code.
     Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last, bool has_levels);
+    /// `sample_bytes`: of a stored value, 1 or 2.
+    Result<GpuProgram> flying_pixels(std::uint32_t sample_bytes);
     Result<GpuProgram> temporal();
     Result<GpuProgram> tile_bounds();
     Result<GpuProgram> hue_codes();
@@ -53,6 +55,7 @@ private:
     std::shared_ptr<GpuDevice> device_;
     std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
     std::map<std::array<std::uint32_t, 4>, GpuProgram> terraces_;
+    GpuProgram flying_pixels_[2];
     GpuProgram temporal_, tile_bounds_, hue_codes_;
 };
 

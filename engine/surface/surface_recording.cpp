@@ -85,11 +85,12 @@ Result<void> SurfaceRecording::make_buffers() {
     const std::size_t codes_bytes = std::size_t{16} * pitch_ * height_;
     const HoleFilling* filling = filters_.find<HoleFilling>();
     const bool fills = filling != nullptr, levels = filters_.find<TerraceFilter>() != nullptr,
-               smooths = filters_.find<TemporalFilter>() != nullptr;
+               smooths = filters_.find<TemporalFilter>() != nullptr,
+               lands = filters_.find<FlyingPixels>() != nullptr;
     const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
         {parts_, "parts of bounds", std::size_t{strips_} * groups_for(width_, 32) * tile_pair_bytes},
-        {between_[0], "codes between stages", is_hue() || fills || levels ? codes_bytes : 0},
-        {between_[1], "codes between passes", fills || levels ? codes_bytes : 0},
+        {between_[0], "codes between stages", is_hue() || fills || levels || lands ? codes_bytes : 0},
+        {between_[1], "codes between passes", fills || levels || (is_hue() && lands) ? codes_bytes : 0},
         {finer_, "finer codes", levels || smooths ? codes_bytes : 0},
         {remembered_[0], "codes remembered", smooths ? codes_bytes : 0},
         {remembered_[1], "codes remembered before", smooths ? codes_bytes : 0},
@@ -247,6 +248,20 @@ Result<void> SurfaceRecording::record_hue(Frame& frame) {
 
 /// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
 /// second: what the first one reads is not in these buffers.
+Result<void> SurfaceRecording::record(const FlyingPixels& filter, Frame& frame) {
+    StoredRows& rows = frame.rows;
+    const auto program = kernels_->flying_pixels(rows.sample_bytes);
+    if (!program.ok()) return program.error();
+    const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
+    const FlyingPixelsPush push{width_, height_, rows.pitch, pitch_, pushed(filter.gate), rows.valid};
+    frame.commands.dispatch(*program, push, {rows.buffer, to},
+                            {groups_for(pitch_, flying_pixels_group), height_});
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark("flying pixels");
+    rows = {to, 2, pitch_, valid_};
+    return {};
+}
+
 Result<void> SurfaceRecording::record(const HoleFilling& filling, Frame& frame) {
     StoredRows& rows = frame.rows;
     if (!rows.may_be_invalid()) return {};

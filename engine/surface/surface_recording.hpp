@@ -51,6 +51,7 @@ private:
     StripPush push_for(const StoredRows& rows, std::uint32_t listed) const;
     Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows, bool to_finer = false);
     Result<void> record_hue(Frame& frame);
+    Result<void> record(const FlyingPixels& filter, Frame& frame);
     Result<void> record(const HoleFilling& filling, Frame& frame);
     Result<void> record(const MedianWindow& window, Frame& frame);
     Result<void> record(const TemporalFilter& filter, Frame& frame);

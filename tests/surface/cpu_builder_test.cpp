@@ -13,7 +13,7 @@ StoredPlane plane_of(const Scene& scene, Fill fill, std::uint64_t seed, const La
 }
 
 TEST(CpuBuilder, GivesTheSameBitsWithAnyVectorsAndThreads) {
-    for (const FilterSettings filter :
+    for (const FilterSettings& filter :
          {FilterSettings{0, 0}, {0, 2}, {3, 0}, {3, 3}, {5, 0}, {5, 1}, {3, 1, TerraceRemoval::on}})
         for (const Fill fill : {Fill::random, Fill::few_holes, Fill::half_holes, Fill::single_invalid})
             for (const Marking marking : {Marking::zero, Marking::largest}) {

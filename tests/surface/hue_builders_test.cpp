@@ -92,7 +92,8 @@ void expect_the_same_bits(const Scene& scene, const PlaneView& depth) {
 TEST(HueBuilders, GiveTheSameBits) {
     Random random(31);
     for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {32, 8}, {33, 17}, {97, 50}})
-        for (const FilterSettings filter : {FilterSettings{0, 0}, {3, 0}, {5, 2}, {0, 1, TerraceRemoval::on}})
+        for (const FilterSettings& filter :
+             {FilterSettings{0, 0}, {3, 0}, {5, 2}, {0, 1, TerraceRemoval::on}})
             for (const bool bottom_up : {false, true}) {
                 SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
                 const std::ptrdiff_t stride = 3 * width + 5;
@@ -131,7 +132,7 @@ TEST(HueBuilders, GiveTheSameBitsOfARealClip) {
     auto frame = (*clip)->next();
     ASSERT_TRUE(frame.ok() && *frame);
     Scene scene = (*clip)->scene();
-    for (const FilterSettings filter : {FilterSettings{0, 0}, {3, 1}, scene.filter}) {
+    for (const FilterSettings& filter : {FilterSettings{0, 0}, {3, 1}, scene.filter}) {
         scene.filter = filter;
         expect_the_same_bits(scene, (*frame)->depth);
     }

@@ -175,6 +175,11 @@ std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& r
                     code = codes[static_cast<std::size_t>((x * 3 + y * 5 + random.below(7)) % count)];
                     hole = 16 * (dx * dx + dy * dy) < width * width + height * height;
                     break;
+                case Fill::silhouettes:
+                    if (!share(12))
+                        code = codes[static_cast<std::size_t>((x / 7 * 5 + y / 6 * 3) % 4) * (count - 1) / 3];
+                    hole = share(1);
+                    break;
             }
             values.push_back(hole ? invalid_value(scene, random) : code);
         }

@@ -63,9 +63,10 @@ enum class Fill {
     few_holes,
     half_holes,
     many_holes,
-    blob,  ///< one large hole in a noisy slope
+    blob,         ///< one large hole in a noisy slope
+    silhouettes,  ///< flat patches of a few depths, and pixels in between
 };
-inline constexpr int fill_count = static_cast<int>(Fill::blob) + 1;
+inline constexpr int fill_count = static_cast<int>(Fill::silhouettes) + 1;
 
 std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& random);
 /// That picture of the seed, stored without awkwardness.

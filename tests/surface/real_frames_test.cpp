@@ -45,7 +45,7 @@ TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
 
     SurfaceFrame unfiltered, reference, cpu, lazy, vulkan;
     ASSERT_TRUE(make_reference_builder(scene)->build(raw, unfiltered));
-    for (const FilterSettings filter : {FilterSettings{0, 0}, {3, 0}, {5, 2}}) {
+    for (const FilterSettings& filter : {FilterSettings{0, 0}, {3, 0}, {5, 2}}) {
         SCOPED_TRACE("median " + std::to_string(filter.median) + ", fill_holes " +
                      std::to_string(filter.fill_holes));
         scene.filter = filter;

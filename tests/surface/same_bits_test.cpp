@@ -113,7 +113,8 @@ protected:
         EXPECT_GT(seen_.tiles_without, 0);
         EXPECT_GT(seen_.narrow_tiles, 0);  // a lazy tile that just answers "anything" would enclose too
         EXPECT_EQ(seen_.filled > 0, filter.fill_holes > 0);
-        EXPECT_EQ(seen_.smoothed > 0, filter.median > 0 || filter.terraces == TerraceRemoval::on);
+        EXPECT_EQ(seen_.smoothed > 0, filter.median > 0 || filter.terraces == TerraceRemoval::on ||
+                                          filter.flying_pixels != DepthLength{});
         EXPECT_EQ(seen_.finer > 0, filter.terraces == TerraceRemoval::on);
     }
 
@@ -182,13 +183,17 @@ std::vector<FilterSettings> all_filters() {
     filters.push_back({0, 2, TerraceRemoval::on, 4});
     filters.push_back({0, 0, TerraceRemoval::on, 0, {0, 4e-6}});
     filters.push_back({3, 3, TerraceRemoval::on, 0.25, {20, 1e-5}});
+    filters.push_back({.flying_pixels = {0, 2e-6}});
+    filters.push_back({.median = 3, .fill_holes = 2, .flying_pixels = {3, 1e-6}});
+    filters.push_back({.median = 5, .terraces = TerraceRemoval::on, .flying_pixels = {0.5, 0}});
     return filters;
 }
 
 INSTANTIATE_TEST_SUITE_P(Filters, SameBitsWithFilter, testing::ValuesIn(all_filters()), [](const auto& test) {
     return "Median" + std::to_string(test.param.median) + "Fill" + std::to_string(test.param.fill_holes) +
            (test.param.terraces == TerraceRemoval::on ? "Terraces" : "") +
-           (test.param.levels != DepthLength{} ? "Levels" : "");
+           (test.param.levels != DepthLength{} ? "Levels" : "") +
+           (test.param.flying_pixels != DepthLength{} ? "Flying" : "");
 });
 
 TEST_F(SameBits, WithTheMostPassesOfHoleFilling) {

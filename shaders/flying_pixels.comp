@@ -1,0 +1,80 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+
+// Pixels that hang between two surfaces are pulled to one (docs/conventions.md): a lane per texel of eight. Invalid codes stay as
+// they are stored.
+
+#include "shaders/surface_codes.h"
+#include "shaders/texels.h"
+#include "shaders/code_curve.h"
+
+layout(local_size_x = flying_pixels_group) in;
+layout(constant_id = 0) const uint sample_bytes = 2u;
+layout(push_constant, std430) uniform Push { FlyingPixelsPush push; };
+layout(set = 0, binding = 0) uniform utextureBuffer stored_texels;
+layout(set = 0, binding = 1, std430) writeonly buffer Codes { u64vec2 out_codes[]; };
+
+const int reach = 3;
+const int none = -1;
+
+/// A code, or `none` where it is invalid or outside the picture.
+int code_at(int x, int y) {
+    const int there_x = clamp(x, 0, int(push.width) - 1), there_y = clamp(y, 0, int(push.height) - 1);
+    const int per_texel = sample_bytes == 1u ? 16 : 8, per_word = per_texel / 4;
+    const uint word = texelFetch(stored_texels, there_y * int(push.in_pitch) + there_x / per_texel)[there_x / per_word % 4];
+    const uint code = sample_bytes == 1u ? bitfieldExtract(word, 8 * (there_x % 4), 8) : bitfieldExtract(word, 16 * (there_x % 2), 16);
+    const bool valid = there_x == x && there_y == y && code_is_in_range(code, push.valid) && !code_is_excluded(code, push.valid);
+    return valid ? int(code) : none;
+}
+
+/// Takes in the two sides of a line, where a pixel hangs between them.
+void judge(int code, int gate, int x, int y, int dx, int dy, inout int landed, inout int least) {
+    const int next_a = code_at(x - dx, y - dy), next_b = code_at(x + dx, y + dy);
+    if (next_a < 0 || next_b < 0 || max(abs(code - next_a), abs(code - next_b)) <= gate) return;
+    const int a = code_at(x - 2 * dx, y - 2 * dy), beyond_a = code_at(x - 3 * dx, y - 3 * dy);
+    const int b = code_at(x + 2 * dx, y + 2 * dy), beyond_b = code_at(x + 3 * dx, y + 3 * dy);
+    if (min(min(a, b), min(beyond_a, beyond_b)) < 0) return;
+    if (max(abs(a - beyond_a), abs(b - beyond_b)) > gate) return;
+    const int low = min(a, b), high = max(a, b);
+    if (code - low <= 2 * gate || high - code <= 2 * gate) return;
+    if (code - low < least || (code - low == least && low < landed)) {
+        landed = low;
+        least = code - low;
+    }
+    if (high - code < least || (high - code == least && high < landed)) {
+        landed = high;
+        least = high - code;
+    }
+}
+
+uint landed_code(int x, int y, uint stored) {
+    const int code = int(stored), gate = int(max(curve_at(push.gate, stored), 1u));
+    int landed = code, least = 65536;
+    judge(code, gate, x, y, 1, 0, landed, least);
+    judge(code, gate, x, y, 0, 1, landed, least);
+    judge(code, gate, x, y, 1, 1, landed, least);
+    judge(code, gate, x, y, 1, -1, landed, least);
+    return uint(landed);
+}
+
+void main() {
+    const uint texel = gl_GlobalInvocationID.x, y = gl_GlobalInvocationID.y;
+    if (texel >= push.out_pitch) return;
+    const uint row = y * push.in_pitch;
+    uint codes[8];
+    if (sample_bytes == 1u) {
+        const uvec4 bytes = texelFetch(stored_texels, int(row + (texel >> 1)));
+        const uvec2 words = (texel & 1u) == 0u ? bytes.xy : bytes.zw;
+        [[unroll]] for (int k = 0; k < 8; ++k) codes[k] = bitfieldExtract(words[k / 4], 8 * (k % 4), 8);
+    } else {
+        codes = unpacked_halves(texelFetch(stored_texels, int(row + texel))).v;
+    }
+    for (int k = 0; k < 8; ++k) {
+        const uint x = 8u * texel + uint(k);
+        const bool valid = code_is_in_range(codes[k], push.valid) && !code_is_excluded(codes[k], push.valid);
+        if (x < push.width && valid) codes[k] = landed_code(int(x), int(y), codes[k]);
+    }
+    out_codes[y * push.out_pitch + texel] = packed(codes);
+}

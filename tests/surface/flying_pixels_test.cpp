@@ -1,0 +1,91 @@
+// Pixels that hang between two surfaces are pulled to one of them; slopes, steps and thin things stay.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/surface/surface_builder.hpp"
+#include "tests/surface/pictures.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int side = 24;
+
+/// Codes are millimetres; those that differ by 10 or less belong to one surface.
+std::vector<std::uint16_t> landed_picture(const std::function<int(int x, int y)>& code) {
+    Scene scene = depth_scene(side, side, 12, Marking::range_and_few, {.flying_pixels = {10, 0}});
+    std::vector<std::uint16_t> stored;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) stored.push_back(static_cast<std::uint16_t>(code(x, y)));
+    const StoredPlane plane = store_plane(side, side, stored, {});
+    SurfaceFrame frame;
+    EXPECT_TRUE(make_cpu_builder(scene)->build(plane.frame(), frame).ok());
+    return {frame.codes.begin(), frame.codes.end()};
+}
+
+std::string changes(const std::function<int(int x, int y)>& code) {
+    const auto picture = landed_picture(code);
+    std::string words;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const int is = picture[static_cast<std::size_t>(y * side + x)];
+            if (is != code(x, y))
+                words += std::to_string(x) + "," + std::to_string(y) + ": " + std::to_string(code(x, y)) +
+                         " to " + std::to_string(is) + "; ";
+        }
+    return words;
+}
+
+TEST(FlyingPixels, OneOrTwoBetweenTwoSurfacesGoToTheNearerOne) {
+    for (const bool down : {false, true})
+        for (const int wide : {1, 2})
+            for (const auto& [flying, landed] :
+                 {std::pair{1000, 900}, {1099, 900}, {1101, 1300}, {1270, 1300}}) {
+                const auto picture = landed_picture([&](int x, int y) {
+                    const int along = down ? y : x;
+                    return along < 12 ? 900 : along < 12 + wide ? flying : 1300;
+                });
+                for (int k = 0; k < side; ++k)
+                    for (int n = 0; n < side; ++n) {
+                        const int along = down ? n : k;
+                        const int expected = along < 12 ? 900 : along < 12 + wide ? landed : 1300;
+                        ASSERT_EQ(picture[static_cast<std::size_t>(n * side + k)], expected)
+                            << k << ", " << n;
+                    }
+            }
+}
+
+TEST(FlyingPixels, HalfWayTheLowerCodeWins) {
+    const auto picture = landed_picture([](int x, int) { return x < 12 ? 900 : x == 12 ? 1000 : 1100; });
+    EXPECT_EQ(picture[12], 900);
+}
+
+TEST(FlyingPixels, WhatBelongsToASurfaceStays) {
+    EXPECT_EQ(changes([](int x, int) { return 600 + 40 * x; }), "") << "a steep slope";
+    EXPECT_EQ(changes([](int x, int y) { return 600 + 9 * x + 9 * y; }), "") << "a slope";
+    EXPECT_EQ(changes([](int x, int) { return x < 12 ? 900 : 1300; }), "") << "a silhouette";
+    EXPECT_EQ(changes([](int x, int) { return x < 12 ? 900 : 920; }), "") << "a small step";
+    EXPECT_EQ(changes([](int x, int) { return 600 + 100 * (x / 3); }), "") << "stairs three pixels wide";
+    EXPECT_EQ(changes([](int x, int y) { return x >= 10 && x < 15 && y > 4 ? 900 : 1300; }), "") << "a pen";
+    EXPECT_EQ(changes([](int x, int y) { return x == 12 && y > 4 ? 900 : 1300; }), "")
+        << "a wire in front of a wall";
+    EXPECT_EQ(changes([](int x, int y) { return x == 12 && y == 12 ? 900 : 1300; }), "") << "a speck";
+}
+
+TEST(FlyingPixels, ANeighbourWithoutDepthLeavesItToOtherLines) {
+    // A hole on the line across leaves the two diagonals.
+    const auto code = [](int x, int y) {
+        if (x == 10 && y == 12) return 0;
+        return x < 12 ? 900 : x == 12 ? 1000 : 1300;
+    };
+    EXPECT_EQ(landed_picture(code)[12 * side + 12], 900);
+    EXPECT_EQ(changes([](int x, int) {
+                  return x == 11 || x == 13 ? 0 : x < 12 ? 900 : x == 12 ? 1000 : 1300;
+              }),
+              "");
+}
+
+}  // namespace
+}  // namespace touchable::test
