@@ -13,7 +13,8 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", or "" for a count
+    std::string_view
+        unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", "px", or "" for a count
 };
 using Figures = std::vector<Figure>;
 
@@ -44,7 +45,9 @@ struct BenchSuite {
 std::vector<BenchCase> touch_cases(bool quick);
 std::vector<BenchCase> surface_cases(bool quick);
 std::vector<BenchCase> loop_cases(bool quick);
-/// Prints the table of the suite's targets; missing one is no error here.
+/// Print the table of the suite's targets, of touch those of real cameras' depth; missing one is no error
+/// here.
+Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
 /// Those of the suites touch and surface that targets stand on; tables of both, and an error where one is
 /// missed.

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
+#include "engine/content/random.hpp"
 #include "engine/frame/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -21,6 +23,11 @@ double ball_and_wall(double x, double y, double t);
 /// Standard deviation at a depth: 1.2 + 1.9 (z - 0.4)^2 mm, z in metres (Kinect of the first kind; Khoshelham
 /// and Elberink 2012).
 double camera_noise(double depth);
+/// Of variance 1, about a mean of 0: the sum of 12 uniform numbers, which is normal enough.
+double normal_number(SplitMix64& random);
+/// width x height numbers of variance 1, row-major, each made of four that its neighbours take part in too:
+/// those beside each other share half.
+std::vector<double> shared_noise(int width, int height, SplitMix64& random);
 /// Frame `number` of what the camera makes of a scene: noise that neighbours share half of, at silhouettes of
 /// more than 50 mm three pixels of ten anywhere between near and far, and twelve blobs without depth. The
 /// same bits everywhere.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/noisy_scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "engine/trigonometry.hpp"
@@ -80,34 +81,6 @@ Result<std::vector<Forces>> forces_at_rest(const Scene& scene, const std::vector
     return forces;
 }
 
-/// Mean square of a series from least_hz on: all of it, less that of the slower waves (Parseval), under a
-/// window of Hann's that hides where it begins and ends.
-double band_power(const std::vector<double>& series) {
-    const auto count = static_cast<double>(series.size());
-    double mean = 0;
-    for (const double value : series) mean += value / count;
-    std::vector<double> windowed;
-    double window_power = 0, power = 0;
-    for (std::size_t n = 0; n < series.size(); ++n) {
-        const double window = 0.5 - 0.5 * cosine(2 * pi * static_cast<double>(n) / count);
-        window_power += window * window;
-        windowed.push_back(window * (series[n] - mean));
-        power += windowed[n] * windowed[n];
-    }
-    for (int wave = 0; wave * tick_hz / count < least_hz; ++wave) {
-        double in = 0, out = 0;
-        for (std::size_t n = 0; n < series.size(); ++n) {
-            // The angle within one turn, whatever n.
-            const auto turns =
-                static_cast<double>(static_cast<std::size_t>(wave) * n % series.size()) / count;
-            in += windowed[n] * cosine(2 * pi * turns);
-            out += windowed[n] * sine(2 * pi * turns);
-        }
-        power -= (wave == 0 ? 1.0 : 2.0) * (in * in + out * out) / count;
-    }
-    return std::max(power, 0.0) / window_power;
-}
-
 double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
     return arctangent2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / pi;
 }
@@ -122,7 +95,7 @@ void add_rest(const std::vector<Forces>& fingers, Figures& figures) {
             for (int axis = 0; axis < 3; ++axis) parts[axis].push_back(forces[n][axis]);
             if (n > 0) greatest_step = std::max(greatest_step, glm::distance(forces[n], forces[n - 1]));
         }
-        for (const auto& part : parts) power += band_power(part);
+        for (const auto& part : parts) power += band_power(part, tick_hz, least_hz, tick_hz / 2);
         double squares = 0;
         for (const glm::dvec3& force : forces) squares += angle_deg(force, sum) * angle_deg(force, sum);
         angles += squares / static_cast<double>(forces.size());

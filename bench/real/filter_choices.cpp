@@ -1,0 +1,45 @@
+#include "bench/real/filter_choices.hpp"
+
+#include <algorithm>
+
+#include "engine/surface/depth_survey.hpp"
+
+namespace touchable {
+namespace {
+
+DepthLength levels_of(const std::vector<RawFrame>& first, const Scene& scene) {
+    DepthSurvey survey(scene);
+    const std::size_t looked_at = std::min<std::size_t>(first.size(), DepthSurvey::frames);
+    for (std::size_t n = 0; n < looked_at; ++n) survey.add(first[n]);
+    return survey.levels();
+}
+
+template <int median, bool temporal, bool terraces>
+Scene with_filters(const std::vector<RawFrame>& first, Scene scene) {
+    const DepthLength noise = scene.filter.temporal_noise;
+    scene.filter = {};
+    scene.filter.median = median;
+    scene.filter.temporal = temporal;
+    scene.filter.temporal_noise = noise;
+    if (terraces) {
+        scene.filter.terraces = TerraceRemoval::on;
+        scene.filter.levels = levels_of(first, scene);
+    }
+    return scene;
+}
+
+}  // namespace
+
+const std::vector<FilterChoice>& filter_choices() {
+    static const std::vector<FilterChoice> choices{{"none", with_filters<0, false, false>},
+                                                   {"m5", with_filters<5, false, false>},
+                                                   {"t", with_filters<0, false, true>},
+                                                   {"m3-t", with_filters<3, false, true>},
+                                                   {"m5-t", with_filters<5, false, true>},
+                                                   {"temporal-t", with_filters<0, true, true>},
+                                                   {"m3-temporal-t", with_filters<3, true, true>},
+                                                   {"m5-temporal-t", with_filters<5, true, true>}};
+    return choices;
+}
+
+}  // namespace touchable

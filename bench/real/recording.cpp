@@ -1,0 +1,76 @@
+#include "bench/real/recording.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "bench/real/built_frames.hpp"
+#include "bench/real/pressing.hpp"
+#include "engine/media/clip.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int patch_reach = 15;
+
+std::filesystem::path scene_file(const char* name) {
+    return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / name;
+}
+
+}  // namespace
+
+Recording cube_recording(const std::filesystem::path& data) {
+    // Stereo of 50 mm base and 384 pixels of focal length, 0.08 pixels of noise (sensor_models.hpp).
+    return {"cube",
+            data / "visp_cube_realsense",
+            scene_file("visp_cube_realsense.json"),
+            {0, 4.2e-6},
+            {0.3, 3e-6}};
+}
+
+Recording redwood_recording(const std::filesystem::path& data) {
+    // Levels are 2.95 z^2 mm apart; what is flat is within half a level of its plane.
+    return {"redwood", data / "stills/redwood5", scene_file("redwood5.json"), {0.6, 1.4e-6}, {0, 1.33e-6}};
+}
+
+Result<void> RecordingPatches::read(bool quick) {
+    auto reader = open_clip(recording_.clip, recording_.scene_file);
+    if (!reader.ok()) return reader.error();
+    Scene scene = (*reader)->scene();
+    scene.default_properties = {600, 0, 0};
+    scene.filter = {};
+    scene.filter.temporal_noise = recording_.noise;
+    double squares = 0, count = 0;
+    for (;;) {
+        auto raw = (*reader)->next();
+        if (!raw.ok()) return raw.error();
+        if (!*raw) break;
+        const DepthMap map = depths_of(**raw, scene);
+        planes_.push_back(flat_places(map, quick ? 32 : 16, patch_reach, recording_.flat));
+        for (const DepthPlane& plane : planes_.back()) {
+            const double error = standard_error_deg(map, plane, patch_reach);
+            squares += error * error;
+            ++count;
+        }
+        raws_.push_back(std::move(**raw));
+    }
+    if (!(count > 0)) return Error{ErrorKind::check, recording_.name + ": no flat patch"};
+    plane_error_deg_ = std::sqrt(squares / count);
+    scene_ = std::move(scene);
+    return {};
+}
+
+Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = read(quick); !done.ok()) return done;
+    const Scene scene = choice.of(raws_, *scene_);
+    const auto frames = built(scene, raws_);
+    if (!frames.ok()) return frames.error();
+    PressErrors errors;
+    for (std::size_t n = 0; n < frames->size(); ++n)
+        if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done.ok()) return done;
+    errors.report(figures);
+    figures.push_back({"plane_error_deg", plane_error_deg_, "deg"});
+    return measure_cost(scene, raws_, quick ? 10 : 50, figures);
+}
+
+}  // namespace touchable
