@@ -17,7 +17,7 @@ std::vector<Target> make_real_targets(const std::string& choice) {
             {"behind at 0.3 m/s, Kinect", {kinect}, "lag_mm", at_most(1.5, "mm")},
             {"CPU time of a frame, 640x480", {kinect}, "frame_cpu_ms", at_most(1.5, "ms")},
             {"relief of a pen of 5 pixels", edges, "pen_pct", {90, Sense::at_least, "%"}},
-            {"a step of 4 levels, from 10 to 90 %", edges, "step_px", at_most(1, "px")},
+            {"a step of 4 levels, one level off its sides", edges, "step_px", at_most(1, "px")},
             {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")}};
 }
 

@@ -64,22 +64,22 @@ double pen_pct(const EdgesScene& edges, const SurfaceFrame& frame) {
     return 100 * sum / (pen_right - pen_left - 2) / pen_levels;
 }
 
-/// Columns from where a tenth of the step is reached to where nine tenths are.
+/// Columns from where the surface is one level above the lower side to where it is one below the upper.
 double step_px(const EdgesScene& edges, const SurfaceFrame& frame) {
     const auto height = [&](int x) { return relief(edges, frame, x) / step_levels; };
     int high = step_left;
-    while (high + 1 < step_right && height(high) < 0.9) ++high;
+    while (high + 1 < step_right && height(high) < 0.75) ++high;
     int low = high - 1;
-    while (low > pen_right && height(low) > 0.1) --low;
+    while (low > pen_right && height(low) > 0.25) --low;
     const auto crossing = [&](int x, double share) {  // between columns x and x + 1
         const double here = height(x), next = height(x + 1);
         return x + std::clamp((share - here) / (next - here), 0.0, 1.0);
     };
-    return crossing(high - 1, 0.9) - crossing(low, 0.1);
+    return crossing(high - 1, 0.75) - crossing(low, 0.25);
 }
 
 /// Pixels more than one away from the box's silhouette, up to eight, that are on neither side: farther from
-/// both than two levels and five times the noise.
+/// both than three levels and five times the noise.
 double bleed_px(const EdgesScene& edges, const SurfaceFrame& frame, const SensorModel& model) {
     const auto near_silhouette = [](int x, int y, int reach) {
         const auto inside = EdgesScene::in_box(x, y);
@@ -96,7 +96,7 @@ double bleed_px(const EdgesScene& edges, const SurfaceFrame& frame, const Sensor
             const auto is_on = [&](double q) {
                 const double depth = 1 / q;
                 return shown.valid &&
-                       std::fabs(shown.depth - depth) <= 2 * model.level(depth) + 5 * model.sigma(depth);
+                       std::fabs(shown.depth - depth) <= 3 * model.level(depth) + 5 * model.sigma(depth);
             };
             pixels += !is_on(edges.wall(x, y)) && !is_on(edges.box(x, y));
         }

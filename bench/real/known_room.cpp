@@ -11,20 +11,21 @@
 namespace touchable {
 namespace {
 
-constexpr int touched_reach = 2, resting_reach = 4;
+constexpr int smooth_reach = 4;
 constexpr std::size_t resting_fingers = 48;
 constexpr int settled_frames = 8, resting_frames = 41;
 constexpr int approach_frames = 16;
 constexpr double approach_m_per_s = 0.3;
-/// Of the true depth: what is smooth enough to have a normal. Its codes are 0.2 mm.
-constexpr double smooth_share = 1e-4;
+/// Largest residual of what is smooth enough to have a normal. The stills have whole millimetres, which
+/// alone are 0.29 mm.
+constexpr double smooth_mm = 0.4;
 
-/// What has a normal; residuals are compared with a share of the depth, not with a polynomial of it.
-std::vector<DepthPlane> smooth_places(const DepthMap& truth, int step, int reach) {
-    std::vector<DepthPlane> places = flat_places(truth, step, reach, {1e-3 * truth.at(0, 0), 0});
-    std::erase_if(places,
-                  [](const DepthPlane& plane) { return plane.residual_mm * plane.at > smooth_share; });
-    return places;
+/// Where 9x9 pixels are smooth a depth becomes their plane's: no steps of whole millimetres are left there.
+DepthMap without_steps(const DepthMap& stored) {
+    DepthMap smooth = stored;
+    for (const DepthPlane& plane : flat_places(stored, 1, smooth_reach, {smooth_mm, 0}))
+        smooth.depths[smooth.index(plane.x, plane.y)] = 1 / plane.at;
+    return smooth;
 }
 
 /// True depths of a still of the room, from 1 on.
@@ -36,7 +37,7 @@ Result<DepthMap> truth_of(const std::filesystem::path& data, int still) {
         const auto raw = (*reader)->next();
         if (!raw.ok()) return raw.error();
         if (!*raw) return input_error("icl_nuim5: no still " + std::to_string(still));
-        if (n == still) return depths_of(**raw, (*reader)->scene());
+        if (n == still) return without_steps(depths_of(**raw, (*reader)->scene()));
     }
 }
 
@@ -64,6 +65,10 @@ struct MeanOff {
 
 }  // namespace
 
+std::vector<DepthPlane> KnownRoom::smooth_places(const DepthMap& truth, int step) const {
+    return flat_places(truth, step, smooth_reach, {smooth_mm * factor_, 0});
+}
+
 Result<void> KnownRoom::make(bool quick) {
     Scene scene;
     for (const int still : quick ? std::vector{2, 4} : std::vector{2, 1, 3, 4, 5}) {
@@ -71,12 +76,12 @@ Result<void> KnownRoom::make(bool quick) {
         if (!truth.ok()) return truth.error();
         Room room{scaled(std::move(truth).value(), factor_), {}, {}};
         scene = scene_of(model_, room.truth.width, room.truth.height, room.truth.camera);
-        room.smooth = smooth_places(room.truth, quick ? 16 : 8, touched_reach);
+        room.smooth = smooth_places(room.truth, quick ? 16 : 8);
         for (int n = 0; n < (rooms_.empty() ? resting_frames : settled_frames); ++n)
             room.stored.push_back(stored_frame(model_, scene, room.truth, n));
         rooms_.push_back(std::move(room));
     }
-    const std::vector<DepthPlane> places = smooth_places(rooms_[0].truth, 8, resting_reach);
+    const std::vector<DepthPlane> places = smooth_places(rooms_[0].truth, 8);
     if (places.size() < resting_fingers) return Error{ErrorKind::check, "icl_nuim5: nothing is smooth"};
     for (std::size_t k = 0; k < resting_fingers; ++k)
         resting_places_.push_back(places[k * places.size() / resting_fingers]);
@@ -90,7 +95,7 @@ Result<void> KnownRoom::make_approach() {
         auto truth = seen_from(rooms_[0].truth, 1000 * approach_m_per_s * seconds);
         if (!truth.ok()) return truth.error();
         approach_stored_.push_back(stored_frame(model_, *scene_, *truth, n));
-        std::vector<DepthPlane> smooth = smooth_places(*truth, 8, touched_reach);
+        std::vector<DepthPlane> smooth = smooth_places(*truth, 8);
         approach_.push_back({std::move(truth).value(), std::move(smooth)});
     }
     return {};

@@ -37,6 +37,7 @@ private:
         std::vector<DepthPlane> smooth;
     };
 
+    std::vector<DepthPlane> smooth_places(const DepthMap& truth, int step) const;
     Result<void> make(bool quick);
     Result<void> make_approach();
     Result<double> lag(const Scene& scene, const std::vector<SurfaceFrame>& at_rest) const;

@@ -17,7 +17,10 @@ struct Recording {
     std::string name;
     std::filesystem::path clip, scene_file;
     DepthLength noise;  ///< of a stored depth
-    DepthLength flat;   ///< a patch of 31x31 pixels whose residual is at most this is flat
+    /// A patch of 31x31 pixels is flat whose residual is at most this, and no farther than that. What the
+    /// camera's noise and levels make, so that a plane passes and a curved or creased face does not.
+    DepthLength flat;
+    double farthest_mm;
 };
 /// The cube of RealSense and the room of PrimeSense in a folder of recordings (docs/real-depth.md).
 Recording cube_recording(const std::filesystem::path& data);
@@ -28,8 +31,9 @@ class RecordingPatches {
 public:
     explicit RecordingPatches(Recording recording) : recording_(std::move(recording)) {}
     /// Appends what fingers feel with these filters against the planes of the stored depths, flat patches of
-    /// all frames on a grid of 16 pixels (`quick`: 32): see PressErrors; plane_error_deg, the planes' own
-    /// standard error, RMS; frame_cpu_ms and frame_ms.
+    /// all frames on a grid of 8 pixels (`quick`: 16): see PressErrors; plane_error_deg, the planes' own
+    /// standard error, RMS; frame_cpu_ms and frame_ms; depth_mm, the patches' mean depth; level_mm, the level
+    /// distance that was measured, at the patches' mean depth (0: every code is a level).
     Result<void> measure(const FilterChoice& choice, bool quick, Figures& figures);
 
 private:
@@ -40,6 +44,7 @@ private:
     std::vector<RawFrame> raws_;
     std::vector<std::vector<DepthPlane>> planes_;  // frame by frame
     double plane_error_deg_ = 0;
+    double depth_ = 0;  // of the patches, mean
 };
 
 }  // namespace touchable

@@ -12,7 +12,6 @@
 namespace touchable {
 namespace {
 
-constexpr double far_mm = 8000;
 /// Depths beside each other that differ by more than this share are a silhouette.
 constexpr double silhouette_share = 0.02;
 
@@ -70,6 +69,7 @@ double SensorModel::level(double depth) const {
 SensorModel kinect_v1() {
     SensorModel model;
     model.name = "kinect";
+    model.far_mm = 4500;
     model.disparity_step = 2.95e-6;
     model.axial_constant = 1.2;
     model.axial_quadratic = 1.9e-6;
@@ -83,6 +83,7 @@ SensorModel d435(double focal_length) {
     constexpr double base = 50;
     SensorModel model;
     model.name = "d435";
+    model.far_mm = 4000;
     model.disparity_step = 1 / (32 * base * focal_length);
     model.axial_quadratic = 0.08 / (base * focal_length);
     model.stated_noise = {0, model.axial_quadratic};
@@ -92,6 +93,7 @@ SensorModel d435(double focal_length) {
 SensorModel sr300() {
     SensorModel model;
     model.name = "sr300";
+    model.far_mm = 2000;
     model.code_mm = 0.125;
     model.axial_constant = 1;
     model.axial_quadratic = 1e-6;
@@ -115,7 +117,7 @@ Scene scene_of(const SensorModel& model, int width, int height, const Camera& ca
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.semantics = DepthSemantics::planar;
     scene.depth.scale = model.code_mm;
-    scene.depth.far = far_mm;
+    scene.depth.far = model.far_mm;
     scene.depth.code_max = 65535;
     derive_valid_range(scene.depth);
     scene.default_properties = {600, 0, 0};

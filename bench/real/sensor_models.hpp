@@ -13,6 +13,7 @@ namespace touchable {
 struct SensorModel {
     std::string name;
     double code_mm = 1;          ///< of a stored code
+    double far_mm = 0;           ///< deeper things have no depth
     double disparity_step = 0;   ///< levels are even steps of 1 / depth, 1/mm; 0: every code is one
     double axial_constant = 0;   ///< standard deviation of a depth z: this
     double axial_quadratic = 0;  ///< + this (z - axial_from)^2
@@ -29,7 +30,7 @@ struct SensorModel {
 
 /// Kinect of the first kind. Axial noise 1.2 + 1.9 (z - 0.4)^2 mm, z in metres, and 0.8 pixels at
 /// silhouettes: Nguyen, Izadi and Lovell 2012. Levels: even steps of disparity, 2.95 z^2 mm apart, which are
-/// the 2.73 z^2 + 0.74 z - 0.58 mm of Smisek, Jancosek and Pajdla 2011 to 3 % from 0.8 to 4 m. Millimetres.
+/// the 2.73 z^2 + 0.74 z - 0.58 mm of Smisek, Jancosek and Pajdla 2011 to 3 % from 1 to 4 m. Millimetres.
 SensorModel kinect_v1();
 /// Stereo with a base of 50 mm: disparity has a standard deviation of 0.08 pixels (Grunnet-Jepsen, Sweetser
 /// and Woodfill 2018) and steps of 1/32 pixel (Grunnet-Jepsen, Sweetser, Khuong, Tong and Woodfill 2019).
