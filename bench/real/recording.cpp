@@ -23,7 +23,7 @@ Recording cube_recording(const std::filesystem::path& data) {
     // Stereo of 50 mm base and 384 pixels of focal length, 0.08 pixels of noise (sensor_models.hpp).
     constexpr double quadratic = 0.08 / (50 * 384);
     return {"cube",         data / "visp_cube_realsense", scene_file("visp_cube_realsense.json"),
-            {0, quadratic}, {0.29, 0.7 * quadratic},      600};
+            {0, quadratic}, {0.58, 1.4 * quadratic},      600};
 }
 
 Recording redwood_recording(const std::filesystem::path& data) {

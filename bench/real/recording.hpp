@@ -17,8 +17,9 @@ struct Recording {
     std::string name;
     std::filesystem::path clip, scene_file;
     DepthLength noise;  ///< of a stored depth
-    /// A patch of 31x31 pixels is flat whose residual is at most this, and no farther than that. What the
-    /// camera's noise and levels make, so that a plane passes and a curved or creased face does not.
+    /// A patch of 31x31 pixels is flat whose residual is at most this, and no farther than that. About twice
+    /// what noise and rounding make: a plane passes with the waves that stereo puts on it, a creased face
+    /// does not.
     DepthLength flat;
     double farthest_mm;
 };
