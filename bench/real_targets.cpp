@@ -24,7 +24,7 @@ std::vector<Target> make_real_targets(const std::string& choice) {
 }  // namespace
 
 const std::vector<Target>& real_targets() {
-    static const std::vector<Target> targets = make_real_targets("m5-temporal-t");
+    static const std::vector<Target> targets = make_real_targets("chosen");
     return targets;
 }
 

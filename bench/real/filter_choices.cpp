@@ -1,29 +1,32 @@
 #include "bench/real/filter_choices.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/surface/depth_survey.hpp"
+#include "engine/surface/filter_choice.hpp"
 
 namespace touchable {
 namespace {
 
-DepthLength levels_of(const std::vector<RawFrame>& first, const Scene& scene) {
+std::optional<MeasuredDepth> measured(const std::vector<RawFrame>& first, const Scene& scene) {
     DepthSurvey survey(scene);
     const std::size_t looked_at = std::min<std::size_t>(first.size(), DepthSurvey::frames);
     for (std::size_t n = 0; n < looked_at; ++n) survey.add(first[n]);
-    return survey.levels();
+    return survey.measured();
 }
 
 template <int median, bool temporal, bool terraces>
 Scene with_filters(const std::vector<RawFrame>& first, Scene scene) {
     const DepthLength noise = scene.filter.temporal_noise;
     scene.filter = {};
+    scene.unstated = {};
     scene.filter.median = median;
     scene.filter.temporal = temporal;
     scene.filter.temporal_noise = noise;
     if (terraces) {
         scene.filter.terraces = TerraceRemoval::on;
-        scene.filter.levels = levels_of(first, scene);
+        if (const auto depth = measured(first, scene)) scene.filter.levels = depth->levels;
     }
     return scene;
 }
@@ -33,6 +36,14 @@ Scene with_wide_gate(const std::vector<RawFrame>& first, Scene scene) {
     scene = with_filters<5, true, true>(first, scene);
     scene.filter.temporal_noise.constant *= 1.5;
     scene.filter.temporal_noise.quadratic *= 1.5;
+    return scene;
+}
+
+/// What the program settles on where nothing is stated.
+Scene chosen(const std::vector<RawFrame>& first, Scene scene) {
+    scene.filter = {};
+    scene.unstated = all_unstated;
+    choose_filters(measured(first, scene), scene);
     return scene;
 }
 
@@ -47,7 +58,8 @@ const std::vector<FilterChoice>& filter_choices() {
                                                    {"temporal-t", with_filters<0, true, true>},
                                                    {"m3-temporal-t", with_filters<3, true, true>},
                                                    {"m5-temporal-t", with_filters<5, true, true>},
-                                                   {"m5-temporal-wide-t", with_wide_gate}};
+                                                   {"m5-temporal-wide-t", with_wide_gate},
+                                                   {"chosen", chosen}};
     return choices;
 }
 

@@ -37,6 +37,7 @@ Result<Scene> bare_picture_scene(const std::filesystem::path& file, const Pictur
     scene.depth.far = scene.depth.scale * scene.depth.code_max;
     scene.depth.invalid_code_count = 1;  // 0
     scene.far_from_frames = true;
+    scene.unstated = all_unstated;
     derive_valid_range(scene.depth);
     if (auto valid = validate(scene); !valid)
         return usage_error("--intrinsics, --depth-unit: " + valid.error().message);

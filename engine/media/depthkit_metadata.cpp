@@ -139,6 +139,7 @@ Result<Scene> scene_from(const Metadata& metadata) {
     Scene scene;
     scene.metres_per_unit = 1;
     scene.filter = usual_filter;
+    scene.unstated = {.terraces = true, .temporal = true};
     const auto width = whole(metadata, "depthImageSize", metadata.component("depthImageSize", "x"));
     if (!width) return width.error();
     const auto height = whole(metadata, "depthImageSize", metadata.component("depthImageSize", "y"));

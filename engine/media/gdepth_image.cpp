@@ -129,6 +129,7 @@ Result<Image> GdepthImage::read_depth() {
 /// A scene of what the file says, and of what it does not.
 Result<void> GdepthImage::describe(const Image& depth) {
     scene_.name = path_.stem().string();
+    scene_.unstated = all_unstated;
     scene_.width = depth.width;
     scene_.height = depth.height;
     scene_.depth_bits = 8 * depth.bytes_per_sample;

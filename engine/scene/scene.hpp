@@ -72,6 +72,15 @@ struct FilterSettings {
     bool operator==(const FilterSettings&) const = default;
 };
 
+/// Which filters a scene leaves open. Whoever opens a clip to play it settles them by what its first frames
+/// tell (choose_filters) and clears this; until then they are off.
+struct UnstatedFilters {
+    bool median = false, fill_holes = false, terraces = false, temporal = false;
+    bool any() const { return median || fill_holes || terraces || temporal; }
+    bool operator==(const UnstatedFilters&) const = default;
+};
+inline constexpr UnstatedFilters all_unstated{true, true, true, true};
+
 /// Frame n is at floor(n 1e9 den / num) ns.
 struct FrameRate {
     std::int64_t num = 30, den = 1;
@@ -102,6 +111,7 @@ struct Scene {
     HapticRanges haptic;
     HapticProperties default_properties;  ///< where there is no haptic image
     FilterSettings filter;
+    UnstatedFilters unstated{};
     FrameInterpolation interpolation = FrameInterpolation::linear;
     /// Device metres per scene unit (S of F = k S (P - G)); without it the Workspace's default.
     std::optional<double> device_metres_per_unit;

@@ -126,7 +126,7 @@ DepthLength read_length(const Node& node) {
     return {terms[0].number(), terms[1].number()};
 }
 
-void read_filter(const Node& node, FilterSettings& filter) {
+void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unstated) {
     node.allow_only(
         {"median", "fill_holes", "terraces", "terrace_noise", "levels", "temporal", "temporal_noise"});
     if (node.has("median")) filter.median = node["median"].whole();
@@ -136,6 +136,7 @@ void read_filter(const Node& node, FilterSettings& filter) {
     if (node.has("levels")) filter.levels = read_length(node["levels"]);
     if (node.has("temporal")) filter.temporal = node["temporal"].one_of(temporal_names);
     if (node.has("temporal_noise")) filter.temporal_noise = read_length(node["temporal_noise"]);
+    unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal")};
 }
 
 FolderSource read_folder(const Node& node) {
@@ -167,7 +168,8 @@ Scene read_scene(const Node& node) {
     if (node.has("haptic")) read_haptic(node["haptic"], scene.haptic);
     if (node.has("default_properties"))
         read_default_properties(node["default_properties"], scene.default_properties);
-    if (node.has("filter")) read_filter(node["filter"], scene.filter);
+    scene.unstated = all_unstated;
+    if (node.has("filter")) read_filter(node["filter"], scene.filter, scene.unstated);
     if (node.has("interpolation")) scene.interpolation = node["interpolation"].one_of(interpolation_names);
     if (node.has("device_metres_per_unit"))
         scene.device_metres_per_unit = node["device_metres_per_unit"].number();
@@ -227,14 +229,17 @@ OrderedJson write_default_properties(const HapticProperties& properties) {
     return json;
 }
 
-/// Terrace removal and the temporal filter only where they are asked for, so that scenes without them read as
-/// they always did.
-OrderedJson write_filter(const FilterSettings& filter) {
-    OrderedJson json = {{"median", filter.median}, {"fill_holes", filter.fill_holes}};
-    if (filter.terraces != TerraceRemoval::off) json["terraces"] = name_of(terrace_names, filter.terraces);
+/// Filters that the scene leaves open stay open.
+OrderedJson write_filter(const Scene& scene) {
+    const FilterSettings& filter = scene.filter;
+    const UnstatedFilters& open = scene.unstated;
+    OrderedJson json = OrderedJson::object();
+    if (!open.median) json["median"] = filter.median;
+    if (!open.fill_holes) json["fill_holes"] = filter.fill_holes;
+    if (!open.terraces) json["terraces"] = name_of(terrace_names, filter.terraces);
     if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
     if (filter.levels != DepthLength{}) json["levels"] = {filter.levels.constant, filter.levels.quadratic};
-    if (filter.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
+    if (!open.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
     if (filter.temporal_noise != DepthLength{})
         json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
     return json;
@@ -306,7 +311,7 @@ std::string scene_to_json(const Scene& scene) {
                           {"static_friction", write_range(scene.haptic.static_friction)},
                           {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
                         {"default_properties", write_default_properties(scene.default_properties)},
-                        {"filter", write_filter(scene.filter)},
+                        {"filter", write_filter(scene)},
                         {"interpolation", name_of(interpolation_names, scene.interpolation)}};
     if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;
     if (scene.folder) json["folder"] = write_folder(*scene.folder);

@@ -1,149 +1,53 @@
 #include "engine/surface/depth_survey.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "engine/frame/stored_code.hpp"
+#include "engine/scene/terraces.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr int not_valid = -1;
+/// Shares of pixels from which on they are no chance.
+constexpr double some_dropouts = 5e-4, some_specks = 1e-4;
 
-/// Value and weight.
-using Weighted = std::pair<double, std::int64_t>;
-
-/// The value below and above which there is half of the weight.
-double weighted_median(std::vector<Weighted> values) {
-    std::sort(values.begin(), values.end());
-    std::int64_t all = 0, sum = 0;
-    for (const Weighted& value : values) all += value.second;
-    for (const Weighted& value : values)
-        if (sum += value.second; 2 * sum >= all) return value.first;
-    return 0;
-}
-
-/// The median, where three quarters of the weight are within a fifth of it.
-std::optional<double> common_value(const std::vector<Weighted>& values) {
-    const double middle = weighted_median(values);
-    std::int64_t all = 0, near = 0;
-    for (const Weighted& value : values) {
-        all += value.second;
-        if (std::fabs(value.first - middle) <= 0.2 * middle) near += value.second;
-    }
-    if (4 * near < 3 * all) return std::nullopt;
-    return middle;
+double at_depth(const DepthLength& length, double depth) {
+    return length.constant + length.quadratic * depth * depth;
 }
 
 }  // namespace
 
-DepthSurvey::DepthSurvey(const Scene& scene) : coding_(scene.depth), counts_(65536) {}
+bool MeasuredDepth::from_a_camera() const {
+    return noise != DepthLength{} || levels.quadratic > 0 || dropouts >= some_dropouts ||
+           specks >= some_specks;
+}
+
+DepthSurvey::DepthSurvey(const Scene& scene) : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
 
 void DepthSurvey::add(const RawFrame& frame) {
-    const PlaneView& depth = frame.depth;
-    const auto width = static_cast<std::size_t>(depth.width);
-    above_.assign(width, not_valid);
-    row_.resize(width);
-    for (int y = 0; y < depth.height; ++y) {
-        for (int x = 0; x < depth.width; ++x) {
-            const std::uint16_t code = stored_code(depth, coding_, x, y);
-            row_[static_cast<std::size_t>(x)] = coding_.is_valid(code) ? int{code} : not_valid;
-        }
-        for (std::size_t x = 0; x < width; ++x) {
-            if (row_[x] == not_valid) continue;
-            CodeCount& count = counts_[static_cast<std::size_t>(row_[x])];
-            ++count.pixels;
-            if (x + 1 < width && row_[x + 1] != not_valid) {
-                ++count.right;
-                count.same_right += row_[x] == row_[x + 1];
-            }
-            if (above_[x] != not_valid) {
-                ++count.below;
-                count.same_below += row_[x] == above_[x];
-            }
-        }
-        above_.swap(row_);
-    }
+    CodePicture picture = code_picture(frame.depth, scene_.depth);
+    levels_.add(picture);
+    noise_.add(std::move(picture));
 }
 
-std::optional<double> DepthSurvey::median_depth() const {
-    std::vector<Weighted> depths, background;
-    for (int code = 0; code < 65536; ++code) {
-        const std::int64_t pixels = counts_[static_cast<std::size_t>(code)].pixels;
-        if (pixels == 0) continue;
-        const double depth = coding_.depth(static_cast<std::uint16_t>(code));
-        (depth < 0.999 * coding_.far ? depths : background).emplace_back(depth, pixels);
-    }
-    if (depths.empty()) depths = std::move(background);
-    if (depths.empty()) return std::nullopt;
-    return weighted_median(std::move(depths));
-}
-
-/// Nothing where codes of the window are no levels, or too few to tell.
-std::optional<DepthSurvey::Window> DepthSurvey::window(int first, int end) const {
-    std::int64_t pixels = 0, occupied = 0;
-    for (int code = first; code < end; ++code) {
-        pixels += counts_[static_cast<std::size_t>(code)].pixels;
-        occupied += counts_[static_cast<std::size_t>(code)].pixels > 0;
-    }
-    if (occupied < 4 || pixels < 20 * occupied) return std::nullopt;
-    // Stray codes are none.
-    const std::int64_t least = std::max<std::int64_t>(1, pixels / (20 * occupied));
-    CodeCount sum;
-    std::vector<Weighted> gaps;
-    int last = -1, least_code = -1;
-    std::int64_t levels = 0;
-    for (int code = first; code < end; ++code) {
-        const CodeCount& count = counts_[static_cast<std::size_t>(code)];
-        if (count.pixels < least) continue;
-        if (last >= 0)
-            gaps.emplace_back(code - last,
-                              std::min(count.pixels, counts_[static_cast<std::size_t>(last)].pixels));
-        else
-            least_code = code;
-        last = code;
-        ++levels;
-        sum.pixels += count.pixels;
-        sum.right += count.right;
-        sum.same_right += count.same_right;
-        sum.below += count.below;
-        sum.same_below += count.same_below;
-    }
-    if (levels < 4) return std::nullopt;
-    // So many pixels would meet half of the codes and more, were every code a level.
-    const std::int64_t span = last - least_code;
-    if (span * sum.pixels < 2 * levels * (span + sum.pixels)) return std::nullopt;
-    // A slope that takes another code at every pixel of a row has gaps, but no terraces.
-    if (7 * sum.same_right < sum.right || 7 * sum.same_below < sum.below) return std::nullopt;
-    const int middle = (least_code + last) / 2;
-    const double gap = weighted_median(std::move(gaps));
-    const auto at = [&](double code) { return coding_.depth(static_cast<std::uint16_t>(code)); };
-    return Window{sum.pixels, at(middle),
-                  std::fabs(at(last) - at(least_code)) / static_cast<double>(span) * gap};
-}
-
-std::vector<DepthSurvey::Window> DepthSurvey::windows() const {
-    std::vector<Window> found;
-    for (int first = 0; first < 65536;) {
-        const int end = std::min(first + std::max(64, first / 8), 65536);
-        if (const auto one = window(first, end)) found.push_back(*one);
-        first = end;
-    }
-    return found;
-}
-
-DepthLength DepthSurvey::levels() const {
-    const std::vector<Window> found = windows();
-    if (found.size() < 3) return {};
-    std::vector<Weighted> constant, quadratic;
-    for (const Window& one : found) {
-        constant.emplace_back(one.distance, one.pixels);
-        quadratic.emplace_back(one.distance / (one.depth * one.depth), one.pixels);
-    }
-    if (const auto q = common_value(quadratic)) return {0, *q};
-    if (const auto c = common_value(constant)) return {*c, 0};
-    return {};
+std::optional<MeasuredDepth> DepthSurvey::measured() const {
+    const auto median = levels_.median_depth();
+    if (!median) return std::nullopt;
+    Scene scene = scene_;
+    if (scene.filter.levels == DepthLength{}) scene.filter.levels = levels_.levels();
+    using Place = NoiseSurvey::Place;
+    MeasuredDepth measured;
+    measured.median = *median;
+    measured.pixel = *median / scene.camera.fx;
+    measured.levels = scene.filter.levels;
+    measured.distance = level_distance(scene, *median);
+    measured.kappa = kappa_of_depth(scene, *median);
+    measured.noise = noise_.noise(Place::flat);
+    measured.noise_at_edges = at_depth(noise_.noise(Place::edge), *median);
+    measured.noise_at_rims = at_depth(noise_.noise(Place::rim), *median);
+    measured.roughness = at_depth(noise_.roughness(), *median);
+    measured.dropouts = noise_.dropouts();
+    measured.specks = noise_.specks();
+    return measured;
 }
 
 }  // namespace touchable

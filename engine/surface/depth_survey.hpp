@@ -1,49 +1,47 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "engine/frame/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/surface/level_survey.hpp"
+#include "engine/surface/noise_survey.hpp"
 
 namespace touchable {
 
-/// What the stored depths of a few frames tell of whatever made them. Integer counts and + - x / alone: the
-/// same on every machine.
+/// What the first frames of a recording tell of the depth that is stored in it. Lengths are scene units.
+struct MeasuredDepth {
+    double median = 0;    ///< depth of what is there to touch
+    double pixel = 0;     ///< width of a pixel there
+    DepthLength levels;   ///< zero: every code is one
+    double distance = 0;  ///< from one level to the next at the median
+    double kappa = 0;     ///< there, with these levels
+    DepthLength noise;    ///< of flat places, from frame to frame; zero: none was found
+    double noise_at_edges = 0, noise_at_rims = 0;  ///< at the median
+    double roughness = 0;                          ///< of flat places, from pixel to pixel, at the median
+    double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
+    double specks = 0;                             ///< share of the pixels that are tiny holes
+
+    double noise_at_median() const { return noise.constant + noise.quadratic * median * median; }
+    /// Whether something says that a camera measured it: noise, dropouts, specks, or levels of disparity.
+    bool from_a_camera() const;
+};
+
+/// Looks at the frames of a clip from the first one on. The same on every machine.
 class DepthSurvey {
 public:
-    /// Of a clip of this scene. No more frames are worth a look than these, from the first one on.
     explicit DepthSurvey(const Scene& scene);
+    /// No more are worth a look.
     static constexpr int frames = 16;
 
     void add(const RawFrame& frame);
-
-    /// Of the valid pixels, scene units, without those at the far plane, where backgrounds are, unless there
-    /// are no others. Nothing where there were none.
-    std::optional<double> median_depth() const;
-    /// How far neighbouring depths that occur are apart, where that is more than a code: as of codes that
-    /// were rounded from something coarser, such as disparity. Zero where every code occurs, and where what
-    /// occurs has no rule. docs/conventions.md, Levels.
-    DepthLength levels() const;
+    /// Levels that the scene states count as stated. Nothing where no pixel was valid.
+    std::optional<MeasuredDepth> measured() const;
 
 private:
-    /// Of a code: how often it occurs, and how many of its right and lower neighbours are valid, or the same.
-    struct CodeCount {
-        std::int64_t pixels = 0, right = 0, same_right = 0, below = 0, same_below = 0;
-    };
-    /// Codes from `first` to before `end`, among which levels are as far apart.
-    struct Window {
-        std::int64_t pixels = 0;
-        double depth = 0, distance = 0;  // of its middle, and from level to level, scene units
-    };
-
-    std::optional<Window> window(int first, int end) const;
-    std::vector<Window> windows() const;
-
-    const DepthCoding coding_;
-    std::vector<CodeCount> counts_;
-    std::vector<int> above_, row_;  // codes of the rows in hand
+    const Scene scene_;
+    LevelSurvey levels_;
+    NoiseSurvey noise_;
 };
 
 }  // namespace touchable

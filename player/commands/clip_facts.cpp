@@ -49,25 +49,29 @@ bool ClipFacts::has_track(const std::string& role) const {
                        [&](const TrackInfo& track) { return track.role == role; });
 }
 
-Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
-                             const std::optional<std::filesystem::path>& scene,
-                             const std::optional<PictureCamera>& described_by) {
-    auto reader = open_clip(clip, scene, described_by);
-    if (!reader.ok()) return reader.error();
+Result<ClipFacts> clip_facts(const ClipChoice& choice) {
+    auto clip = open_chosen(choice);
+    if (!clip.ok()) return clip.error();
+    ClipReader& reader = *clip->reader;
     ClipFacts facts;
-    facts.clip = clip.string();
-    const auto first = (*reader)->next();
+    facts.clip = choice.file.string();
+    const auto first = reader.next();
     if (!first.ok()) return first.error();
-    if (!*first) return input_error(clip.string() + " has no frames; a clip needs at least one");
-    facts.scene = (*reader)->scene();
-    facts.tracks = (*reader)->tracks();
-    facts.frames = (*reader)->frame_count();
-    facts.notes = (*reader)->notes();
+    if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
+    facts.scene = clip->scene;
+    facts.chosen = clip->chosen;
+    facts.tracks = reader.tracks();
+    facts.frames = reader.frame_count();
+    facts.notes = reader.notes();
     add_first_frame(**first, facts);
-    if (auto back = (*reader)->rewind(); !back.ok()) return back.error();
-    auto measured = measure_depth(**reader, facts.scene);
-    if (!measured.ok()) return measured.error();
-    facts.measured = std::move(*measured);
+    if (auto back = reader.rewind(); !back.ok()) return back.error();
+    if (facts.chosen) {
+        facts.measured = facts.chosen->measured;
+    } else {
+        auto measured = measure_depth(reader, facts.scene);
+        if (!measured.ok()) return measured.error();
+        facts.measured = std::move(*measured);
+    }
 
     const Camera& camera = facts.scene.camera;
     facts.fov_x_degrees = field_of_view_degrees(facts.scene.width, camera.cx, camera.fx);

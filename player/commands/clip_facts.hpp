@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,7 +8,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
-#include "player/session/measured_filter.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace touchable {
 
@@ -23,7 +22,8 @@ struct Kappa {
 /// All that `info` says of a clip.
 struct ClipFacts {
     std::string clip;
-    Scene scene;
+    Scene scene;                          ///< as it is touched
+    std::optional<ChosenFilters> chosen;  ///< nothing: all filters are stated
     std::vector<TrackInfo> tracks;
     std::optional<std::int64_t> frames;
     std::vector<std::string> notes;
@@ -37,10 +37,7 @@ struct ClipFacts {
     bool has_track(const std::string& role) const;
 };
 
-/// Reads the description and the first frame; both can fail. `scene`, or of a single depth picture
-/// `described_by`, stands in for the clip's own description.
-Result<ClipFacts> clip_facts(const std::filesystem::path& clip,
-                             const std::optional<std::filesystem::path>& scene,
-                             const std::optional<PictureCamera>& described_by);
+/// Reads the description and the first frames; both can fail.
+Result<ClipFacts> clip_facts(const ClipChoice& choice);
 
 }  // namespace touchable

@@ -1,6 +1,7 @@
 #include "player/commands/clip_options.hpp"
 
 #include "player/commands/file_option.hpp"
+#include "player/commands/filters_option.hpp"
 #include "player/commands/temporal_option.hpp"
 #include "player/commands/terrace_option.hpp"
 #include "player/commands/whole_option.hpp"
@@ -16,7 +17,8 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
 }
 
 std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
-    return {add_whole_option(sub, "--median", typed.choice.median,
+    return {add_filters_option(sub, typed.filters),
+            add_whole_option(sub, "--median", typed.choice.median,
                              "window side instead of the scene's: 0 (off), 3 or 5"),
             add_whole_option(sub, "--fill-holes", typed.choice.fill_holes,
                              "passes instead of the scene's: 0 to 16"),
@@ -28,6 +30,11 @@ Result<ClipChoice> read_clip(const ClipTyped& typed) {
     const auto camera = read_camera(typed.camera);
     if (!camera.ok()) return camera.error();
     choice.camera = *camera;
+    if (typed.filters) {
+        const auto filters = read_filters(*typed.filters);
+        if (!filters.ok()) return filters.error();
+        choice.filters = *filters;
+    }
     if (!typed.temporal) return choice;
     const auto temporal = read_temporal(*typed.temporal);
     if (!temporal.ok()) return temporal.error();

@@ -15,13 +15,13 @@ namespace touchable {
 struct ClipTyped {
     ClipChoice choice;  ///< but for what stands below
     CameraTyped camera;
-    std::optional<std::string> temporal;
+    std::optional<std::string> filters, temporal;
 };
 
 /// CLIP, which is given back, and --scene. For a single depth picture add_camera_options goes with them.
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
-/// --median, --fill-holes, --terraces and --temporal.
+/// --filters, --median, --fill-holes, --terraces and --temporal.
 std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed);
 
 /// Refused (ErrorKind::usage) where words are not what they should be.

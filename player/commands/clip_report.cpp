@@ -4,6 +4,7 @@
 
 #include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
+#include "player/commands/filter_facts.hpp"
 
 namespace touchable {
 
@@ -93,32 +94,25 @@ Scene with_levels(const ClipFacts& facts) {
     return scene;
 }
 
-/// How far levels are apart, whether terrace removal is worth while, and whether it is done.
-std::string terrace_words(const ClipFacts& facts) {
+bool removal_advised(const ClipFacts& facts) {
+    return facts.measured && terrace_scale(with_levels(facts)) && facts.measured->kappa >= kappa_of_terraces;
+}
+
+/// How far levels are apart, and why their steps stay where they do.
+std::string level_words(const ClipFacts& facts) {
     if (!facts.measured) return "not known: no pixel of the first frames is valid";
-    const std::string words = facts.measured->in_words() + "; ";
-    const bool room = terrace_scale(with_levels(facts)).has_value();
-    const TerraceRemoval asked = facts.scene.filter.terraces;
-    if (!room) return words + "left: codes leave no room for finer ones";
-    if (asked == TerraceRemoval::on) return words + "removed";
-    if (asked == TerraceRemoval::automatic) return words + (facts.measured->advised ? "removed" : "left");
-    return words + "left" + (facts.measured->advised ? "; --terraces auto removes them" : "");
+    const std::string words = levels_in_words(*facts.measured, facts.scene.metres_per_unit);
+    if (!terrace_scale(with_levels(facts))) return words + "; codes leave no room for finer ones";
+    const bool left = facts.scene.filter.terraces == TerraceRemoval::off;
+    return words + (left && removal_advised(facts) ? "; --terraces auto removes their steps" : "");
 }
 
 /// The same for a program.
 Json terraces_json(const ClipFacts& facts) {
-    const bool advised = facts.measured && facts.measured->advised;
-    const TerraceRemoval asked = facts.scene.filter.terraces;
     const auto scale = terrace_scale(with_levels(facts));
-    Json out{{"finer_codes", scale ? 2.0 * scale->factor / (1 << scale->shift) : 0},
-             {"advised", advised},
-             {"removed", asked == TerraceRemoval::on || (asked == TerraceRemoval::automatic && advised)}};
-    if (!facts.measured) return out;
-    out["median_depth"] = facts.measured->median;
-    out["levels"] = {facts.measured->levels.constant, facts.measured->levels.quadratic};
-    out["level_distance"] = facts.measured->distance;
-    out["kappa"] = facts.measured->kappa;
-    return out;
+    return {{"finer_codes", scale ? 2.0 * scale->factor / (1 << scale->shift) : 0},
+            {"advised", removal_advised(facts)},
+            {"removed", facts.scene.filter.terraces == TerraceRemoval::on}};
 }
 
 double mm_per_unit(const Scene& scene) {
@@ -243,8 +237,9 @@ void tell_depth(const ClipFacts& facts, Lines& lines) {
     lines.line("kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
                         << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
                         << " units (depth of one code / width of a pixel)\n";
-    lines.line("filters") << filter_words(scene.filter) << '\n';
-    lines.line("terraces") << terrace_words(facts) << '\n';
+    lines.line("filters") << (facts.chosen ? in_words(*facts.chosen) : filter_words(scene.filter)) << '\n';
+    lines.line("levels") << level_words(facts) << '\n';
+    if (facts.measured) lines.line("noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
     lines.line("in between") << (scene.interpolation == FrameInterpolation::hold
                                      ? "hold the earlier frame"
                                      : "linear between two frames")
@@ -291,7 +286,9 @@ Json to_json(const ClipFacts& facts) {
         {"terrace_noise", scene.filter.terrace_noise},
         {"temporal", scene.filter.temporal ? "on" : "off"},
         {"temporal_noise", {scene.filter.temporal_noise.constant, scene.filter.temporal_noise.quadratic}}};
+    out["filters"] = filters_json(scene, facts.chosen);
     out["terraces"] = terraces_json(facts);
+    out["measured"] = to_json(facts.measured);
     out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
     add_touch(facts, out);
     out["notes"] = facts.notes;

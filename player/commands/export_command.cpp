@@ -1,6 +1,7 @@
 #include "player/commands/export_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 #include <limits>
 #include <memory>
 #include <string_view>
@@ -167,6 +168,7 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     const auto read = export_frames(*reader, scene, options, **builder, *picture);
     if (!read.ok()) return read.error();
     if (*read <= wanted) return beyond_the_end(options, wanted, *read);
+    if (clip->chosen) std::cerr << "touchable: filters: " << in_words(*clip->chosen) << '\n';
     return {};
 }
 

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <filesystem>
-#include <optional>
-
-#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "player/commands/command.hpp"
+#include "player/session/clip_choice.hpp"
 
 namespace CLI {
 class App;
@@ -14,9 +11,7 @@ class App;
 namespace touchable {
 
 struct InfoOptions {
-    std::filesystem::path clip;
-    std::optional<std::filesystem::path> scene;
-    std::optional<PictureCamera> camera;  ///< of a single depth picture
+    ClipChoice clip;
     bool json = false;
 };
 

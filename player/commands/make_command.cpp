@@ -119,7 +119,9 @@ Result<void> run_make(const MakeOptions& options) {
     const auto scene = make_scene(options.scene, options.generator);
     if (!scene.ok()) return scene.error();
     const AnalyticScene& source = **scene;
-    auto writer = create_clip(options.out, source.scene(), options.existing);
+    Scene described = source.scene();
+    described.unstated = all_unstated;  // what its frames ask for
+    auto writer = create_clip(options.out, described, options.existing);
     if (!writer.ok()) return writer.error();
 
     Progress progress("making frame", options.frames);

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "player/commands/filter_facts.hpp"
 #include "player/commands/machine_facts.hpp"
 #include "player/commands/touch_warnings.hpp"
-#include "player/session/measured_filter.hpp"
 
 namespace touchable {
 
@@ -22,9 +22,6 @@ std::string in_seconds(double seconds) {
 /// The clip's, what became of it when it ended, and what the hand has to say after the run.
 std::vector<std::string> notes_of(const TouchSetup& setup, std::int64_t ticks) {
     std::vector<std::string> notes = setup.notes;
-    if (setup.scene.filter.terraces == TerraceRemoval::off)
-        if (const auto depth = measured_depth(setup.feed->survey(), setup.scene); depth && depth->advised)
-            notes.push_back(depth->in_words() + " make slopes a staircase; --terraces auto removes it");
     const double clip = static_cast<double>(setup.feed->end_ns()) * 1e-9,
                  run = 1e-3 * static_cast<double>(ticks);
     if (setup.feed->ended() && setup.feed->frames() > 1 && run > 1.02 * clip)
@@ -71,6 +68,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     Json report{{"format", 1},
                 {"clip", setup.clip.file.string()},
                 {"notes", notes_of(setup, figures.ticks())},
+                {"filters", filters_json(setup.scene, setup.filters)},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},
                 {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder_why : ""},
@@ -120,6 +118,7 @@ std::string report_to_text(const Json& r) {
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
     for (const auto& note : r["notes"]) line("note", note.get<std::string>());
+    if (r["filters"].contains("why")) line("filters", r["filters"]["why"].get<std::string>());
     const auto why = r["builder_why"].get<std::string>();
     const auto builder = r["builder"].get<std::string>();
     line("surface", "built " + what_it_builds(builder) + " (" + builder + " builder, " +

@@ -2,32 +2,46 @@
 
 #include <utility>
 
-#include "player/session/measured_filter.hpp"
-
 namespace touchable {
 
 namespace {
 
-Result<void> apply(const TemporalChoice& temporal, FilterSettings& filter) {
-    filter.temporal = temporal.on;
-    if (temporal.noise) filter.temporal_noise = *temporal.noise;
-    if (temporal.on && !temporal.noise && filter.temporal_noise == DepthLength{})
-        return usage_error(
-            "--temporal on: the scene does not say how noisy its depth is; right would be that noise in "
-            "scene units instead of on, such as 1.5");
-    return {};
+void apply(const FiltersChoice& filters, Scene& scene) {
+    scene.filter.median = filters.settings.median;
+    scene.filter.fill_holes = filters.settings.fill_holes;
+    scene.filter.terraces = filters.settings.terraces;
+    scene.filter.temporal = filters.settings.temporal;
+    if (filters.settings.temporal_noise != DepthLength{})
+        scene.filter.temporal_noise = filters.settings.temporal_noise;
+    scene.unstated = filters.unstated;
+}
+
+void apply(const TemporalChoice& temporal, Scene& scene) {
+    scene.filter.temporal = temporal.on;
+    scene.unstated.temporal = false;
+    if (temporal.noise) scene.filter.temporal_noise = *temporal.noise;
+}
+
+/// What is wanted now, stated or to be measured.
+template <class Value>
+void apply(const std::optional<Value>& wanted, Value& value, bool& unstated) {
+    if (!wanted) return;
+    value = *wanted;
+    unstated = false;
 }
 
 Result<Scene> applied(const ClipChoice& choice, Scene scene) {
-    if (choice.median) scene.filter.median = *choice.median;
-    if (choice.fill_holes) scene.filter.fill_holes = *choice.fill_holes;
-    if (choice.terraces) scene.filter.terraces = *choice.terraces;
-    if (choice.temporal)
-        if (auto done = apply(*choice.temporal, scene.filter); !done.ok()) return done.error();
+    FilterSettings& filter = scene.filter;
+    if (choice.filters) apply(*choice.filters, scene);
+    apply(choice.median, filter.median, scene.unstated.median);
+    apply(choice.fill_holes, filter.fill_holes, scene.unstated.fill_holes);
+    apply(choice.terraces, filter.terraces, scene.unstated.terraces);
+    if (choice.temporal) apply(*choice.temporal, scene);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
-    // Whether there is room for terrace removal depends on levels that are measured yet.
+    // Levels, that decide on the room for terrace removal, and noise are measured yet.
     Scene without = scene;
     without.filter.terraces = TerraceRemoval::off;
+    without.filter.temporal = false;
     if (auto valid = validate(without); !valid.ok()) return usage_error(valid.error().message);
     return scene;
 }
@@ -43,9 +57,9 @@ Result<OpenClip> open_chosen(const ClipChoice& choice) {
     if (!reader.ok()) return reader.error();
     auto scene = applied(choice, (*reader)->scene());
     if (!scene.ok()) return scene.error();
-    auto measured = settle_terraces(**reader, *scene);
-    if (!measured.ok()) return measured.error();
-    return OpenClip{std::move(*reader), std::move(*scene), std::move(*measured)};
+    auto chosen = settle_filters(**reader, *scene);
+    if (!chosen.ok()) return chosen.error();
+    return OpenClip{std::move(*reader), std::move(*scene), std::move(*chosen)};
 }
 
 }  // namespace touchable

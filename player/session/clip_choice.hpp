@@ -8,6 +8,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
+#include "player/session/chosen_filters.hpp"
 
 namespace touchable {
 
@@ -17,11 +18,18 @@ struct TemporalChoice {
     std::optional<DepthLength> noise;  ///< of the depth, scene units; nothing: what the scene says
 };
 
+/// All filters at once. Those that are unstated are chosen by measurement.
+struct FiltersChoice {
+    FilterSettings settings;  ///< of which median, fill_holes, terraces and temporal count
+    UnstatedFilters unstated{};
+};
+
 /// A clip, and what a person wants of it instead of what it says itself. Nothing: the clip's own.
 struct ClipChoice {
     std::filesystem::path file;
     std::optional<std::filesystem::path> scene_file;
-    std::optional<PictureCamera> camera;  ///< of a single depth picture
+    std::optional<PictureCamera> camera;   ///< of a single depth picture
+    std::optional<FiltersChoice> filters;  ///< before what follows, one by one
     std::optional<int> median, fill_holes;
     std::optional<TerraceRemoval> terraces;
     std::optional<TemporalChoice> temporal;
@@ -34,7 +42,7 @@ struct ClipChoice {
 struct OpenClip {
     std::unique_ptr<ClipReader> reader;
     Scene scene;                            ///< as the run applies it
-    std::optional<std::string> measured{};  ///< what the first frames decided, for a person
+    std::optional<ChosenFilters> chosen{};  ///< nothing: all filters were stated
 };
 /// The clip at its beginning. Refused (ErrorKind::usage) where what is wanted does not go with the clip.
 Result<OpenClip> open_chosen(const ClipChoice& choice);

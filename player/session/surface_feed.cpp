@@ -30,8 +30,7 @@ SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<Sur
       builder_(std::move(builder)),
       rate_(scene.rate),
       stored_(scene.depth),
-      settles_(FilterPlan(scene).remembers()),
-      survey_(scene) {}
+      settles_(FilterPlan(scene).remembers()) {}
 
 Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
@@ -47,7 +46,6 @@ Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
     if (!published.ok() || !*published) return published;
     build_ms_.push_back(milliseconds_since(start));
     hash_.add(raw);
-    if (frames_ == 0) survey_.add(raw);
     any_valid_ = any_valid_ || has_valid_pixel(raw.depth, stored_);
     ++frames_;
     unchanged_frames_ += unchanged;

@@ -8,7 +8,6 @@
 
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/media/clip.hpp"
-#include "engine/surface/depth_survey.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/session/planes_hash.hpp"
 
@@ -46,8 +45,6 @@ public:
     /// Of all their tiles the share that was not built, 0 to 1: because nothing there has changed since a
     /// frame before, or because nobody touched it (lazy).
     double skipped_share() const { return frames_ > 0 ? skipped_frames_ / static_cast<double>(frames_) : 1; }
-    /// Of the first frame.
-    const DepthSurvey& survey() const { return survey_; }
     /// Whether any stored pixel of the frames published so far was valid.
     bool any_valid() const { return any_valid_; }
     bool ended() const { return ended_; }
@@ -68,7 +65,6 @@ private:
     FrameRate rate_;
     DepthCoding stored_;
     bool settles_;  // a filter that remembers makes another surface of the same frame once more
-    DepthSurvey survey_;
     SurfaceTimeline timeline_{4};
     PlanesHash hash_;
     std::optional<RawFrame> newest_;  // of those that were built

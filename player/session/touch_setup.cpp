@@ -21,6 +21,12 @@ namespace {
 Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames,
                             const SessionOptions& options) {
     setup.builder = options.builder;
+    if (options.builder.name == "lazy" && setup.filters && setup.filters->chosen.temporal &&
+        setup.scene.filter.temporal) {
+        setup.builder.name = "cpu";
+        setup.builder_why =
+            "the clip's noise is averaged over time, which needs whole frames, not the lazy builder";
+    }
     if (options.builder.name != "auto") return {};
     const bool named = options.builder.names_gpu();
     if (named)
@@ -40,7 +46,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
 Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& options) {
     setup.scene = std::move(clip.scene);
     setup.notes = clip.reader->notes();
-    if (clip.measured) setup.notes.push_back(*clip.measured);
+    setup.filters = std::move(clip.chosen);
     setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
     auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);

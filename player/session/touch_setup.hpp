@@ -17,11 +17,12 @@ namespace touchable {
 /// Everything a session runs on, made from options or from a recording.
 struct TouchSetup {
     ClipChoice clip;
-    Scene scene;                     ///< as this run applies it
-    std::vector<std::string> notes;  ///< the reader's
-    BuilderChoice builder;           ///< not auto any more
-    std::string builder_why;         ///< of what auto picked; empty: it was asked for by name
-    std::unique_ptr<RunGpu> gpu;     ///< of builder and picture
+    Scene scene;                           ///< as this run applies it
+    std::vector<std::string> notes;        ///< the reader's
+    std::optional<ChosenFilters> filters;  ///< nothing: all were stated
+    BuilderChoice builder;                 ///< not auto any more
+    std::string builder_why;               ///< of what auto picked; empty: it was asked for by name
+    std::unique_ptr<RunGpu> gpu;           ///< of builder and picture
     std::unique_ptr<SurfaceFeed> feed;
     std::string hand_words;  ///< as on the command line
     std::unique_ptr<Hand> hand;

@@ -82,7 +82,7 @@ TEST(RealLevels, FacesOfACameraThatStoresMillimetresLieOnThePlanesAroundThem) {
     const auto first = (*reader)->next();
     ASSERT_TRUE(first.ok() && *first);
     survey.add(**first);
-    const DepthLength levels = survey.levels();
+    const DepthLength levels = survey.measured()->levels;
     scene.filter.fill_holes = 0;
     scene.filter.median = 0;
     const double stored = off_the_planes(**first, scene, levels.quadratic);

@@ -1,0 +1,48 @@
+#include "engine/surface/filter_choice.hpp"
+
+#include "engine/scene/terraces.hpp"
+
+namespace touchable {
+namespace {
+
+/// Noise is averaged from a ten-thousandth of the picture's width on. The hand's 16 cm are as wide as the
+/// picture, so that is 0.016 mm for the hand, and 10 mN at 600 N/m.
+constexpr double noise_per_picture = 1e-4;
+/// Cameras' surfaces have a median where they are rougher than this share of a pixel's width, which tilts
+/// faces by about ten degrees.
+constexpr double roughness_per_pixel = 0.15;
+constexpr int median_of_cameras = 5;
+/// Tiny holes are filled from this share of the pixels on; two passes close those three pixels wide.
+constexpr double specks_to_fill = 1e-4;
+constexpr int passes = 2;
+
+bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
+    Scene with_levels = scene;
+    with_levels.filter.levels = measured.levels;
+    return terrace_scale(with_levels) && measured.kappa >= kappa_of_terraces;
+}
+
+}  // namespace
+
+void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) {
+    FilterSettings& filter = scene.filter;
+    const UnstatedFilters unstated = scene.unstated;
+    scene.unstated = {};
+    if (!measured) {
+        if (filter.terraces == TerraceRemoval::automatic) filter.terraces = TerraceRemoval::off;
+        return;
+    }
+    const bool camera = measured->from_a_camera();
+    if (unstated.median)
+        filter.median =
+            camera && measured->roughness >= roughness_per_pixel * measured->pixel ? median_of_cameras : 0;
+    if (unstated.fill_holes) filter.fill_holes = measured->specks >= specks_to_fill ? passes : 0;
+    if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
+        filter.terraces = removal_advised(*measured, scene) ? TerraceRemoval::on : TerraceRemoval::off;
+    if (filter.terraces == TerraceRemoval::on) filter.levels = measured->levels;
+    if (unstated.temporal)
+        filter.temporal = measured->noise_at_median() >= noise_per_picture * measured->pixel * scene.width;
+    if (filter.temporal && filter.temporal_noise == DepthLength{}) filter.temporal_noise = measured->noise;
+}
+
+}  // namespace touchable

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "engine/scene/scene.hpp"
+#include "engine/surface/depth_survey.hpp"
+
+namespace touchable {
+
+/// Settles the filters that a scene leaves open (Scene::unstated, TerraceRemoval::automatic) by what was
+/// measured of its frames; nothing measured: none of them. Terraces are removed and temporal noise is
+/// averaged as the measured levels and noise say, where the scene does not state these. docs/real-depth.md
+/// has the measurements behind each rule.
+void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene);
+
+}  // namespace touchable

@@ -1,0 +1,214 @@
+#include "engine/surface/noise_survey.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+/// Larger pictures are looked at in some of their rows.
+constexpr std::int64_t enough_pixels = 640 * 480;
+/// Neighbours whose depths differ by more than this share are an edge; more than twice that is no noise.
+constexpr int edge_share = 20;
+/// So few pixels say nothing.
+constexpr std::int64_t least_count = 200;
+
+int row_step(const CodePicture& picture) {
+    return static_cast<int>(
+        std::max<std::int64_t>(1, std::int64_t{picture.width} * picture.height / enough_pixels));
+}
+
+/// By the highest three bits: 4 n + the two below the highest.
+std::size_t size_class(int size) {
+    if (size < 4) return static_cast<std::size_t>(size);
+    int shift = 0;
+    while (size >> shift >= 8) ++shift;
+    return static_cast<std::size_t>(4 * shift + (size >> shift));
+}
+
+/// The smallest size of a class.
+double least_of_class(std::size_t number) {
+    if (number < 4) return static_cast<double>(number);
+    const std::size_t shift = (number - 4) / 4;
+    return std::ldexp(static_cast<double>(number - 4 * shift), static_cast<int>(shift));
+}
+
+/// A length at a depth, and how much it counts.
+struct Point {
+    double depth, length, weight;
+};
+
+/// constant + quadratic depth^2 with the least squares of relative errors; neither is negative.
+DepthLength fitted(const std::vector<Point>& points) {
+    double ones = 0, squares = 0, fourths = 0, lengths = 0, products = 0;
+    for (const Point& point : points) {
+        const double weight = point.weight / (point.length * point.length), z2 = point.depth * point.depth;
+        ones += weight;
+        squares += weight * z2;
+        fourths += weight * z2 * z2;
+        lengths += weight * point.length;
+        products += weight * z2 * point.length;
+    }
+    if (points.empty()) return {};
+    const double determinant = ones * fourths - squares * squares;
+    if (determinant > 1e-9 * ones * fourths) {
+        const double constant = (lengths * fourths - products * squares) / determinant;
+        const double quadratic = (ones * products - squares * lengths) / determinant;
+        if (constant >= 0 && quadratic >= 0) return {constant, quadratic};
+        if (constant < 0) return {0, products / fourths};
+    }
+    return {lengths / ones, 0};
+}
+
+}  // namespace
+
+void ClippedSums::add(int size, std::int64_t product, std::int64_t square) {
+    Sum& sum = sums_[size_class(size)];
+    ++sum.count;
+    sum.product += product;
+    sum.square += square;
+}
+
+ClippedSums::Means ClippedSums::means(double limit) const {
+    std::int64_t whole = 0;
+    for (const Sum& sum : sums_) whole += sum.count;
+    Means means;
+    for (int round = 0; round < 4; ++round) {
+        Sum all;
+        for (std::size_t k = 0; k < sums_.size() && least_of_class(k) <= limit; ++k) {
+            all.count += sums_[k].count;
+            all.product += sums_[k].product;
+            all.square += sums_[k].square;
+        }
+        if (all.count == 0 || 2 * all.count < whole) return {};
+        const auto count = static_cast<double>(all.count);
+        means = {all.count, static_cast<double>(all.product) / count,
+                 static_cast<double>(all.square) / count};
+        limit = std::min(limit, std::max(1.0, 4 * std::sqrt(means.square)));
+    }
+    return means;
+}
+
+NoiseSurvey::NoiseSurvey(const DepthCoding& coding) : window_of_code_(65536) {
+    for (int first = 0; first < 65536; first = end_of_window(first)) {
+        Window window;
+        window.first = first;
+        window.end = end_of_window(first);
+        const auto depth = [&](int code) { return coding.depth(static_cast<std::uint16_t>(code)); };
+        window.depth = depth((window.first + window.end) / 2);
+        const int last = std::min<int>(window.end - 1, coding.code_max);
+        if (last > first) window.step = std::fabs(depth(last) - depth(first)) / (last - first);
+        for (int code = window.first; code < window.end; ++code)
+            window_of_code_[static_cast<std::size_t>(code)] = static_cast<std::uint8_t>(windows_.size());
+        windows_.push_back(std::move(window));
+    }
+}
+
+const NoiseSurvey::Window& NoiseSurvey::window_of(int code) const {
+    return windows_[window_of_code_[static_cast<std::size_t>(code)]];
+}
+
+NoiseSurvey::Place NoiseSurvey::place_of(const CodePicture& picture, int x, int y) const {
+    const int here = picture.row(y)[x];
+    const int around[] = {picture.row(y)[x - 1], picture.row(y)[x + 1], picture.row(y - 1)[x],
+                          picture.row(y + 1)[x]};
+    const Window& window = window_of(here);
+    int most = 0;
+    for (const int code : around) {
+        if (code == CodePicture::invalid) return Place::rim;
+        most = std::max(most, std::abs(code - here));
+    }
+    return edge_share * most * window.step > window.depth ? Place::edge : Place::flat;
+}
+
+/// A hole, or how much the surface bends.
+void NoiseSurvey::look_at_pixel(const CodePicture& picture, int x, int y) {
+    const int here = picture.row(y)[x];
+    int valid = 0, bend = 4 * here;
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            const int code = picture.row(y + dy)[x + dx];
+            if ((dx == 0 && dy == 0) || code == CodePicture::invalid) continue;
+            ++valid;
+            bend += dx != 0 && dy != 0 ? code : -2 * code;
+        }
+    ++pixels_;
+    if (here == CodePicture::invalid)
+        specks_ += valid >= 6;
+    else if (valid == 8 && place_of(picture, x, y) == Place::flat) {
+        const std::int64_t square = std::int64_t{bend} * bend;
+        windows_[window_of_code_[static_cast<std::size_t>(here)]].bends.add(std::abs(bend), 0, square);
+    }
+}
+
+void NoiseSurvey::look_at_changes(const CodePicture& before, const CodePicture& here,
+                                  const CodePicture& after) {
+    for (int y = 1; y < here.height - 1; y += row_step(here))
+        for (int x = 1; x < here.width - 1; ++x) {
+            const int a = before.row(y)[x], b = here.row(y)[x], c = after.row(y)[x];
+            if (a == CodePicture::invalid || c == CodePicture::invalid) continue;
+            ++kept_;
+            if (b == CodePicture::invalid) {
+                ++dropped_;
+                continue;
+            }
+            const std::int64_t d = b - a, e = c - b;
+            const auto place = static_cast<std::size_t>(place_of(here, x, y));
+            windows_[window_of_code_[static_cast<std::size_t>(b)]].changes[place].add(
+                static_cast<int>(std::max(std::abs(d), std::abs(e))), d * e, (d * d + e * e) / 2);
+        }
+}
+
+void NoiseSurvey::add(CodePicture picture) {
+    for (int y = 1; y < picture.height - 1; y += row_step(picture))
+        for (int x = 1; x < picture.width - 1; ++x) look_at_pixel(picture, x, y);
+    if (last_.size() == 2) {
+        look_at_changes(last_[0], last_[1], picture);
+        last_.erase(last_.begin());
+    }
+    last_.push_back(std::move(picture));
+}
+
+DepthLength NoiseSurvey::noise(Place place) const {
+    std::vector<Point> points;
+    std::int64_t all = 0, noisy = 0;
+    for (const Window& window : windows_) {
+        if (window.step == 0) continue;
+        const double limit = 2 * window.depth / (edge_share * window.step);
+        const auto means = window.changes[static_cast<std::size_t>(place)].means(limit);
+        if (means.count < least_count) continue;
+        all += means.count;
+        // White noise has -1/2, what stands still or moves steadily 0 and more.
+        if (!(means.product < -0.3 * means.square)) continue;
+        noisy += means.count;
+        points.push_back(
+            {window.depth, window.step * std::sqrt(-means.product), static_cast<double>(means.count)});
+    }
+    if (2 * noisy < all) return {};
+    return fitted(points);
+}
+
+DepthLength NoiseSurvey::roughness() const {
+    std::vector<Point> points;
+    for (const Window& window : windows_) {
+        if (window.step == 0) continue;
+        const auto means = window.bends.means(12 * window.depth / (edge_share * window.step));
+        if (means.count < least_count || means.square == 0) continue;
+        // The sum's weights are 4, four times -2 and four times 1: 36 times the variance of one code.
+        points.push_back(
+            {window.depth, window.step * std::sqrt(means.square / 36), static_cast<double>(means.count)});
+    }
+    return fitted(points);
+}
+
+double NoiseSurvey::dropouts() const {
+    return kept_ > 0 ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
+}
+
+double NoiseSurvey::specks() const {
+    return pixels_ > 0 ? static_cast<double>(specks_) / static_cast<double>(pixels_) : 0;
+}
+
+}  // namespace touchable

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/scene/code_curve.hpp"
+#include "engine/surface/code_picture.hpp"
+
+namespace touchable {
+
+/// Sums over values of about the same size, so that those beyond a limit can be left out afterwards.
+class ClippedSums {
+public:
+    void add(int size, std::int64_t product, std::int64_t square);
+
+    struct Means {
+        std::int64_t count = 0;
+        double product = 0, square = 0;
+    };
+    /// Without what is larger than `limit`, then, three times, than four root mean squares of the rest.
+    /// Count 0 where that leaves less than half.
+    Means means(double limit) const;
+
+private:
+    struct Sum {
+        std::int64_t count = 0, product = 0, square = 0;
+    };
+    std::array<Sum, 128> sums_{};  // by a size's highest three bits
+};
+
+/// How much the depths of a recording change from frame to frame though nothing moves, and from pixel to
+/// pixel though the surface is flat. Integer sums and + - x / sqrt alone.
+class NoiseSurvey {
+public:
+    explicit NoiseSurvey(const DepthCoding& coding);
+
+    /// The next frame. All have the same size.
+    void add(CodePicture picture);
+
+    enum class Place { flat, edge, rim };  ///< rim: beside an invalid pixel
+    /// Standard deviation of a depth from frame to frame, scene units. Of a quantity that goes up and down
+    /// about a value, successive differences d, d' have the mean product -variance; what moves steadily has
+    /// d d' > 0. So zero where most pixels move, and where nothing changes.
+    DepthLength noise(Place place) const;
+    /// How far a depth is off the plane of its eight neighbours, RMS over flat places, scene units.
+    DepthLength roughness() const;
+    /// Of the pixels that are valid in a frame and in the one after the next: those that are not in between.
+    double dropouts() const;
+    /// Share of the pixels that are invalid, and at least six of their eight neighbours are valid.
+    double specks() const;
+
+private:
+    struct Window {
+        int first = 0, end = 0;
+        double depth = 0, step = 0;  ///< of its middle, and of one code there, scene units
+        std::array<ClippedSums, 3> changes;
+        ClippedSums bends;
+    };
+
+    Place place_of(const CodePicture& picture, int x, int y) const;
+    void look_at_pixel(const CodePicture& picture, int x, int y);
+    void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after);
+    const Window& window_of(int code) const;
+
+    std::vector<Window> windows_;
+    std::vector<std::uint8_t> window_of_code_;
+    std::vector<CodePicture> last_;  // two at most
+    std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, specks_ = 0;
+};
+
+}  // namespace touchable

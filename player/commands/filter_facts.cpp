@@ -1,0 +1,45 @@
+#include "player/commands/filter_facts.hpp"
+
+namespace touchable {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const std::optional<MeasuredDepth>& measured) {
+    if (!measured) return nullptr;
+    const auto length = [](const DepthLength& value) { return Json{value.constant, value.quadratic}; };
+    return {{"median_depth", measured->median},
+            {"pixel_width", measured->pixel},
+            {"levels", length(measured->levels)},
+            {"level_distance", measured->distance},
+            {"kappa", measured->kappa},
+            {"noise", length(measured->noise)},
+            {"noise_at_median", measured->noise_at_median()},
+            {"noise_at_edges", measured->noise_at_edges},
+            {"noise_at_rims", measured->noise_at_rims},
+            {"roughness", measured->roughness},
+            {"dropouts", measured->dropouts},
+            {"specks", measured->specks},
+            {"from_a_camera", measured->from_a_camera()}};
+}
+
+Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen) {
+    const FilterSettings& filter = scene.filter;
+    Json out{{"median", filter.median},
+             {"fill_holes", filter.fill_holes},
+             {"terraces", filter.terraces == TerraceRemoval::on},
+             {"temporal", filter.temporal},
+             {"temporal_noise", {filter.temporal_noise.constant, filter.temporal_noise.quadratic}}};
+    if (!chosen) return out;
+    const auto names = {std::pair{"median", chosen->chosen.median},
+                        {"fill_holes", chosen->chosen.fill_holes},
+                        {"terraces", chosen->chosen.terraces},
+                        {"temporal", chosen->chosen.temporal}};
+    out["chosen"] = Json::array();
+    for (const auto& [name, is_chosen] : names)
+        if (is_chosen) out["chosen"].push_back(name);
+    out["why"] = in_words(*chosen);
+    out["measured"] = to_json(chosen->measured);
+    return out;
+}
+
+}  // namespace touchable

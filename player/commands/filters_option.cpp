@@ -1,0 +1,69 @@
+#include "player/commands/filters_option.hpp"
+
+#include <string_view>
+
+#include "player/commands/temporal_option.hpp"
+
+namespace touchable {
+namespace {
+
+Error refusal(std::string_view part) {
+    return usage_error("--filters '" + std::string(part) +
+                       "' will not do; right would be auto, off, or those that shall be on, such as "
+                       "median=5,terraces,temporal=1.5+2e-6,holes=2");
+}
+
+/// One word of the list; `value`: what stands behind its =, or nothing.
+bool read_filter(std::string_view name, std::string_view value, FilterSettings& filter) {
+    if (name == "median" && (value.empty() || value == "3" || value == "5")) {
+        filter.median = value == "3" ? 3 : 5;
+        return true;
+    }
+    if (name == "holes") {
+        const auto passes = value.empty() ? 2.0 : as_number(value).value_or(-1);
+        filter.fill_holes = static_cast<int>(passes);
+        return passes >= 1 && passes <= 16 && filter.fill_holes == passes;
+    }
+    if (name == "terraces" && value.empty()) {
+        filter.terraces = TerraceRemoval::on;
+        return true;
+    }
+    if (name != "temporal") return false;
+    filter.temporal = true;
+    if (value.empty()) return true;
+    const auto noise = as_depth_length(value, '+');
+    if (noise) filter.temporal_noise = *noise;
+    return noise && *noise != DepthLength{};
+}
+
+}  // namespace
+
+CLI::Option* add_filters_option(CLI::App& sub, std::optional<std::string>& typed) {
+    return sub
+        .add_option(
+            "--filters", typed,
+            "all filters at once, instead of the scene's: off, auto (what the first frames ask for), or "
+            "those that shall be on, such as median=5,terraces,temporal,holes=2")
+        ->type_name("WORD|LIST");
+}
+
+Result<FiltersChoice> read_filters(const std::string& typed) {
+    if (typed == "off") return FiltersChoice{};
+    if (typed == "auto") return FiltersChoice{{}, all_unstated};
+    FiltersChoice choice;
+    std::string_view rest = typed;
+    for (bool more = true; more;) {
+        const std::size_t comma = rest.find(',');
+        more = comma != std::string_view::npos;
+        const std::string_view part = rest.substr(0, comma);
+        const std::size_t equals = part.find('=');
+        const bool has_value = equals != std::string_view::npos;
+        const std::string_view value = has_value ? part.substr(equals + 1) : std::string_view();
+        if ((has_value && value.empty()) || !read_filter(part.substr(0, equals), value, choice.settings))
+            return refusal(part);
+        if (more) rest.remove_prefix(comma + 1);
+    }
+    return choice;
+}
+
+}  // namespace touchable

@@ -1,0 +1,242 @@
+// What the first frames of a clip tell of its noise and holes, and which filters that asks for.
+#include "engine/surface/noise_survey.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/content/random.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/scene/terraces.hpp"
+#include "engine/surface/filter_choice.hpp"
+#include "tests/real_data.hpp"
+#include "tests/surface/pictures.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int survey_width = 160, survey_height = 120;
+
+/// Millimetres; 0 is no depth.
+Scene camera_scene() {
+    Scene scene;
+    scene.width = survey_width;
+    scene.height = survey_height;
+    scene.camera = {131, 131, 79.5, 59.5};
+    scene.depth_bits = 16;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 1;
+    scene.depth.far = 8000;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    scene.unstated = all_unstated;
+    return scene;
+}
+
+/// Of 12 uniform numbers.
+double normal(SplitMix64& random) {
+    double sum = -6;
+    for (int n = 0; n < 12; ++n) sum += random.unit();
+    return sum;
+}
+
+/// Depth of a pixel in a frame, mm; below 0.5 it is none.
+using Depth = std::function<double(int x, int y, int frame, SplitMix64& random)>;
+
+DepthSurvey survey_of(const Depth& depth, int frames = 16) {
+    DepthSurvey survey(camera_scene());
+    SplitMix64 random(11);
+    for (int n = 0; n < frames; ++n) {
+        std::vector<std::uint16_t> codes;
+        for (int y = 0; y < survey_height; ++y)
+            for (int x = 0; x < survey_width; ++x)
+                codes.push_back(static_cast<std::uint16_t>(depth(x, y, n, random) + 0.5));
+        survey.add(store_plane(survey_width, survey_height, codes, {.bytes_per_sample = 2}).frame());
+    }
+    return survey;
+}
+
+double slope(int x, int y) {
+    return 800 + 10 * x + 2 * y;
+}
+
+TEST(NoiseSurvey, FindsNoiseOfOneStrength) {
+    for (const double sigma : {1.5, 4.0, 12.0}) {
+        const auto measured = survey_of([&](int x, int y, int, SplitMix64& random) {
+                                  return slope(x, y) + sigma * normal(random);
+                              }).measured();
+        EXPECT_NEAR(measured->noise_at_median(), sigma, 0.1 * sigma);
+        EXPECT_NEAR(measured->roughness, sigma, 0.15 * sigma);
+        EXPECT_TRUE(measured->from_a_camera());
+    }
+}
+
+TEST(NoiseSurvey, FindsNoiseThatGrowsWithDepth) {
+    const auto measured = survey_of([](int x, int y, int, SplitMix64& random) {
+                              const double z = slope(x, y);
+                              return z + (1 + 3e-6 * z * z) * normal(random);
+                          }).measured();
+    for (const double z : {1000.0, 1600.0, 2200.0}) {
+        const double found = measured->noise.constant + measured->noise.quadratic * z * z;
+        EXPECT_NEAR(found, 1 + 3e-6 * z * z, 0.12 * (1 + 3e-6 * z * z)) << z;
+    }
+}
+
+TEST(NoiseSurvey, NoiseOnWhatMovesSlowlyIsFoundAndMotionIsNone) {
+    const auto moving = [](double speed, double sigma) {
+        return survey_of([=](int x, int y, int n, SplitMix64& random) {
+                   return slope(x, y) - speed * n + sigma * normal(random);
+               })
+            .measured();
+    };
+    EXPECT_NEAR(moving(1, 3)->noise_at_median(), 3, 0.5);
+    for (const double speed : {0.0, 0.3, 1.0, 7.5, 40.0}) {
+        EXPECT_EQ(moving(speed, 0)->noise, DepthLength{}) << speed;
+        EXPECT_FALSE(moving(speed, 0)->from_a_camera()) << speed;
+    }
+}
+
+// A ball that passes is no noise of the wall behind it, and the wall's noise is seen in spite of it.
+TEST(NoiseSurvey, ThingsThatPassAreNoNoise) {
+    const auto scene = [](double sigma) {
+        return survey_of([=](int x, int y, int n, SplitMix64& random) {
+                   const double dx = x - 8.0 * n, dy = y - 60.0;
+                   const bool ball = dx * dx + dy * dy < 30 * 30;
+                   return (ball ? 900 : slope(x, y)) + sigma * normal(random);
+               })
+            .measured();
+    };
+    EXPECT_EQ(scene(0)->noise, DepthLength{});
+    EXPECT_NEAR(scene(4)->noise_at_median(), 4, 0.6);
+}
+
+TEST(NoiseSurvey, OneOrTwoFramesHaveNone) {
+    const Depth noisy = [](int x, int y, int, SplitMix64& random) {
+        return slope(x, y) + 5 * normal(random);
+    };
+    EXPECT_EQ(survey_of(noisy, 1).measured()->noise, DepthLength{});
+    EXPECT_EQ(survey_of(noisy, 2).measured()->noise, DepthLength{});
+}
+
+TEST(NoiseSurvey, CountsDropoutsAndSpecks) {
+    const auto dropouts = survey_of([](int x, int y, int n, SplitMix64&) {
+                              return n % 2 == 1 && x % 10 == 4 && y % 10 == 4 ? 0 : slope(x, y);
+                          }).measured();
+    EXPECT_NEAR(dropouts->dropouts, 0.005, 0.001) << "of 7 odd and 7 even frames in the middle";
+    EXPECT_NEAR(dropouts->specks, 0.005, 0.001);
+    // A round hole that stays has neither.
+    const auto hole = survey_of([](int x, int y, int, SplitMix64&) {
+                          return std::hypot(x - 80.0, y - 60.0) < 21.5 ? 0 : slope(x, y);
+                      }).measured();
+    EXPECT_EQ(hole->dropouts, 0);
+    EXPECT_EQ(hole->specks, 0);
+}
+
+TEST(FilterChoice, OfANoisyCameraAllFilters) {
+    const auto measured = survey_of([](int x, int y, int n, SplitMix64& random) {
+                              const double z = 500 + 0.5 * x + 4 * normal(random);
+                              return (x * 7 + y * 13 + n) % 211 == 0 ? 0 : z;
+                          }).measured();
+    Scene scene = camera_scene();
+    choose_filters(measured, scene);
+    EXPECT_EQ(scene.filter.median, 5);
+    EXPECT_EQ(scene.filter.fill_holes, 2);
+    EXPECT_TRUE(scene.filter.temporal);
+    EXPECT_EQ(scene.filter.temporal_noise, measured->noise);
+    EXPECT_NEAR(measured->noise_at_median(), 4, 0.5);
+    EXPECT_FALSE(scene.unstated.any());
+    EXPECT_TRUE(validate(scene).ok());
+}
+
+TEST(FilterChoice, LeavesWhatTheSceneStates) {
+    const auto measured = survey_of([](int x, int y, int, SplitMix64& random) {
+                              return 500 + 0.5 * x + 0.1 * y + 4 * normal(random);
+                          }).measured();
+    Scene scene = camera_scene();
+    scene.unstated = {.terraces = true};
+    scene.filter.median = 3;
+    choose_filters(measured, scene);
+    EXPECT_EQ(scene.filter.median, 3);
+    EXPECT_EQ(scene.filter.fill_holes, 0);
+    EXPECT_FALSE(scene.filter.temporal);
+}
+
+TEST(FilterChoice, OfNothingNothing) {
+    Scene scene = camera_scene();
+    choose_filters(std::nullopt, scene);
+    EXPECT_EQ(scene.filter, FilterSettings{});
+    EXPECT_FALSE(scene.unstated.any());
+}
+
+// Whatever is made here has neither noise nor levels apart; terraces where kappa says so, nothing else.
+TEST(FilterChoice, OfGeneratedScenesNothingButTerraces) {
+    for (const char* name :
+         {"globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs", "grain"})
+        for (const int bits : {8, 12, 16})
+            for (const bool properties : {false, true}) {
+                if (properties && std::string(name) != "globe") continue;
+                SceneOptions options;
+                options.width = 240;
+                options.height = 160;
+                options.bits = bits;
+                options.properties = properties;
+                const auto made = make_scene(name, options);
+                ASSERT_TRUE(made.ok()) << made.error().message;
+                Scene scene = (*made)->scene();
+                scene.unstated = all_unstated;
+                DepthSurvey survey(scene);
+                for (int frame = 0; frame < DepthSurvey::frames; ++frame) survey.add((*made)->frame(frame));
+                const auto measured = survey.measured();
+                ASSERT_TRUE(measured);
+                EXPECT_EQ(measured->levels, DepthLength{}) << name << ", " << bits << " bits";
+                EXPECT_FALSE(measured->from_a_camera()) << name << ", " << bits << " bits";
+                choose_filters(measured, scene);
+                FilterSettings only;
+                only.terraces =
+                    measured->kappa >= kappa_of_terraces ? TerraceRemoval::on : TerraceRemoval::off;
+                EXPECT_TRUE(bits < 16 || only.terraces == TerraceRemoval::off) << name;
+                EXPECT_EQ(scene.filter, only) << name << ", " << bits << " bits";
+            }
+}
+
+struct Recording {
+    const char *name, *scene;
+    bool median, holes, terraces, temporal;
+};
+
+TEST(FilterChoice, OfRealRecordings) {
+    for (const Recording& known : {Recording{"castel_sr300", "castel_sr300", false, true, false, false},
+                                   {"visp_cube_realsense", "visp_cube_realsense", true, true, true, true},
+                                   {"stills/redwood5", "redwood5", true, false, true, false},
+                                   {"stills/icl_nuim5", "icl_nuim5", false, false, false, false}}) {
+        TOUCHABLE_NEEDS_DATA(real_data(known.name));
+        auto reader =
+            open_clip(real_data(known.name), std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" /
+                                                 (std::string(known.scene) + ".json"));
+        ASSERT_TRUE(reader.ok()) << reader.error().message;
+        Scene scene = (*reader)->scene();
+        scene.unstated = all_unstated;
+        DepthSurvey survey(scene);
+        for (int n = 0; n < DepthSurvey::frames; ++n) {
+            const auto frame = (*reader)->next();
+            ASSERT_TRUE(frame.ok()) << frame.error().message;
+            if (!*frame) break;
+            survey.add(**frame);
+        }
+        choose_filters(survey.measured(), scene);
+        EXPECT_EQ(scene.filter.median, known.median ? 5 : 0) << known.name;
+        EXPECT_EQ(scene.filter.fill_holes, known.holes ? 2 : 0) << known.name;
+        EXPECT_EQ(scene.filter.terraces == TerraceRemoval::on, known.terraces) << known.name;
+        EXPECT_EQ(scene.filter.temporal, known.temporal) << known.name;
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
