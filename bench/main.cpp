@@ -17,7 +17,8 @@ namespace touchable {
 namespace {
 
 constexpr std::array suites{
-    BenchSuite{"touch", "the touch solver: time per tick, accuracy, following, energy", touch_cases},
+    BenchSuite{"touch", "the touch solver: time per tick, accuracy, following, energy, real depth",
+               touch_cases, conclude_touch},
     BenchSuite{"surface", "frames by kernels, by the CPU and by others: time per frame", surface_cases,
                conclude_surface},
     BenchSuite{"loop", "hand, device and surface in a closed loop: up to which stiffness it is stable",

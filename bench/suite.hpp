@@ -14,7 +14,7 @@ struct Figure {
     std::string metric;
     double value;
     std::string_view
-        unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", or "" for a count
+        unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", "px", or "" for a count
     bool in_tables = true;  ///< false: many of its kind, for a plot; in the JSON alone
 };
 using Figures = std::vector<Figure>;
@@ -49,7 +49,9 @@ std::vector<BenchCase> loop_cases(bool quick);
 std::vector<BenchCase> paper_cases(bool quick);
 /// Prints the paper's figures beside ours.
 Result<void> conclude_paper(const std::vector<CaseFigures>& measured);
-/// Prints the table of the suite's targets; missing one is no error here.
+/// Print the table of the suite's targets, of touch those of real cameras' depth; missing one is no error
+/// here.
+Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
 /// Those of the suites touch and surface that targets stand on; tables of both, and an error where one is
 /// missed.

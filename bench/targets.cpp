@@ -1,5 +1,6 @@
 #include "bench/targets.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -80,6 +81,14 @@ Verdict judge(const Target& target, const std::vector<CaseFigures>& measured) {
     verdict.asked = verdict.cases > 0 || left_out == 0;
     verdict.met = verdict.cases > 0 && keeps(verdict.value, target.limit);
     return verdict;
+}
+
+std::vector<Target> measured_targets(std::vector<Target> targets, const std::vector<CaseFigures>& measured) {
+    std::erase_if(targets, [&](const Target& target) {
+        return std::ranges::none_of(
+            measured, [&](const CaseFigures& c) { return std::ranges::count(target.cases, c.name) > 0; });
+    });
+    return targets;
 }
 
 std::string table_of(const std::vector<Target>& targets, const std::vector<CaseFigures>& measured) {

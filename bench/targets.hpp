@@ -30,6 +30,8 @@ struct Target {
 /// What the touch solver is to reach, and what the frame pipeline (bench/README.md, "Targets").
 const std::vector<Target>& touch_targets();
 const std::vector<Target>& surface_targets();
+/// What a finger is to feel of depth that a real camera stored.
+const std::vector<Target>& real_targets();
 
 /// How a target fared: its worst value over the cases that were measured.
 struct Verdict {
@@ -39,6 +41,9 @@ struct Verdict {
     bool asked = true;  ///< false: of the cases that were measured none is one to ask (Target::only_where)
 };
 Verdict judge(const Target& target, const std::vector<CaseFigures>& measured);
+
+/// Those that stand on a case which was measured: with a filter some do not.
+std::vector<Target> measured_targets(std::vector<Target> targets, const std::vector<CaseFigures>& measured);
 
 /// A line per target: what, limit, measured, met or missed.
 std::string table_of(const std::vector<Target>& targets, const std::vector<CaseFigures>& measured);

@@ -41,13 +41,13 @@ Result<void> conclude_targets(const std::vector<CaseFigures>& measured) {
 }
 
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured) {
-    std::vector<Target> targets = surface_targets();
-    // With --filter some have nothing to stand on.
-    std::erase_if(targets, [&](const Target& target) {
-        return std::ranges::none_of(
-            measured, [&](const CaseFigures& c) { return std::ranges::count(target.cases, c.name) > 0; });
-    });
-    std::cout << '\n' << table_of(targets, measured) << std::flush;
+    std::cout << '\n' << table_of(measured_targets(surface_targets(), measured), measured) << std::flush;
+    return {};
+}
+
+Result<void> conclude_touch(const std::vector<CaseFigures>& measured) {
+    const std::vector<Target> targets = measured_targets(real_targets(), measured);
+    if (!targets.empty()) std::cout << '\n' << table_of(targets, measured) << std::flush;
     return {};
 }
 

@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include "bench/real/real_cases.hpp"
 #include "bench/suite.hpp"
 #include "bench/touch/following_run.hpp"
 #include "bench/touch/frame_change_run.hpp"
@@ -38,6 +41,7 @@ public:
                 add_globe(c);
             }
         add_steadiness();
+        std::ranges::move(real_cases(quick_), std::back_inserter(cases_));
         return std::move(cases_);
     }
 

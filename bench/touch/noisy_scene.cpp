@@ -13,19 +13,6 @@ namespace {
 constexpr int blobs = 12;
 constexpr double most_blob_radius = 5, silhouette = 50, flying_share = 0.3;
 
-/// Of variance 1, each the mean of four that its neighbours take part in too.
-std::vector<double> shared_noise(int width, int height, SplitMix64& random) {
-    const auto pitch = static_cast<std::size_t>(width) + 1;
-    std::vector<double> own(pitch * (static_cast<std::size_t>(height) + 1)), shared;
-    for (double& value : own) value = normal(random);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-        for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
-            const double* at = own.data() + y * pitch + x;
-            shared.push_back(0.5 * (at[0] + at[1] + at[pitch] + at[pitch + 1]));
-        }
-    return shared;
-}
-
 struct DepthPicture {
     int width, height;
     std::vector<double> depths;
@@ -61,6 +48,18 @@ void cut_blobs(int width, int height, SplitMix64& random, std::vector<std::uint1
 }
 
 }  // namespace
+
+std::vector<double> shared_noise(int width, int height, SplitMix64& random) {
+    const auto pitch = static_cast<std::size_t>(width) + 1;
+    std::vector<double> own(pitch * (static_cast<std::size_t>(height) + 1)), shared;
+    for (double& value : own) value = normal(random);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
+        for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+            const double* at = own.data() + y * pitch + x;
+            shared.push_back(0.5 * (at[0] + at[1] + at[pitch] + at[pitch + 1]));
+        }
+    return shared;
+}
 
 Scene noisy_scene() {
     Scene scene;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "engine/content/random.hpp"
 #include "engine/frame/raw_frame.hpp"
@@ -24,6 +25,9 @@ double normal(SplitMix64& random);
 /// Standard deviation at a depth: 1.2 + 1.9 (z - 0.4)^2 mm, z in metres (Kinect of the first kind; Khoshelham
 /// and Elberink 2012).
 double camera_noise(double depth);
+/// width x height numbers of variance 1, row-major, each made of four that its neighbours take part in too:
+/// those beside each other share half.
+std::vector<double> shared_noise(int width, int height, SplitMix64& random);
 /// Frame `number` of what the camera makes of a scene: noise that neighbours share half of, at silhouettes of
 /// more than 50 mm three pixels of ten anywhere between near and far, and twelve blobs without depth. The
 /// same bits everywhere.

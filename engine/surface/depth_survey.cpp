@@ -47,6 +47,7 @@ std::optional<MeasuredDepth> DepthSurvey::measured() const {
     measured.roughness = at_depth(noise_.roughness(), *median);
     measured.dropouts = noise_.dropouts();
     measured.specks = noise_.specks();
+    measured.flying = noise_.flying();
     return measured;
 }
 

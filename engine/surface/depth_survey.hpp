@@ -21,6 +21,7 @@ struct MeasuredDepth {
     double roughness = 0;                          ///< of flat places, from pixel to pixel, at the median
     double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
     double specks = 0;                             ///< share of the pixels that are tiny holes
+    double flying = 0;                             ///< share of the pixels that hang between two surfaces
 
     double noise_at_median() const { return noise.constant + noise.quadratic * median * median; }
     /// Whether something says that a camera measured it: noise, dropouts, specks, or levels of disparity.

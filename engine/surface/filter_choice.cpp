@@ -1,5 +1,7 @@
 #include "engine/surface/filter_choice.hpp"
 
+#include <algorithm>
+
 #include "engine/scene/terraces.hpp"
 
 namespace touchable {
@@ -8,6 +10,8 @@ namespace {
 /// Noise is averaged from a ten-thousandth of the picture's width on. The hand's 16 cm are as wide as the
 /// picture, so that is 0.016 mm for the hand, and 10 mN at 600 N/m.
 constexpr double noise_per_picture = 1e-4;
+/// What the filter is told: so that two levels beside each other, too, are averaged (docs/real-depth.md).
+constexpr double stated_per_measured = 1.5;
 /// Cameras' surfaces have a median where they are rougher than this share of a pixel's width, which tilts
 /// faces by about ten degrees.
 constexpr double roughness_per_pixel = 0.15;
@@ -15,6 +19,17 @@ constexpr int median_of_cameras = 5;
 /// Tiny holes are filled from this share of the pixels on; two passes close those three pixels wide.
 constexpr double specks_to_fill = 1e-4;
 constexpr int passes = 2;
+
+/// Pixels that hang in the air are pulled to a surface from this share on; one surface is what is flat to a
+/// fiftieth of the depth or three times the noise.
+constexpr double flying_to_land = 1e-4, flat_per_depth = 0.02, flat_per_noise = 3;
+
+/// At other depths than the median it grows as disparity's errors do.
+DepthLength flat_within(const MeasuredDepth& measured) {
+    const double length =
+        std::max(flat_per_depth * measured.median, flat_per_noise * measured.noise_at_median());
+    return {0, length / (measured.median * measured.median)};
+}
 
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
     Scene with_levels = scene;
@@ -36,13 +51,18 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) 
     if (unstated.median)
         filter.median =
             camera && measured->roughness >= roughness_per_pixel * measured->pixel ? median_of_cameras : 0;
+    if (unstated.flying_pixels)
+        filter.flying_pixels =
+            camera && measured->flying >= flying_to_land ? flat_within(*measured) : DepthLength{};
     if (unstated.fill_holes) filter.fill_holes = measured->specks >= specks_to_fill ? passes : 0;
     if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
         filter.terraces = removal_advised(*measured, scene) ? TerraceRemoval::on : TerraceRemoval::off;
     if (filter.terraces == TerraceRemoval::on) filter.levels = measured->levels;
     if (unstated.temporal)
         filter.temporal = measured->noise_at_median() >= noise_per_picture * measured->pixel * scene.width;
-    if (filter.temporal && filter.temporal_noise == DepthLength{}) filter.temporal_noise = measured->noise;
+    if (filter.temporal && filter.temporal_noise == DepthLength{})
+        filter.temporal_noise = {stated_per_measured * measured->noise.constant,
+                                 stated_per_measured * measured->noise.quadratic};
 }
 
 }  // namespace touchable

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "engine/surface/flying_pixels.hpp"
+
 namespace touchable {
 namespace {
 
@@ -12,6 +14,8 @@ namespace {
 constexpr std::int64_t enough_pixels = 640 * 480;
 /// Neighbours whose depths differ by more than this share are an edge; more than twice that is no noise.
 constexpr int edge_share = 20;
+/// Depths that differ by no more than this share are one surface.
+constexpr int flat_share = 50;
 /// So few pixels say nothing.
 constexpr std::int64_t least_count = 200;
 
@@ -123,6 +127,17 @@ NoiseSurvey::Place NoiseSurvey::place_of(const CodePicture& picture, int x, int 
     return edge_share * most * window.step > window.depth ? Place::edge : Place::flat;
 }
 
+bool NoiseSurvey::flies(const CodePicture& picture, int x, int y) const {
+    const auto at = [&](int dx, int dy) {
+        if (x + dx < 0 || x + dx >= picture.width || y + dy < 0 || y + dy >= picture.height)
+            return CodePicture::invalid;
+        return picture.row(y + dy)[x + dx];
+    };
+    const Window& window = window_of(at(0, 0));
+    if (window.step == 0) return false;
+    return landed(at, std::max(1, static_cast<int>(window.depth / (flat_share * window.step)))) != at(0, 0);
+}
+
 /// A hole, or how much the surface bends.
 void NoiseSurvey::look_at_pixel(const CodePicture& picture, int x, int y) {
     const int here = picture.row(y)[x];
@@ -135,9 +150,13 @@ void NoiseSurvey::look_at_pixel(const CodePicture& picture, int x, int y) {
             bend += dx != 0 && dy != 0 ? code : -2 * code;
         }
     ++pixels_;
-    if (here == CodePicture::invalid)
+    if (here == CodePicture::invalid) {
         specks_ += valid >= 6;
-    else if (valid == 8 && place_of(picture, x, y) == Place::flat) {
+        return;
+    }
+    const Place place = place_of(picture, x, y);
+    if (place == Place::edge) flying_ += flies(picture, x, y);
+    if (valid == 8 && place == Place::flat) {
         const std::int64_t square = std::int64_t{bend} * bend;
         windows_[window_of_code_[static_cast<std::size_t>(here)]].bends.add(std::abs(bend), 0, square);
     }
@@ -205,6 +224,10 @@ DepthLength NoiseSurvey::roughness() const {
 
 double NoiseSurvey::dropouts() const {
     return kept_ > 0 ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
+}
+
+double NoiseSurvey::flying() const {
+    return pixels_ > 0 ? static_cast<double>(flying_) / static_cast<double>(pixels_) : 0;
 }
 
 double NoiseSurvey::specks() const {

@@ -50,6 +50,9 @@ public:
     double dropouts() const;
     /// Share of the pixels that are invalid, and at least six of their eight neighbours are valid.
     double specks() const;
+    /// Share of the pixels that hang between two surfaces, which are flat to a fiftieth of the depth (landed,
+    /// flying_pixels.hpp).
+    double flying() const;
 
 private:
     struct Window {
@@ -60,6 +63,7 @@ private:
     };
 
     Place place_of(const CodePicture& picture, int x, int y) const;
+    bool flies(const CodePicture& picture, int x, int y) const;
     void look_at_pixel(const CodePicture& picture, int x, int y);
     void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after);
     const Window& window_of(int code) const;
@@ -67,7 +71,7 @@ private:
     std::vector<Window> windows_;
     std::vector<std::uint8_t> window_of_code_;
     std::vector<CodePicture> last_;  // two at most
-    std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, specks_ = 0;
+    std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, specks_ = 0, flying_ = 0;
 };
 
 }  // namespace touchable

@@ -285,6 +285,7 @@ Json to_json(const ClipFacts& facts) {
         {"terraces", removal_name(scene.filter.terraces)},
         {"terrace_noise", scene.filter.terrace_noise},
         {"temporal", scene.filter.temporal ? "on" : "off"},
+        {"flying_pixels", {scene.filter.flying_pixels.constant, scene.filter.flying_pixels.quadratic}},
         {"temporal_noise", {scene.filter.temporal_noise.constant, scene.filter.temporal_noise.quadratic}}};
     out["filters"] = filters_json(scene, facts.chosen);
     out["terraces"] = terraces_json(facts);

@@ -19,6 +19,7 @@ Json to_json(const std::optional<MeasuredDepth>& measured) {
             {"roughness", measured->roughness},
             {"dropouts", measured->dropouts},
             {"specks", measured->specks},
+            {"flying", measured->flying},
             {"from_a_camera", measured->from_a_camera()}};
 }
 
@@ -29,11 +30,13 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
              {"terraces", filter.terraces == TerraceRemoval::on},
              {"temporal", filter.temporal},
              {"temporal_noise", {filter.temporal_noise.constant, filter.temporal_noise.quadratic}}};
+    out["flying_pixels"] = {filter.flying_pixels.constant, filter.flying_pixels.quadratic};
     if (!chosen) return out;
     const auto names = {std::pair{"median", chosen->chosen.median},
                         {"fill_holes", chosen->chosen.fill_holes},
                         {"terraces", chosen->chosen.terraces},
-                        {"temporal", chosen->chosen.temporal}};
+                        {"temporal", chosen->chosen.temporal},
+                        {"flying_pixels", chosen->chosen.flying_pixels}};
     out["chosen"] = Json::array();
     for (const auto& [name, is_chosen] : names)
         if (is_chosen) out["chosen"].push_back(name);

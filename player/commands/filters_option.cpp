@@ -13,6 +13,13 @@ Error refusal(std::string_view part) {
                        "median=5,terraces,temporal=1.5+2e-6,holes=2");
 }
 
+/// C or C+Q, not zero.
+bool read_length(std::string_view value, DepthLength& length) {
+    const auto read = as_depth_length(value, '+');
+    if (read) length = *read;
+    return read && *read != DepthLength{};
+}
+
 /// One word of the list; `value`: what stands behind its =, or nothing.
 bool read_filter(std::string_view name, std::string_view value, FilterSettings& filter) {
     if (name == "median" && (value.empty() || value == "3" || value == "5")) {
@@ -28,12 +35,10 @@ bool read_filter(std::string_view name, std::string_view value, FilterSettings& 
         filter.terraces = TerraceRemoval::on;
         return true;
     }
+    if (name == "flying") return read_length(value, filter.flying_pixels);
     if (name != "temporal") return false;
     filter.temporal = true;
-    if (value.empty()) return true;
-    const auto noise = as_depth_length(value, '+');
-    if (noise) filter.temporal_noise = *noise;
-    return noise && *noise != DepthLength{};
+    return value.empty() || read_length(value, filter.temporal_noise);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace touchable {
 CLI::Option* add_filters_option(CLI::App& sub, std::optional<std::string>& typed);
 
 /// auto, off, or those that shall be on: `median[=3|5]`, `holes[=PASSES]`, `terraces`, `temporal[=C[+Q]]`,
+/// `flying=C[+Q]`,
 /// with commas between. Refused (ErrorKind::usage) where it is none of these.
 Result<FiltersChoice> read_filters(const std::string& typed);
 

@@ -62,6 +62,7 @@ std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit
     }
     words += "; " + length(measured.roughness) + " from pixel to pixel";
     if (measured.dropouts > 0) words += "; " + pct(measured.dropouts) + " drop out for a frame";
+    if (measured.flying > 0) words += "; " + pct(measured.flying) + " hang in the air";
     if (measured.specks > 0) words += "; " + pct(measured.specks) + " are tiny holes";
     return words;
 }
@@ -86,6 +87,8 @@ std::string in_words(const ChosenFilters& chosen) {
         length(measured.roughness) + " from pixel to pixel");
     say(filters.terraces == TerraceRemoval::on, by.terraces, "terraces", levels);
     say(filters.temporal, by.temporal, "temporal", "noise " + length(measured.noise_at_median()));
+    say(filters.flying_pixels != DepthLength{}, by.flying_pixels, "flying pixels pulled in",
+        pct(measured.flying) + " hang in the air");
     say(filters.fill_holes > 0, by.fill_holes, "hole filling", pct(measured.specks) + " are tiny holes");
     if (on.empty())
         return "none needed (" + levels + ", " +

@@ -11,6 +11,7 @@ void apply(const FiltersChoice& filters, Scene& scene) {
     scene.filter.fill_holes = filters.settings.fill_holes;
     scene.filter.terraces = filters.settings.terraces;
     scene.filter.temporal = filters.settings.temporal;
+    scene.filter.flying_pixels = filters.settings.flying_pixels;
     if (filters.settings.temporal_noise != DepthLength{})
         scene.filter.temporal_noise = filters.settings.temporal_noise;
     scene.unstated = filters.unstated;

@@ -20,7 +20,7 @@ struct TemporalChoice {
 
 /// All filters at once. Those that are unstated are chosen by measurement.
 struct FiltersChoice {
-    FilterSettings settings;  ///< of which median, fill_holes, terraces and temporal count
+    FilterSettings settings;  ///< of which levels and terrace_noise do not count
     UnstatedFilters unstated{};
 };
 

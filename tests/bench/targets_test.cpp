@@ -72,6 +72,13 @@ TEST(Targets, MayShowWhatHasNoLimit) {
     EXPECT_EQ(table.find("met\n"), std::string::npos) << table;
 }
 
+TEST(Targets, ThatStandOnNoMeasuredCaseCanBeLeftOut) {
+    const std::vector<Target> both{below(3), {"elsewhere", {"nowhere"}, "us", below(3).limit}};
+    const std::vector<Target> left = measured_targets(both, {{"there", {}}});
+    ASSERT_EQ(left.size(), 1U);
+    EXPECT_EQ(left[0].what, "a time");
+}
+
 TEST(Targets, WhatIsNotMeasuredOrNotANumberIsMissed) {
     EXPECT_FALSE(judge(below(3), {}).met);
     EXPECT_FALSE(judge(below(3), {{"elsewhere", {{"us", 1, "us"}}}}).met);

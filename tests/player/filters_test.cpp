@@ -74,7 +74,7 @@ TEST_F(Filters, AreChosenByTheFirstFramesAndTold) {
     EXPECT_EQ(filters["median"], 5);
     EXPECT_EQ(filters["fill_holes"], 2);
     EXPECT_EQ(filters["temporal"], true);
-    EXPECT_EQ(filters["chosen"], (Words{"median", "fill_holes", "terraces", "temporal"}));
+    EXPECT_EQ(filters["chosen"], (Words{"median", "fill_holes", "terraces", "temporal", "flying_pixels"}));
     const double sigma = filters["measured"]["noise_at_median"];
     EXPECT_NEAR(sigma, 3.27, 0.3) << "of two uniform numbers from -4 to 4";
     EXPECT_NE(filters["why"].get<std::string>().find("temporal (noise 3."), std::string::npos)
@@ -133,7 +133,7 @@ TEST_F(Filters, AnExportedFrameStatesThem) {
 TEST_F(Filters, WhatMakeWritesLeavesThemOpen) {
     make_clip("globe", folder / "globe.mkv", {"--size", "48x32", "--frames", "2"});
     const auto report = touch({folder / "globe.mkv", "--seconds", "0.1"});
-    EXPECT_EQ(report["filters"]["chosen"].size(), 4);
+    EXPECT_EQ(report["filters"]["chosen"].size(), 5);
     EXPECT_NE(report["filters"]["why"].get<std::string>().find("none needed"), std::string::npos);
     EXPECT_EQ(report["force_hash"],
               force_hash({folder / "globe.mkv", "--seconds", "0.1", "--filters", "off"}));

@@ -149,7 +149,7 @@ TEST(FilterChoice, OfANoisyCameraAllFilters) {
     EXPECT_EQ(scene.filter.median, 5);
     EXPECT_EQ(scene.filter.fill_holes, 2);
     EXPECT_TRUE(scene.filter.temporal);
-    EXPECT_EQ(scene.filter.temporal_noise, measured->noise);
+    EXPECT_EQ(scene.filter.temporal_noise.constant, 1.5 * measured->noise.constant);
     EXPECT_NEAR(measured->noise_at_median(), 4, 0.5);
     EXPECT_FALSE(scene.unstated.any());
     EXPECT_TRUE(validate(scene).ok());

@@ -1,0 +1,37 @@
+#include "bench/real/built_frames.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "bench/clocks.hpp"
+#include "engine/surface/surface_builder.hpp"
+
+namespace touchable {
+
+Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<RawFrame>& raws) {
+    std::vector<SurfaceFrame> frames(raws.size());
+    const auto builder = make_cpu_builder(scene);
+    for (std::size_t n = 0; n < raws.size(); ++n)
+        if (auto done = builder->build(raws[n], frames[n]); !done.ok()) return done.error();
+    return frames;
+}
+
+Result<void> measure_cost(const Scene& scene, const std::vector<RawFrame>& raws, int rounds,
+                          Figures& figures) {
+    const auto builder = make_cpu_builder(scene);
+    SurfaceFrame slot;
+    double cpu_ms = std::numeric_limits<double>::infinity(), wall_ms = cpu_ms;
+    for (int n = 0; n < rounds; ++n) {
+        RawFrame raw = raws[static_cast<std::size_t>(n) % raws.size()];
+        raw.number = n;  // one after the other, as the temporal filter wants them
+        const std::int64_t cpu_begin = process_cpu_ns(), begin = monotonic_ns();
+        if (auto done = builder->build(raw, slot); !done.ok()) return done;
+        wall_ms = std::min(wall_ms, static_cast<double>(monotonic_ns() - begin) * 1e-6);
+        cpu_ms = std::min(cpu_ms, static_cast<double>(process_cpu_ns() - cpu_begin) * 1e-6);
+    }
+    figures.push_back({"frame_cpu_ms", cpu_ms, "ms"});
+    figures.push_back({"frame_ms", wall_ms, "ms"});
+    return {};
+}
+
+}  // namespace touchable

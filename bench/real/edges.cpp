@@ -1,0 +1,128 @@
+#include "bench/real/edges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "bench/real/built_frames.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int edges_width = 320, edges_height = 240, edges_frames = 16;
+constexpr int first_row = 30, end_row = 210;  // of what is looked at
+constexpr int pen_left = 80, pen_right = 85;  // columns, to before
+constexpr int step_left = 140, step_right = 200;
+constexpr int box_left = 235, box_right = 290, box_top = 60, box_bottom = 180;
+constexpr double pen_levels = 10, step_levels = 4;
+
+/// Without a level of its own nothing could be ten of them high: the scene is made of even steps of 1/depth.
+struct EdgesScene {
+    DepthMap truth;
+    double step = 0;  // from level to level, 1/mm
+
+    double wall(int x, int y) const { return (1 - 0.4 * truth.camera.u(x) + 0.2 * truth.camera.v(y)) / 1000; }
+    double box(int x, int y) const {
+        const double depth = 1 / wall(x, y);
+        return 1 / (depth - 300);
+    }
+    static bool in_box(int x, int y) {
+        return x >= box_left && x < box_right && y >= box_top && y < box_bottom;
+    }
+    double inverse_depth(int x, int y) const {
+        if (x >= pen_left && x < pen_right) return wall(x, y) + pen_levels * step;
+        if (x >= step_left && x < step_right) return wall(x, y) + step_levels * step;
+        return in_box(x, y) ? box(x, y) : wall(x, y);
+    }
+};
+
+EdgesScene edges_scene(const SensorModel& model) {
+    EdgesScene scene{{edges_width, edges_height, {edges_focal_length, edges_focal_length, 159.5, 119.5}, {}},
+                     model.disparity_step};
+    for (int y = 0; y < edges_height; ++y)
+        for (int x = 0; x < edges_width; ++x) scene.truth.depths.push_back(1 / scene.inverse_depth(x, y));
+    return scene;
+}
+
+/// How far the surface stands out of the wall in a column, in steps, on the mean over the rows.
+double relief(const EdgesScene& edges, const SurfaceFrame& frame, int x) {
+    double sum = 0, count = 0;
+    for (int y = first_row; y < end_row; ++y) {
+        const DepthSample shown = sample_of(frame, x, y);
+        if (!shown.valid) continue;
+        sum += (1 / shown.depth - edges.wall(x, y)) / edges.step;
+        ++count;
+    }
+    return sum / count;
+}
+
+/// Of its three columns in the middle.
+double pen_pct(const EdgesScene& edges, const SurfaceFrame& frame) {
+    double sum = 0;
+    for (int x = pen_left + 1; x < pen_right - 1; ++x) sum += relief(edges, frame, x);
+    return 100 * sum / (pen_right - pen_left - 2) / pen_levels;
+}
+
+/// Columns from where the surface is one level above the lower side to where it is one below the upper.
+double step_px(const EdgesScene& edges, const SurfaceFrame& frame) {
+    const auto height = [&](int x) { return relief(edges, frame, x) / step_levels; };
+    int high = step_left;
+    while (high + 1 < step_right && height(high) < 0.75) ++high;
+    int low = high - 1;
+    while (low > pen_right && height(low) > 0.25) --low;
+    const auto crossing = [&](int x, double share) {  // between columns x and x + 1
+        const double here = height(x), next = height(x + 1);
+        return x + std::clamp((share - here) / (next - here), 0.0, 1.0);
+    };
+    return crossing(high - 1, 0.75) - crossing(low, 0.25);
+}
+
+/// Pixels more than one away from the box's silhouette, up to eight, that are on neither side: farther from
+/// both than three levels and five times the noise.
+double bleed_px(const EdgesScene& edges, const SurfaceFrame& frame, const SensorModel& model) {
+    const auto near_silhouette = [](int x, int y, int reach) {
+        const auto inside = EdgesScene::in_box(x, y);
+        for (int dy = -reach; dy <= reach; ++dy)
+            for (int dx = -reach; dx <= reach; ++dx)
+                if (EdgesScene::in_box(x + dx, y + dy) != inside) return true;
+        return false;
+    };
+    int pixels = 0;
+    for (int y = box_top - 8; y < box_bottom + 8; ++y)
+        for (int x = box_left - 8; x < box_right + 8; ++x) {
+            if (!near_silhouette(x, y, 8) || near_silhouette(x, y, 1)) continue;
+            const DepthSample shown = sample_of(frame, x, y);
+            const auto is_on = [&](double q) {
+                const double depth = 1 / q;
+                return shown.valid &&
+                       std::fabs(shown.depth - depth) <= 3 * model.level(depth) + 5 * model.sigma(depth);
+            };
+            pixels += !is_on(edges.wall(x, y)) && !is_on(edges.box(x, y));
+        }
+    return pixels;
+}
+
+Result<void> add_figures(const SensorModel& model, const FilterChoice& choice, const std::string& suffix,
+                         Figures& figures) {
+    const EdgesScene edges = edges_scene(model);
+    const Scene unfiltered = scene_of(model, edges_width, edges_height, edges.truth.camera);
+    std::vector<RawFrame> raws;
+    for (int n = 0; n < edges_frames; ++n) raws.push_back(stored_frame(model, unfiltered, edges.truth, n));
+    const auto frames = built(choice.of(raws, unfiltered), raws);
+    if (!frames.ok()) return frames.error();
+    const SurfaceFrame& last = frames->back();
+    figures.push_back({"pen_pct" + suffix, pen_pct(edges, last), "%"});
+    figures.push_back({"step_px" + suffix, step_px(edges, last), "px"});
+    figures.push_back({"bleed_px" + suffix, bleed_px(edges, last, model), "px"});
+    return {};
+}
+
+}  // namespace
+
+Result<void> measure_edges(const SensorModel& model, const FilterChoice& choice, Figures& figures) {
+    if (auto done = add_figures(without_noise(model), choice, "", figures); !done.ok()) return done;
+    return add_figures(model, choice, "_noisy", figures);
+}
+
+}  // namespace touchable

@@ -1,0 +1,66 @@
+#include "bench/real/filter_choices.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/filter_choice.hpp"
+
+namespace touchable {
+namespace {
+
+std::optional<MeasuredDepth> measured(const std::vector<RawFrame>& first, const Scene& scene) {
+    DepthSurvey survey(scene);
+    const std::size_t looked_at = std::min<std::size_t>(first.size(), DepthSurvey::frames);
+    for (std::size_t n = 0; n < looked_at; ++n) survey.add(first[n]);
+    return survey.measured();
+}
+
+template <int median, bool temporal, bool terraces>
+Scene with_filters(const std::vector<RawFrame>& first, Scene scene) {
+    const DepthLength noise = scene.filter.temporal_noise;
+    scene.filter = {};
+    scene.unstated = {};
+    scene.filter.median = median;
+    scene.filter.temporal = temporal;
+    scene.filter.temporal_noise = noise;
+    if (terraces) {
+        scene.filter.terraces = TerraceRemoval::on;
+        if (const auto depth = measured(first, scene)) scene.filter.levels = depth->levels;
+    }
+    return scene;
+}
+
+/// Its gate half as wide again as the noise asks for: two levels beside each other are within it.
+Scene with_wide_gate(const std::vector<RawFrame>& first, Scene scene) {
+    scene = with_filters<5, true, true>(first, scene);
+    scene.filter.temporal_noise.constant *= 1.5;
+    scene.filter.temporal_noise.quadratic *= 1.5;
+    return scene;
+}
+
+/// What the program settles on where nothing is stated.
+Scene chosen(const std::vector<RawFrame>& first, Scene scene) {
+    scene.filter = {};
+    scene.unstated = all_unstated;
+    choose_filters(measured(first, scene), scene);
+    return scene;
+}
+
+}  // namespace
+
+const std::vector<FilterChoice>& filter_choices() {
+    static const std::vector<FilterChoice> choices{{"none", with_filters<0, false, false>},
+                                                   {"m5", with_filters<5, false, false>},
+                                                   {"t", with_filters<0, false, true>},
+                                                   {"m3-t", with_filters<3, false, true>},
+                                                   {"m5-t", with_filters<5, false, true>},
+                                                   {"temporal-t", with_filters<0, true, true>},
+                                                   {"m3-temporal-t", with_filters<3, true, true>},
+                                                   {"m5-temporal-t", with_filters<5, true, true>},
+                                                   {"m5-temporal-wide-t", with_wide_gate},
+                                                   {"chosen", chosen}};
+    return choices;
+}
+
+}  // namespace touchable

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// A way to filter depth, and what the benchmark calls it.
+struct FilterChoice {
+    std::string_view name;
+    /// The scene with these filters, set up by what its first frames tell.
+    Scene (*of)(const std::vector<RawFrame>& first, Scene scene);
+};
+
+/// In the order of the tables. A new choice is a function and a line here.
+const std::vector<FilterChoice>& filter_choices();
+
+}  // namespace touchable

@@ -1,0 +1,80 @@
+#include "bench/real/pressing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "haptics_cpu/touch_solver.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double above_mm = 2, under_mm = 3;
+constexpr int ticks_in = 10, ticks_along = 16;
+constexpr double way_right = 4, way_down = 2;  // pixels
+
+/// So far along its way, 0 to 1, and so deep under its plane.
+glm::dvec3 goal_at(const DepthPlane& plane, const Camera& camera, double along, double under) {
+    const double x = plane.x + way_right * (along - 0.5), y = plane.y + way_down * (along - 0.5);
+    return unproject(camera, x, y, plane.depth(x, y)) - under * normal_of(plane, camera);
+}
+
+FramePair held(const SurfaceFrame& frame) {
+    FramePair pair;
+    pair.prev = pair.next = {0, 0, &frame};
+    return pair;
+}
+
+double root_mean_square(const std::vector<double>& values) {
+    double squares = 0;
+    for (const double value : values) squares += value * value;
+    return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
+                                const std::vector<DepthPlane>& planes) {
+    const auto solver = TouchSolver::create(scene, {});
+    if (!solver.ok()) return solver.error();
+    std::vector<glm::dvec3> goals(planes.size());
+    std::vector<FingerState> fingers(planes.size());
+    std::vector<Contact> contacts(planes.size());
+    const FramePair pair = held(frame);
+    const HeightField field(scene, pair);
+    fingers_ += planes.size();
+    for (int tick = 0; tick <= ticks_in + ticks_along; ++tick) {
+        const double in = std::min(1.0, static_cast<double>(tick) / ticks_in);
+        const double along = std::max(0.0, static_cast<double>(tick - ticks_in) / ticks_along);
+        for (std::size_t k = 0; k < planes.size(); ++k)
+            goals[k] = goal_at(planes[k], scene.camera, along, -above_mm + in * (above_mm + under_mm));
+        solver->tick(field, goals, fingers, contacts);
+        if (tick < ticks_in) continue;
+        for (std::size_t k = 0; k < planes.size(); ++k) {
+            if (!contacts[k].touching) {
+                ++lost_;
+                continue;
+            }
+            angles_.push_back(degrees_between(contacts[k].force, normal_of(planes[k], scene.camera)));
+        }
+    }
+    return {};
+}
+
+void PressErrors::report(Figures& figures) const {
+    std::vector<double> sorted = angles_;
+    std::sort(sorted.begin(), sorted.end());
+    const auto share = [&](double of) {
+        return sorted[std::min(sorted.size() - 1,
+                               static_cast<std::size_t>(of * static_cast<double>(sorted.size())))];
+    };
+    if (sorted.empty()) sorted.push_back(180);  // nothing was felt at all
+    figures.push_back({"presses", static_cast<double>(fingers_), ""});
+    figures.push_back({"force_angle_deg_rms", root_mean_square(sorted), "deg"});
+    figures.push_back({"force_angle_deg_median", share(0.5), "deg"});
+    figures.push_back({"force_angle_deg_p95", share(0.95), "deg"});
+    figures.push_back({"contact_lost_pct",
+                       100 * static_cast<double>(lost_) / static_cast<double>(lost_ + angles_.size()), "%"});
+}
+
+}  // namespace touchable

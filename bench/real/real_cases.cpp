@@ -1,0 +1,68 @@
+#include "bench/real/real_cases.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "bench/real/edges.hpp"
+#include "bench/real/filter_choices.hpp"
+#include "bench/real/known_room.hpp"
+#include "bench/real/recording.hpp"
+#include "bench/real/sensor_models.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double room_focal_length = 481.2;
+/// Rooms are too large for cameras of short range.
+constexpr double half_as_large = 0.5, smallest = 0.4;
+
+/// A case for each choice of filters; `made` is shared by them, and gone with the last.
+template <class Made>
+void add(std::vector<BenchCase>& cases, const std::string& what, const std::shared_ptr<Made>& made,
+         bool quick) {
+    for (const FilterChoice& choice : filter_choices()) {
+        const std::string name = "real-" + what + "-" + std::string(choice.name);
+        cases.push_back({name, [made, choice, quick, name](Figures& figures) -> Result<void> {
+                             auto measured = made->measure(choice, quick, figures);
+                             if (measured.ok()) return measured;
+                             return Error{measured.error().kind, name + ": " + measured.error().message};
+                         }});
+    }
+}
+
+void add_edges(std::vector<BenchCase>& cases, const SensorModel& model) {
+    for (const FilterChoice& choice : filter_choices())
+        cases.push_back(
+            {"real-edges-" + model.name + "-" + std::string(choice.name),
+             [model, choice](Figures& figures) { return measure_edges(model, choice, figures); }});
+}
+
+bool is_there(const std::filesystem::path& data, const char* folder, const char* cases) {
+    if (std::filesystem::exists(data / folder)) return true;
+    std::fprintf(stderr, "%s are left out: no recording at %s\n", cases, (data / folder).c_str());
+    return false;
+}
+
+}  // namespace
+
+std::vector<BenchCase> real_cases(bool quick) {
+    const std::filesystem::path data = TOUCHABLE_TEST_DATA;
+    std::vector<BenchCase> cases;
+    if (is_there(data, "visp_cube_realsense", "cases real-cube-..."))
+        add(cases, "cube", std::make_shared<RecordingPatches>(cube_recording(data)), quick);
+    if (is_there(data, "stills/redwood5", "cases real-redwood-..."))
+        add(cases, "redwood", std::make_shared<RecordingPatches>(redwood_recording(data)), quick);
+    if (is_there(data, "stills/icl_nuim5", "cases real-icl-...")) {
+        add(cases, "icl-kinect", std::make_shared<KnownRoom>(data, kinect_v1(), 1), quick);
+        add(cases, "icl-d435", std::make_shared<KnownRoom>(data, d435(room_focal_length), half_as_large),
+            quick);
+        add(cases, "icl-sr300", std::make_shared<KnownRoom>(data, sr300(), smallest), quick);
+    }
+    add_edges(cases, kinect_v1());
+    add_edges(cases, d435(edges_focal_length));
+    return cases;
+}
+
+}  // namespace touchable

@@ -1,0 +1,84 @@
+#include "bench/real/recording.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "bench/real/built_frames.hpp"
+#include "bench/real/pressing.hpp"
+#include "bench/real/sensor_models.hpp"
+#include "engine/media/clip.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int patch_reach = 15;
+
+std::filesystem::path scene_file(const char* name) {
+    return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / name;
+}
+
+}  // namespace
+
+Recording cube_recording(const std::filesystem::path& data) {
+    // Stereo of 50 mm base and 384 pixels of focal length, 0.08 pixels of noise (sensor_models.hpp).
+    constexpr double quadratic = 0.08 / (50 * 384);
+    return {"cube",         data / "visp_cube_realsense", scene_file("visp_cube_realsense.json"),
+            {0, quadratic}, {0.58, 1.4 * quadratic},      600};
+}
+
+Recording redwood_recording(const std::filesystem::path& data) {
+    const SensorModel kinect = kinect_v1();
+    return {"redwood",           data / "stills/redwood5",          scene_file("redwood5.json"),
+            kinect.stated_noise, {0, 0.45 * kinect.disparity_step}, 2840};
+}
+
+Result<void> RecordingPatches::read(bool quick) {
+    auto reader = open_clip(recording_.clip, recording_.scene_file);
+    if (!reader.ok()) return reader.error();
+    Scene scene = (*reader)->scene();
+    scene.default_properties = {600, 0, 0};
+    scene.filter = {};
+    scene.filter.temporal_noise = recording_.noise;
+    double squares = 0, depth_sum = 0, count = 0;
+    for (;;) {
+        auto raw = (*reader)->next();
+        if (!raw.ok()) return raw.error();
+        if (!*raw) break;
+        const DepthMap map = depths_of(**raw, scene);
+        planes_.push_back(flat_places(map, quick ? 16 : 8, patch_reach, recording_.flat));
+        std::erase_if(planes_.back(),
+                      [&](const DepthPlane& plane) { return 1 / plane.at > recording_.farthest_mm; });
+        for (const DepthPlane& plane : planes_.back()) {
+            const double error = standard_error_deg(map, plane, patch_reach);
+            squares += error * error;
+            depth_sum += 1 / plane.at;
+            ++count;
+        }
+        raws_.push_back(std::move(**raw));
+    }
+    if (!(count > 0)) return Error{ErrorKind::check, recording_.name + ": no flat patch"};
+    plane_error_deg_ = std::sqrt(squares / count);
+    depth_ = depth_sum / count;
+    scene_ = std::move(scene);
+    return {};
+}
+
+Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = read(quick); !done.ok()) return done;
+    const Scene scene = choice.of(raws_, *scene_);
+    const auto frames = built(scene, raws_);
+    if (!frames.ok()) return frames.error();
+    PressErrors errors;
+    for (std::size_t n = 0; n < frames->size(); ++n)
+        if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done.ok()) return done;
+    errors.report(figures);
+    figures.push_back({"plane_error_deg", plane_error_deg_, "deg"});
+    if (auto done = measure_cost(scene, raws_, quick ? 10 : 50, figures); !done.ok()) return done;
+    figures.push_back({"depth_mm", depth_, "mm"});
+    figures.push_back(
+        {"level_mm", scene.filter.levels.constant + scene.filter.levels.quadratic * depth_ * depth_, "mm"});
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/real/depth_plane.hpp"
+#include "bench/real/filter_choices.hpp"
+#include "bench/suite.hpp"
+
+namespace touchable {
+
+/// A clip of a real camera, and which of its patches are the flat faces of things.
+struct Recording {
+    std::string name;
+    std::filesystem::path clip, scene_file;
+    DepthLength noise;  ///< of a stored depth
+    /// A patch of 31x31 pixels is flat whose residual is at most this, and no farther than that. About twice
+    /// what noise and rounding make: a plane passes with the waves that stereo puts on it, a creased face
+    /// does not.
+    DepthLength flat;
+    double farthest_mm;
+};
+/// The cube of RealSense and the room of PrimeSense in a folder of recordings (docs/real-depth.md).
+Recording cube_recording(const std::filesystem::path& data);
+Recording redwood_recording(const std::filesystem::path& data);
+
+/// What is the same for each filter: its frames, and the planes of the flat patches of each.
+class RecordingPatches {
+public:
+    explicit RecordingPatches(Recording recording) : recording_(std::move(recording)) {}
+    /// Appends what fingers feel with these filters against the planes of the stored depths, flat patches of
+    /// all frames on a grid of 8 pixels (`quick`: 16): see PressErrors; plane_error_deg, the planes' own
+    /// standard error, RMS; frame_cpu_ms and frame_ms; depth_mm, the patches' mean depth; level_mm, the level
+    /// distance that was measured, at the patches' mean depth (0: every code is a level).
+    Result<void> measure(const FilterChoice& choice, bool quick, Figures& figures);
+
+private:
+    Result<void> read(bool quick);
+
+    Recording recording_;
+    std::optional<Scene> scene_;  // once it is read
+    std::vector<RawFrame> raws_;
+    std::vector<std::vector<DepthPlane>> planes_;  // frame by frame
+    double plane_error_deg_ = 0;
+    double depth_ = 0;  // of the patches, mean
+};
+
+}  // namespace touchable

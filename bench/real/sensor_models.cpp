@@ -1,0 +1,157 @@
+#include "bench/real/sensor_models.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "bench/touch/noisy_scene.hpp"
+#include "engine/content/random.hpp"
+
+namespace touchable {
+namespace {
+
+/// Depths beside each other that differ by more than this share are a silhouette.
+constexpr double silhouette_share = 0.02;
+
+bool is_silhouette(double a, double b) {
+    return std::fabs(a - b) > silhouette_share * std::min(a, b);
+}
+
+/// Of a pixel near a silhouette the depth of some pixel around it; elsewhere its own.
+double seen_aside(const SensorModel& model, const DepthMap& truth, int x, int y, SplitMix64& random) {
+    const double own = truth.at(x, y);
+    const auto aside = [&] {
+        return static_cast<int>(std::floor(model.lateral_px * normal(random) + 0.5));
+    };
+    const int dx = aside(), dy = aside();
+    const double other = truth.at(x + dx, y + dy);
+    return is_silhouette(own, other) ? other : own;
+}
+
+/// At a silhouette sometimes a depth anywhere between its sides; elsewhere `depth`.
+double mixed(const SensorModel& model, const DepthMap& truth, int x, int y, double depth,
+             SplitMix64& random) {
+    double nearest = truth.at(x, y), farthest = nearest;
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            nearest = std::min(nearest, truth.at(x + dx, y + dy));
+            farthest = std::max(farthest, truth.at(x + dx, y + dy));
+        }
+    if (!is_silhouette(nearest, farthest) || random.unit() >= model.mixed_share) return depth;
+    return random.within(nearest, farthest);
+}
+
+/// The level nearest to a depth.
+double levelled(const SensorModel& model, double depth) {
+    if (model.disparity_step == 0) return depth;
+    return 1 / (model.disparity_step * std::max(1.0, std::floor(1 / depth / model.disparity_step + 0.5)));
+}
+
+/// Noise to add before depths are rounded to levels: the published one is of what is stored.
+double added_sigma(const SensorModel& model, double depth) {
+    const double sigma = model.sigma(depth), level = model.level(depth);
+    return std::sqrt(std::max(0.0, sigma * sigma - level * level / 12));
+}
+
+}  // namespace
+
+double SensorModel::sigma(double depth) const {
+    const double beyond = depth - axial_from;
+    return axial_constant + axial_quadratic * beyond * beyond;
+}
+
+double SensorModel::level(double depth) const {
+    return std::max(code_mm, disparity_step * depth * depth);
+}
+
+SensorModel kinect_v1() {
+    SensorModel model;
+    model.name = "kinect";
+    model.far_mm = 4500;
+    model.disparity_step = 2.95e-6;
+    model.axial_constant = 1.2;
+    model.axial_quadratic = 1.9e-6;
+    model.axial_from = 400;
+    model.lateral_px = 0.8;
+    model.stated_noise = {0.6, 1.4e-6};  // fits to 0.5 mm from 0.5 to 3 m
+    return model;
+}
+
+SensorModel d435(double focal_length) {
+    constexpr double base = 50;
+    SensorModel model;
+    model.name = "d435";
+    model.far_mm = 4000;
+    model.disparity_step = 1 / (32 * base * focal_length);
+    model.axial_quadratic = 0.08 / (base * focal_length);
+    model.stated_noise = {0, model.axial_quadratic};
+    return model;
+}
+
+SensorModel sr300() {
+    SensorModel model;
+    model.name = "sr300";
+    model.far_mm = 2000;
+    model.code_mm = 0.125;
+    model.axial_constant = 1;
+    model.axial_quadratic = 1e-6;
+    model.mixed_share = 0.3;
+    model.stated_noise = {1, 1e-6};
+    return model;
+}
+
+SensorModel without_noise(SensorModel model) {
+    model.axial_constant = model.axial_quadratic = model.lateral_px = model.mixed_share = 0;
+    return model;
+}
+
+Scene scene_of(const SensorModel& model, int width, int height, const Camera& camera) {
+    Scene scene;
+    scene.name = model.name;
+    scene.width = width;
+    scene.height = height;
+    scene.camera = camera;
+    scene.depth_bits = 16;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = model.code_mm;
+    scene.depth.far = model.far_mm;
+    scene.depth.code_max = 65535;
+    derive_valid_range(scene.depth);
+    scene.default_properties = {600, 0, 0};
+    scene.filter.temporal_noise = model.stated_noise;
+    scene.device_metres_per_unit = 0.001;
+    return scene;
+}
+
+RawFrame stored_frame(const SensorModel& model, const Scene& scene, const DepthMap& truth,
+                      std::int64_t number) {
+    RawFrame raw;
+    raw.number = number;
+    raw.time_ns = scene.rate.time_ns(number);
+    SplitMix64 random(mix64(static_cast<std::uint64_t>(number) + 1));
+    const std::vector<double> noise = shared_noise(scene.width, scene.height, random);
+    auto codes = std::make_shared<std::vector<std::uint16_t>>();
+    for (int y = 0; y < scene.height; ++y)
+        for (int x = 0; x < scene.width; ++x) {
+            double depth = model.lateral_px > 0 ? seen_aside(model, truth, x, y, random) : truth.at(x, y);
+            depth += added_sigma(model, depth) * noise[codes->size()];
+            if (model.mixed_share > 0) depth = mixed(model, truth, x, y, depth, random);
+            depth = levelled(model, std::max(depth, 1.0));
+            codes->push_back(
+                static_cast<std::uint16_t>(std::floor(std::min(depth / model.code_mm, 65534.0) + 0.5)));
+        }
+    // Plane views are of bytes.
+    raw.depth = {reinterpret_cast<const std::uint8_t*>(codes->data()),
+                 std::ptrdiff_t{2} * scene.width,
+                 scene.width,
+                 scene.height,
+                 2,
+                 1};
+    raw.storage = std::move(codes);
+    return raw;
+}
+
+}  // namespace touchable

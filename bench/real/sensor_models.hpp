@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "bench/real/depth_map.hpp"
+#include "engine/frame/raw_frame.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// What a depth camera makes of a true depth, as published; millimetres.
+struct SensorModel {
+    std::string name;
+    double code_mm = 1;          ///< of a stored code
+    double far_mm = 0;           ///< deeper things have no depth
+    double disparity_step = 0;   ///< levels are even steps of 1 / depth, 1/mm; 0: every code is one
+    double axial_constant = 0;   ///< standard deviation of a depth z: this
+    double axial_quadratic = 0;  ///< + this (z - axial_from)^2
+    double axial_from = 0;
+    double lateral_px = 0;     ///< standard deviation of where a silhouette is seen
+    double mixed_share = 0;    ///< of the pixels at a silhouette, those anywhere between its sides
+    DepthLength stated_noise;  ///< the axial one as a scene states it
+
+    /// Standard deviation of what is stored of a depth.
+    double sigma(double depth) const;
+    /// From one level to the next.
+    double level(double depth) const;
+};
+
+/// Kinect of the first kind. Axial noise 1.2 + 1.9 (z - 0.4)^2 mm, z in metres, and 0.8 pixels at
+/// silhouettes: Nguyen, Izadi and Lovell 2012. Levels: even steps of disparity, 2.95 z^2 mm apart, which are
+/// the 2.73 z^2 + 0.74 z - 0.58 mm of Smisek, Jancosek and Pajdla 2011 to 3 % from 1 to 4 m. Millimetres.
+SensorModel kinect_v1();
+/// Stereo with a base of 50 mm: disparity has a standard deviation of 0.08 pixels (Grunnet-Jepsen, Sweetser
+/// and Woodfill 2018) and steps of 1/32 pixel (Grunnet-Jepsen, Sweetser, Khuong, Tong and Woodfill 2019).
+/// Millimetres. `focal_length` in pixels.
+SensorModel d435(double focal_length);
+/// Short range, coded light or time of flight: noise of 1 + z^2 mm (z in metres; assumed, 1 to 2 mm within
+/// its range), three in ten pixels at silhouettes anywhere between both sides, 0.125 mm codes.
+SensorModel sr300();
+/// The same levels and codes, without noise.
+SensorModel without_noise(SensorModel model);
+
+/// A scene of this camera's pictures: 30 frames a second, 600 N/m, no friction, no filter, noise as the model
+/// states it.
+Scene scene_of(const SensorModel& model, int width, int height, const Camera& camera);
+/// Frame `number` of what this camera stores of true depths. Noise is new in each frame, and neighbours share
+/// half of it. The same bits everywhere.
+RawFrame stored_frame(const SensorModel& model, const Scene& scene, const DepthMap& truth,
+                      std::int64_t number);
+
+}  // namespace touchable

@@ -1,0 +1,31 @@
+#include "bench/targets.hpp"
+
+namespace touchable {
+namespace {
+
+std::vector<Target> make_real_targets(const std::string& choice) {
+    using Sense = Limit::Sense;
+    const auto named = [&](const char* what) { return std::string("real-") + what + "-" + choice; };
+    const auto below = [](double value, const char* unit) { return Limit{value, Sense::below, unit}; };
+    const auto at_most = [](double value, const char* unit) { return Limit{value, Sense::at_most, unit}; };
+    const std::string kinect = named("icl-kinect");
+    const std::vector<std::string> edges{named("edges-kinect"), named("edges-d435")};
+    return {{"direction, cube, RMS", {named("cube")}, "force_angle_deg_rms", below(5, "deg")},
+            {"direction, redwood, RMS", {named("redwood")}, "force_angle_deg_rms", below(6, "deg")},
+            {"direction, known room, Kinect, RMS", {kinect}, "force_angle_deg_rms", below(6, "deg")},
+            {"at rest, 20 to 500 Hz, Kinect", {kinect}, "force_band_mn", at_most(40, "mN")},
+            {"behind at 0.3 m/s, Kinect", {kinect}, "lag_mm", at_most(1.5, "mm")},
+            {"CPU time of a frame, 640x480", {kinect}, "frame_cpu_ms", at_most(1.5, "ms")},
+            {"relief of a pen of 5 pixels", edges, "pen_pct", {90, Sense::at_least, "%"}},
+            {"a step of 4 levels, one level off its sides", edges, "step_px", at_most(1, "px")},
+            {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")}};
+}
+
+}  // namespace
+
+const std::vector<Target>& real_targets() {
+    static const std::vector<Target> targets = make_real_targets("chosen");
+    return targets;
+}
+
+}  // namespace touchable
