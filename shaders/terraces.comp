@@ -77,11 +77,11 @@ void main() {
         below = moved_on(below, y + tap, texel + 1);
         const int at = y * int(push.pitch) + texel;
         Eight was;
-        if (is_last != 0u) was = unpacked_halves(texelFetch(first_texels, at));
+        if (is_last != 0u || has_levels != 0u) was = unpacked_halves(texelFetch(first_texels, at));
         uint codes[8];
         [[unroll]] for (int k = 0; k < 8; ++k) {
             const int x = 8 + k, centre = here.v[x], twice = 2 * centre;
-            const int gate = has_levels != 0u ? gate_of(level_at(uint(centre))) : even_gate;
+            const int gate = has_levels != 0u ? gate_of(level_at(was.v[k])) : even_gate;
             const int straight = tents(here.v[x - tap] + here.v[x + tap] - twice, above.v[x] + below.v[x] - twice, gate);
             const int diagonal = tents(above.v[x - tap] + below.v[x + tap] - twice,
                                        above.v[x + tap] + below.v[x - tap] - twice, gate);

@@ -9,7 +9,7 @@
 namespace touchable {
 namespace {
 
-constexpr double above_mm = 2, under_mm = 3;
+constexpr double lifted_mm = 2, pressed_mm = 3;
 constexpr int ticks_in = 10, ticks_along = 16;
 constexpr double way_right = 4, way_down = 2;  // pixels
 
@@ -47,7 +47,7 @@ Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
         const double in = std::min(1.0, static_cast<double>(tick) / ticks_in);
         const double along = std::max(0.0, static_cast<double>(tick - ticks_in) / ticks_along);
         for (std::size_t k = 0; k < planes.size(); ++k)
-            goals[k] = goal_at(planes[k], scene.camera, along, -above_mm + in * (above_mm + under_mm));
+            goals[k] = goal_at(planes[k], scene.camera, along, -lifted_mm + in * (lifted_mm + pressed_mm));
         solver->tick(field, goals, fingers, contacts);
         if (tick < ticks_in) continue;
         for (std::size_t k = 0; k < planes.size(); ++k) {

@@ -1,35 +1,83 @@
 #include "engine/surface/flying_pixels.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
+
+#include "engine/surface/validity_strip.hpp"
+#include "engine/surface/vectors.hpp"
 
 namespace touchable {
 namespace {
 
-/// Codes from below and above differ by more than `gate` from one of their eight neighbours. Of inner pixels.
-void suspect(const std::uint16_t* above, const std::uint16_t* here, const std::uint16_t* below, int width,
-             int gate, std::uint8_t* suspicious) {
-    const auto limit = static_cast<std::uint16_t>(gate);
-    for (int x = 1; x < width - 1; ++x) {
-        std::uint16_t least = here[x], greatest = here[x];
-        for (const std::uint16_t* row : {above, here, below})
-            for (int dx = -1; dx <= 1; ++dx) {
-                least = std::min(least, row[x + dx]);
-                greatest = std::max(greatest, row[x + dx]);
-            }
-        suspicious[x] = static_cast<std::uint16_t>(greatest - here[x]) > limit ||
-                        static_cast<std::uint16_t>(here[x] - least) > limit;
+/// Which pixels of a row may fly, as bits: those whose code differs from that of a valid neighbour by more
+/// than the least gate of the strip. Reads one code beyond both ends of each row. Whole strips only.
+struct RowSuspicion {
+    const std::uint16_t *above, *here, *below;
+    const FlyingPixels& filter;
+    const bool zero_is_code;
+    const int strips;
+    std::uint32_t* suspects;
+
+    template <class Kind>
+    [[gnu::always_inline]] void operator()(Kind) const {
+        for (int strip = 0; strip < strips; ++strip)
+            suspects[strip] = suspects_of<typename Kind::Lanes>(strip * strip_pixels);
     }
-}
+
+    /// A gate grows towards one end of the codes or the other. 0, which is what invalid pixels have, does not
+    /// count where it is no code.
+    template <class Lanes>
+    [[gnu::always_inline]] int least_gate(int x) const {
+        Lanes least = Lanes{} + std::uint16_t{65535}, greatest{};
+        for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
+            const Lanes codes = load_lanes<Lanes>(here + x + k);
+            const Lanes nothing = reinterpret_cast<Lanes>(codes == 0);
+            least = lesser<Lanes>(least, zero_is_code ? codes : codes | nothing);
+            greatest = greater<Lanes>(greatest, codes);
+        }
+        std::uint16_t low[lane_count<Lanes>], high[lane_count<Lanes>];
+        store_lanes(least, low);
+        store_lanes(greatest, high);
+        return std::min(filter.gate_at(*std::min_element(low, low + lane_count<Lanes>)),
+                        filter.gate_at(*std::max_element(high, high + lane_count<Lanes>)));
+    }
+
+    template <class Lanes>
+    [[gnu::always_inline]] std::uint32_t suspects_of(int x) const {
+        const Lanes gate = Lanes{} + static_cast<std::uint16_t>(least_gate<Lanes>(x));
+        std::uint16_t masks[strip_pixels];
+        Lanes any{};
+        for (int k = 0; k < strip_pixels; k += lane_count<Lanes>) {
+            const Lanes code = load_lanes<Lanes>(here + x + k);
+            Lanes least = code, greatest = code;
+            for (const std::uint16_t* row : {above, here, below})
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const Lanes other = load_lanes<Lanes>(row + x + k + dx);
+                    const Lanes nothing = reinterpret_cast<Lanes>(other == 0);
+                    least = lesser<Lanes>(least, zero_is_code ? other : other | nothing);
+                    greatest = greater<Lanes>(greatest, other);
+                }
+            const Lanes beyond =
+                reinterpret_cast<Lanes>(greater<Lanes>(greatest - code, code - least) > gate);
+            any |= beyond;
+            store_lanes(beyond, masks + k);
+        }
+        std::uint16_t lanes[lane_count<Lanes>];
+        store_lanes(any, lanes);
+        if (std::all_of(lanes, lanes + lane_count<Lanes>, [](std::uint16_t lane) { return lane == 0; }))
+            return 0;
+        std::uint32_t bits = 0;
+        for (int k = 0; k < strip_pixels; ++k) bits |= std::uint32_t{masks[k] & 1U} << k;
+        return bits;
+    }
+};
 
 }  // namespace
 
-// A gate grows towards one end of the codes or the other.
 FlyingPixelLander::FlyingPixelLander(std::unique_ptr<LineSource> lines, const FlyingPixels& filter,
-                                     const DepthCoding& coding)
-    : before_landing_(std::move(lines)),
-      filter_(filter),
-      least_gate_(std::min(filter.gate_at(coding.valid_min), filter.gate_at(coding.valid_max))) {}
+                                     const DepthCoding& coding, VectorUnit unit)
+    : before_landing_(std::move(lines)), filter_(filter), zero_is_code_(coding.is_valid(0)), unit_(unit) {}
 
 void FlyingPixelLander::begin(const RawFrame& raw, RowBands& bands) {
     before_landing_.make_all(raw, bands, before_);
@@ -38,37 +86,38 @@ void FlyingPixelLander::begin(const RawFrame& raw, RowBands& bands) {
     picture_.codes.resize(before_.codes.size());
     picture_.validity.resize(before_.validity.size());
     std::copy(before_.validity.begin(), before_.validity.end(), picture_.validity.begin());
-    suspicious_.resize(static_cast<std::size_t>(bands.threads()));
-    // The first and the last row and column have lines along themselves only.
-    for (auto& row : suspicious_) row.assign(static_cast<std::size_t>(before_.width), 1);
+    suspects_.resize(static_cast<std::size_t>(bands.threads()));
+    for (auto& strips : suspects_) strips.resize(static_cast<std::size_t>(before_.validity_words_per_row()));
     bands.for_each_band(before_.height, TileGrid::cells, [&](const RowBand& band) { land_rows(band); });
 }
 
 void FlyingPixelLander::land_rows(const RowBand& band) {
-    std::vector<std::uint8_t>& suspicious = suspicious_[static_cast<std::size_t>(band.thread)];
+    std::vector<std::uint32_t>& suspects = suspects_[static_cast<std::size_t>(band.thread)];
     const auto row = [&](int y) { return before_.codes.data() + before_.index(0, y); };
     for (int y = band.first; y < band.last; ++y) {
         std::memcpy(picture_.codes.data() + picture_.index(0, y), row(y),
                     static_cast<std::size_t>(before_.width) * sizeof(std::uint16_t));
-        if (y == 0 || y == before_.height - 1)
-            std::fill(suspicious.begin(), suspicious.end(), std::uint8_t{1});
-        else
-            suspect(row(y - 1), row(y), row(y + 1), before_.width, least_gate_, suspicious.data());
-        land_row(y, suspicious.data());
+        // Rows at the border have no neighbours to tell by, and the last codes of a row make no whole strip.
+        std::fill(suspects.begin(), suspects.end(), ~std::uint32_t{0});
+        if (y > 0 && y < before_.height - 1)
+            run_vectors(unit_, RowSuspicion{row(y - 1), row(y), row(y + 1), filter_, zero_is_code_,
+                                            (before_.width - 1) / strip_pixels, suspects.data()});
+        for (std::size_t word = 0; word < suspects.size(); ++word)
+            for (std::uint32_t bits = suspects[word] & before_.validity_row(y)[word]; bits != 0;
+                 bits &= bits - 1)
+                land(static_cast<int>(word) * strip_pixels + std::countr_zero(bits), y);
     }
 }
 
-void FlyingPixelLander::land_row(int y, const std::uint8_t* suspicious) {
-    for (int x = 0; x < before_.width; ++x) {
-        if (suspicious[x] == 0 || !before_.is_valid(x, y)) continue;
-        const auto at = [&](int dx, int dy) {
-            const int tx = x + dx, ty = y + dy;
-            if (tx < 0 || tx >= before_.width || ty < 0 || ty >= before_.height) return -1;
-            return before_.is_valid(tx, ty) ? int{before_.codes[before_.index(tx, ty)]} : -1;
-        };
-        const std::uint16_t code = before_.codes[before_.index(x, y)];
-        picture_.codes[picture_.index(x, y)] = landed(at, filter_.gate_at(code));
-    }
+void FlyingPixelLander::land(int x, int y) {
+    const auto at = [&](int dx, int dy) {
+        const int tx = x + dx, ty = y + dy;
+        if (tx < 0 || tx >= before_.width || ty < 0 || ty >= before_.height || !before_.is_valid(tx, ty))
+            return -1;
+        return int{before_.codes[before_.index(tx, ty)]};
+    };
+    const std::size_t here = before_.index(x, y);
+    picture_.codes[here] = landed(at, filter_.gate_at(before_.codes[here]));
 }
 
 }  // namespace touchable

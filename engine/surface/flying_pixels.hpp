@@ -17,14 +17,14 @@ std::uint16_t landed(const At& at, int gate) {
     int landed = code, least = 65536;
     const auto differ = [&](int a, int b) { return a > b ? a - b > gate : b - a > gate; };
     for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
-        const int a = at(-2 * dx, -2 * dy), b = at(2 * dx, 2 * dy);
-        const int beyond_a = at(-3 * dx, -3 * dy), beyond_b = at(3 * dx, 3 * dy);
         const int next_a = at(-dx, -dy), next_b = at(dx, dy);
-        if (a < 0 || b < 0 || beyond_a < 0 || beyond_b < 0 || next_a < 0 || next_b < 0) continue;
-        if (differ(a, beyond_a) || differ(b, beyond_b)) continue;
-        if (!differ(code, next_a) && !differ(code, next_b)) continue;
+        if (next_a < 0 || next_b < 0 || (!differ(code, next_a) && !differ(code, next_b))) continue;
+        const int a = at(-2 * dx, -2 * dy), b = at(2 * dx, 2 * dy);
+        if (a < 0 || b < 0) continue;
         const int low = std::min(a, b), high = std::max(a, b);
         if (code - low <= 2 * gate || high - code <= 2 * gate) continue;
+        const int beyond_a = at(-3 * dx, -3 * dy), beyond_b = at(3 * dx, 3 * dy);
+        if (beyond_a < 0 || beyond_b < 0 || differ(a, beyond_a) || differ(b, beyond_b)) continue;
         for (const auto& [side, distance] : {std::pair{low, code - low}, {high, high - code}})
             if (distance < least || (distance == least && side < landed)) {
                 landed = side;
@@ -38,19 +38,20 @@ std::uint16_t landed(const At& at, int gate) {
 class FlyingPixelLander final : public LineSource {
 public:
     FlyingPixelLander(std::unique_ptr<LineSource> lines, const FlyingPixels& filter,
-                      const DepthCoding& coding);
+                      const DepthCoding& coding, VectorUnit unit);
     void begin(const RawFrame& raw, RowBands& bands) override;
     void load(int y, CodeLine& line) const override { line.copy(picture_, y); }
 
 private:
     void land_rows(const RowBand& band);
-    void land_row(int y, const std::uint8_t* suspicious);
+    void land(int x, int y);
 
     UnfilteredBands before_landing_;
     const FlyingPixels filter_;
-    const int least_gate_;
+    const bool zero_is_code_;
+    const VectorUnit unit_;
     SurfaceFrame before_, picture_;
-    std::vector<std::vector<std::uint8_t>> suspicious_;  // pixels of a row, of each thread
+    std::vector<std::vector<std::uint32_t>> suspects_;  // bits of a row, of each thread
 };
 
 }  // namespace touchable

@@ -137,10 +137,10 @@ Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
             for (int x = 0; x < picture.width; ++x) {
                 if (!before.at(x, y).valid) continue;
                 const std::uint16_t code = before.at(x, y).code;
-                const int sum = levelling_of(before, x, y, step, filter.gate_at(code));
+                const std::uint16_t was = first.at(x, y).code;
+                const int sum = levelling_of(before, x, y, step, filter.gate_at(was));
                 // The last pass doubles codes, so that half of a step is not rounded away.
                 int after = is_last ? 2 * code + ((sum + 4) >> 3) : code + ((sum + 8) >> 4);
-                const std::uint16_t was = first.at(x, y).code;
                 const int most = filter.most_at(was);
                 if (is_last) after = std::clamp(after, 2 * (was - most), 2 * (was + most));
                 picture.at(x, y).code = static_cast<std::uint16_t>(after);

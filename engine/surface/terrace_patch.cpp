@@ -27,6 +27,9 @@ void TerracePatch::set(int x, int y, std::uint16_t code, const TerraceFilter& fi
 void TerracePatch::level(const TerraceFilter& filter) {
     const VectorUnit unit = usable_vector_units().front();
     std::memcpy(codes_, before_, sizeof(codes_));
+    if (!filter.levels.is_zero())
+        for (int line = 0; line <= bottom_ - top_; ++line)
+            find_levels(unit, filter, before_[line] + terrace_margin, words, levels_[line]);
     for (const int& step : terrace_steps) {
         const bool is_last = &step == std::end(terrace_steps) - 1;
         for (int y = top_; y <= bottom_; ++y)
@@ -50,7 +53,7 @@ std::uint16_t TerracePatch::code(int x, int y, const TerraceFilter& filter) cons
 TerraceRow TerracePatch::row(const std::int16_t (&codes)[side][pitch], int y) const {
     const bool inside = y >= top_ && y <= bottom_;
     const int line = inside ? y - top_ : 0, known = inside ? line : side;
-    return {codes[line] + terrace_margin, masks_[known] + terrace_margin, holes_[known] + 1};
+    return {codes[line] + terrace_margin, masks_[known] + terrace_margin, holes_[known] + 1, levels_[line]};
 }
 
 }  // namespace touchable

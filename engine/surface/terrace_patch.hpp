@@ -36,6 +36,7 @@ private:
 
     int left_, right_, top_, bottom_;
     std::int16_t before_[side][pitch] = {}, codes_[side][pitch] = {}, next_[side][pitch] = {};
+    std::int16_t levels_[side][words * strip_pixels];
     std::int16_t masks_[side + 1][pitch];  // the last row of both: outside
     std::uint32_t holes_[side + 1][words + 2];
 };
