@@ -11,14 +11,21 @@ namespace {
 /// picture, so that is 0.016 mm for the hand, and 10 mN at 600 N/m.
 constexpr double noise_per_picture = 1e-4;
 /// What the filter is told: so that two levels beside each other, too, are averaged (docs/real-depth.md).
-constexpr double stated_per_measured = 1.5;
+constexpr double stated_per_measured = 1.5, stated_with_small_median = 1.3;
 /// Cameras' surfaces have a median where they are rougher than this share of a pixel's width, which tilts
 /// faces by about ten degrees.
 constexpr double roughness_per_pixel = 0.15;
-constexpr int median_of_cameras = 5;
+/// A small one is enough where levels are much farther apart than noise moves a depth, and it keeps steps
+/// sharper.
+constexpr double levels_per_noise = 1.5;
 /// Tiny holes are filled from this share of the pixels on; two passes close those three pixels wide.
 constexpr double specks_to_fill = 1e-4;
 constexpr int passes = 2;
+
+int median_of_cameras(const MeasuredDepth& measured) {
+    const double noise = std::max(measured.noise_at_median(), measured.roughness);
+    return measured.distance >= levels_per_noise * noise ? 3 : 5;
+}
 
 /// Pixels that hang in the air are pulled to a surface from this share on; one surface is what is flat to a
 /// fiftieth of the depth or three times the noise.
@@ -49,8 +56,9 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) 
     }
     const bool camera = measured->from_a_camera();
     if (unstated.median)
-        filter.median =
-            camera && measured->roughness >= roughness_per_pixel * measured->pixel ? median_of_cameras : 0;
+        filter.median = camera && measured->roughness >= roughness_per_pixel * measured->pixel
+                            ? median_of_cameras(*measured)
+                            : 0;
     if (unstated.flying_pixels)
         filter.flying_pixels =
             camera && measured->flying >= flying_to_land ? flat_within(*measured) : DepthLength{};
@@ -60,9 +68,10 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) 
     if (filter.terraces == TerraceRemoval::on) filter.levels = measured->levels;
     if (unstated.temporal)
         filter.temporal = measured->noise_at_median() >= noise_per_picture * measured->pixel * scene.width;
-    if (filter.temporal && filter.temporal_noise == DepthLength{})
-        filter.temporal_noise = {stated_per_measured * measured->noise.constant,
-                                 stated_per_measured * measured->noise.quadratic};
+    if (filter.temporal && filter.temporal_noise == DepthLength{}) {
+        const double stated = filter.median == 3 ? stated_with_small_median : stated_per_measured;
+        filter.temporal_noise = {stated * measured->noise.constant, stated * measured->noise.quadratic};
+    }
 }
 
 }  // namespace touchable
