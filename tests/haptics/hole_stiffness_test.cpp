@@ -219,6 +219,58 @@ TEST(HoleStiffness, AHoleThatClosesBesideAFingerDoesNotKickIt) {
     EXPECT_NEAR(last, scene_k * 0.005, 1e-9);
 }
 
+TEST_F(HoleWall, BecomesACliffBetweenTwoFramesWithoutAKick) {
+    CliffAndHole field(hole_k / 1000);
+    field.shape(field.next, [](int x, int) { return x < 32 ? 100.0 : 400.0; });
+    FingerGuard guard(without_ramp(), 0.001);
+    FingerState finger;
+    std::vector<dvec3> forces;
+    const auto touch = [&](const dvec3& goal, double blend) {
+        forces.push_back(guard.guard(field.touch(finger, goal, blend)).force);
+    };
+    for (const dvec3& goal : path_along({{2, 3.3, -50}, {2, 3.3, -110}, {-30, 3.3, -110}}, 0.1))
+        touch(goal, 0);
+    const std::size_t caught = forces.size();
+    for (int tick = 0; tick < 600; ++tick) touch({-30, 3.3, -110}, std::min(0.99, 0.03 * tick));
+    double fastest = 0;
+    for (std::size_t k = caught; k < forces.size(); ++k)
+        fastest = std::max(fastest, length(forces[k] - forces[k - 10]));
+    EXPECT_NEAR(length(forces[caught]), hole_k * 0.03, 0.1);
+    EXPECT_NEAR(length(forces.back()), 10, 1e-9);
+    EXPECT_NEAR(fastest, 10 * rise_from_hole, 1e-6);
+}
+
+/// A surface that jumps from 4 to 12 mm in front of a goal when its hole closes; a few ticks later the hole
+/// opens again, and at last it is gone. The jump takes its 100 ms, and the stiffness its time.
+TEST(HoleStiffness, AJumpAtAHoleComesOnAsEvenlyAsElsewhere) {
+    FingerGuard guard(without_ramp(), 0.001);
+    std::vector<double> forces;
+    for (int tick = 0; tick < 1000; ++tick) {
+        Contact contact;
+        const bool jumped = tick >= 10;
+        const double x = jumped ? 12 : 4;
+        contact.touching = true;
+        contact.proxy = contact.carried = {0, 0, x};
+        contact.hole_share = !jumped ? 1.0 : std::clamp((tick - 20) / 16.0, 0.0, 1.0);
+        if (tick >= 60) contact.hole_share = 0;
+        const double k = scene_k + (hole_k - scene_k) * contact.hole_share;
+        contact.properties.stiffness = k;
+        contact.carried_stiffness = k;
+        contact.force = {0, 0, 0.001 * k * x};
+        contact.jumped = tick == 10;
+        if (contact.jumped) contact.jumped_force = contact.force;
+        forces.push_back(length(guard.guard(contact).force));
+    }
+    double fastest = 0;
+    for (std::size_t k = 10; k < forces.size(); ++k) fastest = std::max(fastest, forces[k] - forces[k - 10]);
+    EXPECT_NEAR(forces[9], 0.4, 1e-9);
+    EXPECT_NEAR(forces[10], 0.4, 0.1);
+    EXPECT_NEAR(forces.back(), 7.2, 1e-9);
+    // The fade is at its steepest half-way, 1.5 of the jump in 100 ms: 8 mm at the stiffness of that moment.
+    EXPECT_LT(fastest, 10 * rise_from_hole + 0.15 * 0.008 * 300);
+    EXPECT_GT(fastest, 10 * rise_from_hole);
+}
+
 TEST(HoleStiffness, OnlyWhatRestsOnAnInvalidVertexIsInAHole) {
     SmallField small(20, 20, 100.0, DepthSemantics::planar);
     small.set(small.prev, 10, 10, nothing);
