@@ -102,6 +102,14 @@ TEST_F(Holes, AClipWithoutThemIsSilentAboutThem) {
               std::string::npos);
 }
 
+TEST_F(Holes, InfoSaysHowStiffTheyAre) {
+    const Outcome said = run_touchable({"info", scene("0.1")}),
+                  json = run_touchable({"info", scene("0.1"), "--json"});
+    EXPECT_NE(said.out.find("walls of missing depth have 0.1 N/mm"), std::string::npos) << said.out;
+    EXPECT_EQ(nlohmann::json::parse(json.out)["hole_stiffness_n_per_mm"], 0.1);
+    EXPECT_EQ(run_touchable({"info", scene()}).out.find("missing depth"), std::string::npos);
+}
+
 TEST_F(Holes, ARecordingKeepsTheirStiffness) {
     const std::string file = folder / "run.rec";
     const auto recorded = touch(words(scene("0.1"), {"--record", file}));
