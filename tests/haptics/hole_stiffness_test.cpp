@@ -2,10 +2,14 @@
 // a finger gets out of it again.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "haptics_cpu/finger_guard.hpp"
+#include "haptics_cpu/surface_lattice.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {
