@@ -80,7 +80,7 @@ FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Motion&
     const HeightField& field = space.field();
     if (!field.has_friction()) return {};
     if (field.has_haptic_image() || !motion.corners_valid) return uneven_cone(space, proxy, motion, slip);
-    const HapticProperties p = field.properties(proxy.i, proxy.j, proxy.a, proxy.b, {true, true, true, true});
+    const HapticProperties& p = field.default_properties();
     FrictionCone cone;
     cone.stopping = p.dynamic_friction + slip.static_share * (p.static_friction - p.dynamic_friction);
     cone.resting = proxy.sliding ? cone.stopping : p.static_friction;

@@ -4,6 +4,14 @@
 
 namespace touchable {
 
+namespace {
+
+bool is_valid(const SurfaceFrame& frame, const SurfaceFrame* codes, int x, int y) {
+    return codes ? codes->is_valid(x, y) : frame.vertices->at(x, y).valid;
+}
+
+}  // namespace
+
 HeightField::HeightField(const Scene& scene, const FramePair& pair)
     : scene_(scene),
       prev_(pair.prev.frame),
@@ -62,6 +70,43 @@ double HeightField::nearest_depth(int tile_x, int tile_y) const {
     return nearest - largest_height_;
 }
 
+/// How far a pixel is on its way to having no depth: 1 as long as it has none, and the ring never has any.
+/// One that loses it half-way to the next frame is on its way from the frame before. When a hole closes the
+/// rise of stiffness is the guard's to spread.
+double HeightField::missing(std::int64_t i, std::int64_t j) const {
+    if (i < 0 || j < 0 || i >= scene_.width || j >= scene_.height) return 1;
+    const int x = static_cast<int>(i), y = static_cast<int>(j);
+    const bool before = is_valid(*prev_, prev_codes_, x, y);
+    if (!next_) return before ? 0 : 1;
+    const bool after = is_valid(*next_, next_codes_, x, y);
+    if (!(nearer_ == prev_ ? before : after)) return 1;
+    return before && !after ? 2 * blend_ : 0;
+}
+
+double HeightField::hole_share(std::int64_t i, std::int64_t j, double a, double b) const {
+    if (!scene_.hole_stiffness) return 0;
+    // Of a corner the most that is missing at it and its eight neighbours: so a cell with an invalid corner
+    // is all hole, down to the rim of the wall.
+    std::array<double, 4> share{};
+    for (int dj = -1; dj <= 2; ++dj)
+        for (int di = -1; di <= 2; ++di) {
+            const double missing_here = missing(i + di, j + dj);
+            if (missing_here == 0) continue;
+            for (int corner = 0; corner < 4; ++corner) {
+                const int across = di - (corner & 1), down = dj - (corner >> 1);
+                double& most = share[static_cast<std::size_t>(corner)];
+                if (across * across <= 1 && down * down <= 1) most = std::max(most, missing_here);
+            }
+        }
+    return bilinear(a, b, share[0], share[1], share[2], share[3]);
+}
+
+double HeightField::with_holes(double stiffness, std::int64_t i, std::int64_t j, double a, double b) const {
+    if (!scene_.hole_stiffness) return stiffness;
+    const double share = hole_share(i, j, a, b);
+    return (1.0 - share) * stiffness + share * (*scene_.hole_stiffness * 1000.0);
+}
+
 HapticProperties HeightField::properties_in(const SurfaceFrame& frame, int x, int y) const {
     if (frame.haptic.empty()) return scene_.default_properties;
     const std::uint8_t* p = &frame.haptic[3 * frame.index(x, y)];
@@ -109,7 +154,7 @@ HapticProperties HeightField::mixed_properties(std::int64_t i, std::int64_t j, d
     const auto mean = [&](double HapticProperties::*property) {
         return bilinear(a, b, p[0].*property, p[1].*property, p[2].*property, p[3].*property);
     };
-    out.stiffness = mean(&HapticProperties::stiffness);
+    out.stiffness = with_holes(mean(&HapticProperties::stiffness), i, j, a, b);
     out.static_friction = mean(&HapticProperties::static_friction);
     out.dynamic_friction = mean(&HapticProperties::dynamic_friction);
     out.dynamic_friction = std::min(out.dynamic_friction, out.static_friction);
@@ -117,9 +162,9 @@ HapticProperties HeightField::mixed_properties(std::int64_t i, std::int64_t j, d
 }
 
 double HeightField::stiffness(std::int64_t i, std::int64_t j, double a, double b) const {
-    if (!has_haptic_image()) return default_properties_.stiffness;
+    if (!has_haptic_image()) return with_holes(default_properties_.stiffness, i, j, a, b);
     const auto at = [&](int di, int dj) { return vertex_properties(i + di, j + dj, true).stiffness; };
-    return bilinear(a, b, at(0, 0), at(1, 0), at(0, 1), at(1, 1));
+    return with_holes(bilinear(a, b, at(0, 0), at(1, 0), at(0, 1), at(1, 1)), i, j, a, b);
 }
 
 }  // namespace touchable

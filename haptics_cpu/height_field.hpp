@@ -52,23 +52,34 @@ public:
     bool has_friction() const { return has_friction_; }
     /// True where properties differ from place to place.
     bool has_haptic_image() const { return has_haptic_image_; }
+    /// How much of the stiffness at (i + a, j + b), 0 <= a, b <= 1, is that of holes, 0 to 1: bilinear, 1 in
+    /// a cell with an invalid vertex, 0 from the next but one on. Where a hole opens half-way between two
+    /// frames it grows from 0 to 1 until then. 0 everywhere in a scene that does not say how stiff holes are.
+    double hole_share(std::int64_t i, std::int64_t j, double a, double b) const;
+
+    /// Of valid pixels in a frame without a haptic image, far from holes.
+    const HapticProperties& default_properties() const { return default_properties_; }
     /// Stiffness and friction at (i + a, j + b), 0 <= a, b <= 1: each frame's, linear in time, bilinear in
-    /// space. Friction is 0 at invalid and ring vertices, and dynamic friction never exceeds static.
+    /// space; the stiffness then mixed with that of holes. Friction is 0 at invalid and ring vertices, and
+    /// dynamic friction never exceeds static.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b) const;
     /// The same, where the validity of the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) is known already.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b,
                                 const std::array<bool, 4>& valid) const {
         const bool all_valid = valid[0] && valid[1] && valid[2] && valid[3];
-        return all_valid && !has_haptic_image() ? default_properties_ : mixed_properties(i, j, a, b, valid);
+        const bool alike = all_valid && !has_haptic_image() && !scene_.hole_stiffness;
+        return alike ? default_properties_ : mixed_properties(i, j, a, b, valid);
     }
     /// Stiffness alone, N/m.
     double stiffness(std::int64_t i, std::int64_t j, double a, double b) const;
     /// What the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) bring into the mean, where their validity is
-    /// known: here dynamic friction may exceed static.
+    /// known: here dynamic friction may exceed static, and stiffness is not that of holes anywhere.
     CornerProperties corner_properties(std::int64_t i, std::int64_t j,
                                        const std::array<bool, 4>& valid) const;
 
 private:
+    double missing(std::int64_t i, std::int64_t j) const;
+    double with_holes(double stiffness, std::int64_t i, std::int64_t j, double a, double b) const;
     HapticProperties mixed_properties(std::int64_t i, std::int64_t j, double a, double b,
                                       const std::array<bool, 4>& valid) const;
     HapticProperties properties_in(const SurfaceFrame& frame, int x, int y) const;

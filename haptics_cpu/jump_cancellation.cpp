@@ -19,6 +19,9 @@ double fade(double ticks) {
     return p < 1 ? 1.0 - p * p * (3.0 - 2.0 * p) : 0.0;
 }
 
+/// N/m; a softer spring exerts nothing.
+constexpr double least_stiffness = 1e-6;
+
 /// Neither longer than F nor against it, with as little change as that takes.
 dvec3 within(const dvec3& force, const dvec3& out) {
     const double f2 = dot(force, force), along = dot(out, force);
@@ -46,6 +49,24 @@ void JumpCancellation::reset() {
     presence_ = 1;
     jump_ = wanted_ = given_ = dvec3(0.0);
     ticks_ = fade_ticks;
+    stiffness_ = 0;
+    near_hole_ = false;
+}
+
+/// What a hole does to stiffness is spread by the guard (ContactStiffness), which goes by what the spring
+/// would exert at the new stiffness. So what is remembered of the spring goes with it: a jump is how far the
+/// surface jumped.
+void JumpCancellation::follow_hole(const Contact& contact) {
+    const double stiffness = std::min(contact.properties.stiffness, device_.max_stiffness);
+    const bool near_hole = contact.hole_share > 0;
+    if ((near_hole || near_hole_) && stiffness_ > least_stiffness) {
+        const double scale = stiffness / stiffness_;
+        jump_ *= scale;
+        wanted_ *= scale;
+        given_ *= scale;
+    }
+    stiffness_ = stiffness;
+    near_hole_ = near_hole;
 }
 
 /// From what the hand gets now to nothing.
@@ -88,6 +109,7 @@ void JumpCancellation::begin(const dvec3& jumped_force) {
 
 CalmedForce JumpCancellation::calm(const Contact& contact) {
     if (!has_sound_forces(contact)) return {contact.force};
+    follow_hole(contact);
     const double share = felt_share(contact.properties.stiffness);
     const dvec3 felt = share * contact.force;
     // Most ticks by far: a contact that did not jump, and nothing to fade.

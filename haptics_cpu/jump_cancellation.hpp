@@ -52,6 +52,7 @@ private:
     bool is_silent() const { return buried_ || waiting_; }
     void fall_silent();
     void begin(const glm::dvec3& jumped_force);
+    void follow_hole(const Contact& contact);
     void meet_new(const glm::dvec3& force);
 
     GuardSettings device_;
@@ -64,6 +65,8 @@ private:
     // As the device gives them (`felt_share`), of the tick before: what the hand would have got without J, and
     // what it got.
     glm::dvec3 wanted_{0.0}, given_{0.0};
+    double stiffness_ = 0;    // N/m as the device gives it, of the tick before; 0 out of contact
+    bool near_hole_ = false;  // part of it was that of holes
 };
 
 }  // namespace touchable

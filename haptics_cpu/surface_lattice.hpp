@@ -44,6 +44,30 @@ template <class Space>
     }
 }
 
+/// Whether the depth of a place comes from an invalid vertex too: the place is on the wall or on the ground
+/// of a hole. The rim, from valid vertex to valid vertex, is not.
+template <class Space>
+bool is_in_hole(const Space& space, const Place& at) {
+    auto invalid = [&](int di, int dj) { return !space.vertex(at.i + di, at.j + dj).valid; };
+    switch (at.feature) {
+        case Feature::free:
+            return false;
+        case Feature::vertex:
+            return invalid(0, 0);
+        case Feature::edge_h:
+            return invalid(0, 0) || invalid(1, 0);
+        case Feature::edge_v:
+            return invalid(0, 0) || invalid(0, 1);
+        case Feature::edge_d:
+            return invalid(0, 0) || invalid(1, 1);
+        case Feature::face_lower:
+            return invalid(0, 0) || invalid(1, 0) || invalid(1, 1);
+        case Feature::face_upper:
+            return invalid(0, 0) || invalid(0, 1) || invalid(1, 1);
+    }
+    return false;
+}
+
 /// The place of a face at (a, b) of its cell; rounding never leaves the face.
 inline Place face_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
     auto unit = [](double f) { return f < 0 ? 0.0 : (f > 1 ? 1.0 : f); };

@@ -94,20 +94,30 @@ void book_carried(const Space& space, const Proxy& proxy, Contact& contact) {
 /// Of a change of stiffness from tick to tick under a finger that rests, N: more is a jump of the surface.
 constexpr double largest_step = 0.1;
 
+/// Whether the surface has become so much stiffer or softer under a proxy that it counts as a jump. What a
+/// hole does to stiffness comes on as evenly as the guard lets it (ContactStiffness).
+template <class Space>
+bool is_other_stuff(const Space& space, const TouchSettings& settings, const dvec3& goal,
+                    const FingerState& before, const Proxy& proxy, const Contact& contact) {
+    if (!contact.carried_stiffness || before.near_hole) return false;
+    const double per_metre = *contact.carried_stiffness - before.stiffness;
+    return per_metre != 0 &&
+           std::abs(per_metre) * settings.metres_per_scene_unit * glm::distance(contact.carried, goal) >
+               largest_step &&
+           space.field().hole_share(proxy.i, proxy.j, proxy.a, proxy.b) == 0;
+}
+
 /// Brings a proxy to the surface of this tick, and finds what one that jumped exerts at `goal`, of the tick
-/// before. `stiffness`: k at the proxy in that tick.
+/// before.
 template <class Space>
 void bring(const Space& space, const TouchSettings& settings, double sudden, const dvec3& goal,
-           double stiffness, const Slip& slip, Proxy& proxy, Contact& contact) {
+           const Slip& slip, FingerState& finger, Contact& contact) {
+    Proxy& proxy = finger.proxy;
     const dvec3 before = proxy.point;
     const bool was_touching = proxy.on_surface();
     contact.off_its_ray = !carry(space, proxy, sudden);
     book_carried(space, proxy, contact);
-    const double per_metre =
-        was_touching && contact.carried_stiffness ? *contact.carried_stiffness - stiffness : 0.0;
-    const bool other_stuff = per_metre != 0 && std::abs(per_metre) * settings.metres_per_scene_unit *
-                                                       glm::distance(contact.carried, goal) >
-                                                   largest_step;
+    const bool other_stuff = was_touching && is_other_stuff(space, settings, goal, finger, proxy, contact);
     const bool left_behind = contact.off_its_ray && !proxy.on_surface();
     const bool far_along = sudden != never && glm::distance(before, proxy.point) > sudden;
     if (!other_stuff && !left_behind && !far_along) return;
@@ -150,6 +160,8 @@ void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scen
         contact.pixel_y = proxy.y();
         contact.properties = properties_at(space, proxy);
         contact.force = contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
+        contact.in_hole = is_in_hole(space, proxy);
+        contact.hole_share = space.field().hole_share(proxy.i, proxy.j, proxy.a, proxy.b);
         return;
     }
     contact.properties = {0, 0, 0};
@@ -190,13 +202,14 @@ void tick_in(const Space& space, const TouchSettings& settings, double goal_limi
             proxy.point = goal;
         } else {
             const Slip slip = slip_of(settings, finger);
-            bring(space, settings, sudden, goal_before, finger.stiffness, slip, proxy, contact);
+            bring(space, settings, sudden, goal_before, slip, finger, contact);
             solve(space, proxy, goal, limits_of(settings), slip, contact.counts);
         }
         if (proxy.on_surface() || contact.counts.capped) contact.proxy = space.to_world(proxy.point);
         finger.place = contact.proxy;
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
         finger.stiffness = contact.properties.stiffness;
+        finger.near_hole = contact.hole_share > 0;
         note_slip(settings, contact, finger);
     }
 }

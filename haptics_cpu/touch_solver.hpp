@@ -34,12 +34,13 @@ struct TouchSettings {
 struct FingerState {
     Proxy proxy;
     bool started = false;
-    glm::dvec3 goal{0.0};   ///< the last one that could be used, world
-    double slip_speed = 0;  ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
-    int ticks_held = 0;     ///< that have passed since `goal` was new
-    double moment_ns = 0;   ///< of the surface it last met
-    double stiffness = 0;   ///< at the proxy, N/m; 0 out of contact
-    glm::dvec3 place{0.0};  ///< of the proxy after its last tick, world
+    glm::dvec3 goal{0.0};    ///< the last one that could be used, world
+    double slip_speed = 0;   ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
+    int ticks_held = 0;      ///< that have passed since `goal` was new
+    double moment_ns = 0;    ///< of the surface it last met
+    double stiffness = 0;    ///< at the proxy, N/m; 0 out of contact
+    bool near_hole = false;  ///< part of it is that of holes
+    glm::dvec3 place{0.0};   ///< of the proxy after its last tick, world
 };
 
 /// What a finger met in a tick. World, scene units, newtons.
@@ -53,6 +54,8 @@ struct Contact {
     bool goal_held = false;
     double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN where no pixel sees it
     HapticProperties properties;      ///< at the proxy; zero out of contact
+    bool in_hole = false;             ///< the proxy rests on a hole's wall or ground: `is_in_hole`
+    double hole_share = 0;            ///< of the stiffness at the proxy, that of holes: HeightField
     /// Where the surface of this tick took the proxy, before the goal moved; and k there, N/m. No k where
     /// that is off the surface: 0 is a stiffness like others.
     glm::dvec3 carried{0.0};

@@ -292,7 +292,12 @@ Result<void> validate(const Scene& scene) {
         [&] { return check_range("haptic.stiffness", scene.haptic.stiffness); },
         [&] { return check_range("haptic.static_friction", scene.haptic.static_friction); },
         [&] { return check_range("haptic.dynamic_friction", scene.haptic.dynamic_friction); },
-        [&] { return check_properties(scene.default_properties); }, [&] { return check_filter(scene); },
+        [&] { return check_properties(scene.default_properties); },
+        [&] {
+            return scene.hole_stiffness ? check_not_negative("hole_stiffness", *scene.hole_stiffness)
+                                        : Result<void>{};
+        },
+        [&] { return check_filter(scene); },
         [&] {
             return scene.device_metres_per_unit
                        ? check_length("device_metres_per_unit", *scene.device_metres_per_unit)

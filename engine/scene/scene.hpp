@@ -113,6 +113,9 @@ struct Scene {
     HeightCoding height_coding;
     HapticRanges haptic;
     HapticProperties default_properties;  ///< where there is no haptic image
+    /// Of holes in the depth and of their walls, N/mm, whatever the haptic image says there; 0 or above.
+    /// Without it a hole is as stiff as its pixels are otherwise.
+    std::optional<double> hole_stiffness;
     FilterSettings filter;
     UnstatedFilters unstated{};
     FrameInterpolation interpolation = FrameInterpolation::linear;

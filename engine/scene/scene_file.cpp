@@ -156,8 +156,8 @@ FolderSource read_folder(const Node& node) {
 Scene read_scene(const Node& node) {
     check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
-                     "depth", "height_map", "haptic", "default_properties", "filter", "interpolation",
-                     "device_metres_per_unit", "folder"});
+                     "depth", "height_map", "haptic", "default_properties", "hole_stiffness", "filter",
+                     "interpolation", "device_metres_per_unit", "folder"});
     Scene scene;
     if (node.has("name")) scene.name = node["name"].text();
     scene.width = node["width"].whole();
@@ -170,6 +170,7 @@ Scene read_scene(const Node& node) {
     if (node.has("haptic")) read_haptic(node["haptic"], scene.haptic);
     if (node.has("default_properties"))
         read_default_properties(node["default_properties"], scene.default_properties);
+    if (node.has("hole_stiffness")) scene.hole_stiffness = node["hole_stiffness"].number();
     scene.unstated = all_unstated;
     if (node.has("filter")) read_filter(node["filter"], scene.filter, scene.unstated);
     if (node.has("interpolation")) scene.interpolation = node["interpolation"].one_of(interpolation_names);
@@ -317,6 +318,7 @@ std::string scene_to_json(const Scene& scene) {
                         {"default_properties", write_default_properties(scene.default_properties)},
                         {"filter", write_filter(scene)},
                         {"interpolation", name_of(interpolation_names, scene.interpolation)}};
+    if (scene.hole_stiffness) json["hole_stiffness"] = *scene.hole_stiffness;
     if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;
     if (scene.folder) json["folder"] = write_folder(*scene.folder);
     return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";

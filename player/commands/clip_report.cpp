@@ -183,6 +183,7 @@ void add_touch(const ClipFacts& facts, Json& out) {
         out["default_properties"] = {{"stiffness_n_per_m", scene.default_properties.stiffness},
                                      {"static_friction", scene.default_properties.static_friction},
                                      {"dynamic_friction", scene.default_properties.dynamic_friction}};
+    if (scene.hole_stiffness) out["hole_stiffness_n_per_mm"] = *scene.hole_stiffness;
     if (facts.has_track("height"))
         out["height_coding"] = {
             {"max_height", scene.height_coding.max_height},
@@ -253,6 +254,8 @@ void tell_touch(const ClipFacts& facts, Lines& lines) {
         lines.line("touch") << "per pixel: stiffness " << range_words(scene.haptic.stiffness)
                             << " N/mm, friction " << range_words(scene.haptic.static_friction) << " static, "
                             << range_words(scene.haptic.dynamic_friction) << " dynamic\n";
+    if (scene.hole_stiffness)
+        lines.line("holes") << "walls of missing depth have " << *scene.hole_stiffness << " N/mm\n";
     if (facts.has_track("height"))
         lines.line("height") << "up to " << scene.height_coding.max_height
                              << (scene.height_coding.units == HeightUnits::levels ? " levels = "

@@ -20,10 +20,14 @@ std::string in_seconds(double seconds) {
 }
 
 /// The clip's, what became of it when it ended, and what the hand has to say after the run.
-std::vector<std::string> notes_of(const TouchSetup& setup, std::int64_t ticks) {
+std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& figures) {
     std::vector<std::string> notes = setup.notes;
+    if (!setup.scene.hole_stiffness && figures.force_limited_in_holes())
+        notes.push_back(
+            "walls of missing depth pushed as hard as the device can; hole_stiffness in the scene file makes "
+            "them soft");
     const double clip = static_cast<double>(setup.feed->end_ns()) * 1e-9,
-                 run = 1e-3 * static_cast<double>(ticks);
+                 run = 1e-3 * static_cast<double>(figures.ticks());
     if (setup.feed->ended() && setup.feed->frames() > 1 && run > 1.02 * clip)
         notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
                         in_seconds(run));
@@ -54,6 +58,16 @@ std::string limited_words(const Json& report) {
     return words;
 }
 
+/// Where no depth is: how long fingers were caught there.
+std::string hole_words(const Json& holes) {
+    char words[160];
+    std::snprintf(words, sizeof words,
+                  "%.3f s behind walls of missing depth (%.1f %% of contact), at most %.3f s in a row",
+                  1e-3 * holes["finger_ticks"].get<double>(), holes["contact_pct"].get<double>(),
+                  1e-3 * holes["longest_ticks"].get<double>());
+    return words;
+}
+
 /// What a builder does, for a person who has not heard of builders.
 std::string what_it_builds(const std::string& builder) {
     if (builder == "lazy") return "only where fingers are";
@@ -67,7 +81,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     const std::string cpu = cpu_facts().model;
     Json report{{"format", 1},
                 {"clip", setup.clip.file.string()},
-                {"notes", notes_of(setup, figures.ticks())},
+                {"notes", notes_of(setup, figures)},
                 {"filters", filters_json(setup.scene, setup.filters)},
                 {"hand", setup.hand_words},
                 {"builder", setup.feed->builder_name()},
@@ -131,6 +145,7 @@ std::string report_to_text(const Json& r) {
                       number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
                       number(r["force_n"]["max"], "%.3f N max") + limited_words(r));
+    if (r["hole_contact"]["finger_ticks"] > 0) line("caught in holes", hole_words(r["hole_contact"]));
     line("guard", count("guarded_ticks") + " ticks changed by it");
     if (r["waiting_ticks"] > 0)
         line("began inside", count("waiting_ticks") +

@@ -9,6 +9,10 @@ namespace touchable {
 
 namespace {
 
+double share(double part, std::int64_t whole) {
+    return whole ? part / static_cast<double>(whole) : 0.0;
+}
+
 bool is_finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -37,6 +41,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     bool waiting = false;
     energy_.resize(tick.contacts.size());
     limited_.resize(tick.contacts.size());
+    in_hole_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
         const glm::dvec3& force = tick.forces[k].force;
@@ -52,6 +57,10 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         limited_[k] = limited ? limited_[k] + 1 : 0;
         force_limited_ticks_ += limited;
         longest_limited_ = std::max(longest_limited_, limited_[k]);
+        in_hole_[k] = c.in_hole ? in_hole_[k] + 1 : 0;
+        hole_ticks_ += c.in_hole;
+        limited_in_hole_ticks_ += c.in_hole && limited;
+        longest_in_hole_ = std::max(longest_in_hole_, in_hole_[k]);
         energy_[k] = tick.forces[k].energy;
         events_ += c.counts.events;
         if (!c.touching) continue;
@@ -102,10 +111,14 @@ nlohmann::ordered_json TouchFigures::energy_mj() const {
             {"on_hand", 1000 * all.work}};
 }
 
+nlohmann::ordered_json TouchFigures::hole_contact() const {
+    return {{"finger_ticks", hole_ticks_},
+            {"contact_pct", 100.0 * share(static_cast<double>(hole_ticks_), finger_contact_ticks_)},
+            {"longest_ticks", longest_in_hole_},
+            {"force_limited_ticks", limited_in_hole_ticks_}};
+}
+
 nlohmann::ordered_json TouchFigures::to_json() const {
-    auto share = [](double part, std::int64_t whole) {
-        return whole ? part / static_cast<double>(whole) : 0.0;
-    };
     return {{"ticks", ticks_},
             {"contact_ticks", contact_ticks_},
             {"finger_contact_pct", 100.0 * share(static_cast<double>(finger_contact_ticks_), finger_ticks_)},
@@ -122,6 +135,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"stiffness_limited",
              {{"ticks", stiffness_limited_ticks_}, {"largest_n_mm", largest_stiffness_ / 1000}}},
             {"energy_mj", energy_mj()},
+            {"hole_contact", hole_contact()},
             {"tick_us", touchable::to_json(spread_of(tick_us_))}};
 }
 

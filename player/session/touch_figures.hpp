@@ -29,11 +29,14 @@ public:
     /// last has no "below_us".
     nlohmann::ordered_json late_histogram() const;
     std::string force_hash() const { return hash_.hex(); }
+    /// Whether a hole's wall pushed a finger as hard as its device can.
+    bool force_limited_in_holes() const { return limited_in_hole_ticks_ > 0; }
     /// Names are part of the interface: add to them, do not rename.
     nlohmann::ordered_json to_json() const;
 
 private:
     nlohmann::ordered_json energy_mj() const;
+    nlohmann::ordered_json hole_contact() const;
 
     std::int64_t ticks_ = 0, finger_ticks_ = 0;
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
@@ -43,9 +46,12 @@ private:
     std::int64_t events_ = 0;
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
     std::int64_t force_limited_ticks_ = 0,
-                 longest_limited_ = 0;   // finger ticks at the device's force; in a row
-    std::vector<std::int64_t> limited_;  // of each finger, in a row up to the newest tick
-    std::vector<EnergyFigures> energy_;  // of each finger, up to the newest tick
+                 longest_limited_ = 0;                   // finger ticks at the device's force; in a row
+    std::vector<std::int64_t> limited_;                  // of each finger, in a row up to the newest tick
+    std::int64_t hole_ticks_ = 0, longest_in_hole_ = 0;  // finger ticks on walls of holes; in a row
+    std::int64_t limited_in_hole_ticks_ = 0;             // of these, at the device's force
+    std::vector<std::int64_t> in_hole_;                  // as limited_
+    std::vector<EnergyFigures> energy_;                  // of each finger, up to the newest tick
     std::vector<double> tick_us_, late_us_;
     ForceHash hash_;
 };

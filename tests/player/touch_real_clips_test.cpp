@@ -17,8 +17,8 @@ using Words = std::vector<std::string>;
 // its files: the proxy is nowhere behind the surface, is the place nearest to the goal that friction allows,
 // and pulls as its spring says.
 
-/// Touches a clip whose frames are exported, with what is to be given to `touch`.
-void expect_verified(const Words& clip_and_hand, const std::string& exported) {
+/// Touches a clip whose frames are exported, with what is to be given to `touch`. Gives the report.
+nlohmann::json expect_verified(const Words& clip_and_hand, const std::string& exported) {
     const TemporaryFolder folder;
     const std::string csv = folder / "forces.csv";
     Words words = clip_and_hand;
@@ -30,6 +30,7 @@ void expect_verified(const Words& clip_and_hand, const std::string& exported) {
     const std::string command = std::string(TOUCHABLE_VERIFIER) + " --forces " + csv + " --frames " +
                                 exported + " --min-contact 0.5 >" + (folder / "said").string() + " 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << file_contents(folder / "said");
+    return report;
 }
 
 struct RealClip {
@@ -87,6 +88,25 @@ INSTANTIATE_TEST_SUITE_P(
         RealHand{"Wiped0", "epfl_wiping/circular_wiping_dataset_0.csv", "columns=x_m+y_m+z_m,extent=0.048"},
         RealHand{"Wiped3", "epfl_wiping/circular_wiping_dataset_3.csv", "columns=x_m+y_m+z_m,extent=0.048"}),
     [](const auto& run) { return std::string(run.param.name); });
+
+/// Wiped over a recording without regard to where its depth is missing; holes have a stiffness of their own.
+TEST(TouchSoftHoles, EveryForceIsVerified) {
+    const std::string clip = TOUCHABLE_TEST_DATA "/castel_sr300";
+    const std::string file = TOUCHABLE_TEST_DATA "/haptics/epfl_wiping/circular_wiping_dataset_0.csv";
+    TOUCHABLE_NEEDS_DATA(clip);
+    TOUCHABLE_NEEDS_DATA(file);
+    const TemporaryFolder folder;
+    const std::string soft = folder / "soft.json", exported = folder / "frames";
+    auto scene = nlohmann::json::parse(file_contents(TOUCHABLE_SOURCE_DIR "/tests/scenes/castel_sr300.json"));
+    scene["hole_stiffness"] = 0.1;
+    std::ofstream(soft) << scene;
+    ASSERT_EQ(run_touchable({"export", clip, "--scene", soft, "--frames", "all", "--out", exported}).code, 0);
+    const auto report =
+        expect_verified({clip, "--scene", soft, "--hand", "csv:" + file + ":columns=x_m+y_m+z_m,extent=0.1",
+                         "--fingers", "3", "--max-force", "1000", "--seconds", "2.5"},
+                        exported);
+    EXPECT_GT(report["hole_contact"]["finger_ticks"], 500);
+}
 
 /// Generated, and verified by what the exported codes say that they mean.
 TEST(TouchFinerCodes, EveryForceIsVerified) {

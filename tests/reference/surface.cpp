@@ -87,8 +87,24 @@ Properties Surface::felt_at(const SurfaceFrame& frame, int x, int y) const {
             at(scene_.haptic.dynamic_friction, byte[2])};
 }
 
+/// 1 where there is no depth; before it is lost, as much of the way to that moment as is past.
+Real Surface::missing(Corner corner) const {
+    if (corner.i < 0 || corner.j < 0 || corner.i >= scene_.width || corner.j >= scene_.height) return 1;
+    const int x = static_cast<int>(corner.i), y = static_cast<int>(corner.j);
+    if (!pixel(corner).valid) return 1;
+    return pixel(earlier_, x, y).valid && !pixel(later_, x, y).valid ? blend_ / Real(0.5) : 0;
+}
+
+Real Surface::most_missing_around(Corner corner) const {
+    Real most = 0;
+    for (const int di : {-1, 0, 1})
+        for (const int dj : {-1, 0, 1}) most = std::max(most, missing({corner.i + di, corner.j + dj}));
+    return most;
+}
+
 Properties Surface::properties(Corner cell, Real a, Real b) const {
     Properties sum;
+    Real hole = 0;
     for (const int di : {0, 1})
         for (const int dj : {0, 1}) {
             const Real weight = (di ? a : 1 - a) * (dj ? b : 1 - b);
@@ -96,6 +112,7 @@ Properties Surface::properties(Corner cell, Real a, Real b) const {
             const Corner corner{cell.i + di, cell.j + dj};
             const auto x = static_cast<int>(std::clamp<std::int64_t>(corner.i, 0, scene_.width - 1));
             const auto y = static_cast<int>(std::clamp<std::int64_t>(corner.j, 0, scene_.height - 1));
+            if (scene_.hole_stiffness) hole += weight * most_missing_around(corner);
             const bool solid = vertex(corner).valid;  // no friction at holes and at the ring
             for (const auto& [frame, share] : {std::pair{&earlier_, 1 - blend_}, {&later_, blend_}}) {
                 const Properties p = felt_at(*frame, x, y);
@@ -105,6 +122,7 @@ Properties Surface::properties(Corner cell, Real a, Real b) const {
                 sum.dynamic_friction += weight * share * p.dynamic_friction;
             }
         }
+    if (scene_.hole_stiffness) sum.stiffness += hole * (1000 * Real(*scene_.hole_stiffness) - sum.stiffness);
     sum.dynamic_friction = std::min(sum.dynamic_friction, sum.static_friction);
     return sum;
 }

@@ -52,8 +52,8 @@ public:
     Vertex vertex(Corner corner) const;
     /// 1 / planar depth of the surface at a position of the picture.
     Real q(Real x, Real y) const;
-    /// At (cell.i + a, cell.j + b): each frame's, bilinear, and linear in time; of both frictions the dynamic
-    /// is at most the static.
+    /// At (cell.i + a, cell.j + b): each frame's, bilinear, and linear in time, the stiffness then mixed with
+    /// that of holes; of both frictions the dynamic is at most the static.
     Properties properties(Corner cell, Real a, Real b) const;
 
     /// (u, v, -1).
@@ -73,6 +73,8 @@ private:
     };
     Pixel pixel(const SurfaceFrame& frame, int x, int y) const;
     Pixel pixel(Corner corner) const;
+    Real missing(Corner corner) const;
+    Real most_missing_around(Corner corner) const;
     Properties felt_at(const SurfaceFrame& frame, int x, int y) const;
 
     const Scene& scene_;

@@ -18,7 +18,7 @@ constexpr const char* recording = R"({
   "camera": {"fx": 476.0, "fy": -476.5, "cx": 312.2, "cy": 240.6},
   "depth": {"coding": "metric", "scale": 0.000125, "near": 0.2, "far": 1.5, "invalid": [0, 65535]},
   "default_properties": {"stiffness": 0.4, "static_friction": 0.5, "dynamic_friction": 0.25},
-  "filter": {"median": 5, "fill_holes": 2}, "interpolation": "hold", "device_metres_per_unit": 0.4,
+  "hole_stiffness": 0.1, "filter": {"median": 5, "fill_holes": 2}, "interpolation": "hold", "device_metres_per_unit": 0.4,
   "folder": {"depth": "depth_%04d.png", "colour": "image_%04d.png", "first": 3, "count": 20}
 })";
 
@@ -66,6 +66,10 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_TRUE(same_bits(a.default_properties.stiffness, b.default_properties.stiffness));
     EXPECT_TRUE(same_bits(a.default_properties.static_friction, b.default_properties.static_friction));
     EXPECT_TRUE(same_bits(a.default_properties.dynamic_friction, b.default_properties.dynamic_friction));
+    ASSERT_EQ(a.hole_stiffness.has_value(), b.hole_stiffness.has_value());
+    if (a.hole_stiffness) {
+        EXPECT_TRUE(same_bits(*a.hole_stiffness, *b.hole_stiffness));
+    }
     EXPECT_EQ(a.filter, b.filter);
     EXPECT_EQ(a.interpolation, b.interpolation);
     ASSERT_EQ(a.device_metres_per_unit.has_value(), b.device_metres_per_unit.has_value());
@@ -128,8 +132,7 @@ Scene random_scene(Random& random) {
                                 static_friction * random.between(0, 1)};
     scene.filter = {random.below(2) ? 3 : 5, static_cast<int>(random.below(17))};
     scene.filter.terraces = static_cast<TerraceRemoval>(random.below(3));
-    if (!scene.far_from_frames && !terrace_scale(scene) &&
-        scene.filter.terraces == TerraceRemoval::on)
+    if (!scene.far_from_frames && !terrace_scale(scene) && scene.filter.terraces == TerraceRemoval::on)
         scene.filter.terraces = TerraceRemoval::off;
     if (random.below(2)) scene.filter.terrace_noise = random.between(0, 4);
     if (random.below(2)) scene.filter.temporal_noise = {random.between(0.1, 9), random.between(0, 1e-3)};
@@ -162,6 +165,7 @@ TEST(SceneFile, RecordingIsReadAsWritten) {
     EXPECT_EQ(scene.depth.code_max, 65535);
     EXPECT_FALSE(scene.far_from_frames);
     EXPECT_DOUBLE_EQ(scene.default_properties.stiffness, 400);  // N/mm in the file
+    EXPECT_EQ(scene.hole_stiffness, 0.1);
     EXPECT_EQ(scene.default_properties.static_friction, 0.5);
     EXPECT_EQ(scene.default_properties.dynamic_friction, 0.25);
     EXPECT_EQ(scene.filter, (FilterSettings{5, 2}));
@@ -235,6 +239,7 @@ TEST(SceneFile, EverythingThatMayBeLeftOutHasItsDefault) {
     EXPECT_EQ(scene.default_properties.stiffness, 600);
     EXPECT_EQ(scene.default_properties.static_friction, 0.4);
     EXPECT_EQ(scene.default_properties.dynamic_friction, 0.3);
+    EXPECT_FALSE(scene.hole_stiffness);
     EXPECT_EQ(scene.filter, (FilterSettings{0, 0, TerraceRemoval::off, 0}));
     EXPECT_EQ(scene.interpolation, FrameInterpolation::linear);
 }

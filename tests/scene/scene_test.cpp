@@ -182,6 +182,8 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
         {"stiffness",
          [](Scene& s) { s.default_properties.stiffness = 0; },
          {"default_properties.stiffness", "is 0"}},
+        {"hole -", [](Scene& s) { s.hole_stiffness = -0.1; }, {"hole_stiffness is -0.1", "from 0"}},
+        {"hole nan", [](Scene& s) { s.hole_stiffness = nan; }, {"hole_stiffness is nan"}},
         {"static -", [](Scene& s) { s.default_properties.static_friction = -1; }, {"static_friction is -1"}},
         {"dynamic -",
          [](Scene& s) { s.default_properties.dynamic_friction = -1; },

@@ -17,10 +17,10 @@ double percent(std::int64_t part, std::int64_t whole) {
 void Coverage::add(const Coverage& o) {
     for (const auto sum :
          {&Coverage::ticks, &Coverage::finger_ticks, &Coverage::contact, &Coverage::with_heights,
-          &Coverage::with_friction, &Coverage::sliding, &Coverage::at_invalid, &Coverage::landings,
-          &Coverage::departures, &Coverage::frame_changes, &Coverage::between_frames, &Coverage::held_goals,
-          &Coverage::refusals, &Coverage::capped, &Coverage::certified, &Coverage::compared,
-          &Coverage::other_basins})
+          &Coverage::with_friction, &Coverage::sliding, &Coverage::at_invalid, &Coverage::in_holes,
+          &Coverage::landings, &Coverage::departures, &Coverage::frame_changes, &Coverage::between_frames,
+          &Coverage::held_goals, &Coverage::refusals, &Coverage::capped, &Coverage::certified,
+          &Coverage::compared, &Coverage::other_basins})
         this->*sum += o.*sum;
     most_events = std::max(most_events, o.most_events);
     for (const auto worst :
@@ -52,15 +52,16 @@ std::string Coverage::in_words() const {
     std::snprintf(
         text.data(), text.size(),
         "contact %.1f %%, landings %lld, departures %lld; of contact: heights %.0f %%, friction %.0f %% "
-        "(sliding %.0f %%), at invalid pixels %.1f %%; frame changes %lld, between frames %.0f %%, "
+        "(sliding %.0f %%), at invalid pixels %.1f %%, hole stiffness %.1f %%; frame changes %lld, between "
+        "frames %.0f %%, "
         "held goals %lld, refusals %lld; most events %lld, capped %lld; "
         "certified %lld (way left %.1e, behind %.1e), "
         "compared %lld (other basins %lld, distance x %.9f, angle %.1e deg); "
         "energy created %.3g of at most %.3g mJ",
         100 * contact_share(), static_cast<long long>(landings), static_cast<long long>(departures),
         percent(with_heights, contact), percent(with_friction, contact), percent(sliding, contact),
-        percent(at_invalid, certified), static_cast<long long>(frame_changes), percent(between_frames, ticks),
-        static_cast<long long>(held_goals), static_cast<long long>(refusals),
+        percent(at_invalid, certified), percent(in_holes, certified), static_cast<long long>(frame_changes),
+        percent(between_frames, ticks), static_cast<long long>(held_goals), static_cast<long long>(refusals),
         static_cast<long long>(most_events), static_cast<long long>(capped),
         static_cast<long long>(certified), worst_way, worst_behind, static_cast<long long>(compared),
         static_cast<long long>(other_basins), worst_ratio, worst_angle, 1000 * energy_created,

@@ -13,6 +13,7 @@ struct Coverage {
     std::int64_t contact = 0;                                       ///< finger-ticks
     std::int64_t with_heights = 0, with_friction = 0, sliding = 0;  ///< of those in contact
     std::int64_t at_invalid = 0;                ///< of those certified: a corner of the place is no depth
+    std::int64_t in_holes = 0;                  ///< of those certified: stiffness is that of holes, in part
     std::int64_t landings = 0, departures = 0;  ///< contact made, contact lost
     std::int64_t frame_changes = 0, between_frames = 0;  ///< ticks
     std::int64_t held_goals = 0, refusals = 0;

@@ -93,6 +93,8 @@ Scene draw_scene(SplitMix64& random, int most_pixels) {
         scene.depth.invalid_codes[1] = static_cast<std::uint16_t>(high - 1);
         scene.depth.invalid_code_count = which == 3 ? 2 : 1;
         derive_valid_range(scene.depth);
+        // By what is drawn already: the other scenes stay as they are.
+        if (scene.width % 2 == 0) scene.hole_stiffness = 0.1 * (scene.height % 5);
     }
     if (chance(random, 0.4)) draw_heights(random, scene);
     draw_touch(random, scene);

@@ -169,6 +169,7 @@ std::unique_ptr<StressRun> make_stiffness_boundary(std::uint64_t seed) {
     set_planes(scene, DepthCodingKind::linear, 40, 180, 16);
     scene.height_coding.max_height = 0;
     scene.haptic = {{0.1, 10.0}, {0, 0}, {0, 0}};
+    if (scene.hole_stiffness) scene.hole_stiffness = 0.5;  // between both sides'
     DrawnPlanes planes = draw_waves(scene, random);
     planes.haptic.clear();
     for (int y = 0; y < scene.height; ++y)

@@ -23,6 +23,7 @@ struct GoldenRun {
     bool properties = false;  ///< heights and a haptic image (globe)
     int median = 0;
     FrameInterpolation interpolation = FrameInterpolation::linear;
+    double hole_stiffness = 0;  ///< N/mm; above 0 the middle code of the depth is invalid
 
     static constexpr std::int64_t ticks = 1500;
     std::unique_ptr<StressRun> make(GoldenBuilder builder) const;

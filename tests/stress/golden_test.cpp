@@ -13,11 +13,15 @@ TEST_P(Golden, ForcesAreTheKnownOnesToTheBitWithEitherBuilder) {
     for (const GoldenBuilder builder : {GoldenBuilder::cpu, GoldenBuilder::lazy}) {
         const auto run = GetParam().make(builder);
         ASSERT_NE(run, nullptr);
-        const Watched watched = watch(*run, {GoldenRun::ticks, 0, 0});
+        const bool holes = GetParam().hole_stiffness > 0;
+        const Watched watched = watch(*run, {GoldenRun::ticks, holes ? 1 : 0, 0});
         EXPECT_EQ(watched.force_hash, GetParam().force_hash)
             << (builder == GoldenBuilder::cpu ? "cpu" : "lazy") << " builder; touchable-soak --scene "
             << GetParam().name << " --states and --compare find where";
         EXPECT_GT(watched.coverage.contact_share(), 0.3) << "hardly a test of forces";
+        if (holes) {
+            EXPECT_GT(watched.coverage.in_holes, 100) << "hardly a test of holes";
+        }
     }
 }
 

@@ -141,7 +141,8 @@ public:
         if (tick > stops_ + 66 && !stands_) broken = "the producer has stopped and the surface moves";
         // The first tick at rest may still slide on, as far as friction then lets it.
         if (stands_ && stood_ && at > 121 && !contacts[0].counts.capped &&
-            forces[0].reasons == last_.reasons && !(forces[0].reasons & (guard_ramp | guard_jump)) &&
+            forces[0].reasons == last_.reasons &&
+            !(forces[0].reasons & (guard_ramp | guard_jump | guard_rise)) &&
             differs(forces[0].force, last_.force))
             broken = "nothing moves and the force changes";
         last_ = forces[0];

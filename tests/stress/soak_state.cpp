@@ -15,11 +15,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int format = 1;
+constexpr int format = 2;
 constexpr std::size_t violations_on_file = 100;
 
 /// The names of a Coverage's members in the file.
-constexpr std::array<std::pair<const char*, std::int64_t Coverage::*>, 18> counts{{
+constexpr std::array<std::pair<const char*, std::int64_t Coverage::*>, 19> counts{{
     {"ticks", &Coverage::ticks},
     {"finger_ticks", &Coverage::finger_ticks},
     {"contact", &Coverage::contact},
@@ -27,6 +27,7 @@ constexpr std::array<std::pair<const char*, std::int64_t Coverage::*>, 18> count
     {"with_friction", &Coverage::with_friction},
     {"sliding", &Coverage::sliding},
     {"at_invalid", &Coverage::at_invalid},
+    {"in_holes", &Coverage::in_holes},
     {"landings", &Coverage::landings},
     {"departures", &Coverage::departures},
     {"frame_changes", &Coverage::frame_changes},

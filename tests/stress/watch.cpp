@@ -142,7 +142,8 @@ private:
         covered().energy_bound = std::max(covered().energy_bound, now.bound);
         if (run_.guard().rise.paid)
             expect_at_most(now.created, now.bound + rounding, done, k, "S7: joules from nowhere");
-        else if (done.pair.prev.frame->haptic.empty() && done.pair.next.frame->haptic.empty())
+        else if (done.pair.prev.frame->haptic.empty() && done.pair.next.frame->haptic.empty() &&
+                 !run_.scene().hole_stiffness)
             expect_at_most(now.balance() - last.balance(), now.bound - last.bound + rounding, done, k,
                            "S7: joules from nowhere in a tick");
     }
@@ -151,6 +152,8 @@ private:
         const Contact& contact = done.contacts[k];
         Coverage& c = covered();
         ++c.certified;
+        c.in_holes += contact.hole_share > 0;
+        check_stiffness(surface, done, proxy, k);
         for (const auto& part : reference::place_of(surface, proxy).parts)
             if (part.weight > 0 && !surface.vertex(part.corner).valid) {
                 ++c.at_invalid;
@@ -171,6 +174,13 @@ private:
             static_cast<double>(reference::excess_over_minimum(surface, proxy, contact.goal)) / unit;
         c.worst_excess = std::max(c.worst_excess, excess);
         expect_kept(excess, excess_tolerance, "S2: the distance over the minimum");
+    }
+
+    void check_stiffness(const Surface& surface, const TouchTick& done, const Proxy& proxy, std::size_t k) {
+        const reference::Place place = reference::place_of(surface, proxy);
+        const auto meant = static_cast<double>(reference::properties_at(surface, place).stiffness);
+        expect_at_most(std::fabs(done.contacts[k].properties.stiffness - meant), 1e-9 * (1 + meant), done, k,
+                       "S8: the error of stiffness");
     }
 
     void compare(const Surface& surface, const TouchTick& done, const Proxy& before, const Proxy& after,

@@ -36,6 +36,7 @@ public:
 ///   S7 no more energy comes from nowhere than holding a force for a tick explains: in each tick where
 ///      stiffness is the same everywhere, since the start where its rise has to be paid for
 /// and at those asked for:
+///   S8 stiffness is the reference's
 ///   S2 the certificate: a minimum of the distance, or held by friction; capped ticks are exempt
 ///   and |P - G| at most 1.0001 of the reference solver's from the same state, in the same basin within 1e-7
 ///   degrees; other basins are counted.

@@ -91,6 +91,7 @@ Meaning meaning_of(const Json& scene, const Json& codes) {
     m.by_default = {usual.contains("stiffness_n_per_m") ? number(usual, "stiffness_n_per_m")
                                                         : 1000 * number(usual, "stiffness"),
                     number(usual, "static_friction"), number(usual, "dynamic_friction")};
+    if (scene.contains("hole_stiffness")) m.hole_stiffness = 1000 * number(scene, "hole_stiffness");
     if (!(m.fx > 0 && m.fy > 0 && m.far > 0 && m.code_max > 0))
         throw Refusal{"fx, fy, far and code_max must be greater than 0"};
     return m;

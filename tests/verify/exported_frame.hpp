@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "engine/result.hpp"
@@ -31,6 +32,7 @@ struct Meaning {
     real height_code_max = 255;
     Touch low, high;  ///< of haptic values 0 and 255
     Touch by_default;
+    std::optional<real> hole_stiffness;  ///< N/m
     bool operator==(const Meaning&) const = default;
 
     /// Scene units, of the coding's own kind (range or planar).

@@ -133,6 +133,24 @@ Touch Surface::touch_of_pixel(int i, int j) const {
     return t;
 }
 
+/// 1 where a pixel has no depth at this moment. One that is about to lose it, half-way between the frames,
+/// lacks it more and more until then.
+real Surface::lacks_depth(int i, int j) const {
+    if (i < 0 || j < 0 || i >= meaning_.width || j >= meaning_.height) return 1;
+    const auto index = static_cast<std::size_t>(j) * static_cast<std::size_t>(meaning_.width) +
+                       static_cast<std::size_t>(i);
+    if (nearer_.valid[index] == 0) return 1;
+    const bool is_lost = earlier_.valid[index] != 0 && later_.valid[index] == 0;
+    return is_lost ? 2 * blend_ : 0;
+}
+
+/// Of a vertex: the most that it or one of the eight around it lacks.
+real Surface::hole_around(int i, int j) const {
+    real most = 0;
+    for (int n = 0; n < 9; ++n) most = std::fmax(most, lacks_depth(i + n % 3 - 1, j + n / 3 - 1));
+    return most;
+}
+
 Touch Surface::touch_at(ImagePosition at) const {
     const real x = std::clamp<real>(at.x, -1, meaning_.width),
                y = std::clamp<real>(at.y, -1, meaning_.height);
@@ -140,6 +158,7 @@ Touch Surface::touch_at(ImagePosition at) const {
     const int j = std::min(static_cast<int>(std::floor(y)), meaning_.height - 1);
     const real a = x - i, b = y - j;
     Touch sum;
+    real hole = 0;
     for (int corner = 0; corner < 4; ++corner) {
         const int di = corner & 1, dj = corner >> 1;
         const Touch t = touch_of_pixel(i + di, j + dj);
@@ -147,7 +166,9 @@ Touch Surface::touch_at(ImagePosition at) const {
         sum.stiffness += weight * t.stiffness;
         sum.mu_static += weight * t.mu_static;
         sum.mu_dynamic += weight * t.mu_dynamic;
+        if (meaning_.hole_stiffness) hole += weight * hole_around(i + di, j + dj);
     }
+    if (meaning_.hole_stiffness) sum.stiffness = between(sum.stiffness, *meaning_.hole_stiffness, hole);
     sum.mu_dynamic = std::fmin(sum.mu_dynamic, sum.mu_static);
     return sum;
 }

@@ -55,6 +55,8 @@ public:
 private:
     FacetId facet_id(ImagePosition at) const;
     Touch touch_of_pixel(int i, int j) const;
+    real lacks_depth(int i, int j) const;
+    real hole_around(int i, int j) const;
 
     const ExportedFrame& earlier_;
     const ExportedFrame& later_;

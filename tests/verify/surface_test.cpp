@@ -165,5 +165,28 @@ TEST(Touch, IsBilinearInSpaceAndLinearInTimeAndSlipsOverHolesAndRing) {
     EXPECT_NEAR(static_cast<double>(Surface(a, b, 0.75L).touch_at({1, 1}).stiffness), 700, 1e-12);
 }
 
+TEST(Touch, IsThatOfHolesInCellsThatHaveOneAndFadesOverTheNext) {
+    ExportedFrame a = blank_frame(12, 12), b = blank_frame(12, 12);
+    for (ExportedFrame* frame : {&a, &b}) frame->meaning.hole_stiffness = 100;
+    b.valid[12 * 5 + 5] = 0;
+    const auto k = [](const Surface& surface, real x, real y) {
+        return static_cast<double>(surface.touch_at({x, y}).stiffness);
+    };
+    const Surface before(a, b, 0), opening(a, b, 0.25L), open(a, b, 0.5L), closing(b, a, 0.49L),
+        closed(b, a, 0.5L);
+    for (const auto& [x, y] : {std::pair{5.0L, 5.0L}, {4.0L, 6.0L}, {5.5L, 4.25L}}) {
+        EXPECT_NEAR(k(before, x, y), 600, 1e-12);
+        EXPECT_NEAR(k(opening, x, y), 350, 1e-12);
+        EXPECT_NEAR(k(open, x, y), 100, 1e-12);
+        EXPECT_NEAR(k(closing, x, y), 100, 1e-12);
+        EXPECT_NEAR(k(closed, x, y), 600, 1e-12);
+    }
+    EXPECT_NEAR(k(open, 3.5L, 5), 350, 1e-12);
+    EXPECT_NEAR(k(open, 6.5L, 6.5L), 475, 1e-12);
+    EXPECT_NEAR(k(open, 3, 5), 600, 1e-12);
+    EXPECT_NEAR(k(before, -0.5L, 5), 100, 1e-12);  // the ring
+    EXPECT_NEAR(k(before, 0.5L, 5), 350, 1e-12);
+}
+
 }  // namespace
 }  // namespace touchable::verify
