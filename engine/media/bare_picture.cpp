@@ -9,6 +9,9 @@
 namespace touchable {
 namespace {
 
+/// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
+constexpr double soft_holes = 0.1;
+
 Result<StoredImage> read_depth_picture(const std::filesystem::path& file) {
     auto stored = read_stored_image(file);
     if (stored && stored->image.channels != 1)
@@ -38,6 +41,7 @@ Result<Scene> bare_picture_scene(const std::filesystem::path& file, const Pictur
     scene.depth.invalid_code_count = 1;  // 0
     scene.far_from_frames = true;
     scene.unstated = all_unstated;
+    scene.hole_stiffness = soft_holes;
     derive_valid_range(scene.depth);
     if (auto valid = validate(scene); !valid)
         return usage_error("--intrinsics, --depth-unit: " + valid.error().message);
@@ -66,7 +70,7 @@ Error no_description(const std::filesystem::path& file) {
         R"(, "metres_per_unit": 1, "camera": {"fx": )" + width + R"(, "fy": )" + width + R"(, "cx": )" +
         middle(image.width) + R"(, "cy": )" + middle(image.height) +
         R"(}, "depth": {"coding": "metric", "scale": 0.001, "bits": )" +
-        std::to_string(8 * image.bytes_per_sample) + R"(, "invalid": [0]}, "folder": {"depth": )" +
+        std::to_string(8 * image.bytes_per_sample) + R"(, "invalid": [0]}, "hole_stiffness": 0.1, "folder": {"depth": )" +
         in_quotes(file.filename().string()) + "}}";
     return input_error(
         file.string() +

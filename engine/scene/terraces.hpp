@@ -24,8 +24,7 @@ struct TerraceFilter {
     /// Second differences up to it are terraces, from twice it on they are the surface's own.
     int gate_at(std::uint16_t code) const { return (5 * level_at(code) + 3 * noise) / 4; }
     /// By how much a code may change, before it is doubled.
-    int most_at(std::uint16_t code) const { return most_of(level_at(code)); }
-    int most_of(int level) const { return (4 * level + 3 * noise) / 4; }
+    int most_at(std::uint16_t code) const { return (4 * level_at(code) + 3 * noise) / 4; }
     static constexpr int most_level = 2900;  ///< so that eight gates, with the most noise, have 15 bits
 
     bool operator==(const TerraceFilter&) const = default;

@@ -28,8 +28,10 @@ template <class Lanes>
     const Lanes constant = Lanes{} + curve.constant;
     if ((curve.linear | curve.quadratic) == 0) return constant;
     const Lanes n = (curve.from_last ? curve.last - codes : codes) << curve.shift;
-    const Lanes sum = constant + high_product<Lanes>(n, Lanes{} + curve.linear) +
-                      high_product<Lanes>(high_product<Lanes>(n, n), Lanes{} + curve.quadratic);
+    // Wide products are slow, and most curves lack one.
+    Lanes sum = constant;
+    if (curve.linear > 0) sum += high_product<Lanes>(n, Lanes{} + curve.linear);
+    if (curve.quadratic > 0) sum += high_product<Lanes>(high_product<Lanes>(n, n), Lanes{} + curve.quadratic);
     return lesser<Lanes>(sum, Lanes{} + std::uint16_t{code_curve_most});
 }
 

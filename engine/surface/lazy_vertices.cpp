@@ -274,7 +274,7 @@ void LazyVertices::level_block(int bx, int by) const {
     const int bottom = std::min((by + 1) * TerracePatch::block, frame_.height);
     for (int y = by * TerracePatch::block; y < bottom; ++y)
         for (int x = bx * TerracePatch::block; x < right; ++x)
-            finer_[frame_.index(x, y)].store(patch.is_set(x, y) ? patch.code(x, y, *terraces_) : no_code,
+            finer_[frame_.index(x, y)].store(patch.is_set(x, y) ? patch.code(x, y) : no_code,
                                              std::memory_order_relaxed);
 }
 

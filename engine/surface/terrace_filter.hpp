@@ -34,7 +34,7 @@ private:
         // Of every row that any pass still reads, and after them of one outside the picture.
         std::vector<std::int16_t> masks;
         std::vector<std::uint32_t> holes;
-        std::vector<std::int16_t> levels;  // of those rows; empty where all levels are alike
+        std::vector<std::int16_t> gates, most;  // of those rows; empty where all levels are alike
     };
 
     void resize(int width, int threads);
@@ -43,7 +43,7 @@ private:
     /// Row y before a pass; nothing counts in a row outside the picture.
     TerraceRow row(const Work& work, int pass, int y) const;
     std::int16_t* codes(Work& work, int pass, int y) const;
-    std::ptrdiff_t levels_at(int y) const;
+    std::ptrdiff_t gates_at(int y) const;
 
     const std::unique_ptr<BandSource> before_;
     const TerraceFilter filter_;

@@ -27,9 +27,8 @@ void TerracePatch::set(int x, int y, std::uint16_t code, const TerraceFilter& fi
 void TerracePatch::level(const TerraceFilter& filter) {
     const VectorUnit unit = usable_vector_units().front();
     std::memcpy(codes_, before_, sizeof(codes_));
-    if (!filter.levels.is_zero())
-        for (int line = 0; line <= bottom_ - top_; ++line)
-            find_levels(unit, filter, before_[line] + terrace_margin, words, levels_[line]);
+    for (int line = 0; line <= bottom_ - top_; ++line)
+        find_gates(unit, filter, before_[line] + terrace_margin, words, gates_[line], most_[line]);
     for (const int& step : terrace_steps) {
         const bool is_last = &step == std::end(terrace_steps) - 1;
         for (int y = top_; y <= bottom_; ++y)
@@ -43,17 +42,17 @@ bool TerracePatch::is_set(int x, int y) const {
     return masks_[y - top_][terrace_margin + x - left_] == 0;
 }
 
-std::uint16_t TerracePatch::code(int x, int y, const TerraceFilter& filter) const {
+std::uint16_t TerracePatch::code(int x, int y) const {
     const int line = y - top_, column = terrace_margin + x - left_;
     const std::uint16_t was = static_cast<std::uint16_t>(before_[line][column]);
-    const int most = filter.most_at(was), after = static_cast<std::uint16_t>(codes_[line][column]);
+    const int most = most_[line][x - left_], after = static_cast<std::uint16_t>(codes_[line][column]);
     return static_cast<std::uint16_t>(std::clamp(after, 2 * (was - most), 2 * (was + most)));
 }
 
 TerraceRow TerracePatch::row(const std::int16_t (&codes)[side][pitch], int y) const {
     const bool inside = y >= top_ && y <= bottom_;
     const int line = inside ? y - top_ : 0, known = inside ? line : side;
-    return {codes[line] + terrace_margin, masks_[known] + terrace_margin, holes_[known] + 1, levels_[line]};
+    return {codes[line] + terrace_margin, masks_[known] + terrace_margin, holes_[known] + 1, gates_[line]};
 }
 
 }  // namespace touchable

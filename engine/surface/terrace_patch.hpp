@@ -25,7 +25,7 @@ public:
     void level(const TerraceFilter& filter);
     bool is_set(int x, int y) const;
     /// After `level`: the finer code of a pixel of the block that was set.
-    std::uint16_t code(int x, int y, const TerraceFilter& filter) const;
+    std::uint16_t code(int x, int y) const;
 
 private:
     static constexpr int side = block + 2 * terrace_reach;
@@ -36,7 +36,7 @@ private:
 
     int left_, right_, top_, bottom_;
     std::int16_t before_[side][pitch] = {}, codes_[side][pitch] = {}, next_[side][pitch] = {};
-    std::int16_t levels_[side][words * strip_pixels];
+    std::int16_t gates_[side][words * strip_pixels], most_[side][words * strip_pixels];
     std::int16_t masks_[side + 1][pitch];  // the last row of both: outside
     std::uint32_t holes_[side + 1][words + 2];
 };

@@ -79,32 +79,28 @@ template <class Lanes>
     return (word[-1] | word[0] | word[1]) != 0;
 }
 
-/// TerraceFilter::level_at of a row.
-struct RowLevels {
+/// TerraceFilter::gate_at and most_at of a row.
+struct RowGates {
     const TerraceFilter& filter;
     const std::int16_t* codes;
     int words;
-    std::int16_t* levels;
+    std::int16_t *gates, *most;
 
     template <class Kind>
     [[gnu::always_inline]] void operator()(Kind) const {
         using Bits = typename Kind::Lanes;
         const Bits step = Bits{} + static_cast<std::uint16_t>(filter.step);
-        const Bits most = Bits{} + std::uint16_t{TerraceFilter::most_level};
+        const Bits largest = Bits{} + std::uint16_t{TerraceFilter::most_level};
+        const Bits noise = Bits{} + static_cast<std::uint16_t>(3 * filter.noise);
         for (int x = 0; x < words * strip_pixels; x += lane_count<Bits>) {
-            const Bits level =
-                lesser<Bits>(greater<Bits>(curve_at(filter.levels, load_lanes<Bits>(codes + x)), step), most);
-            std::memcpy(levels + x, &level, sizeof(level));
+            const Bits level = lesser<Bits>(
+                greater<Bits>(curve_at(filter.levels, load_lanes<Bits>(codes + x)), step), largest);
+            const Bits four = (level << 2) + noise, gate = (four + level) >> 2, limit = four >> 2;
+            std::memcpy(gates + x, &gate, sizeof(gate));
+            std::memcpy(most + x, &limit, sizeof(limit));
         }
     }
 };
-
-/// TerraceFilter::gate_at, of a level.
-template <class Bits, class Lanes>
-[[gnu::always_inline]] inline Lanes gate_of(const TerraceFilter& filter, const Bits& level) {
-    return reinterpret_cast<Lanes>(
-        (level * std::uint16_t{5} + static_cast<std::uint16_t>(3 * filter.noise)) >> 2);
-}
 
 /// `has_levels`: gates differ from pixel to pixel.
 template <bool has_levels>
@@ -131,8 +127,7 @@ struct RowLevelling {
                     leave_out_holes<Lanes>({above.masks + x, here.masks + x, below.masks + x}, pass.step, d);
                 const Bits centre = load_lanes<Bits>(here.codes + x);
                 Lanes gate = even_gate;
-                if constexpr (has_levels)
-                    gate = gate_of<Bits, Lanes>(filter, load_lanes<Bits>(here.levels + x));
+                if constexpr (has_levels) gate = load_lanes<Lanes>(here.gates + x);
                 const Lanes sum = levelling(d, gate);
                 const Bits after = pass.is_last ? centre + centre + reinterpret_cast<Bits>((sum + 4) >> 3)
                                                 : centre + reinterpret_cast<Bits>((sum + 8) >> 4);
@@ -144,9 +139,9 @@ struct RowLevelling {
 
 }  // namespace
 
-void find_levels(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
-                 std::int16_t* levels) {
-    run_vectors(unit, RowLevels{filter, codes, words, levels});
+void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
+                std::int16_t* gates, std::int16_t* most) {
+    run_vectors(unit, RowGates{filter, codes, words, gates, most});
 }
 
 void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,

@@ -14,13 +14,13 @@ namespace touchable {
 struct TerraceRow {
     const std::int16_t *codes, *masks;
     const std::uint32_t* holes;
-    const std::int16_t* levels;  ///< of the codes before all passes (find_levels); unused where all are alike
+    const std::int16_t* gates;  ///< of the codes before all passes (find_gates); unused where all are alike
 };
 inline constexpr int terrace_margin = 8;
 
-/// How far levels are apart at each of `words` times 32 multiplied codes.
-void find_levels(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
-                 std::int16_t* levels);
+/// TerraceFilter::gate_at and most_at of each of `words` times 32 multiplied codes.
+void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
+                std::int16_t* gates, std::int16_t* most);
 
 /// One pass over a row of `words` times 32 pixels: `above` and `below` are `step` rows away. Fills all of
 /// `out`; codes that do not count mean nothing. The last pass doubles codes, to 16 bits without a sign.
