@@ -18,7 +18,8 @@ std::vector<Target> make_real_targets(const std::string& choice) {
             {"CPU time of a frame, 640x480", {kinect}, "frame_cpu_ms", at_most(1.5, "ms")},
             {"relief of a pen of 5 pixels", edges, "pen_pct", {90, Sense::at_least, "%"}},
             {"a step of 4 levels, one level off its sides", edges, "step_px", at_most(1, "px")},
-            {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")}};
+            {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")},
+            {"generated clips of 16 bits, changed", {named("generated")}, "changed_pct", at_most(0, "%")}};
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "bench/real/edges.hpp"
 #include "bench/real/filter_choices.hpp"
+#include "bench/real/generated.hpp"
 #include "bench/real/known_room.hpp"
 #include "bench/real/recording.hpp"
 #include "bench/real/sensor_models.hpp"
@@ -39,6 +40,12 @@ void add_edges(std::vector<BenchCase>& cases, const SensorModel& model) {
              [model, choice](Figures& figures) { return measure_edges(model, choice, figures); }});
 }
 
+void add_generated(std::vector<BenchCase>& cases) {
+    for (const FilterChoice& choice : filter_choices())
+        cases.push_back({"real-generated-" + std::string(choice.name),
+                         [choice](Figures& figures) { return measure_generated(choice, figures); }});
+}
+
 bool is_there(const std::filesystem::path& data, const char* folder, const char* cases) {
     if (std::filesystem::exists(data / folder)) return true;
     std::fprintf(stderr, "%s are left out: no recording at %s\n", cases, (data / folder).c_str());
@@ -62,6 +69,7 @@ std::vector<BenchCase> real_cases(bool quick) {
     }
     add_edges(cases, kinect_v1());
     add_edges(cases, d435(edges_focal_length));
+    add_generated(cases);
     return cases;
 }
 

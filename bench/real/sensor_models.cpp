@@ -22,9 +22,7 @@ bool is_silhouette(double a, double b) {
 /// Of a pixel near a silhouette the depth of some pixel around it; elsewhere its own.
 double seen_aside(const SensorModel& model, const DepthMap& truth, int x, int y, SplitMix64& random) {
     const double own = truth.at(x, y);
-    const auto aside = [&] {
-        return static_cast<int>(std::floor(model.lateral_px * normal(random) + 0.5));
-    };
+    const auto aside = [&] { return static_cast<int>(std::floor(model.lateral_px * normal(random) + 0.5)); };
     const int dx = aside(), dy = aside();
     const double other = truth.at(x + dx, y + dy);
     return is_silhouette(own, other) ? other : own;
