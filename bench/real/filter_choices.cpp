@@ -1,6 +1,5 @@
 #include "bench/real/filter_choices.hpp"
 
-#include <algorithm>
 #include <optional>
 
 #include "engine/surface/depth_survey.hpp"
@@ -11,8 +10,7 @@ namespace {
 
 std::optional<MeasuredDepth> measured(const std::vector<RawFrame>& first, const Scene& scene) {
     DepthSurvey survey(scene);
-    const std::size_t looked_at = std::min<std::size_t>(first.size(), DepthSurvey::frames);
-    for (std::size_t n = 0; n < looked_at; ++n) survey.add(first[n]);
+    for (std::size_t n = 0; n < first.size() && !survey.enough(); ++n) survey.add(first[n]);
     return survey.measured();
 }
 

@@ -27,6 +27,13 @@ void DepthSurvey::add(const RawFrame& frame) {
     CodePicture picture = code_picture(frame.depth, scene_.depth);
     levels_.add(picture);
     noise_.add(std::move(picture));
+    ++added_;
+}
+
+bool DepthSurvey::enough() const {
+    if (added_ != first_few) return added_ >= frames;
+    const auto so_far = measured();
+    return so_far && !so_far->from_a_camera();
 }
 
 std::optional<MeasuredDepth> DepthSurvey::measured() const {

@@ -32,10 +32,12 @@ struct MeasuredDepth {
 class DepthSurvey {
 public:
     explicit DepthSurvey(const Scene& scene);
-    /// No more are worth a look.
-    static constexpr int frames = 16;
+    static constexpr int frames = 16;    ///< no more are worth a look
+    static constexpr int first_few = 4;  ///< nor these, where so many say nothing of a camera
 
     void add(const RawFrame& frame);
+    /// Whether the next frame need not be looked at.
+    bool enough() const;
     /// Levels that the scene states count as stated. Nothing where no pixel was valid.
     std::optional<MeasuredDepth> measured() const;
 
@@ -43,6 +45,7 @@ private:
     const Scene scene_;
     LevelSurvey levels_;
     NoiseSurvey noise_;
+    int added_ = 0;
 };
 
 }  // namespace touchable

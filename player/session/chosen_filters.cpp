@@ -104,10 +104,10 @@ Result<std::optional<MeasuredDepth>> measure_depth(std::unique_ptr<ClipReader>& 
     std::vector<RawFrame> seen;
     std::size_t bytes = 0;
     bool whole = true;
-    for (int k = 0; k < DepthSurvey::frames; ++k) {
+    while (!survey.enough()) {
         if (interrupted()) return interrupted_error();
         const auto frame = reader->next();
-        if (!frame.ok() && k == 0) return frame.error();
+        if (!frame.ok() && bytes == 0) return frame.error();
         whole = frame.ok();
         if (!frame.ok() || !*frame) break;
         survey.add(**frame);

@@ -192,7 +192,11 @@ TEST(FilterChoice, OfGeneratedScenesNothingButTerraces) {
                 Scene scene = (*made)->scene();
                 scene.unstated = all_unstated;
                 DepthSurvey survey(scene);
-                for (int frame = 0; frame < DepthSurvey::frames; ++frame) survey.add((*made)->frame(frame));
+                for (int frame = 0; frame < DepthSurvey::frames; ++frame) {
+                    EXPECT_EQ(survey.enough(), frame == DepthSurvey::first_few)
+                        << name << ", frame " << frame;
+                    survey.add((*made)->frame(frame));
+                }
                 const auto measured = survey.measured();
                 ASSERT_TRUE(measured);
                 EXPECT_EQ(measured->levels, DepthLength{}) << name << ", " << bits << " bits";
@@ -225,7 +229,7 @@ TEST(FilterChoice, OfRealRecordings) {
         Scene scene = (*reader)->scene();
         scene.unstated = all_unstated;
         DepthSurvey survey(scene);
-        for (int n = 0; n < DepthSurvey::frames; ++n) {
+        while (!survey.enough()) {
             const auto frame = (*reader)->next();
             ASSERT_TRUE(frame.ok()) << frame.error().message;
             if (!*frame) break;
