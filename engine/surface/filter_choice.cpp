@@ -31,11 +31,11 @@ int median_of_cameras(const MeasuredDepth& measured) {
 /// fiftieth of the depth or three times the noise.
 constexpr double flying_to_land = 1e-4, flat_per_depth = 0.02, flat_per_noise = 3;
 
-/// At other depths than the median it grows as disparity's errors do.
+/// About in proportion to depth, which a DepthLength can say around the median only.
 DepthLength flat_within(const MeasuredDepth& measured) {
     const double length =
         std::max(flat_per_depth * measured.median, flat_per_noise * measured.noise_at_median());
-    return {0, length / (measured.median * measured.median)};
+    return {0.5 * length, 0.5 * length / (measured.median * measured.median)};
 }
 
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
