@@ -43,6 +43,7 @@ std::optional<MeasuredDepth> DepthSurvey::measured() const {
     if (scene.filter.levels == DepthLength{}) scene.filter.levels = levels_.levels();
     using Place = NoiseSurvey::Place;
     MeasuredDepth measured;
+    measured.frames = added_;
     measured.median = *median;
     measured.pixel = *median / scene.camera.fx;
     measured.levels = scene.filter.levels;

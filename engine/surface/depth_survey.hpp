@@ -11,6 +11,7 @@ namespace touchable {
 
 /// What the first frames of a recording tell of the depth that is stored in it. Lengths are scene units.
 struct MeasuredDepth {
+    int frames = 0;       ///< that were looked at; noise needs three
     double median = 0;    ///< depth of what is there to touch
     double pixel = 0;     ///< width of a pixel there
     DepthLength levels;   ///< zero: every code is one

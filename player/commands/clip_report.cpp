@@ -5,6 +5,7 @@
 #include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
 #include "player/commands/filter_facts.hpp"
+#include "player/session/filter_words.hpp"
 
 namespace touchable {
 
@@ -67,24 +68,6 @@ std::string range_words(const PropertyRange& range) {
 const char* removal_name(TerraceRemoval terraces) {
     if (terraces == TerraceRemoval::automatic) return "auto";
     return terraces == TerraceRemoval::on ? "on" : "off";
-}
-
-std::string temporal_words(const FilterSettings& filter) {
-    std::ostringstream words;
-    words << (filter.temporal ? "on" : "off");
-    const DepthLength& noise = filter.temporal_noise;
-    if (filter.temporal) words << " (noise " << noise.constant;
-    if (filter.temporal && noise.quadratic > 0) words << " + " << noise.quadratic << " depth^2";
-    if (filter.temporal) words << " units)";
-    return words.str();
-}
-
-std::string filter_words(const FilterSettings& filter) {
-    const std::string median =
-        filter.median == 0 ? "off" : std::to_string(filter.median) + "x" + std::to_string(filter.median);
-    return "median " + median + ", fill holes " +
-           (filter.fill_holes == 0 ? "off" : std::to_string(filter.fill_holes) + " passes") + ", terraces " +
-           removal_name(filter.terraces) + ", temporal " + temporal_words(filter);
 }
 
 /// As terrace removal would see it.
@@ -238,7 +221,7 @@ void tell_depth(const ClipFacts& facts, Lines& lines) {
     lines.line("kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
                         << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
                         << " units (depth of one code / width of a pixel)\n";
-    lines.line("filters") << (facts.chosen ? in_words(*facts.chosen) : filter_words(scene.filter)) << '\n';
+    lines.line("filters") << filters_in_words(scene, facts.chosen) << '\n';
     lines.line("levels") << level_words(facts) << '\n';
     if (facts.measured) lines.line("noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
     lines.line("in between") << (scene.interpolation == FrameInterpolation::hold

@@ -19,6 +19,7 @@
 #include "player/commands/staged_folder.hpp"
 #include "player/commands/typed_numbers.hpp"
 #include "player/session/clip_workspace.hpp"
+#include "player/session/filter_words.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/memory.hpp"
 #include "player/session/progress.hpp"
@@ -168,7 +169,7 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     const auto read = export_frames(*reader, scene, options, **builder, *picture);
     if (!read.ok()) return read.error();
     if (*read <= wanted) return beyond_the_end(options, wanted, *read);
-    if (clip->chosen) std::cerr << "touchable: filters: " << in_words(*clip->chosen) << '\n';
+    if (clip->chosen) std::cerr << "touchable: filters: " << filters_in_words(scene, clip->chosen) << '\n';
     return {};
 }
 

@@ -1,5 +1,7 @@
 #include "player/commands/filter_facts.hpp"
 
+#include "player/session/filter_words.hpp"
+
 namespace touchable {
 
 using Json = nlohmann::ordered_json;
@@ -31,6 +33,7 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
              {"temporal", filter.temporal},
              {"temporal_noise", {filter.temporal_noise.constant, filter.temporal_noise.quadratic}}};
     out["flying_pixels"] = {filter.flying_pixels.constant, filter.flying_pixels.quadratic};
+    out["in_words"] = filters_in_words(scene, chosen);
     if (!chosen) return out;
     const auto names = {std::pair{"median", chosen->chosen.median},
                         {"fill_holes", chosen->chosen.fill_holes},
@@ -40,7 +43,6 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
     out["chosen"] = Json::array();
     for (const auto& [name, is_chosen] : names)
         if (is_chosen) out["chosen"].push_back(name);
-    out["why"] = in_words(*chosen);
     out["measured"] = to_json(chosen->measured);
     return out;
 }

@@ -132,7 +132,7 @@ std::string report_to_text(const Json& r) {
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
     for (const auto& note : r["notes"]) line("note", note.get<std::string>());
-    if (r["filters"].contains("why")) line("filters", r["filters"]["why"].get<std::string>());
+    line("filters", r["filters"]["in_words"].get<std::string>());
     const auto why = r["builder_why"].get<std::string>();
     const auto builder = r["builder"].get<std::string>();
     line("surface", "built " + what_it_builds(builder) + " (" + builder + " builder, " +

@@ -1,0 +1,109 @@
+#include "player/session/filter_words.hpp"
+
+#include <cstdio>
+#include <vector>
+
+namespace touchable {
+namespace {
+
+std::string number(double value, const char* unit) {
+    char words[48];
+    std::snprintf(words, sizeof words, "%.3g%s", value, unit);
+    return words;
+}
+
+std::string mm(double length, double metres_per_unit) {
+    return number(1000 * length * metres_per_unit, " mm");
+}
+
+std::string share(double of_pixels, const char* what) {
+    return number(100 * of_pixels, " % of the pixels ") + what;
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+    std::string words;
+    for (const std::string& part : parts) words += (words.empty() ? "" : ", ") + part;
+    return words;
+}
+
+double at_depth(const DepthLength& length, double depth) {
+    return length.constant + length.quadratic * depth * depth;
+}
+
+std::string where_it_is(const MeasuredDepth& measured, double metres_per_unit) {
+    return mm(measured.distance, metres_per_unit) + " apart at " +
+           number(measured.median * metres_per_unit, " m");
+}
+
+std::string noise_found(const MeasuredDepth& measured, double metres_per_unit) {
+    if (measured.frames < 3) return "not known of fewer than 3 frames";
+    return measured.noise == DepthLength{} ? "none found" : mm(measured.noise_at_median(), metres_per_unit);
+}
+
+/// Lines of filters that are on, and of those that were left out by choice.
+class FilterList {
+public:
+    void add(bool is_on, bool is_chosen, const std::string& name, const std::string& why) {
+        const std::string reason = " (" + (is_chosen ? why : "stated") + ")";
+        if (is_on)
+            on_.push_back(name + reason);
+        else if (is_chosen)
+            off_.push_back("no " + name + reason);
+    }
+    std::string in_words() const {
+        if (on_.empty() && off_.empty()) return "none (stated)";
+        if (on_.empty()) return "none: " + joined(off_);
+        return joined(on_) + (off_.empty() ? "" : "; " + joined(off_));
+    }
+
+private:
+    std::vector<std::string> on_, off_;
+};
+
+std::string temporal_name(const Scene& scene, const MeasuredDepth& measured) {
+    if (!scene.filter.temporal) return "temporal";
+    return "temporal for " +
+           mm(at_depth(scene.filter.temporal_noise, measured.median), scene.metres_per_unit);
+}
+
+}  // namespace
+
+std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilters>& chosen) {
+    if (chosen && !chosen->measured) return "none: no pixel of the first frames is valid";
+    const MeasuredDepth measured = chosen ? *chosen->measured : MeasuredDepth{};
+    const UnstatedFilters by = chosen ? chosen->chosen : UnstatedFilters{};
+    const FilterSettings& filter = scene.filter;
+    const double unit = scene.metres_per_unit;
+    const std::string side = std::to_string(filter.median);
+    FilterList list;
+    list.add(filter.flying_pixels != DepthLength{}, by.flying_pixels, "flying pixels",
+             share(measured.flying, "hang between surfaces"));
+    list.add(filter.fill_holes > 0, by.fill_holes, "hole filling", share(measured.specks, "are tiny holes"));
+    list.add(filter.median > 0, by.median, filter.median > 0 ? "median " + side + "x" + side : "median",
+             "roughness " + mm(measured.roughness, unit));
+    list.add(filter.temporal, by.temporal, chosen ? temporal_name(scene, measured) : "temporal",
+             "noise " + noise_found(measured, unit));
+    list.add(filter.terraces == TerraceRemoval::on, by.terraces, "terraces",
+             "levels " + where_it_is(measured, unit));
+    return list.in_words();
+}
+
+std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit) {
+    return where_it_is(measured, metres_per_unit) + number(measured.kappa, ")").insert(0, " (kappa ");
+}
+
+std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit) {
+    std::string words = noise_found(measured, metres_per_unit);
+    if (measured.noise != DepthLength{}) words += " from frame to frame";
+    if (measured.noise_at_edges > 0)
+        words += ", " + mm(measured.noise_at_edges, metres_per_unit) + " at edges";
+    if (measured.noise_at_rims > 0)
+        words += ", " + mm(measured.noise_at_rims, metres_per_unit) + " beside holes";
+    words += "; roughness from pixel to pixel " + mm(measured.roughness, metres_per_unit);
+    if (measured.dropouts > 0) words += "; " + share(measured.dropouts, "drop out for a frame");
+    if (measured.flying > 0) words += "; " + share(measured.flying, "hang between surfaces");
+    if (measured.specks > 0) words += "; " + share(measured.specks, "are tiny holes");
+    return words;
+}
+
+}  // namespace touchable
