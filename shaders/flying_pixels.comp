@@ -16,7 +16,6 @@ layout(push_constant, std430) uniform Push { FlyingPixelsPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer stored_texels;
 layout(set = 0, binding = 1, std430) writeonly buffer Codes { u64vec2 out_codes[]; };
 
-const int reach = 3;
 const int none = -1;
 
 /// A code, or `none` where it is invalid or outside the picture.

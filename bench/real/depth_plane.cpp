@@ -52,8 +52,7 @@ std::vector<DepthPlane> flat_places(const DepthMap& map, int step, int reach, co
             const auto plane = plane_around(map, x, y, reach);
             if (!plane) continue;
             const double depth = 1 / plane->at;
-            if (plane->residual_mm <= flat.constant + flat.quadratic * depth * depth)
-                places.push_back(*plane);
+            if (plane->residual_mm <= flat.at(depth)) places.push_back(*plane);
         }
     return places;
 }

@@ -133,7 +133,7 @@ Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures&
     if (auto done = measure_cost(scene, rooms_[0].stored, quick ? 10 : 40, figures); !done.ok()) return done;
     const double depth = median_depth(rooms_[0].truth);
     const DepthLength& levels = scene.filter.levels;
-    figures.push_back({"level_mm", levels.constant + levels.quadratic * depth * depth, "mm"});
+    figures.push_back({"level_mm", levels.at(depth), "mm"});
     return {};
 }
 

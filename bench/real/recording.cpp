@@ -76,8 +76,7 @@ Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, F
     figures.push_back({"plane_error_deg", plane_error_deg_, "deg"});
     if (auto done = measure_cost(scene, raws_, quick ? 10 : 50, figures); !done.ok()) return done;
     figures.push_back({"depth_mm", depth_, "mm"});
-    figures.push_back(
-        {"level_mm", scene.filter.levels.constant + scene.filter.levels.quadratic * depth_ * depth_, "mm"});
+    figures.push_back({"level_mm", scene.filter.levels.at(depth_), "mm"});
     return {};
 }
 

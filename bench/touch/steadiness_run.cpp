@@ -29,8 +29,7 @@ Scene scene_of(const SteadinessRun& run) {
     Scene scene = noisy_scene();
     scene.interpolation = run.interpolation;
     scene.filter.temporal = run.temporal;
-    scene.filter.temporal_noise.constant *= run.noise_factor;
-    scene.filter.temporal_noise.quadratic *= run.noise_factor;
+    scene.filter.temporal_noise = scene.filter.temporal_noise.times(run.noise_factor);
     return scene;
 }
 

@@ -10,6 +10,9 @@ namespace touchable {
 /// A length that grows with depth z: constant + quadratic z^2, scene units.
 struct DepthLength {
     double constant = 0, quadratic = 0;
+
+    double at(double depth) const { return constant + quadratic * depth * depth; }
+    DepthLength times(double factor) const { return {factor * constant, factor * quadratic}; }
     bool operator==(const DepthLength&) const = default;
 };
 

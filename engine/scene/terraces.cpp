@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace touchable {
 namespace {
@@ -28,8 +29,11 @@ double most_codes_of_a_level(const Scene& scene) {
     const DepthCoding& coding = scene.depth;
     if (scene.filter.levels == DepthLength{} || coding.valid_min >= coding.valid_max) return 0;
     double most = 0;
-    for (const std::uint16_t code : {coding.valid_min, coding.valid_max})
-        most = std::max(most, level_distance(scene, coding.depth(code)) / step_of_code(coding, code));
+    for (const std::uint16_t code : {coding.valid_min, coding.valid_max}) {
+        // Of planes that doubles cannot tell apart it is 0.
+        const double step = std::max(step_of_code(coding, code), std::numeric_limits<double>::min());
+        most = std::max(most, level_distance(scene, coding.depth(code)) / step);
+    }
     return most;
 }
 
@@ -85,8 +89,7 @@ std::optional<CodeScale> terrace_scale(const Scene& scene) {
 double level_distance(const Scene& scene, double depth) {
     const DepthCoding& coding = scene.depth;
     const DepthLength& levels = scene.filter.levels;
-    return std::max(step_of_code(coding, coding.code(depth)),
-                    levels.constant + levels.quadratic * depth * depth);
+    return std::max(step_of_code(coding, coding.code(depth)), levels.at(depth));
 }
 
 double kappa_of_depth(const Scene& scene, double depth) {

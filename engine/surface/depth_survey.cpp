@@ -7,18 +7,14 @@
 namespace touchable {
 namespace {
 
-/// Shares of pixels from which on they are no chance.
-constexpr double some_dropouts = 5e-4, some_specks = 1e-4;
-
-double at_depth(const DepthLength& length, double depth) {
-    return length.constant + length.quadratic * depth * depth;
-}
+/// Share of pixels from which on they are no chance.
+constexpr double some_dropouts = 5e-4;
 
 }  // namespace
 
 bool MeasuredDepth::from_a_camera() const {
     return noise != DepthLength{} || levels.quadratic > 0 || dropouts >= some_dropouts ||
-           specks >= some_specks;
+           tiny_holes >= some_tiny_holes;
 }
 
 DepthSurvey::DepthSurvey(const Scene& scene) : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
@@ -50,11 +46,11 @@ std::optional<MeasuredDepth> DepthSurvey::measured() const {
     measured.distance = level_distance(scene, *median);
     measured.kappa = kappa_of_depth(scene, *median);
     measured.noise = noise_.noise(Place::flat);
-    measured.noise_at_edges = at_depth(noise_.noise(Place::edge), *median);
-    measured.noise_at_rims = at_depth(noise_.noise(Place::rim), *median);
-    measured.roughness = at_depth(noise_.roughness(), *median);
+    measured.noise_at_edges = noise_.noise(Place::edge).at(*median);
+    measured.noise_at_rims = noise_.noise(Place::rim).at(*median);
+    measured.roughness = noise_.roughness().at(*median);
     measured.dropouts = noise_.dropouts();
-    measured.specks = noise_.specks();
+    measured.tiny_holes = noise_.tiny_holes();
     measured.flying = noise_.flying();
     return measured;
 }

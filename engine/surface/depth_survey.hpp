@@ -21,11 +21,14 @@ struct MeasuredDepth {
     double noise_at_edges = 0, noise_at_rims = 0;  ///< at the median
     double roughness = 0;                          ///< of flat places, from pixel to pixel, at the median
     double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
-    double specks = 0;                             ///< share of the pixels that are tiny holes
+    double tiny_holes = 0;                         ///< share of the pixels that are tiny holes
     double flying = 0;                             ///< share of the pixels that hang between two surfaces
 
-    double noise_at_median() const { return noise.constant + noise.quadratic * median * median; }
-    /// Whether something says that a camera measured it: noise, dropouts, specks, or levels of disparity.
+    /// From this share of pixels on they are no chance, and worth to be filled.
+    static constexpr double some_tiny_holes = 1e-4;
+
+    double noise_at_median() const { return noise.at(median); }
+    /// Whether something says that a camera measured it: noise, dropouts, tiny holes, or levels of disparity.
     bool from_a_camera() const;
 };
 
@@ -34,7 +37,7 @@ class DepthSurvey {
 public:
     explicit DepthSurvey(const Scene& scene);
     static constexpr int frames = 16;    ///< no more are worth a look
-    static constexpr int first_few = 4;  ///< nor these, where so many say nothing of a camera
+    static constexpr int first_few = 4;  ///< enough, where they show nothing of a camera
 
     void add(const RawFrame& frame);
     /// Whether the next frame need not be looked at.

@@ -18,8 +18,7 @@ constexpr double roughness_per_pixel = 0.15;
 /// A small one is enough where levels are much farther apart than noise moves a depth, and it keeps steps
 /// sharper.
 constexpr double levels_per_noise = 1.5;
-/// Tiny holes are filled from this share of the pixels on; two passes close those three pixels wide.
-constexpr double specks_to_fill = 1e-4;
+/// They close holes three pixels wide.
 constexpr int passes = 2;
 
 int median_of_cameras(const MeasuredDepth& measured) {
@@ -27,24 +26,24 @@ int median_of_cameras(const MeasuredDepth& measured) {
     return measured.distance >= levels_per_noise * noise ? 3 : 5;
 }
 
-/// Pixels that hang in the air are pulled to a surface from this share on; one surface is what is flat to a
-/// fiftieth of the depth or three times the noise.
-constexpr double flying_to_land = 1e-4, flat_per_depth = 0.02, flat_per_noise = 3;
+/// Pixels that hang in the air are pulled to a surface from this share on. One surface is what they were
+/// judged by, or what is flat to three times the noise.
+constexpr double flying_to_land = 1e-4, flat_per_noise = 3;
 
 /// About in proportion to depth, which a DepthLength can say around the median only.
 DepthLength flat_within(const MeasuredDepth& measured) {
     const double length =
-        std::max(flat_per_depth * measured.median, flat_per_noise * measured.noise_at_median());
-    return {0.5 * length, 0.5 * length / (measured.median * measured.median)};
+        std::max(measured.median / NoiseSurvey::flat_share, flat_per_noise * measured.noise_at_median());
+    return DepthLength{1, 1 / (measured.median * measured.median)}.times(0.5 * length);
 }
+
+}  // namespace
 
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
     Scene with_levels = scene;
     with_levels.filter.levels = measured.levels;
     return terrace_scale(with_levels) && measured.kappa >= kappa_of_terraces;
 }
-
-}  // namespace
 
 void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) {
     FilterSettings& filter = scene.filter;
@@ -62,7 +61,8 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) 
     if (unstated.flying_pixels)
         filter.flying_pixels =
             camera && measured->flying >= flying_to_land ? flat_within(*measured) : DepthLength{};
-    if (unstated.fill_holes) filter.fill_holes = measured->specks >= specks_to_fill ? passes : 0;
+    if (unstated.fill_holes)
+        filter.fill_holes = measured->tiny_holes >= MeasuredDepth::some_tiny_holes ? passes : 0;
     if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
         filter.terraces = removal_advised(*measured, scene) ? TerraceRemoval::on : TerraceRemoval::off;
     if (filter.terraces == TerraceRemoval::on) filter.levels = measured->levels;
@@ -70,7 +70,7 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) 
         filter.temporal = measured->noise_at_median() >= noise_per_picture * measured->pixel * scene.width;
     if (filter.temporal && filter.temporal_noise == DepthLength{}) {
         const double stated = filter.median == 3 ? stated_with_small_median : stated_per_measured;
-        filter.temporal_noise = {stated * measured->noise.constant, stated * measured->noise.quadratic};
+        filter.temporal_noise = measured->noise.times(stated);
     }
 }
 

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_survey.hpp"
 
 namespace touchable {
+
+/// Whether terrace removal is worth while: enough kappa with the measured levels, and room for it.
+bool removal_advised(const MeasuredDepth& measured, const Scene& scene);
 
 /// Settles the filters that a scene leaves open (Scene::unstated, TerraceRemoval::automatic) by what was
 /// measured of its frames; nothing measured: none of them. Terraces are removed and temporal noise is

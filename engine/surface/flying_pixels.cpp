@@ -11,17 +11,18 @@ namespace touchable {
 namespace {
 
 /// Which pixels of a row may fly, as bits: those whose code differs from that of a valid neighbour by more
-/// than the least gate of the strip. Reads one code beyond both ends of each row. Whole strips only.
+/// than the least gate of the strip. Reads one code beyond both ends. Strips from
+/// `first` to before `end`, whole ones only.
 struct RowSuspicion {
     const std::uint16_t *above, *here, *below;
     const FlyingPixels& filter;
     const bool zero_is_code;
-    const int strips;
+    const int first, end;
     std::uint32_t* suspects;
 
     template <class Kind>
     [[gnu::always_inline]] void operator()(Kind) const {
-        for (int strip = 0; strip < strips; ++strip)
+        for (int strip = first; strip < end; ++strip)
             suspects[strip] = suspects_of<typename Kind::Lanes>(strip * strip_pixels);
     }
 
@@ -97,11 +98,13 @@ void FlyingPixelLander::land_rows(const RowBand& band) {
     for (int y = band.first; y < band.last; ++y) {
         std::memcpy(picture_.codes.data() + picture_.index(0, y), row(y),
                     static_cast<std::size_t>(before_.width) * sizeof(std::uint16_t));
-        // Rows at the border have no neighbours to tell by, and the last codes of a row make no whole strip.
+        // Rows at the border have no neighbours to tell by, the last codes of a row make no whole strip, and
+        // before the picture's first code there is none to read.
         std::fill(suspects.begin(), suspects.end(), ~std::uint32_t{0});
         if (y > 0 && y < before_.height - 1)
-            run_vectors(unit_, RowSuspicion{row(y - 1), row(y), row(y + 1), filter_, zero_is_code_,
-                                            (before_.width - 1) / strip_pixels, suspects.data()});
+            run_vectors(unit_,
+                        RowSuspicion{row(y - 1), row(y), row(y + 1), filter_, zero_is_code_, y == 1 ? 1 : 0,
+                                     (before_.width - 1) / strip_pixels, suspects.data()});
         for (std::size_t word = 0; word < suspects.size(); ++word)
             for (std::uint32_t bits = suspects[word] & before_.validity_row(y)[word]; bits != 0;
                  bits &= bits - 1)

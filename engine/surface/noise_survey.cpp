@@ -14,8 +14,6 @@ namespace {
 constexpr std::int64_t enough_pixels = 640 * 480;
 /// Neighbours whose depths differ by more than this share are an edge; more than twice that is no noise.
 constexpr int edge_share = 20;
-/// Depths that differ by no more than this share are one surface.
-constexpr int flat_share = 50;
 /// So few pixels say nothing.
 constexpr std::int64_t least_count = 200;
 
@@ -98,13 +96,14 @@ ClippedSums::Means ClippedSums::means(double limit) const {
 NoiseSurvey::NoiseSurvey(const DepthCoding& coding) : window_of_code_(65536) {
     for (int first = 0; first < 65536; first = end_of_window(first)) {
         Window window;
-        window.first = first;
-        window.end = end_of_window(first);
+        const int end = end_of_window(first);
         const auto depth = [&](int code) { return coding.depth(static_cast<std::uint16_t>(code)); };
-        window.depth = depth((window.first + window.end) / 2);
-        const int last = std::min<int>(window.end - 1, coding.code_max);
-        if (last > first) window.step = std::fabs(depth(last) - depth(first)) / (last - first);
-        for (int code = window.first; code < window.end; ++code)
+        const int last = std::min<int>(end - 1, coding.code_max);
+        if (last > first) {
+            window.depth = depth((first + last) / 2);
+            window.step = std::fabs(depth(last) - depth(first)) / (last - first);
+        }
+        for (int code = first; code < end; ++code)
             window_of_code_[static_cast<std::size_t>(code)] = static_cast<std::uint8_t>(windows_.size());
         windows_.push_back(std::move(window));
     }
@@ -151,7 +150,7 @@ void NoiseSurvey::look_at_pixel(const CodePicture& picture, int x, int y) {
         }
     ++pixels_;
     if (here == CodePicture::invalid) {
-        specks_ += valid >= 6;
+        tiny_holes_ += valid >= 6;
         return;
     }
     const Place place = place_of(picture, x, y);
@@ -213,6 +212,7 @@ DepthLength NoiseSurvey::roughness() const {
     std::vector<Point> points;
     for (const Window& window : windows_) {
         if (window.step == 0) continue;
+        // Six times the depth: of a code alone the sum of bends is as much off.
         const auto means = window.bends.means(12 * window.depth / (edge_share * window.step));
         if (means.count < least_count || means.square == 0) continue;
         // The sum's weights are 4, four times -2 and four times 1: 36 times the variance of one code.
@@ -230,8 +230,8 @@ double NoiseSurvey::flying() const {
     return pixels_ > 0 ? static_cast<double>(flying_) / static_cast<double>(pixels_) : 0;
 }
 
-double NoiseSurvey::specks() const {
-    return pixels_ > 0 ? static_cast<double>(specks_) / static_cast<double>(pixels_) : 0;
+double NoiseSurvey::tiny_holes() const {
+    return pixels_ > 0 ? static_cast<double>(tiny_holes_) / static_cast<double>(pixels_) : 0;
 }
 
 }  // namespace touchable

@@ -35,6 +35,8 @@ private:
 class NoiseSurvey {
 public:
     explicit NoiseSurvey(const DepthCoding& coding);
+    /// Depths that differ by no more than this share, 1/50, are one surface, as far as flying pixels go.
+    static constexpr int flat_share = 50;
 
     /// The next frame. All have the same size.
     void add(CodePicture picture);
@@ -49,14 +51,12 @@ public:
     /// Of the pixels that are valid in a frame and in the one after the next: those that are not in between.
     double dropouts() const;
     /// Share of the pixels that are invalid, and at least six of their eight neighbours are valid.
-    double specks() const;
-    /// Share of the pixels that hang between two surfaces, which are flat to a fiftieth of the depth (landed,
-    /// flying_pixels.hpp).
+    double tiny_holes() const;
+    /// Share of the pixels that hang between two surfaces, at edges (landed, flying_pixels.hpp).
     double flying() const;
 
 private:
     struct Window {
-        int first = 0, end = 0;
         double depth = 0, step = 0;  ///< of its middle, and of one code there, scene units
         std::array<ClippedSums, 3> changes;
         ClippedSums bends;
@@ -71,7 +71,7 @@ private:
     std::vector<Window> windows_;
     std::vector<std::uint8_t> window_of_code_;
     std::vector<CodePicture> last_;  // two at most
-    std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, specks_ = 0, flying_ = 0;
+    std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, tiny_holes_ = 0, flying_ = 0;
 };
 
 }  // namespace touchable

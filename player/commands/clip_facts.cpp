@@ -63,10 +63,10 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     facts.frames = clip->reader->frame_count();
     facts.notes = clip->reader->notes();
     add_first_frame(**first, facts);
-    if (auto back = clip->reader->rewind(); !back.ok()) return back.error();
     if (facts.chosen) {
         facts.measured = facts.chosen->measured;
     } else {
+        if (auto back = clip->reader->rewind(); !back.ok()) return back.error();
         auto measured = measure_depth(clip->reader, facts.scene);
         if (!measured.ok()) return measured.error();
         facts.measured = std::move(*measured);

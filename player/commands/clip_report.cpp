@@ -4,6 +4,7 @@
 
 #include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
+#include "engine/surface/filter_choice.hpp"
 #include "player/commands/filter_facts.hpp"
 #include "player/session/filter_words.hpp"
 
@@ -65,20 +66,11 @@ std::string range_words(const PropertyRange& range) {
     return words.str();
 }
 
-const char* removal_name(TerraceRemoval terraces) {
-    if (terraces == TerraceRemoval::automatic) return "auto";
-    return terraces == TerraceRemoval::on ? "on" : "off";
-}
-
 /// As terrace removal would see it.
 Scene with_levels(const ClipFacts& facts) {
     Scene scene = facts.scene;
     if (facts.measured) scene.filter.levels = facts.measured->levels;
     return scene;
-}
-
-bool removal_advised(const ClipFacts& facts) {
-    return facts.measured && terrace_scale(with_levels(facts)) && facts.measured->kappa >= kappa_of_terraces;
 }
 
 /// How far levels are apart, and why their steps stay where they do.
@@ -87,15 +79,16 @@ std::string level_words(const ClipFacts& facts) {
     const std::string words = levels_in_words(*facts.measured, facts.scene.metres_per_unit);
     if (!terrace_scale(with_levels(facts))) return words + "; codes leave no room for finer ones";
     const bool left = facts.scene.filter.terraces == TerraceRemoval::off;
-    return words + (left && removal_advised(facts) ? "; --terraces auto removes their steps" : "");
+    return words + (left && removal_advised(*facts.measured, facts.scene)
+                        ? "; --terraces auto removes their steps"
+                        : "");
 }
 
 /// The same for a program.
 Json terraces_json(const ClipFacts& facts) {
     const auto scale = terrace_scale(with_levels(facts));
     return {{"finer_codes", scale ? 2.0 * scale->factor / (1 << scale->shift) : 0},
-            {"advised", removal_advised(facts)},
-            {"removed", facts.scene.filter.terraces == TerraceRemoval::on}};
+            {"advised", facts.measured && removal_advised(*facts.measured, facts.scene)}};
 }
 
 double mm_per_unit(const Scene& scene) {
@@ -265,17 +258,8 @@ Json to_json(const ClipFacts& facts) {
     out["first_frame"] = {
         {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
     out["kappa"] = kappa_json(facts);
-    out["filter"] = {
-        {"median", scene.filter.median},
-        {"fill_holes", scene.filter.fill_holes},
-        {"terraces", removal_name(scene.filter.terraces)},
-        {"terrace_noise", scene.filter.terrace_noise},
-        {"temporal", scene.filter.temporal ? "on" : "off"},
-        {"flying_pixels", {scene.filter.flying_pixels.constant, scene.filter.flying_pixels.quadratic}},
-        {"temporal_noise", {scene.filter.temporal_noise.constant, scene.filter.temporal_noise.quadratic}}};
-    out["filters"] = filters_json(scene, facts.chosen);
+    out["filters"] = filters_json(scene, facts.chosen, facts.measured);
     out["terraces"] = terraces_json(facts);
-    out["measured"] = to_json(facts.measured);
     out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
     add_touch(facts, out);
     out["notes"] = facts.notes;

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "player/session/chosen_filters.hpp"
 
 namespace touchable {
 
-/// What the first frames told of depth, for a program: docs/forces.md. Null: no pixel is valid.
-nlohmann::ordered_json to_json(const std::optional<MeasuredDepth>& measured);
-/// The filters that a scene has, which of them were chosen by measurement, and why.
-nlohmann::ordered_json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen);
+/// The filters that a scene has, in words and for a program, which of them were chosen by measurement, and
+/// what was measured: docs/forces.md.
+nlohmann::ordered_json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen,
+                                    const std::optional<MeasuredDepth>& measured);
 
 }  // namespace touchable

@@ -1,5 +1,7 @@
 #include "player/commands/filters_option.hpp"
 
+#include <cmath>
+#include <set>
 #include <string_view>
 
 #include "player/commands/temporal_option.hpp"
@@ -27,9 +29,10 @@ bool read_filter(std::string_view name, std::string_view value, FilterSettings& 
         return true;
     }
     if (name == "holes") {
-        const auto passes = value.empty() ? 2.0 : as_number(value).value_or(-1);
+        const double passes = value.empty() ? 2 : as_number(value).value_or(0);
+        if (!(passes >= 1 && passes <= 16 && passes == std::floor(passes))) return false;
         filter.fill_holes = static_cast<int>(passes);
-        return passes >= 1 && passes <= 16 && filter.fill_holes == passes;
+        return true;
     }
     if (name == "terraces" && value.empty()) {
         filter.terraces = TerraceRemoval::on;
@@ -48,7 +51,8 @@ CLI::Option* add_filters_option(CLI::App& sub, std::optional<std::string>& typed
         .add_option(
             "--filters", typed,
             "all filters at once, instead of the scene's: off, auto (what the first frames ask for), or "
-            "those that shall be on, such as median=5,terraces,temporal,holes=2")
+            "those that shall be on: median[=3|5], holes[=PASSES], terraces, temporal[=C[+Q]], "
+            "flying=C[+Q], with commas between")
         ->type_name("WORD|LIST");
 }
 
@@ -56,6 +60,7 @@ Result<FiltersChoice> read_filters(const std::string& typed) {
     if (typed == "off") return FiltersChoice{};
     if (typed == "auto") return FiltersChoice{{}, all_unstated};
     FiltersChoice choice;
+    std::set<std::string_view> named;
     std::string_view rest = typed;
     for (bool more = true; more;) {
         const std::size_t comma = rest.find(',');
@@ -64,7 +69,9 @@ Result<FiltersChoice> read_filters(const std::string& typed) {
         const std::size_t equals = part.find('=');
         const bool has_value = equals != std::string_view::npos;
         const std::string_view value = has_value ? part.substr(equals + 1) : std::string_view();
-        if ((has_value && value.empty()) || !read_filter(part.substr(0, equals), value, choice.settings))
+        const std::string_view name = part.substr(0, equals);
+        if ((has_value && value.empty()) || !read_filter(name, value, choice.settings) ||
+            !named.insert(name).second)
             return refusal(part);
         if (more) rest.remove_prefix(comma + 1);
     }

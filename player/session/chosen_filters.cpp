@@ -62,8 +62,9 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
     choose_filters(*measured, scene);
     if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})
         return usage_error(
-            "--temporal on: the scene does not say how noisy its depth is, and its first frames show no "
-            "noise; right would be that noise in scene units instead of on, such as 1.5");
+            "the temporal filter is to be on, but the scene does not say how noisy its depth is, and its "
+            "first frames show no "
+            "noise; right would be that noise in scene units, such as --temporal 1.5");
     if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
     chosen.measured = *measured;
     return std::optional(chosen);

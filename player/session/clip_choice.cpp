@@ -39,7 +39,7 @@ Result<Scene> applied(const ClipChoice& choice, Scene scene) {
     apply(choice.terraces, filter.terraces, scene.unstated.terraces);
     if (choice.temporal) apply(*choice.temporal, scene);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
-    // Levels, that decide on the room for terrace removal, and noise are measured yet.
+    // Levels, which decide whether there is room for terrace removal, and noise are still to be measured.
     Scene without = scene;
     without.filter.terraces = TerraceRemoval::off;
     without.filter.temporal = false;

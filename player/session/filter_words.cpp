@@ -26,10 +26,6 @@ std::string joined(const std::vector<std::string>& parts) {
     return words;
 }
 
-double at_depth(const DepthLength& length, double depth) {
-    return length.constant + length.quadratic * depth * depth;
-}
-
 std::string where_it_is(const MeasuredDepth& measured, double metres_per_unit) {
     return mm(measured.distance, metres_per_unit) + " apart at " +
            number(measured.median * metres_per_unit, " m");
@@ -60,32 +56,36 @@ private:
     std::vector<std::string> on_, off_;
 };
 
-std::string temporal_name(const Scene& scene, const MeasuredDepth& measured) {
+/// `depth`: where its noise is told, scene units; 0: not known.
+std::string temporal_name(const Scene& scene, double depth) {
     if (!scene.filter.temporal) return "temporal";
-    return "temporal for " +
-           mm(at_depth(scene.filter.temporal_noise, measured.median), scene.metres_per_unit);
+    const DepthLength& noise = scene.filter.temporal_noise;
+    if (depth > 0 || noise.quadratic == 0)
+        return "temporal for " + mm(noise.at(depth), scene.metres_per_unit);
+    return "temporal for " + number(noise.constant, " + ") + number(noise.quadratic, " depth^2 units");
 }
 
 }  // namespace
 
 std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilters>& chosen) {
-    if (chosen && !chosen->measured) return "none: no pixel of the first frames is valid";
-    const MeasuredDepth measured = chosen ? *chosen->measured : MeasuredDepth{};
-    const UnstatedFilters by = chosen ? chosen->chosen : UnstatedFilters{};
+    const bool known = chosen && chosen->measured;
+    const MeasuredDepth measured = known ? *chosen->measured : MeasuredDepth{};
+    const UnstatedFilters by = known ? chosen->chosen : UnstatedFilters{};
     const FilterSettings& filter = scene.filter;
     const double unit = scene.metres_per_unit;
     const std::string side = std::to_string(filter.median);
     FilterList list;
     list.add(filter.flying_pixels != DepthLength{}, by.flying_pixels, "flying pixels",
              share(measured.flying, "hang between surfaces"));
-    list.add(filter.fill_holes > 0, by.fill_holes, "hole filling", share(measured.specks, "are tiny holes"));
+    list.add(filter.fill_holes > 0, by.fill_holes, "hole filling",
+             share(measured.tiny_holes, "are tiny holes"));
     list.add(filter.median > 0, by.median, filter.median > 0 ? "median " + side + "x" + side : "median",
              "roughness " + mm(measured.roughness, unit));
-    list.add(filter.temporal, by.temporal, chosen ? temporal_name(scene, measured) : "temporal",
+    list.add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
              "noise " + noise_found(measured, unit));
     list.add(filter.terraces == TerraceRemoval::on, by.terraces, "terraces",
              "levels " + where_it_is(measured, unit));
-    return list.in_words();
+    return list.in_words() + (chosen && !known ? "; no pixel of the first frames is valid" : "");
 }
 
 std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit) {
@@ -102,7 +102,7 @@ std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit
     words += "; roughness from pixel to pixel " + mm(measured.roughness, metres_per_unit);
     if (measured.dropouts > 0) words += "; " + share(measured.dropouts, "drop out for a frame");
     if (measured.flying > 0) words += "; " + share(measured.flying, "hang between surfaces");
-    if (measured.specks > 0) words += "; " + share(measured.specks, "are tiny holes");
+    if (measured.tiny_holes > 0) words += "; " + share(measured.tiny_holes, "are tiny holes");
     return words;
 }
 

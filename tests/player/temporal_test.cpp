@@ -58,7 +58,9 @@ TEST_F(TemporalFilter, IsWhatTheSceneFileSaysUnlessToldOtherwise) {
     std::ofstream(file) << scene;
     EXPECT_EQ(hash({"--scene", file, "--temporal", "on"}), hash({"--temporal", "5"}));
     const Outcome info = run_touchable({"info", clip(), "--scene", file});
-    EXPECT_NE(info.out.find("temporal off"), std::string::npos) << info.out;
+    EXPECT_NE(info.out.find("filters      none (stated)"), std::string::npos) << info.out;
+    const Outcome on = run_touchable({"info", clip(), "--scene", file, "--temporal", "on"});
+    EXPECT_NE(on.out.find("temporal for 5 mm (stated)"), std::string::npos) << on.out;
 }
 
 TEST_F(TemporalFilter, OfALiveSessionReplaysToItsHash) {

@@ -86,6 +86,7 @@ TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
         {{"--filters", "terraces=1"}, "'terraces=1' will not do"},
         {{"--filters", "holes=0"}, "'holes=0' will not do"},
         {{"--filters", "holes=2.5"}, "'holes=2.5' will not do"},
+        {{"--filters", "median=5,terraces,median=3"}, "'median=3' will not do"},
         {{"--filters", "flying"}, "'flying' will not do"},
         {{"--filters", "flying=0"}, "'flying=0' will not do"},
         {{"--filters", "flying=-1"}, "filter.flying_pixels"},

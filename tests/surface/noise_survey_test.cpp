@@ -125,18 +125,47 @@ TEST(NoiseSurvey, OneOrTwoFramesHaveNone) {
     EXPECT_EQ(survey_of(noisy, 2).measured()->noise, DepthLength{});
 }
 
-TEST(NoiseSurvey, CountsDropoutsAndSpecks) {
+TEST(NoiseSurvey, CountsDropoutsAndTinyHoles) {
     const auto dropouts = survey_of([](int x, int y, int n, SplitMix64&) {
                               return n % 2 == 1 && x % 10 == 4 && y % 10 == 4 ? 0 : slope(x, y);
                           }).measured();
     EXPECT_NEAR(dropouts->dropouts, 0.005, 0.001) << "of 7 odd and 7 even frames in the middle";
-    EXPECT_NEAR(dropouts->specks, 0.005, 0.001);
+    EXPECT_NEAR(dropouts->tiny_holes, 0.005, 0.001);
     // A round hole that stays has neither.
     const auto hole = survey_of([](int x, int y, int, SplitMix64&) {
                           return std::hypot(x - 80.0, y - 60.0) < 21.5 ? 0 : slope(x, y);
                       }).measured();
     EXPECT_EQ(hole->dropouts, 0);
-    EXPECT_EQ(hole->specks, 0);
+    EXPECT_EQ(hole->tiny_holes, 0);
+}
+
+// Windows of codes that end beyond the largest one are of the codes that there are.
+TEST(NoiseSurvey, MeasuresEveryCodingUpToItsLastCode) {
+    for (const int code_max : {16, 100, 200, 3994, 4074, 65535})
+        for (const bool near_is_high : {false, true})
+            for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse}) {
+                Scene scene = camera_scene();
+                scene.depth.kind = kind;
+                scene.depth.near_is_high = near_is_high;
+                scene.depth.near = 500;
+                scene.depth.far = 8000;
+                scene.depth.code_max = static_cast<std::uint16_t>(code_max);
+                scene.depth.invalid_code_count = 0;
+                derive_valid_range(scene.depth);
+                DepthSurvey survey(scene);
+                SplitMix64 random(3);
+                for (int n = 0; n < 8; ++n) {
+                    std::vector<std::uint16_t> codes;
+                    for (int k = 0; k < survey_width * survey_height; ++k)
+                        codes.push_back(static_cast<std::uint16_t>((0.998 + 0.002 * random.unit()) * code_max));
+                    survey.add(
+                        store_plane(survey_width, survey_height, codes, {.bytes_per_sample = 2}).frame());
+                }
+                const auto measured = survey.measured();
+                ASSERT_TRUE(measured);
+                EXPECT_TRUE(std::isfinite(measured->noise_at_median()));
+                EXPECT_TRUE(code_max < 1000 || measured->roughness > 0) << code_max;
+            }
 }
 
 TEST(FilterChoice, OfANoisyCameraAllFilters) {
@@ -156,9 +185,10 @@ TEST(FilterChoice, OfANoisyCameraAllFilters) {
 }
 
 TEST(FilterChoice, LeavesWhatTheSceneStates) {
-    const auto measured = survey_of([](int x, int y, int, SplitMix64& random) {
-                              return 500 + 0.5 * x + 0.1 * y + 4 * normal(random);
+    const auto measured = survey_of([](int x, int y, int n, SplitMix64& random) {
+                              return (x * 7 + y * 13 + n) % 211 == 0 ? 0 : 500 + 0.5 * x + 4 * normal(random);
                           }).measured();
+    ASSERT_GT(measured->tiny_holes, MeasuredDepth::some_tiny_holes);
     Scene scene = camera_scene();
     scene.unstated = {.terraces = true};
     scene.filter.median = 3;
@@ -166,6 +196,44 @@ TEST(FilterChoice, LeavesWhatTheSceneStates) {
     EXPECT_EQ(scene.filter.median, 3);
     EXPECT_EQ(scene.filter.fill_holes, 0);
     EXPECT_FALSE(scene.filter.temporal);
+}
+
+// A table before a wall; where they meet every other pixel saw some of both.
+TEST(FilterChoice, PixelsThatHangBetweenSurfacesAreSeenAndPulledIn) {
+    const auto silhouette = [](bool mixed) {
+        return survey_of([=](int x, int y, int, SplitMix64& random) {
+                   const double noise = 2 * normal(random);
+                   if (x == 80 && mixed && y % 2 == 0) return 700 + 40 * random.unit() + noise;
+                   return (x < 80 ? 1000 : 500) + noise;
+               })
+            .measured();
+    };
+    EXPECT_LT(silhouette(false)->flying, 1e-4);
+    const auto measured = silhouette(true);
+    EXPECT_NEAR(measured->flying, 0.5 / (survey_width - 2), 0.0005);
+    Scene scene = camera_scene();
+    choose_filters(measured, scene);
+    EXPECT_NEAR(scene.filter.flying_pixels.at(measured->median), measured->median / 50, 0.1);
+    scene = camera_scene();
+    choose_filters(silhouette(false), scene);
+    EXPECT_EQ(scene.filter.flying_pixels, DepthLength{});
+}
+
+// Levels much farther apart than depth is noisy: the small median keeps edges.
+TEST(FilterChoice, TheMedianIsSmallWhereLevelsAreFarApart) {
+    const auto chosen = [](double q, double sigma) {
+        const auto measured = survey_of([=](int x, int y, int, SplitMix64& random) {
+                                  const double z = slope(x, y) + sigma * normal(random);
+                                  return 1 / (q * std::floor(1 / (q * z)));
+                              }).measured();
+        Scene scene = camera_scene();
+        choose_filters(measured, scene);
+        return scene.filter;
+    };
+    EXPECT_EQ(chosen(1e-5, 2).median, 3);
+    EXPECT_EQ(chosen(1e-5, 30).median, 5);
+    EXPECT_EQ(chosen(1e-5, 2).terraces, TerraceRemoval::on);
+    EXPECT_NEAR(chosen(1e-5, 2).levels.quadratic, 1e-5, 1e-6);
 }
 
 TEST(FilterChoice, OfNothingNothing) {
