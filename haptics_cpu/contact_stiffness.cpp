@@ -7,7 +7,7 @@
 namespace touchable {
 
 std::optional<double> ContactStiffness::carried(const Contact& contact) const {
-    if (!touching_ || !contact.carried_stiffness) return contact.carried_stiffness;
+    if (!limited_ || !contact.carried_stiffness) return contact.carried_stiffness;
     return std::min(*contact.carried_stiffness, stiffness_);
 }
 
@@ -42,7 +42,7 @@ double ContactStiffness::in_effect(const Contact& contact, const EnergyAccount& 
         stiffness_ = map;
     }
     from_hole_ = contact.touching && (contact.hole_share > 0 || (from_hole_ && stiffness_ < map));
-    touching_ = contact.touching && (rise_.limited() || from_hole_);
+    limited_ = contact.touching && (rise_.limited() || from_hole_);
     return stiffness_;
 }
 

@@ -49,8 +49,8 @@ void LevelSurvey::add(const CodePicture& picture) {
                 count.same_right += row[x] == row[x + 1];
             }
             if (above && above[x] != CodePicture::invalid) {
-                ++count.below;
-                count.same_below += row[x] == above[x];
+                ++count.above;
+                count.same_above += row[x] == above[x];
             }
         }
     }
@@ -96,15 +96,15 @@ std::optional<LevelSurvey::Window> LevelSurvey::window(int first, int end) const
         sum.pixels += count.pixels;
         sum.right += count.right;
         sum.same_right += count.same_right;
-        sum.below += count.below;
-        sum.same_below += count.same_below;
+        sum.above += count.above;
+        sum.same_above += count.same_above;
     }
     if (levels < 4) return std::nullopt;
     // So many pixels would meet half of the codes and more, were every code a level.
     const std::int64_t span = last - least_code;
     if (span * sum.pixels < 2 * levels * (span + sum.pixels)) return std::nullopt;
     // A slope that takes another code at every pixel of a row has gaps, but no terraces.
-    if (7 * sum.same_right < sum.right || 7 * sum.same_below < sum.below) return std::nullopt;
+    if (7 * sum.same_right < sum.right || 7 * sum.same_above < sum.above) return std::nullopt;
     const int middle = (least_code + last) / 2;
     const double gap = weighted_median(std::move(gaps));
     const auto at = [&](double code) { return coding_.depth(static_cast<std::uint16_t>(code)); };

@@ -25,9 +25,9 @@ public:
     DepthLength levels() const;
 
 private:
-    /// Of a code: how often it occurs, and how many of its right and lower neighbours are valid, or the same.
+    /// Of a code: how often it occurs, and how many of its right and upper neighbours are valid, or the same.
     struct CodeCount {
-        std::int64_t pixels = 0, right = 0, same_right = 0, below = 0, same_below = 0;
+        std::int64_t pixels = 0, right = 0, same_right = 0, above = 0, same_above = 0;
     };
     /// Codes from `first` to before `end`, among which levels are as far apart.
     struct Window {
