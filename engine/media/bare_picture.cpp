@@ -65,13 +65,14 @@ Error no_description(const std::filesystem::path& file) {
     const Image& image = stored->image;
     const auto middle = [](int side) { return std::to_string((side - 1) / 2) + (side % 2 == 0 ? ".5" : ""); };
     const std::string width = std::to_string(image.width), height = std::to_string(image.height);
-    const std::string example =
-        R"({"touchable_scene": 1, "width": )" + width + R"(, "height": )" + height +
-        R"(, "metres_per_unit": 1, "camera": {"fx": )" + width + R"(, "fy": )" + width + R"(, "cx": )" +
-        middle(image.width) + R"(, "cy": )" + middle(image.height) +
-        R"(}, "depth": {"coding": "metric", "scale": 0.001, "bits": )" +
-        std::to_string(8 * image.bytes_per_sample) + R"(, "invalid": [0]}, "hole_stiffness": 0.1, "folder": {"depth": )" +
-        in_quotes(file.filename().string()) + "}}";
+    const std::string example = R"({"touchable_scene": 1, "width": )" + width + R"(, "height": )" + height +
+                                R"(, "metres_per_unit": 1, "camera": {"fx": )" + width + R"(, "fy": )" +
+                                width + R"(, "cx": )" + middle(image.width) + R"(, "cy": )" +
+                                middle(image.height) +
+                                R"(}, "depth": {"coding": "metric", "scale": 0.001, "bits": )" +
+                                std::to_string(8 * image.bytes_per_sample) +
+                                R"(, "invalid": [0]}, "hole_stiffness": 0.1, "folder": {"depth": )" +
+                                in_quotes(file.filename().string()) + "}}";
     return input_error(
         file.string() +
         ": is a picture without a scene file: give --intrinsics FX,FY (focal lengths, pixels) and "

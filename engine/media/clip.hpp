@@ -39,6 +39,9 @@ public:
     virtual Result<std::optional<RawFrame>> next() = 0;
     /// Back to the first frame.
     virtual Result<void> rewind() = 0;
+    /// Nobody looks at colour: frames that are read from now on may come without it, where that saves
+    /// decoding. What is stored of it is still counted, timed and checked for damage.
+    virtual void leave_out_colour() {}
     /// Every file that this clip is read from: itself or each of its pictures, what lies beside it, its scene
     /// file. Nobody may write there.
     const std::vector<std::filesystem::path>& inputs() const { return inputs_; }

@@ -28,6 +28,7 @@ public:
     const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override;
+    void leave_out_colour() override { with_colour_ = false; }
 
 private:
     struct Track {
@@ -44,7 +45,10 @@ private:
     Result<void> open_tracks();
     Result<void> describe();
     Result<std::optional<Picture>> picture(Track& track);
-    Result<void> check_time(const Track& track, const Picture& picture);
+    bool is_left_out(const Track& track) const;
+    Result<bool> skip(Track& track);
+    Result<bool> read_plane(Track& track, RawFrame& frame);
+    Result<void> check_time(const Track& track, std::int64_t timestamp);
     Result<std::optional<RawFrame>> read();
     Result<void> check_end(const std::vector<std::string>& present,
                            const std::vector<std::string>& ended) const;
@@ -56,6 +60,7 @@ private:
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::int64_t promised_ = 0;
+    bool with_colour_ = true;
 
     // Where the reading is; `open_file` and `start` make it anew.
     std::unique_ptr<Demuxer> demuxer_;
@@ -206,16 +211,9 @@ Result<std::optional<RawFrame>> MatroskaReader::read() {
     frame.time_ns = scene_.rate.time_ns(number_);
     std::vector<std::string> present, ended;
     for (Track& track : tracks_) {
-        auto decoded = picture(track);
-        if (!decoded) return decoded.error();
-        const std::string& role = track.decoder.info().role;
-        (*decoded ? present : ended).push_back(role);
-        if (!*decoded) continue;
-        if (auto timely = check_time(track, **decoded); !timely) return timely.error();
-        const std::string where = file_ + ": track " + role + ", frame " + std::to_string(number_);
-        auto plane = fit_plane(track.decoder.role(), std::move((*decoded)->plane), scene_, where);
-        if (!plane) return plane.error();
-        add_plane(frame, track.decoder.role(), std::move(*plane));
+        const auto there = is_left_out(track) ? skip(track) : read_plane(track, frame);
+        if (!there) return there.error();
+        (*there ? present : ended).push_back(track.decoder.info().role);
     }
     if (!ended.empty()) {
         if (auto end = check_end(present, ended); !end) return end.error();
@@ -223,6 +221,37 @@ Result<std::optional<RawFrame>> MatroskaReader::read() {
     }
     ++number_;
     return std::optional(std::move(frame));
+}
+
+/// The first frame tells what a track holds, so that has all planes.
+bool MatroskaReader::is_left_out(const Track& track) const {
+    return !with_colour_ && number_ > 0 && track.decoder.role() == PlaneRole::colour &&
+           track.decoder.is_one_packet_each();
+}
+
+/// False after the last.
+Result<bool> MatroskaReader::skip(Track& track) {
+    const auto packet = demuxer_->next(track.stream);
+    if (!packet) return packet.error();
+    if (!packet->get()) return false;
+    if (auto skipped = track.decoder.skip(**packet); !skipped) return skipped.error();
+    if (auto timely = check_time(track, (*packet)->pts); !timely) return timely.error();
+    return true;
+}
+
+/// Likewise.
+Result<bool> MatroskaReader::read_plane(Track& track, RawFrame& frame) {
+    auto decoded = picture(track);
+    if (!decoded) return decoded.error();
+    if (!*decoded) return false;
+    if (auto timely = check_time(track, (*decoded)->timestamp); !timely) return timely.error();
+    const PlaneRole role = track.decoder.role();
+    const std::string where =
+        file_ + ": track " + track.decoder.info().role + ", frame " + std::to_string(number_);
+    auto plane = fit_plane(role, std::move((*decoded)->plane), scene_, where);
+    if (!plane) return plane.error();
+    add_plane(frame, role, std::move(*plane));
+    return true;
 }
 
 Result<std::optional<TrackDecoder::Picture>> MatroskaReader::picture(Track& track) {
@@ -236,15 +265,14 @@ Result<std::optional<TrackDecoder::Picture>> MatroskaReader::picture(Track& trac
 }
 
 /// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
-Result<void> MatroskaReader::check_time(const Track& track, const Picture& picture) {
+Result<void> MatroskaReader::check_time(const Track& track, std::int64_t timestamp) {
     const AVRational base = demuxer_->container().streams[track.stream]->time_base;
-    const double seconds = static_cast<double>(picture.timestamp) * base.num / base.den;
+    const double seconds = static_cast<double>(timestamp) * base.num / base.den;
     if (number_ == 0 && track.decoder.role() == PlaneRole::depth) origin_seconds_ = seconds;
     const double expected = static_cast<double>(number_) * static_cast<double>(recorded_rate_.den) /
                             static_cast<double>(recorded_rate_.num);
     constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
-    if (picture.timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding)
-        return {};
+    if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding) return {};
     return input_error(file_ + ": track " + track.decoder.info().role + ", frame " + std::to_string(number_) +
                        ": is missing, or not at its time: the picture found there is stamped " +
                        std::to_string(seconds - origin_seconds_) + " s instead of " +

@@ -65,10 +65,25 @@ std::string TrackDecoder::where() const {
     return file_ + ": track " + info_.role + ", frame " + std::to_string(received_);
 }
 
-Result<void> TrackDecoder::send(const AVPacket* packet) {
+Result<void> TrackDecoder::check_sound(const AVPacket& packet) const {
     const bool ffv1 = codec_->codec_id == AV_CODEC_ID_FFV1;
-    if (packet && ((packet->flags & AV_PKT_FLAG_CORRUPT) != 0 || (ffv1 && !ffv1_slices_intact(*packet))))
-        return input_error(where() + ": is damaged: its checksum is missing or wrong");
+    if ((packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && (!ffv1 || ffv1_slices_intact(packet))) return {};
+    return input_error(where() + ": is damaged: its checksum is missing or wrong");
+}
+
+bool TrackDecoder::is_one_packet_each() const {
+    return (codec_->codec->capabilities & AV_CODEC_CAP_DELAY) == 0;
+}
+
+Result<void> TrackDecoder::skip(const AVPacket& packet) {
+    if (auto sound = check_sound(packet); !sound) return sound;
+    ++received_;
+    return {};
+}
+
+Result<void> TrackDecoder::send(const AVPacket* packet) {
+    if (packet)
+        if (auto sound = check_sound(*packet); !sound) return sound;
     const int status = avcodec_send_packet(codec_.get(), packet);
     if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
     drained_ = packet == nullptr;

@@ -32,11 +32,16 @@ public:
 
     /// The next packet; null after the last. Only when `receive` had nothing.
     Result<void> send(const AVPacket* packet);
+    /// Whether the next picture is what the next packet holds, so that it can be left out.
+    bool is_one_packet_each() const;
+    /// Leaves out the picture of this packet, which must be sound.
+    Result<void> skip(const AVPacket& packet);
     /// The next picture; nothing while another packet is needed, or when all are out.
     Result<std::optional<Picture>> receive();
 
 private:
     TrackDecoder() = default;
+    Result<void> check_sound(const AVPacket& packet) const;
     Result<void> check_format(const AVFrame& frame);
     Result<Plane> plane(FramePtr frame) const;
 

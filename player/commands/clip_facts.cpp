@@ -50,7 +50,7 @@ bool ClipFacts::has_track(const std::string& role) const {
 }
 
 Result<ClipFacts> clip_facts(const ClipChoice& choice) {
-    auto clip = open_chosen(choice);
+    auto clip = open_chosen(choice, Colour::left_out);
     if (!clip.ok()) return clip.error();
     ClipFacts facts;
     facts.clip = choice.file.string();

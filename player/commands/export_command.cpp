@@ -148,7 +148,7 @@ Result<std::int64_t> export_frames(ClipReader& reader, Scene scene, const Export
 Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
         return checked;
-    auto clip = open_chosen(options.clip);
+    auto clip = open_chosen(options.clip, Colour::wanted);
     if (!clip.ok()) return clip.error();
     const auto& reader = clip->reader;
     Scene& scene = clip->scene;

@@ -53,9 +53,10 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open() const {
     return open_clip(file, scene_file, camera);
 }
 
-Result<OpenClip> open_chosen(const ClipChoice& choice) {
+Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour) {
     auto reader = choice.open();
     if (!reader.ok()) return reader.error();
+    if (colour == Colour::left_out) (*reader)->leave_out_colour();
     auto scene = applied(choice, (*reader)->scene());
     if (!scene.ok()) return scene.error();
     auto chosen = settle_filters(*reader, *scene);

@@ -44,7 +44,9 @@ struct OpenClip {
     Scene scene;                            ///< as the run applies it
     std::optional<ChosenFilters> chosen{};  ///< nothing: all filters were stated
 };
-/// The clip at its beginning. Refused (ErrorKind::usage) where what is wanted does not go with the clip.
-Result<OpenClip> open_chosen(const ClipChoice& choice);
+enum class Colour { wanted, left_out };
+/// The clip at its beginning; colour that nobody looks at is not decoded. Refused (ErrorKind::usage) where
+/// what is wanted does not go with the clip.
+Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour);
 
 }  // namespace touchable

@@ -25,6 +25,7 @@ public:
         given_ = 0;
         return reader_->rewind();
     }
+    void leave_out_colour() override { reader_->leave_out_colour(); }
 
 private:
     std::unique_ptr<ClipReader> reader_;

@@ -124,7 +124,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
 
     if (auto read = repeat_hand(*setup, options); !read.ok()) return read.error();
-    auto clip = open_chosen(options.clip);
+    auto clip = open_chosen(options.clip, Colour::left_out);
     if (!clip.ok()) return clip.error();
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
     if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();
@@ -159,6 +159,7 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const s
     }
     auto reader = setup.clip.open();
     if (!reader.ok()) return gone(reader.error(), setup, file, instead);
+    (*reader)->leave_out_colour();
     const Scene& stored = (*reader)->scene();
     if (stored.width != recorded.width || stored.height != recorded.height)
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +

@@ -21,8 +21,8 @@ struct TouchSetup {
     std::vector<std::string> notes;        ///< the reader's
     std::optional<ChosenFilters> filters;  ///< nothing: all were stated
     BuilderChoice builder;                 ///< not auto any more
-    std::string builder_why;               ///< why auto, or another than was asked for; empty: it was asked for by name
-    std::unique_ptr<RunGpu> gpu;           ///< of builder and picture
+    std::string builder_why;  ///< why auto, or another than was asked for; empty: it was asked for by name
+    std::unique_ptr<RunGpu> gpu;  ///< of builder and picture
     std::unique_ptr<SurfaceFeed> feed;
     std::string hand_words;  ///< as on the command line
     std::unique_ptr<Hand> hand;

@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& run) { return std::string(run.param.name); });
 
 /// Wiped over a recording without regard to where its depth is missing; holes have a stiffness of their own.
-TEST(TouchSoftHoles, EveryForceIsVerified) {
+TEST(TouchRealSoftHoles, EveryForceIsVerified) {
     const std::string clip = TOUCHABLE_TEST_DATA "/castel_sr300";
     const std::string file = TOUCHABLE_TEST_DATA "/haptics/epfl_wiping/circular_wiping_dataset_0.csv";
     TOUCHABLE_NEEDS_DATA(clip);

@@ -185,7 +185,7 @@ std::vector<FilterSettings> all_filters() {
     filters.push_back({3, 3, TerraceRemoval::on, 0.25, {20, 1e-5}});
     filters.push_back({.flying_pixels = {0, 2e-6}});
     filters.push_back({.median = 3, .fill_holes = 2, .flying_pixels = {3, 1e-6}});
-    filters.push_back({.median = 5, .terraces = TerraceRemoval::on, .flying_pixels = {0.5, 0}});
+    filters.push_back({.median = 3, .terraces = TerraceRemoval::on, .flying_pixels = {0.5, 0}});
     return filters;
 }
 
