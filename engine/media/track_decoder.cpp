@@ -1,5 +1,7 @@
 #include "engine/media/track_decoder.hpp"
 
+#include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "engine/media/codecs.hpp"
@@ -30,6 +32,14 @@ bool ffv1_slices_intact(const AVPacket& packet) {
     return packet.size > 0;
 }
 
+/// From this many pixels on a picture is worth waking threads for.
+constexpr std::int64_t pixels_for_threads = 100'000;
+
+int decoding_threads(const AVCodecParameters& stored) {
+    if (std::int64_t{stored.width} * stored.height < pixels_for_threads) return 1;
+    return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
+}
+
 std::string size_text(const AVFrame& frame) {
     return std::to_string(frame.width) + "x" + std::to_string(frame.height) + " " + format_name(frame);
 }
@@ -52,7 +62,9 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     track.codec_.reset(avcodec_alloc_context3(codec));
     if (!track.codec_) return Error{ErrorKind::internal, "out of memory"};
     int status = avcodec_parameters_to_context(track.codec_.get(), stream.codecpar);
-    track.codec_->thread_count = 1;
+    // Slices of a picture side by side; frames side by side would come late.
+    track.codec_->thread_type = FF_THREAD_SLICE;
+    track.codec_->thread_count = decoding_threads(*stream.codecpar);
     track.codec_->pkt_timebase = stream.time_base;
     track.codec_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
     track.codec_->max_pixels = std::int64_t{16384} * 16384;
