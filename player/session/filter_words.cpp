@@ -46,6 +46,7 @@ public:
         else if (is_chosen)
             off_.push_back("no " + name + reason);
     }
+    bool has_any() const { return !on_.empty(); }
     std::string in_words() const {
         if (on_.empty() && off_.empty()) return "none (stated)";
         if (on_.empty()) return "none: " + joined(off_);
@@ -85,6 +86,9 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
              "noise " + noise_found(measured, unit));
     list.add(filter.terraces == TerraceRemoval::on, by.terraces, "terraces",
              "levels " + where_it_is(measured, unit));
+    if (known && by == all_unstated && !list.has_any())
+        return "none needed (levels " + where_it_is(measured, unit) + ", noise " +
+               noise_found(measured, unit) + ", roughness " + mm(measured.roughness, unit) + ")";
     return list.in_words() + (chosen && !known ? "; no pixel of the first frames is valid" : "");
 }
 
