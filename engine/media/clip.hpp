@@ -39,6 +39,8 @@ public:
     virtual Result<std::optional<RawFrame>> next() = 0;
     /// Back to the first frame.
     virtual Result<void> rewind() = 0;
+    /// `next` gives this frame next, 0 to the clip's last. An error of kind usage beyond that.
+    virtual Result<void> seek(std::int64_t frame);
     /// Nobody looks at colour: frames that are read from now on may come without it, where that saves
     /// decoding. What is stored of it is still counted, timed and checked for damage.
     virtual void leave_out_colour() {}

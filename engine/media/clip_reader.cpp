@@ -82,6 +82,20 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
 
 }  // namespace
 
+/// The way that is right for every format: reading up to there.
+Result<void> ClipReader::seek(std::int64_t frame) {
+    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
+    if (auto back = rewind(); !back.ok()) return back;
+    for (std::int64_t number = 0; number < frame; ++number) {
+        const auto passed = next();
+        if (!passed.ok()) return passed.error();
+        if (!*passed)
+            return usage_error("the clip has no frame " + std::to_string(frame) + ": its last is " +
+                               std::to_string(number - 1));
+    }
+    return {};
+}
+
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,
                                               const std::optional<PictureCamera>& camera) {
