@@ -12,7 +12,7 @@ bool same_form(const PlaneView& a, const PlaneView& b) {
 
 bool same_samples(const PlaneView& a, const PlaneView& b) {
     if (!same_form(a, b)) return false;
-    if (a.empty()) return true;
+    if (a.empty() || (a.data == b.data && a.stride == b.stride)) return true;
     const auto row_bytes = static_cast<std::size_t>(a.width) * static_cast<std::size_t>(a.channels) *
                            static_cast<std::size_t>(a.bytes_per_sample);
     for (int y = 0; y < a.height; ++y)

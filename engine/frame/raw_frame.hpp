@@ -22,7 +22,7 @@ struct RawFrame {
 /// True where samples of both can be compared byte by byte, or neither plane is there.
 bool same_form(const PlaneView& a, const PlaneView& b);
 /// True where both planes have the same form and samples, or neither is there. Stops at the first row that
-/// differs.
+/// differs; planes at the same place are not compared.
 bool same_samples(const PlaneView& a, const PlaneView& b);
 
 /// True where depth, haptic and height planes, all that a surface is made of, have the same form and samples.

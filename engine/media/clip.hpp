@@ -15,13 +15,14 @@
 
 namespace touchable {
 
-inline constexpr int clip_format_version = 1;
+inline constexpr int clip_format_version = 2;
 
 struct TrackInfo {
-    std::string role;   ///< "depth", "colour", "haptic", "height"
-    std::string codec;  ///< as FFmpeg names it
-    std::string pixel_format;
+    std::string role;           ///< "depth", "colour", "haptic", "height"
+    std::string codec;          ///< as FFmpeg names it
+    std::string pixel_format;   ///< likewise, or how samples are split
     int width = 0, height = 0;  ///< as stored, before resampling to the depth plane's size
+    bool lossless = false;      ///< says who wrote it, though the codec need not be
 };
 
 /// Reads a touchable clip frame by frame. One thread at a time.
@@ -39,7 +40,8 @@ public:
     virtual Result<std::optional<RawFrame>> next() = 0;
     /// Back to the first frame.
     virtual Result<void> rewind() = 0;
-    /// `next` gives this frame next, 0 to the clip's last. An error of kind usage beyond that.
+    /// `next` gives this frame next: from 0 to the clip's last, or one further, the end. An error of kind
+    /// usage beyond that.
     virtual Result<void> seek(std::int64_t frame);
     /// Nobody looks at colour: frames that are read from now on may come without it, where that saves
     /// decoding. What is stored of it is still counted, timed and checked for damage.
@@ -70,8 +72,19 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
                                               const std::optional<PictureCamera>& camera = {});
 
-/// Writes a touchable clip: Matroska, one FFV1 track per plane tagged with its role, the scene attached as
-/// JSON.
+/// What a clip's tracks are to be good at (docs/codecs.md).
+enum class Archive {
+    fast,   ///< quick to decode
+    small,  ///< few bytes: for each plane the coding that takes fewer
+};
+
+/// How a clip's pictures are stored. Depth, haptic and height always keep every value.
+struct ClipStorage {
+    Archive archive = Archive::fast;
+    bool exact_colour = false;  ///< otherwise colour is as good as the eye can tell
+};
+
+/// Writes a touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON.
 class ClipWriter {
 public:
     virtual ~ClipWriter() = default;
@@ -82,6 +95,7 @@ public:
 };
 /// A size that no clip can hold is told by the first `write`, as an error of kind usage.
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
+                                                const ClipStorage& storage = {},
                                                 Existing existing = Existing::replace);
 
 }  // namespace touchable

@@ -19,6 +19,12 @@ std::optional<std::int64_t> parse_version(std::string_view text) {
     return version && *version >= 1 ? version : std::nullopt;
 }
 
+std::optional<int> parse_bits(std::string_view text) {
+    const auto bits = whole_number(text);
+    if (!bits || *bits < 9 || *bits > 16) return std::nullopt;
+    return static_cast<int>(*bits);
+}
+
 std::string rate_text(const FrameRate& rate) {
     return std::to_string(rate.num) + "/" + std::to_string(rate.den);
 }

@@ -9,15 +9,21 @@
 
 namespace touchable::clip_tags {
 
-// How a clip says what it is, in Matroska tags: T3D_VERSION and T3D_RATE of the file, T3D_ROLE of each track;
-// and the name under which the scene is attached.
+// How a clip says what it is, in Matroska tags: T3D_VERSION and T3D_RATE of the file; of each track T3D_ROLE,
+// T3D_LOSSLESS where it keeps every value, and T3D_BITS where samples of so many bits are stored as bytes,
+// the high ones in the upper half of the picture; and the name under which the scene is attached.
 inline constexpr const char* version_tag = "T3D_VERSION";
 inline constexpr const char* rate_tag = "T3D_RATE";
 inline constexpr const char* role_tag = "T3D_ROLE";
+inline constexpr const char* lossless_tag = "T3D_LOSSLESS";
+inline constexpr const char* bits_tag = "T3D_BITS";
 inline constexpr const char* scene_file = "scene.json";
 
 /// A version as its tag has it; nothing unless it is a whole number from 1.
 std::optional<std::int64_t> parse_version(std::string_view text);
+
+/// Bits of a sample that is stored in two bytes, as their tag has them; nothing unless 9 to 16.
+std::optional<int> parse_bits(std::string_view text);
 
 /// "30000/1001": exact, because Matroska rounds timestamps to milliseconds.
 std::string rate_text(const FrameRate& rate);

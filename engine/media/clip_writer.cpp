@@ -1,13 +1,15 @@
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/media/block_addition.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/ffmpeg.hpp"
-#include "engine/media/track_encoder.hpp"
+#include "engine/media/track_writer.hpp"
 #include "engine/new_file.hpp"
 #include "engine/scene/scene_file.hpp"
 
@@ -36,8 +38,9 @@ struct MuxerCloser {
 
 class MatroskaWriter final : public ClipWriter {
 public:
-    MatroskaWriter(const std::filesystem::path& path, Scene scene, Existing existing)
-        : scene_(std::move(scene)), output_(path, existing) {}
+    MatroskaWriter(const std::filesystem::path& path, Scene scene, const ClipStorage& storage,
+                   Existing existing)
+        : scene_(std::move(scene)), storage_(storage), output_(path, existing) {}
     Result<void> open();
     Result<void> write(const RawFrame& frame) override { return keep(write_frame(frame)); }
     Result<void> finish() override { return keep(complete()); }
@@ -50,8 +53,11 @@ private:
     Result<void> check_status(int status) const;
     Result<void> write_frame(const RawFrame& frame);
     Result<void> complete();
-    Result<void> begin(const RawFrame& first);
-    Result<void> add_track(PlaneRole role, const RawFrame& first);
+    Result<void> open_tracks(const RawFrame& first);
+    Result<void> begin_file();
+    Result<void> add_track(const TrackWriter& track);
+    Result<void> write_complete();
+    Result<void> write_picture(std::size_t track);
     Result<void> attach_scene();
     Result<void> check_frame(const RawFrame& frame) const;
     std::int64_t time_ms(std::int64_t frame) const {
@@ -59,12 +65,14 @@ private:
     }
 
     Scene scene_;
+    ClipStorage storage_;
     NewFile output_;
     std::unique_ptr<AVFormatContext, MuxerCloser> muxer_;
-    std::vector<TrackEncoder> tracks_;  // track k is stream k
+    std::vector<TrackWriter> tracks_;  // track k is stream k
     std::array<Shape, all_roles.size()> shapes_;
     std::int64_t frames_ = 0;
-    bool over_ = false;  // finished, or failed
+    bool begun_ = false;  // the file, once it is known how all tracks are coded
+    bool over_ = false;   // finished, or failed
 };
 
 /// What went wrong once is not written over.
@@ -130,57 +138,98 @@ Result<void> MatroskaWriter::attach_scene() {
     return {};
 }
 
-Result<void> MatroskaWriter::add_track(PlaneRole role, const RawFrame& first) {
-    auto track = TrackEncoder::open(role, plane_of(first, role), scene_);
-    if (!track) return track.error();
-    AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
-    if (!stream || avcodec_parameters_from_context(stream->codecpar, &track->codec()) < 0)
-        return refuse("out of memory");
-    stream->time_base = {1, 1000};
-    stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
-    const std::string name(role_name(role));
-    av_dict_set(&stream->metadata, clip_tags::role_tag, name.c_str(), 0);
-    av_dict_set(&stream->metadata, "title", name.c_str(), 0);
-    // Ordinary players show the track that is there to be seen.
-    const PlaneRole shown = first.colour.empty() ? PlaneRole::depth : PlaneRole::colour;
-    stream->disposition = role == shown ? AV_DISPOSITION_DEFAULT : 0;
-    tracks_.push_back(std::move(*track));
+Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
+    for (const PlaneRole role : all_roles) {
+        const PlaneView& plane = plane_of(first, role);
+        shapes_[static_cast<std::size_t>(role)] = shape_of(plane);
+        if (plane.empty()) continue;
+        auto track = TrackWriter::open(role, plane, scene_, storage_);
+        if (!track) return track.error();
+        tracks_.push_back(std::move(*track));
+    }
     return {};
 }
 
-Result<void> MatroskaWriter::begin(const RawFrame& first) {
-    for (const PlaneRole role : all_roles) {
-        shapes_[static_cast<std::size_t>(role)] = shape_of(plane_of(first, role));
-        if (plane_of(first, role).empty()) continue;
-        if (auto added = add_track(role, first); !added) return added;
-    }
+Result<void> MatroskaWriter::add_track(const TrackWriter& track) {
+    AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
+    if (!stream || avcodec_parameters_from_context(stream->codecpar, &track.encoder().codec()) < 0)
+        return refuse("out of memory");
+    stream->time_base = {1, 1000};
+    stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
+    const PlaneRole role = track.role();
+    const std::string name(role_name(role));
+    av_dict_set(&stream->metadata, clip_tags::role_tag, name.c_str(), 0);
+    av_dict_set(&stream->metadata, "title", name.c_str(), 0);
+    const Shape& shape = shapes_[static_cast<std::size_t>(role)];
+    if (track.encoder().coding() != TrackCoding::h264_visual)
+        av_dict_set(&stream->metadata, clip_tags::lossless_tag, "1", 0);
+    if (shape.bytes_per_sample == 2 && stream->codecpar->codec_id == AV_CODEC_ID_H264)
+        av_dict_set_int(&stream->metadata, clip_tags::bits_tag,
+                        role == PlaneRole::depth ? scene_.depth_bits : 16, 0);
+    // Ordinary players show the track that is there to be seen.
+    const bool has_colour = shapes_[static_cast<std::size_t>(PlaneRole::colour)] != Shape{};
+    const PlaneRole shown = has_colour ? PlaneRole::colour : PlaneRole::depth;
+    stream->disposition = role == shown ? AV_DISPOSITION_DEFAULT : 0;
+    return {};
+}
+
+Result<void> MatroskaWriter::begin_file() {
+    for (const TrackWriter& track : tracks_)
+        if (auto added = add_track(track); !added) return added;
     if (auto attached = attach_scene(); !attached) return attached;
     av_dict_set_int(&muxer_->metadata, clip_tags::version_tag, clip_format_version, 0);
     av_dict_set(&muxer_->metadata, clip_tags::rate_tag, clip_tags::rate_text(scene_.rate).c_str(), 0);
+    begun_ = true;
     return check_status(avformat_write_header(muxer_.get(), nullptr));
+}
+
+Result<void> MatroskaWriter::write_picture(std::size_t track) {
+    const StoredPicture picture = tracks_[track].take_oldest();
+    AVPacket* packet = picture.packet.get();
+    if (auto added = add_block_addition(*packet, tracks_[track].encoder().codec().codec_id, picture.frames);
+        !added)
+        return added;
+    packet->stream_index = static_cast<int>(track);
+    packet->pts = packet->dts = time_ms(picture.frame);
+    packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);
+    av_packet_rescale_ts(packet, {1, 1000}, muxer_->streams[track]->time_base);
+    return check_status(av_write_frame(muxer_.get(), packet));
+}
+
+/// Pictures in the order of their frames, and of a frame in the order of the tracks; up to one of which it is
+/// not known yet how long it stays.
+Result<void> MatroskaWriter::write_complete() {
+    const auto decided = [](const TrackWriter& track) { return track.decided(); };
+    if (!std::all_of(tracks_.begin(), tracks_.end(), decided)) return {};
+    if (!begun_)
+        if (auto begun = begin_file(); !begun) return begun;
+    while (true) {
+        std::size_t next = tracks_.size();
+        for (std::size_t k = 0; k < tracks_.size(); ++k) {
+            const StoredPicture* picture = tracks_[k].oldest();
+            if (picture && (next == tracks_.size() || picture->frame < tracks_[next].oldest()->frame))
+                next = k;
+        }
+        if (next == tracks_.size() || !tracks_[next].oldest_is_complete()) return {};
+        if (auto written = write_picture(next); !written) return written;
+    }
 }
 
 Result<void> MatroskaWriter::write_frame(const RawFrame& frame) {
     if (auto fits = check_frame(frame); !fits) return fits;
     if (frames_ == 0)
-        if (auto begun = begin(frame); !begun) return begun;
-    for (std::size_t k = 0; k < tracks_.size(); ++k) {
-        auto packet = tracks_[k].encode(plane_of(frame, tracks_[k].role()));
-        if (!packet) return packet.error();
-        (*packet)->stream_index = static_cast<int>(k);
-        (*packet)->pts = (*packet)->dts = time_ms(frames_);
-        (*packet)->duration = time_ms(frames_ + 1) - time_ms(frames_);
-        av_packet_rescale_ts(packet->get(), {1, 1000}, muxer_->streams[k]->time_base);
-        if (auto written = check_status(av_write_frame(muxer_.get(), packet->get())); !written)
-            return written;
-    }
+        if (auto opened = open_tracks(frame); !opened) return opened;
+    for (TrackWriter& track : tracks_)
+        if (auto added = track.add(plane_of(frame, track.role())); !added) return added;
     ++frames_;
-    return {};
+    return write_complete();
 }
 
 Result<void> MatroskaWriter::complete() {
     if (over_) return Error{ErrorKind::internal, "the clip is finished already, or has failed"};
     if (frames_ == 0) return refuse("not written: no frame was given");
+    for (TrackWriter& track : tracks_) track.end();
+    if (auto written = write_complete(); !written) return written;
     if (auto written = check_status(av_write_trailer(muxer_.get())); !written) return written;
     const int status = avio_closep(&muxer_->pb);
     if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
@@ -191,7 +240,7 @@ Result<void> MatroskaWriter::complete() {
 }  // namespace
 
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
-                                                Existing existing) {
+                                                const ClipStorage& storage, Existing existing) {
     silence_ffmpeg();
     if (auto valid = validate(scene); !valid)
         return input_error(path.string() + ": " + valid.error().message);
@@ -201,7 +250,7 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
         return input_error(path.string() + ": not written: the scene's rate is " +
                            clip_tags::rate_text(scene.rate) + " frames/s; a clip has at most " +
                            std::to_string(clip_tags::fastest_rate));
-    auto writer = std::make_unique<MatroskaWriter>(path, scene, existing);
+    auto writer = std::make_unique<MatroskaWriter>(path, scene, storage, existing);
     if (auto opened = writer->open(); !opened) return opened.error();
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }

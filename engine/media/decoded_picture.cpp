@@ -36,6 +36,23 @@ Image rgb_of_palette(const AVFrame& frame) {
     return image;
 }
 
+/// As H.264 has it; apart from the general way because it is quicker.
+Image rgb_of_planes(const AVFrame& frame) {
+    Image image = rgb_of_size(frame);
+    for (int y = 0; y < frame.height; ++y) {
+        const std::uint8_t* planes[3];
+        for (int c = 0; c < 3; ++c)
+            planes[c] = frame.data[c] + static_cast<std::ptrdiff_t>(frame.linesize[c]) * y;
+        std::uint8_t* to = row_of(image, y);
+        for (int x = 0; x < frame.width; ++x, to += 3) {
+            to[0] = planes[2][x];
+            to[1] = planes[0][x];
+            to[2] = planes[1][x];
+        }
+    }
+    return image;
+}
+
 std::optional<PlaneView> first_plane(const AVFrame& frame) {
     const AVPixFmtDescriptor& format = descriptor(frame);
     const AVComponentDescriptor& samples = format.comp[0];
@@ -81,8 +98,25 @@ std::optional<PlaneView> luma_samples(const AVFrame& frame) {
     return first_plane(frame);
 }
 
+Image joined_bytes(const PlaneView& bytes) {
+    const int height = bytes.height / 2;
+    const std::size_t row_bytes = static_cast<std::size_t>(bytes.width) * 2;
+    Image image{bytes.width, height, 2, 1, {}};
+    image.samples.resize(row_bytes * static_cast<std::size_t>(height));
+    for (int y = 0; y < height; ++y) {
+        const std::uint8_t *high = bytes.row(y), *low = bytes.row(y + height);
+        std::uint8_t* to = image.samples.data() + row_bytes * static_cast<std::size_t>(y);
+        for (int x = 0; x < bytes.width; ++x) {
+            const auto sample = static_cast<std::uint16_t>(high[x] << 8 | low[x]);
+            std::memcpy(to + 2 * x, &sample, 2);
+        }
+    }
+    return image;
+}
+
 Image rgb_exact(const AVFrame& frame) {
     if (frame.format == AV_PIX_FMT_PAL8) return rgb_of_palette(frame);
+    if (frame.format == AV_PIX_FMT_GBRP) return rgb_of_planes(frame);
     const AVPixFmtDescriptor& format = descriptor(frame);
     Image image = rgb_of_size(frame);
     for (int c = 0; c < 3; ++c) {

@@ -108,17 +108,31 @@ Result<bool> Demuxer::read_one() {
     return true;
 }
 
-Result<PacketPtr> Demuxer::next(int stream) {
+Result<const AVPacket*> Demuxer::peek(int stream) {
     auto& queue = queues_.at(stream);
     while (queue.empty()) {
         const auto more = read_one();
         if (!more) return more.error();
-        if (!*more) return PacketPtr{};
+        if (!*more) return nullptr;
     }
+    return queue.front().get();
+}
+
+Result<PacketPtr> Demuxer::next(int stream) {
+    const auto there = peek(stream);
+    if (!there) return there.error();
+    if (!*there) return PacketPtr{};
+    auto& queue = queues_.at(stream);
     PacketPtr packet = std::move(queue.front());
     queue.pop_front();
     queued_bytes_ -= static_cast<std::size_t>(packet->size);
     return packet;
+}
+
+bool Demuxer::seek(int stream, std::int64_t timestamp) {
+    for (auto& [number, queue] : queues_) queue.clear();
+    queued_bytes_ = 0;
+    return av_seek_frame(container_.get(), stream, timestamp, AVSEEK_FLAG_BACKWARD) >= 0;
 }
 
 }  // namespace touchable

@@ -30,6 +30,11 @@ public:
     void select(int stream) { queues_[stream]; }
     /// The next packet of a selected stream; null after the last.
     Result<PacketPtr> next(int stream);
+    /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
+    /// where the file offers no way there. What follows may be anything: whoever reads on checks the times.
+    bool seek(int stream, std::int64_t timestamp);
+    /// The packet that `next` gives; null at the end.
+    Result<const AVPacket*> peek(int stream);
 
 private:
     struct Closer {

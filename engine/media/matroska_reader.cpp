@@ -8,7 +8,7 @@
 #include "engine/media/codecs.hpp"
 #include "engine/media/demuxer.hpp"
 #include "engine/media/far_plane.hpp"
-#include "engine/media/track_decoder.hpp"
+#include "engine/media/track_thread.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
 
@@ -28,14 +28,15 @@ public:
     const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override;
+    Result<void> seek(std::int64_t frame) override;
     void leave_out_colour() override { with_colour_ = false; }
 
 private:
     struct Track {
-        int stream = 0;
-        TrackDecoder decoder;
+        std::unique_ptr<TrackThread> pictures;
+        Plane newest{};
+        std::int64_t until = 0;  // the frame that needs another picture
     };
-    using Picture = TrackDecoder::Picture;
 
     Error refuse(const std::string& what) const { return input_error(file_ + ": " + what); }
     Result<void> open_file();
@@ -44,11 +45,11 @@ private:
     Result<void> read_scene(const std::optional<Scene>& replacement);
     Result<void> open_tracks();
     Result<void> describe();
-    Result<std::optional<Picture>> picture(Track& track);
-    bool is_left_out(const Track& track) const;
-    Result<bool> skip(Track& track);
+    Result<bool> begin_at(std::int64_t frame);
+    std::optional<std::int64_t> frame_of(int stream, std::int64_t timestamp) const;
+    std::int64_t timestamp_of(int stream, std::int64_t frame) const;
     Result<bool> read_plane(Track& track, RawFrame& frame);
-    Result<void> check_time(const Track& track, std::int64_t timestamp);
+    Result<void> check_time(const TrackThread& track, std::int64_t timestamp);
     Result<std::optional<RawFrame>> read();
     Result<void> check_end(const std::vector<std::string>& present,
                            const std::vector<std::string>& ended) const;
@@ -78,10 +79,50 @@ Result<void> MatroskaReader::open(const std::optional<Scene>& replacement) {
     return describe();
 }
 
-/// From the first byte again: a seek would trust the file's index.
 Result<void> MatroskaReader::rewind() {
-    if (auto opened = open_file(); !opened) return opened;
-    return start();
+    return seek(0);
+}
+
+/// By the file's index, or where that leads nowhere by reading on from the first byte.
+Result<void> MatroskaReader::seek(std::int64_t frame) {
+    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
+    first_.reset();
+    const auto begun = begin_at(frame);
+    if (!begun) return begun.error();
+    if (!*begun) {
+        if (auto opened = open_file(); !opened) return opened;
+        if (auto started = start(); !started) return started;
+    }
+    while (number_ < frame) {
+        const auto passed = next();
+        if (!passed) return passed.error();
+        if (!*passed)
+            return usage_error(file_ + ": has no frame " + std::to_string(frame) + ": its last is " +
+                               std::to_string(number_ - 1));
+    }
+    return {};
+}
+
+/// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
+/// false where the index leads to no such frame.
+Result<bool> MatroskaReader::begin_at(std::int64_t frame) {
+    const int depth = tracks_.front().pictures->stream();
+    if (!demuxer_->seek(depth, timestamp_of(depth, frame))) return false;
+    std::optional<std::int64_t> there;
+    for (const Track& track : tracks_) {
+        const int stream = track.pictures->stream();
+        const auto packet = demuxer_->peek(stream);
+        if (!packet || !*packet || ((*packet)->flags & AV_PKT_FLAG_KEY) == 0) return false;
+        const auto begins = frame_of(stream, (*packet)->pts);
+        if (!begins || (there && *there != *begins) || *begins > frame) return false;
+        there = begins;
+    }
+    number_ = *there;
+    for (Track& track : tracks_) {
+        track.pictures->restart(number_);
+        track.until = number_;
+    }
+    return true;
 }
 
 Result<void> MatroskaReader::open_file() {
@@ -153,12 +194,15 @@ Result<void> MatroskaReader::open_tracks() {
                 return refuse(number + " has the role " + in_quotes(tag->value) +
                               ": must be depth, colour, haptic or height");
             if (*tagged != role) continue;
-            if (!tracks_.empty() && tracks_.back().decoder.role() == role)
+            if (!tracks_.empty() && tracks_.back().pictures->role() == role)
                 return refuse(number + " is a second track of role " + tag->value + ": must be one");
             auto decoder = TrackDecoder::open(stream, role, file_);
             if (!decoder) return decoder.error();
             demuxer_->select(static_cast<int>(k));
-            tracks_.push_back({static_cast<int>(k), std::move(*decoder)});
+            const auto fit = [this, role](Plane plane, const std::string& where) {
+                return fit_plane(role, std::move(plane), scene_, where);
+            };
+            tracks_.push_back({std::make_unique<TrackThread>(std::move(*decoder), static_cast<int>(k), fit)});
         }
         if (tracks_.empty()) return refuse("has no track of role depth (tag T3D_ROLE)");
     }
@@ -176,11 +220,12 @@ Result<void> MatroskaReader::describe() {
                              static_cast<double>(recorded_rate_.den));
     bool has_haptic = false;
     for (const Track& track : tracks_) {
-        const TrackInfo& info = infos_.emplace_back(track.decoder.info());
-        const PlaneRole role = track.decoder.role();
+        const TrackInfo& info = infos_.emplace_back(track.pictures->info());
+        const PlaneRole role = track.pictures->role();
         has_haptic = has_haptic || role == PlaneRole::haptic;
         if (info.width != scene_.width || info.height != scene_.height)
             notes_.push_back(resampling_note(role, info.width, info.height, scene_));
+        if (info.lossless) continue;
         if (auto note = lossy_note(role, info.codec)) notes_.push_back(std::move(*note));
     }
     if (auto note = no_depth_note(*first_, scene_.depth)) notes_.push_back(std::move(*note));
@@ -209,11 +254,17 @@ Result<std::optional<RawFrame>> MatroskaReader::read() {
     RawFrame frame;
     frame.number = number_;
     frame.time_ns = scene_.rate.time_ns(number_);
+    for (Track& track : tracks_) {
+        // The first frame tells what a track holds, so that has all planes.
+        if (!with_colour_ && number_ > 0 && track.pictures->role() == PlaneRole::colour)
+            track.pictures->leave_out();
+        track.pictures->fill(*demuxer_);
+    }
     std::vector<std::string> present, ended;
     for (Track& track : tracks_) {
-        const auto there = is_left_out(track) ? skip(track) : read_plane(track, frame);
+        const auto there = read_plane(track, frame);
         if (!there) return there.error();
-        (*there ? present : ended).push_back(track.decoder.info().role);
+        (*there ? present : ended).push_back(track.pictures->info().role);
     }
     if (!ended.empty()) {
         if (auto end = check_end(present, ended); !end) return end.error();
@@ -223,57 +274,46 @@ Result<std::optional<RawFrame>> MatroskaReader::read() {
     return std::optional(std::move(frame));
 }
 
-/// The first frame tells what a track holds, so that has all planes.
-bool MatroskaReader::is_left_out(const Track& track) const {
-    return !with_colour_ && number_ > 0 && track.decoder.role() == PlaneRole::colour &&
-           track.decoder.is_one_packet_each();
-}
-
 /// False after the last.
-Result<bool> MatroskaReader::skip(Track& track) {
-    const auto packet = demuxer_->next(track.stream);
-    if (!packet) return packet.error();
-    if (!packet->get()) return false;
-    if (auto skipped = track.decoder.skip(**packet); !skipped) return skipped.error();
-    if (auto timely = check_time(track, (*packet)->pts); !timely) return timely.error();
-    return true;
-}
-
-/// Likewise.
 Result<bool> MatroskaReader::read_plane(Track& track, RawFrame& frame) {
-    auto decoded = picture(track);
-    if (!decoded) return decoded.error();
-    if (!*decoded) return false;
-    if (auto timely = check_time(track, (*decoded)->timestamp); !timely) return timely.error();
-    const PlaneRole role = track.decoder.role();
-    const std::string where =
-        file_ + ": track " + track.decoder.info().role + ", frame " + std::to_string(number_);
-    auto plane = fit_plane(role, std::move((*decoded)->plane), scene_, where);
-    if (!plane) return plane.error();
-    add_plane(frame, role, std::move(*plane));
+    if (number_ >= track.until) {
+        auto picture = track.pictures->next(*demuxer_);
+        if (!picture) return picture.error();
+        if (!*picture) return false;
+        if (auto timely = check_time(*track.pictures, (*picture)->timestamp); !timely) return timely.error();
+        track.newest = std::move((*picture)->plane);
+        track.until = number_ + (*picture)->frames;
+    }
+    if (!track.newest.view.empty()) add_plane(frame, track.pictures->role(), track.newest);
     return true;
 }
 
-Result<std::optional<TrackDecoder::Picture>> MatroskaReader::picture(Track& track) {
-    while (true) {
-        auto decoded = track.decoder.receive();
-        if (!decoded || *decoded || track.decoder.drained()) return decoded;
-        const auto packet = demuxer_->next(track.stream);
-        if (!packet) return packet.error();
-        if (auto sent = track.decoder.send(packet->get()); !sent) return sent.error();
-    }
+// Frames are at their numbers' times, to whole milliseconds; frame 0 is at the origin.
+std::optional<std::int64_t> MatroskaReader::frame_of(int stream, std::int64_t timestamp) const {
+    if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
+    const double seconds =
+        static_cast<double>(timestamp) * av_q2d(demuxer_->container().streams[stream]->time_base);
+    return std::llround((seconds - origin_seconds_) * static_cast<double>(recorded_rate_.num) /
+                        static_cast<double>(recorded_rate_.den));
+}
+
+std::int64_t MatroskaReader::timestamp_of(int stream, std::int64_t frame) const {
+    const double seconds = origin_seconds_ + static_cast<double>(frame) *
+                                                 static_cast<double>(recorded_rate_.den) /
+                                                 static_cast<double>(recorded_rate_.num);
+    return std::llround(seconds / av_q2d(demuxer_->container().streams[stream]->time_base));
 }
 
 /// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
-Result<void> MatroskaReader::check_time(const Track& track, std::int64_t timestamp) {
-    const AVRational base = demuxer_->container().streams[track.stream]->time_base;
-    const double seconds = static_cast<double>(timestamp) * base.num / base.den;
-    if (number_ == 0 && track.decoder.role() == PlaneRole::depth) origin_seconds_ = seconds;
+Result<void> MatroskaReader::check_time(const TrackThread& track, std::int64_t timestamp) {
+    const double seconds =
+        static_cast<double>(timestamp) * av_q2d(demuxer_->container().streams[track.stream()]->time_base);
+    if (number_ == 0 && track.role() == PlaneRole::depth) origin_seconds_ = seconds;
     const double expected = static_cast<double>(number_) * static_cast<double>(recorded_rate_.den) /
                             static_cast<double>(recorded_rate_.num);
     constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
     if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding) return {};
-    return input_error(file_ + ": track " + track.decoder.info().role + ", frame " + std::to_string(number_) +
+    return input_error(track.name() + ", frame " + std::to_string(number_) +
                        ": is missing, or not at its time: the picture found there is stamped " +
                        std::to_string(seconds - origin_seconds_) + " s instead of " +
                        std::to_string(expected) + " s");

@@ -4,8 +4,11 @@
 #include <thread>
 #include <utility>
 
+#include "engine/media/block_addition.hpp"
+#include "engine/media/clip_tags.hpp"
 #include "engine/media/codecs.hpp"
 #include "engine/media/decoded_picture.hpp"
+#include "engine/printable.hpp"
 
 extern "C" {
 #include <libavutil/crc.h>
@@ -70,32 +73,63 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     track.codec_->max_pixels = std::int64_t{16384} * 16384;
     if (status >= 0) status = avcodec_open2(track.codec_.get(), codec, nullptr);
     if (status < 0) return input_error(where + ": its header is damaged: " + ffmpeg_text(status));
+    if (auto read = track.read_tags(stream); !read) return read.error();
     return track;
 }
 
-std::string TrackDecoder::where() const {
-    return file_ + ": track " + info_.role + ", frame " + std::to_string(received_);
+Result<void> TrackDecoder::read_tags(const AVStream& stream) {
+    says_lossless_ = av_dict_get(stream.metadata, clip_tags::lossless_tag, nullptr, 0) != nullptr;
+    const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::bits_tag, nullptr, 0);
+    if (!tag) return {};
+    const auto bits = clip_tags::parse_bits(tag->value);
+    if (!bits)
+        return input_error(file_ + ": track " + info_.role + ": its tag T3D_BITS is " +
+                           in_quotes(tag->value) + ": must be a whole number from 9 to 16");
+    split_bits_ = *bits;
+    return {};
 }
 
-Result<void> TrackDecoder::check_sound(const AVPacket& packet) const {
-    const bool ffv1 = codec_->codec_id == AV_CODEC_ID_FFV1;
-    if ((packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && (!ffv1 || ffv1_slices_intact(packet))) return {};
+std::string TrackDecoder::where() const {
+    return name() + ", frame " + std::to_string(received_);
+}
+
+/// For how many frames the picture of this packet stays, if the packet is sound.
+Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
+    const auto addition = block_addition_of(packet);
+    if (!has_additions_) has_additions_ = addition.has_value();
+    // Other programs keep the tag of a track that they encode anew, but not what belonged to its packets.
+    info_.lossless = says_lossless_ && *has_additions_;
+    bool sound = (packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && addition.has_value() == *has_additions_;
+    if (addition) sound = sound && addition->sound;
+    if (!addition && codec_->codec_id == AV_CODEC_ID_FFV1) sound = sound && ffv1_slices_intact(packet);
+    if (sound) return addition ? addition->frames : 1;
     return input_error(where() + ": is damaged: its checksum is missing or wrong");
 }
 
 bool TrackDecoder::is_one_packet_each() const {
-    return (codec_->codec->capabilities & AV_CODEC_CAP_DELAY) == 0;
+    return has_additions_.value_or(false) || (codec_->codec->capabilities & AV_CODEC_CAP_DELAY) == 0;
 }
 
-Result<void> TrackDecoder::skip(const AVPacket& packet) {
-    if (auto sound = check_sound(packet); !sound) return sound;
-    ++received_;
-    return {};
+Result<TrackDecoder::Picture> TrackDecoder::skip(const AVPacket& packet) {
+    const auto frames = frames_of(packet);
+    if (!frames) return frames.error();
+    received_ += *frames;
+    return Picture{received_ - *frames, *frames, packet.pts, {}};
+}
+
+void TrackDecoder::restart(std::int64_t number) {
+    avcodec_flush_buffers(codec_.get());
+    frames_.clear();
+    received_ = number;
+    drained_ = false;
 }
 
 Result<void> TrackDecoder::send(const AVPacket* packet) {
-    if (packet)
-        if (auto sound = check_sound(*packet); !sound) return sound;
+    if (packet) {
+        const auto frames = frames_of(*packet);
+        if (!frames) return frames.error();
+        frames_.push_back(*frames);
+    }
     const int status = avcodec_send_packet(codec_.get(), packet);
     if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
     drained_ = packet == nullptr;
@@ -114,26 +148,43 @@ Result<std::optional<TrackDecoder::Picture>> TrackDecoder::receive() {
     const std::int64_t timestamp = frame->best_effort_timestamp;
     auto decoded = plane(std::move(frame));
     if (!decoded) return decoded.error();
-    return std::optional(Picture{received_++, timestamp, std::move(*decoded)});
+    std::int64_t frames = 1;
+    if (!frames_.empty()) {
+        frames = frames_.front();
+        frames_.pop_front();
+    }
+    received_ += frames;
+    return std::optional(Picture{received_ - frames, frames, timestamp, std::move(*decoded)});
 }
 
 Result<void> TrackDecoder::check_format(const AVFrame& frame) {
-    if (received_ == 0) {
+    if (format_.empty()) {
+        format_ = format_name(frame);
         info_.width = frame.width;
-        info_.height = frame.height;
-        info_.pixel_format = format_name(frame);
+        info_.height = split_bits_ == 0 ? frame.height : frame.height / 2;
+        info_.pixel_format = split_bits_ == 0 ? format_ : std::to_string(split_bits_) + " bits in two halves";
+        coded_height_ = frame.height;
     }
-    if (frame.width == info_.width && frame.height == info_.height &&
-        format_name(frame) == info_.pixel_format)
+    if (frame.width == info_.width && frame.height == coded_height_ && format_name(frame) == format_)
         return {};
     return input_error(where() + ": is " + size_text(frame) + ", but the track began as " +
-                       std::to_string(info_.width) + "x" + std::to_string(info_.height) + " " +
-                       info_.pixel_format);
+                       std::to_string(info_.width) + "x" + std::to_string(coded_height_) + " " + format_);
+}
+
+/// Of bytes, the high ones above the low ones.
+Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
+    const auto bytes = luma_samples(frame);
+    if (!bytes || bytes->bytes_per_sample != 1 || frame.height % 2 != 0)
+        return input_error(where() + ": is " + size_text(frame) + "; with the tag T3D_BITS, " + info_.role +
+                           " is grey of 8 bits, the high bytes above the low ones");
+    return plane_from(joined_bytes(*bytes), split_bits_);
 }
 
 Result<Plane> TrackDecoder::plane(FramePtr frame) const {
+    const bool one_channel = role_ == PlaneRole::depth || role_ == PlaneRole::height;
+    if (one_channel && split_bits_ > 0) return joined(*frame);
     if (role_ == PlaneRole::depth && is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
-    if (role_ == PlaneRole::depth || role_ == PlaneRole::height) {
+    if (one_channel) {
         const int bits = sample_bits(*frame);
         const auto samples = luma_samples(*frame);
         if (!samples)

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <optional>
 #include <string>
 
 #include "engine/media/clip.hpp"
@@ -14,9 +16,10 @@ namespace touchable {
 class TrackDecoder {
 public:
     struct Picture {
-        std::int64_t number = 0;     ///< from 0
+        std::int64_t number = 0;     ///< of the first frame that shows it, from 0
+        std::int64_t frames = 1;     ///< that show it
         std::int64_t timestamp = 0;  ///< in the stream's time base
-        Plane plane;                 ///< as stored; colour as 8-bit RGB or as grey, haptic as 8-bit RGB
+        Plane plane;  ///< as stored; colour as 8-bit RGB or as grey, haptic as 8-bit RGB; none if left out
     };
 
     /// `file` names the clip in messages.
@@ -25,8 +28,11 @@ public:
     /// Codec, and once the first picture is out, its size and format.
     const TrackInfo& info() const { return info_; }
     PlaneRole role() const { return role_; }
+    std::int64_t pixels() const { return std::int64_t{codec_->width} * codec_->height; }
     /// No packet is needed any more.
     bool drained() const { return drained_; }
+    /// "clip.mkv: track depth".
+    std::string name() const { return file_ + ": track " + info_.role; }
     /// "clip.mkv: track depth, frame 7", for the picture that comes next.
     std::string where() const;
 
@@ -34,22 +40,33 @@ public:
     Result<void> send(const AVPacket* packet);
     /// Whether the next picture is what the next packet holds, so that it can be left out.
     bool is_one_packet_each() const;
-    /// Leaves out the picture of this packet, which must be sound.
-    Result<void> skip(const AVPacket& packet);
+    /// The picture of this packet, which must be sound, without its plane. None after it is decoded, but
+    /// where `restart` says so.
+    Result<Picture> skip(const AVPacket& packet);
+    /// The next packet holds this frame, and decoding can begin there.
+    void restart(std::int64_t number);
     /// The next picture; nothing while another packet is needed, or when all are out.
     Result<std::optional<Picture>> receive();
 
 private:
     TrackDecoder() = default;
-    Result<void> check_sound(const AVPacket& packet) const;
+    Result<void> read_tags(const AVStream& stream);
+    Result<std::int64_t> frames_of(const AVPacket& packet);
     Result<void> check_format(const AVFrame& frame);
     Result<Plane> plane(FramePtr frame) const;
+    Result<Plane> joined(const AVFrame& frame) const;
 
     PlaneRole role_ = PlaneRole::depth;
     std::string file_;
     TrackInfo info_;
     CodecPtr codec_;
-    std::int64_t received_ = 0;
+    bool says_lossless_ = false;
+    int split_bits_ = 0;                 // of samples stored as two bytes apart; 0: they are not
+    std::optional<bool> has_additions_;  // all packets or none, as the first has them
+    std::deque<std::int64_t> frames_;    // that the pictures of packets sent, not received, stay
+    std::string format_;                 // of the pictures, FFmpeg's name
+    int coded_height_ = 0;
+    std::int64_t received_ = 0;  // frames
     bool drained_ = false;
 };
 

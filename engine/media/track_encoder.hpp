@@ -1,30 +1,41 @@
 #pragma once
 
-#include <cstdint>
-
+#include "engine/media/clip.hpp"
 #include "engine/media/ffmpeg.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
 
-/// Encodes one track of a clip without loss: FFV1, every frame on its own, every slice with a checksum.
+/// How a track is encoded. All but the last keep every sample (docs/codecs.md).
+enum class TrackCoding {
+    ffv1,          ///< every picture on its own: smallest where they are noisy, slow
+    h264_quick,    ///< predicted from the picture before; quickest to encode and decode
+    h264_thrifty,  ///< likewise, smaller
+    h264_visual,   ///< as good as the eye can tell; colour only
+};
+
+/// Encodes one track of a clip, a packet for each picture.
 class TrackEncoder {
 public:
-    /// `first`: a plane as all will be (size, sample size).
-    static Result<TrackEncoder> open(PlaneRole role, const PlaneView& first, const Scene& scene);
+    /// `first`: a plane as all will be (size, sample size). An error of kind usage where this coding has no
+    /// pictures of its size.
+    static Result<TrackEncoder> open(PlaneRole role, TrackCoding coding, const PlaneView& first,
+                                     const Scene& scene);
 
-    PlaneRole role() const { return role_; }
+    TrackCoding coding() const { return coding_; }
     const AVCodecContext& codec() const { return *codec_; }
-    /// The packet of a plane like the first; without a time.
-    Result<PacketPtr> encode(const PlaneView& plane);
+    /// The packet of a plane like the first; without a time. Where `on_its_own`, decoding can begin with it.
+    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own);
 
 private:
     TrackEncoder() = default;
 
     PlaneRole role_ = PlaneRole::depth;
+    TrackCoding coding_ = TrackCoding::ffv1;
     CodecPtr codec_;
-    FramePtr frame_;
+    FramePtr picture_;
+    ScalerPtr scaler_;  // of h264_visual
 };
 
 }  // namespace touchable

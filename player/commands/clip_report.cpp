@@ -104,6 +104,7 @@ Json tracks_json(const std::vector<TrackInfo>& tracks) {
     for (const TrackInfo& track : tracks)
         out.push_back({{"role", track.role},
                        {"codec", track.codec},
+                       {"lossless", track.lossless},
                        {"pixel_format", track.pixel_format},
                        {"width", track.width},
                        {"height", track.height}});
@@ -191,8 +192,9 @@ void tell_picture(const ClipFacts& facts, Lines& lines) {
     if (facts.frames) out << ", " << static_cast<double>(*facts.frames) / rate << " s";
     out << '\n';
     for (const TrackInfo& track : facts.tracks)
-        lines.line("track") << track.role << ": " << track.codec << ", " << track.pixel_format << ", "
-                            << track.width << "x" << track.height << '\n';
+        lines.line("track") << track.role << ": " << track.codec << (track.lossless ? " without loss" : "")
+                            << ", " << track.pixel_format << ", " << track.width << "x" << track.height
+                            << '\n';
     const Camera& camera = scene.camera;
     lines.line("camera") << "fx " << camera.fx << ", fy " << camera.fy << ", cx " << camera.cx << ", cy "
                          << camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "

@@ -108,6 +108,9 @@ FfmpegFacts ffmpeg_facts() {
              {"matroska writer", av_guess_format("matroska", nullptr, nullptr) != nullptr},
              {"ffv1 decoder", avcodec_find_decoder(AV_CODEC_ID_FFV1) != nullptr},
              {"ffv1 encoder", avcodec_find_encoder(AV_CODEC_ID_FFV1) != nullptr},
+             {"h264 decoder", avcodec_find_decoder(AV_CODEC_ID_H264) != nullptr},
+             {"libx264 encoder", avcodec_find_encoder_by_name("libx264") != nullptr},
+             {"libx264rgb encoder", avcodec_find_encoder_by_name("libx264rgb") != nullptr},
              {"png decoder", avcodec_find_decoder(AV_CODEC_ID_PNG) != nullptr},
              {"png encoder", avcodec_find_encoder(AV_CODEC_ID_PNG) != nullptr},
              {"jpeg decoder", avcodec_find_decoder(AV_CODEC_ID_MJPEG) != nullptr}}};

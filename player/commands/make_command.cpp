@@ -24,7 +24,7 @@ constexpr std::int64_t most_frames = 1'000'000;
 /// Options as typed; what was not typed stays with the scene's own default.
 struct MakeWords {
     MakeOptions options;
-    std::string size, preset, frames = "90", seed = "1";
+    std::string size, preset, frames = "90", seed = "1", archive = "fast";
     bool properties = false, plain = false;
     const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
                       *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
@@ -71,12 +71,20 @@ Result<void> refuse_idle_options(const MakeWords& words) {
          {only(typed(words.preset_typed), "--preset", globe, "globe"),
           only(words.properties, "--properties", globe, "globe"),
           only(words.plain, "--plain", globe, "globe"),
+          only(words.options.storage.exact_colour, "--exact-colour", globe && !words.plain,
+               "the planet of globe"),
           only(typed(words.tilt_typed), "--tilt", plane, "plane"),
           only(typed(words.tilt_direction_typed), "--tilt-direction", plane, "plane"),
           only(typed(words.seed_typed), "--seed", random || (globe && !words.plain),
                "noise, cliffs, grain and the planet of globe")})
         if (!checked.ok()) return checked;
     return {};
+}
+
+Result<Archive> read_archive(const std::string& text) {
+    if (text == "fast") return Archive::fast;
+    if (text == "small") return Archive::small;
+    return usage_error("--archive '" + text + "' is not known; there are fast and small");
 }
 
 Result<MakeOptions> read_words(const MakeWords& words) {
@@ -96,6 +104,9 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     const auto frames = read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames);
     if (!frames.ok()) return frames.error();
     options.frames = *frames;
+    const auto archive = read_archive(words.archive);
+    if (!archive.ok()) return archive.error();
+    options.storage.archive = *archive;
     const auto seed =
         read_whole_number<std::uint64_t>("--seed", words.seed, 0, std::numeric_limits<std::uint64_t>::max());
     if (!seed.ok()) return seed.error();
@@ -121,7 +132,7 @@ Result<void> run_make(const MakeOptions& options) {
     const AnalyticScene& source = **scene;
     Scene described = source.scene();
     described.unstated = all_unstated;  // what its frames ask for
-    auto writer = create_clip(options.out, described, options.existing);
+    auto writer = create_clip(options.out, described, options.storage, options.existing);
     if (!writer.ok()) return writer.error();
 
     Progress progress("making frame", options.frames);
@@ -144,6 +155,13 @@ void add_make_command(CLI::App& app, Command& command) {
                                          "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
     make->add_option("--frames", words->frames, "how many, at 30/s")->capture_default_str();
     add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16")->capture_default_str();
+    make->add_option(
+            "--archive", words->archive,
+            "fast: decodes quickest; small: fewest bytes. Both keep every value of depth, haptic and "
+            "height (docs/codecs.md)")
+        ->capture_default_str();
+    make->add_flag("--exact-colour", words->options.storage.exact_colour,
+                   "colour keeps every value too; otherwise it is as good as the eye can tell");
     words->preset_typed = make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
     auto* properties = make->add_flag("--properties", words->properties,
                                       "globe: turning planet; land and ocean differ to the touch (default)");

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/content/scenes.hpp"
+#include "engine/media/clip.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "player/commands/command.hpp"
@@ -20,6 +21,7 @@ struct MakeOptions {
     std::filesystem::path out;           ///< a name that ends in .mkv
     Existing existing = Existing::keep;  ///< what becomes of an earlier file of that name
     std::int64_t frames = 90;            ///< 1 to 1 000 000
+    ClipStorage storage{};
     SceneOptions generator;
 };
 

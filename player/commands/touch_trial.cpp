@@ -59,21 +59,18 @@ double cpu_ms() {
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-/// The turning planet in depth and colour, as depth cameras give them.
+/// A surface that moves in every frame. Colour is no part of touch.
 Result<void> make_clip(const TouchDemand& demand, const fs::path& file, int frames) {
     SceneOptions options;
     options.width = demand.width;
     options.height = demand.height;
-    options.properties = true;
-    const auto source = make_scene("globe", options);
+    const auto source = make_scene("moving", options);
     if (!source.ok()) return source.error();
     auto writer = create_clip(file, (*source)->scene());
     if (!writer.ok()) return writer.error();
     for (int n = 0; n < frames; ++n) {
         if (interrupted()) return interrupted_error();
-        RawFrame frame = (*source)->frame(n);
-        frame.haptic = frame.height = {};
-        if (auto written = (*writer)->write(frame); !written.ok()) return written;
+        if (auto written = (*writer)->write((*source)->frame(n)); !written.ok()) return written;
     }
     return (*writer)->finish();
 }
@@ -124,6 +121,7 @@ Result<TrialFigures> try_touch(const TouchDemand& demand) {
     SessionOptions options;
     options.clip.file = folder->path() / "trial.mkv";
     options.fingers = demand.fingers;
+    options.clip.filters = FiltersChoice{};  // nothing is measured, so that every frame is decoded here
     options.clip.median = 3;
     options.live = true;
     const int frames = 2 + trial_frames(demand);  // the first two are read to find out where the surface is

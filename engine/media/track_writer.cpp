@@ -1,0 +1,99 @@
+#include "engine/media/track_writer.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+std::vector<TrackCoding> codings_of(PlaneRole role, const ClipStorage& storage) {
+    using enum TrackCoding;
+    if (role == PlaneRole::colour && !storage.exact_colour) return {h264_visual};
+    if (storage.archive == Archive::fast) return {h264_quick};
+    return {h264_thrifty, ffv1};
+}
+
+}  // namespace
+
+Result<TrackWriter> TrackWriter::open(PlaneRole role, const PlaneView& first, const Scene& scene,
+                                      const ClipStorage& storage) {
+    TrackWriter track;
+    track.role_ = role;
+    const auto open = [&](TrackCoding coding) -> Result<void> {
+        auto encoder = TrackEncoder::open(role, coding, first, scene);
+        if (!encoder) return encoder.error();
+        track.codings_.push_back({std::move(*encoder)});
+        return {};
+    };
+    for (const TrackCoding coding : codings_of(role, storage))
+        if (auto opened = open(coding); !opened && opened.error().kind != ErrorKind::usage)
+            return opened.error();
+    // Whatever is too large for the one is not for the other.
+    if (track.codings_.empty())
+        if (auto opened = open(TrackCoding::ffv1); !opened) return opened.error();
+    return track;
+}
+
+/// Whether it is the picture before once more; keeps it otherwise.
+bool TrackWriter::stays(const PlaneView& plane) {
+    const auto row_bytes = static_cast<std::size_t>(plane.width * plane.channels * plane.bytes_per_sample);
+    bool same = !newest_.empty();
+    newest_.resize(row_bytes * static_cast<std::size_t>(plane.height));
+    for (int y = 0; y < plane.height; ++y) {
+        std::uint8_t* kept = newest_.data() + row_bytes * static_cast<std::size_t>(y);
+        if (same && std::memcmp(kept, plane.row(y), row_bytes) == 0) continue;
+        same = false;
+        std::memcpy(kept, plane.row(y), row_bytes);
+    }
+    return same;
+}
+
+Result<void> TrackWriter::add(const PlaneView& plane) {
+    const bool access = frames_ % access_interval == 0;
+    if (frames_ == access_interval) decide();
+    const bool same = stays(plane);
+    for (Coding& coding : codings_) {
+        if (same && !access) {
+            ++coding.pictures.back().frames;
+            continue;
+        }
+        auto packet = coding.encoder.encode(plane, access);
+        if (!packet) return packet.error();
+        coding.bytes += (*packet)->size;
+        coding.pictures.push_back({std::move(*packet), frames_});
+    }
+    ++frames_;
+    return {};
+}
+
+void TrackWriter::end() {
+    ended_ = true;
+    decide();
+}
+
+/// The first of those that are equally small.
+void TrackWriter::decide() {
+    const auto least = std::min_element(codings_.begin(), codings_.end(),
+                                        [](const Coding& a, const Coding& b) { return a.bytes < b.bytes; });
+    if (least != codings_.begin()) std::swap(*codings_.begin(), *least);
+    codings_.erase(codings_.begin() + 1, codings_.end());
+}
+
+const StoredPicture* TrackWriter::oldest() const {
+    const auto& pictures = codings_.front().pictures;
+    return pictures.empty() ? nullptr : &pictures.front();
+}
+
+bool TrackWriter::oldest_is_complete() const {
+    return ended_ || codings_.front().pictures.size() > 1;
+}
+
+StoredPicture TrackWriter::take_oldest() {
+    auto& pictures = codings_.front().pictures;
+    StoredPicture picture = std::move(pictures.front());
+    pictures.pop_front();
+    return picture;
+}
+
+}  // namespace touchable

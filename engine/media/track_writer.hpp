@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "engine/media/clip.hpp"
+#include "engine/media/track_encoder.hpp"
+
+namespace touchable {
+
+/// A picture as stored, and for how many frames it stays.
+struct StoredPicture {
+    PacketPtr packet;
+    std::int64_t frame = 0;   ///< the first that shows it
+    std::int64_t frames = 1;  ///< that show it
+};
+
+/// One track of a clip that is written: pictures that do not change are stored once, and where there is a
+/// choice of codings, the one whose first pictures take the fewest bytes is taken.
+class TrackWriter {
+public:
+    /// Every so many frames all tracks store a picture that decoding can begin with.
+    static constexpr std::int64_t access_interval = 15;
+
+    /// `first`: a plane as all will be. An error of kind usage where no coding has pictures of its size.
+    static Result<TrackWriter> open(PlaneRole role, const PlaneView& first, const Scene& scene,
+                                    const ClipStorage& storage);
+
+    PlaneRole role() const { return role_; }
+    /// The plane of the next frame.
+    Result<void> add(const PlaneView& plane);
+    /// No frame comes any more.
+    void end();
+
+    /// Whether it is known by now how the track is coded.
+    bool decided() const { return codings_.size() == 1; }
+    const TrackEncoder& encoder() const { return codings_.front().encoder; }
+    /// The oldest picture, once decided; null where there is none.
+    const StoredPicture* oldest() const;
+    /// Whether it is known how long that stays.
+    bool oldest_is_complete() const;
+    StoredPicture take_oldest();
+
+private:
+    struct Coding {
+        TrackEncoder encoder;
+        std::deque<StoredPicture> pictures{};
+        std::int64_t bytes = 0;
+    };
+    TrackWriter() = default;
+    bool stays(const PlaneView& plane);
+    void decide();
+
+    PlaneRole role_ = PlaneRole::depth;
+    std::vector<Coding> codings_;       // those that are still to choose from
+    std::vector<std::uint8_t> newest_;  // samples of the picture before
+    std::int64_t frames_ = 0;
+    bool ended_ = false;
+};
+
+}  // namespace touchable
