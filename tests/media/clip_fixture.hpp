@@ -104,9 +104,12 @@ inline RawFrame test_frame(const Scene& scene, std::int64_t number, const Planes
     return frame;
 }
 
+/// Colour too comes back as it was.
+inline constexpr ClipStorage exact_clip{Archive::fast, true};
+
 inline Result<void> write_clip(const std::filesystem::path& file, const Scene& scene, int frames,
-                               const Planes& planes) {
-    auto writer = create_clip(file, scene);
+                               const Planes& planes, const ClipStorage& storage = exact_clip) {
+    auto writer = create_clip(file, scene, storage);
     if (!writer) return writer.error();
     for (int n = 0; n < frames; ++n)
         if (auto written = (*writer)->write(test_frame(scene, n, planes)); !written) return written;

@@ -31,8 +31,9 @@ TEST(ClipRefusal, RemuxingWithoutChangesIsReadable) {
 }
 
 TEST(ClipRefusal, VersionMustBeOneThisProgramReads) {
-    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "2"}}}),
-                   "is of clip format 2; this program reads up to 1");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "3"}}}),
+                   "is of clip format 3; this program reads up to 2");
+    EXPECT_EQ(refusal({.file_tags = {{"T3D_VERSION", "1"}}}), "");
     EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", ""}}}), "is not a touchable clip");
     EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "0"}}}), "T3D_VERSION is \"0\"");
     EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "1x"}}}), "T3D_VERSION is \"1x\"");
@@ -61,7 +62,7 @@ TEST(ClipRefusal, RolesMustFitWhatIsStored) {
     EXPECT_REFUSED(Remux({.roles = {{"depth", "height"}, {"height", "depth"}}}),
                    "track depth, frame 0: is 8-bit grey");
     EXPECT_REFUSED(Remux({.roles = {{"height", ""}, {"colour", "height"}}}),
-                   "track height, frame 0: has pixel format bgr0");
+                   "track height, frame 0: has pixel format gbrp");
 }
 
 TEST(ClipRefusal, ASceneIsNeeded) {

@@ -78,7 +78,7 @@ TEST_P(RecordedFolder, ComesBackExactlyFromAClip) {
     const TemporaryFolder output;
     auto reader = open_clip(folder(), scene_file());
     ASSERT_EQ(message(reader), "");
-    auto writer = create_clip(output / "clip.mkv", (*reader)->scene());
+    auto writer = create_clip(output / "clip.mkv", (*reader)->scene(), exact_clip);
     ASSERT_EQ(message(writer), "");
     std::vector<RawFrame> originals;
     for (int n = 0; n < 3; ++n) {

@@ -79,7 +79,7 @@ TEST_F(Live, ASessionReplaysToItsHashOnVulkan) {
 // A thousand frames a second, each far more work than a millisecond.
 TEST_F(Live, FramesThatComeTooLateAreCounted) {
     const std::string hard = folder / "hard.mkv";
-    ASSERT_EQ(run_touchable({"make", "noise", hard, "--size", "256x256", "--frames", "8"}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "moving", hard, "--size", "256x256", "--frames", "8"}).code, 0);
     ASSERT_EQ(run_touchable({"export", hard, "--frame", "0", "--out", folder / "frame"}).code, 0);
     auto scene = nlohmann::json::parse(file_contents(folder / "frame/scene.json"));
     scene["rate"] = {1000, 1};

@@ -39,7 +39,8 @@ TEST(Usage, HelpIsACommandToo) {
         const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find("make, touch, info, export, compare, plot, check"), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find("make, touch, info, export, compare, plot, check"), std::string::npos)
+            << run.err;
     }
 }
 
