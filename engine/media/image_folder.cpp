@@ -89,10 +89,9 @@ public:
     std::optional<std::int64_t> frame_count() const override { return count_; }
     const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
-    Result<void> rewind() override {
-        number_ = 0;
-        return {};
-    }
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override;
+    void leave_out_colour() override { with_colour_ = false; }
 
 private:
     struct Track {
@@ -121,6 +120,7 @@ private:
     std::vector<std::string> notes_;
     std::int64_t count_ = 0;
     std::int64_t number_ = 0;  // of the frame that `next` gives
+    bool with_colour_ = true;
 };
 
 Result<void> ImageFolderReader::open() {
@@ -235,12 +235,21 @@ Result<Plane> ImageFolderReader::plane(const Track& track, std::int64_t frame) c
                      where(track, frame));
 }
 
+Result<void> ImageFolderReader::seek(std::int64_t frame) {
+    if (frame < 0 || frame > count_)
+        return usage_error(folder_.string() + ": has no frame " + std::to_string(frame) +
+                           ": must be from 0 to " + std::to_string(count_ - 1));
+    number_ = frame;
+    return {};
+}
+
 Result<std::optional<RawFrame>> ImageFolderReader::next() {
     if (number_ == count_) return std::optional<RawFrame>{};
     RawFrame frame;
     frame.number = number_;
     frame.time_ns = scene_.rate.time_ns(number_);
     for (const Track& track : tracks_) {
+        if (track.role == PlaneRole::colour && !with_colour_) continue;
         auto read = plane(track, number_);
         if (!read) return read.error();
         add_plane(frame, track.role, std::move(*read));

@@ -121,6 +121,34 @@ TEST(ImageFolder, CountLimitsAndFirstStarts) {
     EXPECT_TRUE(same_plane(frames->at(0).depth, test_frame(scene, 2, {}).depth));
 }
 
+TEST(ImageFolder, IsReadFromAnyFrame) {
+    const TemporaryFolder folder;
+    const Scene scene = folder_scene(all_source);
+    write_folder(folder, scene, 5, all_planes);
+    auto reader = open_clip(folder / "scene.json");
+    ASSERT_EQ(message(reader), "");
+    for (const std::int64_t n : {3, 0, 4, 2}) {
+        ASSERT_EQ(message((*reader)->seek(n)), "");
+        EXPECT_TRUE(same_frame(**(*reader)->next(), test_frame(scene, n, all_planes))) << n;
+    }
+    EXPECT_NE(message((*reader)->seek(6)).find("has no frame 6: must be from 0 to 4"), std::string::npos);
+    EXPECT_NE(message((*reader)->seek(-1)).find("has no frame -1"), std::string::npos);
+}
+
+TEST(ImageFolder, ColourThatNobodyLooksAtIsNotRead) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(all_source), 3, all_planes);
+    auto reader = open_clip(folder / "scene.json");
+    ASSERT_EQ(message(reader), "");
+    (*reader)->leave_out_colour();
+    std::filesystem::remove(folder / "colour_001.png");
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    EXPECT_TRUE(frames->at(1).colour.empty());
+    EXPECT_FALSE(frames->at(1).haptic.empty());
+}
+
 TEST(ImageFolder, AGapIsAnErrorWhereACountIsGivenAndANoteElsewhere) {
     const TemporaryFolder folder;
     write_folder(folder, folder_scene(depth_only_source), 5, {});
