@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <fstream>
@@ -68,6 +69,44 @@ TEST_P(Determinism, ForcesAreTheKnownOnesToTheBit) {
     const auto report = touch(words);
     EXPECT_GT(report["finger_contact_pct"], 20) << "hardly a test of forces";
     EXPECT_EQ(report["force_hash"], std::string(known.force_hash));
+}
+
+/// Runs what it is given on one core only.
+class OnOneCore {
+public:
+    OnOneCore() {
+        sched_getaffinity(0, sizeof before_, &before_);
+        cpu_set_t one;
+        CPU_ZERO(&one);
+        for (int core = 0; core < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++core)
+            if (CPU_ISSET(core, &before_)) CPU_SET(core, &one);
+        sched_setaffinity(0, sizeof one, &one);
+    }
+    ~OnOneCore() { sched_setaffinity(0, sizeof before_, &before_); }
+    OnOneCore(const OnOneCore&) = delete;
+    OnOneCore& operator=(const OnOneCore&) = delete;
+
+private:
+    cpu_set_t before_{};
+};
+
+/// Whatever codec a clip's pictures are stored by, and however many threads decode them.
+TEST(Archives, GiveTheSameForces) {
+    const TemporaryFolder folder;
+    const std::string hand = zigzag_hand(folder / "zigzag.csv");
+    std::string known;
+    for (const std::string archive : {"fast", "small"}) {
+        const std::string clip = folder / (archive + ".mkv");
+        make_clip("moving", clip, {"--size", "300x200", "--frames", "16", "--archive", archive});
+        const auto words =
+            std::vector<std::string>{clip, "--hand", hand, "--fingers", "2", "--seconds", "0.5"};
+        const std::string all = touch(words)["force_hash"];
+        const OnOneCore alone;
+        const std::string one = touch(words)["force_hash"];
+        EXPECT_EQ(one, all) << archive;
+        if (known.empty()) known = all;
+        EXPECT_EQ(all, known) << archive;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(, Determinism, ::testing::ValuesIn(known_runs),
