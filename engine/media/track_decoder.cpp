@@ -96,9 +96,11 @@ std::string TrackDecoder::where() const {
 /// For how many frames the picture of this packet stays, if the packet is sound.
 Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
     const auto addition = block_addition_of(packet);
-    if (!has_additions_) has_additions_ = addition.has_value();
-    // Other programs keep the tag of a track that they encode anew, but not what belonged to its packets.
-    info_.lossless = says_lossless_ && *has_additions_;
+    if (!has_additions_) {
+        has_additions_ = addition.has_value();
+        // Other programs keep the tag of a track that they encode anew, but not what belonged to its packets.
+        info_.lossless = says_lossless_ && *has_additions_;
+    }
     bool sound = (packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && addition.has_value() == *has_additions_;
     if (addition) sound = sound && addition->sound;
     if (!addition && codec_->codec_id == AV_CODEC_ID_FFV1) sound = sound && ffv1_slices_intact(packet);
