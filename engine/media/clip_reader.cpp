@@ -2,7 +2,6 @@
 #include <array>
 #include <fstream>
 #include <string>
-#include <string_view>
 #include <system_error>
 
 #include "engine/media/bare_picture.hpp"
@@ -25,33 +24,58 @@ bool is_scene_file(const std::filesystem::path& path) {
     return extension == ".json";
 }
 
-/// What a file begins with.
-enum class Begin { matroska, jpeg, png, other };
+using Opened = Result<std::unique_ptr<ClipReader>>;
 
-Begin begin_of(const std::filesystem::path& file) {
+/// A file that may be a clip.
+struct Candidate {
+    const std::filesystem::path& file;
+    const std::string begin;            ///< its first bytes
+    const std::optional<Scene>& scene;  ///< to replace its own
+};
+
+bool is_jpeg(const Candidate& candidate) {
+    return candidate.begin.starts_with("\xff\xd8\xff");
+}
+bool is_png(const Candidate& candidate) {
+    return candidate.begin == "\x89PNG\r\n\x1a\n";
+}
+/// Also one that is cut to nearly nothing, of which its reader tells best what is wrong.
+bool is_matroska(const Candidate& candidate) {
+    return candidate.begin.starts_with("\x1a\x45\xdf\xa3") || candidate.begin.size() < 4;
+}
+bool is_depthkit(const Candidate& candidate) {
+    return depthkit_metadata_of(candidate.file).has_value();
+}
+
+Opened open_described_png(const Candidate& candidate) {
+    return candidate.scene ? open_bare_picture(candidate.file, *candidate.scene)
+                           : Opened(no_description(candidate.file));
+}
+
+/// The first that recognises a file opens it.
+struct Format {
+    bool (*recognises)(const Candidate&);
+    Opened (*open)(const Candidate&);
+};
+constexpr Format formats[] = {
+    {is_matroska, [](const Candidate& c) { return open_matroska_clip(c.file, c.scene); }},
+    {is_jpeg, [](const Candidate& c) { return open_gdepth_image(c.file, c.scene); }},
+    {is_png, open_described_png},
+    {is_depthkit,
+     [](const Candidate& c) { return open_depthkit_clip(c.file, *depthkit_metadata_of(c.file), c.scene); }},
+};
+
+Candidate candidate_of(const std::filesystem::path& file, const std::optional<Scene>& scene) {
     std::array<char, 8> first{};
     std::ifstream in(file, std::ios::binary);
     in.read(first.data(), first.size());
-    const std::string_view magic(first.data(), static_cast<std::size_t>(in.gcount()));
-    if (magic.starts_with("\xff\xd8\xff")) return Begin::jpeg;
-    if (magic == "\x89PNG\r\n\x1a\n") return Begin::png;
-    return magic.starts_with("\x1a\x45\xdf\xa3") || magic.size() < 4 ? Begin::matroska : Begin::other;
+    return {file, std::string(first.data(), static_cast<std::size_t>(in.gcount())), scene};
 }
 
-/// Whatever the file is by its first bytes, its name and what lies beside it.
-Result<std::unique_ptr<ClipReader>> open_file(const std::filesystem::path& file,
-                                              const std::optional<Scene>& scene) {
-    switch (begin_of(file)) {
-        case Begin::matroska:
-            return open_matroska_clip(file, scene);
-        case Begin::jpeg:
-            return open_gdepth_image(file, scene);
-        case Begin::png:
-            return scene ? open_bare_picture(file, *scene) : no_description(file);
-        case Begin::other:
-            break;
-    }
-    if (const auto metadata = depthkit_metadata_of(file)) return open_depthkit_clip(file, *metadata, scene);
+Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene) {
+    const Candidate candidate = candidate_of(file, scene);
+    for (const Format& format : formats)
+        if (format.recognises(candidate)) return format.open(candidate);
     return input_error(file.string() +
                        ": is not a Matroska file, nor a PNG or JPEG, nor a Depthkit video with " +
                        depthkit_metadata_name(file).string() + " beside it");
@@ -60,8 +84,9 @@ Result<std::unique_ptr<ClipReader>> open_file(const std::filesystem::path& file,
 /// A single depth picture, of a camera that somebody names.
 Result<std::unique_ptr<ClipReader>> open_picture(const std::filesystem::path& file,
                                                  const PictureCamera& camera) {
-    const Begin begin = begin_of(file);
-    if (begin != Begin::png && begin != Begin::jpeg)
+    const std::optional<Scene> none;
+    const Candidate candidate = candidate_of(file, none);
+    if (!is_png(candidate) && !is_jpeg(candidate))
         return usage_error(file.string() +
                            ": is no PNG or JPEG, so --intrinsics says nothing of it: leave it out");
     auto scene = bare_picture_scene(file, camera);
