@@ -131,37 +131,56 @@ Image rgb_exact(const AVFrame& frame) {
     return image;
 }
 
-Result<Image> rgb_converted(const AVFrame& frame) {
-    if (is_rgb8(frame)) return rgb_exact(frame);
+bool RgbConverter::set_up_for(const AVFrame& frame) {
+    if (scaler_ && frame.width == width_ && frame.height == height_ && frame.format == format_ &&
+        frame.color_range == range_ && frame.colorspace == space_)
+        return true;
     const auto format = static_cast<AVPixelFormat>(frame.format);
-    const Error unsupported =
-        input_error("pixel format " + format_name(frame) + " cannot be turned into RGB");
-    if (!sws_isSupportedInput(format)) return unsupported;
-    const ScalerPtr scaler(sws_getContext(
+    if (!sws_isSupportedInput(format)) return false;
+    scaler_.reset(sws_getContext(
         frame.width, frame.height, format, frame.width, frame.height, AV_PIX_FMT_RGB24,
         SWS_BILINEAR | SWS_ACCURATE_RND | SWS_BITEXACT | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP, nullptr,
         nullptr, nullptr));
-    if (!scaler) return unsupported;
+    if (!scaler_) return false;
     int *inverse = nullptr, *forward = nullptr;
     int source_full = 0, target_full = 0, brightness = 0, contrast = 0, saturation = 0;
-    if (sws_getColorspaceDetails(scaler.get(), &inverse, &source_full, &forward, &target_full, &brightness,
+    if (sws_getColorspaceDetails(scaler_.get(), &inverse, &source_full, &forward, &target_full, &brightness,
                                  &contrast, &saturation) >= 0) {
         if (frame.color_range != AVCOL_RANGE_UNSPECIFIED)
             source_full = frame.color_range == AVCOL_RANGE_JPEG ? 1 : 0;
-        sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(frame.colorspace), source_full, forward, 1,
-                                 brightness, contrast, saturation);
+        sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(frame.colorspace), source_full, forward,
+                                 1, brightness, contrast, saturation);
     }
+    width_ = frame.width;
+    height_ = frame.height;
+    format_ = frame.format;
+    range_ = frame.color_range;
+    space_ = frame.colorspace;
+    return true;
+}
+
+Result<FramePtr> RgbConverter::converted(const AVFrame& frame) {
+    const Error unsupported =
+        input_error("pixel format " + format_name(frame) + " cannot be turned into RGB");
+    if (!set_up_for(frame)) return unsupported;
     // swscale may write whole vectors past a row's end, so it gets rows of its own.
-    const FramePtr rgb(av_frame_alloc());
+    FramePtr rgb(av_frame_alloc());
     if (!rgb) return Error{ErrorKind::internal, "out of memory"};
     rgb->format = AV_PIX_FMT_RGB24;
     rgb->width = frame.width;
     rgb->height = frame.height;
     if (av_frame_get_buffer(rgb.get(), 0) < 0) return Error{ErrorKind::internal, "out of memory"};
-    if (sws_scale(scaler.get(), frame.data, frame.linesize, 0, frame.height, rgb->data, rgb->linesize) !=
+    if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rgb->data, rgb->linesize) !=
         frame.height)
         return unsupported;
-    return rgb_exact(*rgb);
+    return rgb;
+}
+
+Result<Image> rgb_converted(const AVFrame& frame) {
+    if (is_rgb8(frame)) return rgb_exact(frame);
+    const auto rgb = RgbConverter().converted(frame);
+    if (!rgb) return rgb.error();
+    return rgb_exact(**rgb);
 }
 
 }  // namespace touchable

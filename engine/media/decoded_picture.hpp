@@ -30,7 +30,22 @@ Image joined_bytes(const PlaneView& bytes);
 
 /// 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
 Image rgb_exact(const AVFrame& frame);
-/// 8-bit RGB of any colour format, rounded where the format is not RGB.
+/// 8-bit RGB of any colour format, rounded where the format is not RGB. Keeps what it has set up for frames
+/// of one kind.
+class RgbConverter {
+public:
+    /// A frame of format RGB24.
+    Result<FramePtr> converted(const AVFrame& frame);
+
+private:
+    bool set_up_for(const AVFrame& frame);
+
+    ScalerPtr scaler_;
+    int width_ = 0, height_ = 0, format_ = AV_PIX_FMT_NONE;
+    AVColorRange range_ = AVCOL_RANGE_UNSPECIFIED;
+    AVColorSpace space_ = AVCOL_SPC_UNSPECIFIED;
+};
+/// The same of one frame.
 Result<Image> rgb_converted(const AVFrame& frame);
 
 }  // namespace touchable

@@ -182,7 +182,7 @@ Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
     return plane_from(joined_bytes(*bytes), split_bits_);
 }
 
-Result<Plane> TrackDecoder::plane(FramePtr frame) const {
+Result<Plane> TrackDecoder::plane(FramePtr frame) {
     const bool one_channel = role_ == PlaneRole::depth || role_ == PlaneRole::height;
     if (one_channel && split_bits_ > 0) return joined(*frame);
     if (role_ == PlaneRole::depth && is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
@@ -200,9 +200,12 @@ Result<Plane> TrackDecoder::plane(FramePtr frame) const {
     if (role_ == PlaneRole::haptic && !is_rgb8(*frame))
         return input_error(where() + ": has pixel format " + info_.pixel_format +
                            ", which mixes materials; haptic is RGB of 8 bits, such as bgr0 or gbrp");
-    auto rgb = rgb_converted(*frame);
+    if (is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
+    auto rgb = converter_.converted(*frame);
     if (!rgb) return input_error(where() + ": " + rgb.error().message);
-    return plane_from(std::move(*rgb));
+    const AVFrame& made = **rgb;
+    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
+    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
 }
 
 }  // namespace touchable

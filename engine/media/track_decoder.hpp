@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/media/clip.hpp"
+#include "engine/media/decoded_picture.hpp"
 #include "engine/media/ffmpeg.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/result.hpp"
@@ -53,13 +54,14 @@ private:
     Result<void> read_tags(const AVStream& stream);
     Result<std::int64_t> frames_of(const AVPacket& packet);
     Result<void> check_format(const AVFrame& frame);
-    Result<Plane> plane(FramePtr frame) const;
+    Result<Plane> plane(FramePtr frame);
     Result<Plane> joined(const AVFrame& frame) const;
 
     PlaneRole role_ = PlaneRole::depth;
     std::string file_;
     TrackInfo info_;
     CodecPtr codec_;
+    RgbConverter converter_;
     bool says_lossless_ = false;
     int split_bits_ = 0;                 // of samples stored as two bytes apart; 0: they are not
     std::optional<bool> has_additions_;  // all packets or none, as the first has them
