@@ -25,6 +25,8 @@ constexpr std::array suites{
                loop_cases},
     BenchSuite{"paper", "the paper's own experiments: spectrum of the force, time of a tick", paper_cases,
                conclude_paper},
+    BenchSuite{"media", "planes of clips by codec: bytes, time of encoding and decoding, memory", media_cases,
+               conclude_media},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };

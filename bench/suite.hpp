@@ -13,8 +13,8 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view
-        unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", "px", or "" for a count
+    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "MB", "GB/s", "px", "dB",
+                            ///< or "" for a count
     bool in_tables = true;  ///< false: many of its kind, for a plot; in the JSON alone
 };
 using Figures = std::vector<Figure>;
@@ -47,6 +47,9 @@ std::vector<BenchCase> touch_cases(bool quick);
 std::vector<BenchCase> surface_cases(bool quick);
 std::vector<BenchCase> loop_cases(bool quick);
 std::vector<BenchCase> paper_cases(bool quick);
+std::vector<BenchCase> media_cases(bool quick);
+/// Prints which codec stores each plane in the least time of decoding, and which in the fewest bytes.
+Result<void> conclude_media(const std::vector<CaseFigures>& measured);
 /// Prints the paper's figures beside ours.
 Result<void> conclude_paper(const std::vector<CaseFigures>& measured);
 /// Print the table of the suite's targets, of touch those of real cameras' depth; missing one is no error

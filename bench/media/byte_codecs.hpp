@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+
+#include "bench/media/plane_codec.hpp"
+
+namespace touchable {
+
+/// The rows one behind the other: what the least that any codec can do costs.
+std::unique_ptr<PlaneCodec> make_raw_codec(const PlaneView& form);
+
+/// RVL of one channel (A. D. Wilson, Fast Lossless Depth Image Compression, ISS 2017): runs of zeros and of
+/// others in turn, of these the differences from the one before, all as groups of 3 bits.
+std::unique_ptr<PlaneCodec> make_rvl_codec(const PlaneView& form);
+
+/// Of each sample the difference from the one to its left, signs in the lowest bit, bytes of the same weight
+/// and channel together, compressed by zstd at its level 1. Nothing where this was built without libzstd.
+std::unique_ptr<PlaneCodec> make_zstd_codec(const PlaneView& form);
+
+}  // namespace touchable

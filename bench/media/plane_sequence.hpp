@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/frame/raw_frame.hpp"
+#include "engine/media/plane_role.hpp"
+
+namespace touchable {
+
+/// Pictures whose planes are stored by every codec.
+struct PictureSource {
+    std::string name;               ///< <scene>-<W>x<H>-<bits of depth>
+    std::vector<PlaneRole> planes;  ///< of them those that are measured
+    std::function<Result<std::vector<RawFrame>>()> make;
+};
+
+/// How many frames of each: as many as there are from one access point of a clip to the next.
+inline constexpr int frames_of_source = 15;
+
+/// globe: all planes; its depth stands still. moving, noise (a slope with noise that is new in each frame,
+/// +-16 codes of 16 bits, +-1 of 8) and castel, a recording: depth. Where there is no recording, a line on
+/// stderr says so. 1920x1080 (`quick`: 720x480), castel as recorded.
+std::vector<PictureSource> picture_sources(bool quick);
+
+/// One plane of all frames.
+std::vector<PlaneView> planes_of(const std::vector<RawFrame>& frames, PlaneRole role);
+
+}  // namespace touchable
