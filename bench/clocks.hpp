@@ -4,7 +4,7 @@
 
 namespace touchable {
 
-inline constexpr std::int64_t tick_ns = 1'000'000;  ///< of the touched time, from one tick to the next
+inline constexpr std::int64_t tick_length_ns = 1'000'000;  ///< of the touched time, from one tick to the next
 
 std::int64_t monotonic_ns();
 /// CPU time of this thread.

@@ -27,6 +27,8 @@ constexpr std::array suites{
                conclude_paper},
     BenchSuite{"media", "planes of clips by codec: bytes, time of encoding and decoding, memory", media_cases,
                conclude_media},
+    BenchSuite{"live", "clips in real time: reading, building, touch, seek, memory", live_cases,
+               conclude_live},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };

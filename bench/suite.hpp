@@ -56,6 +56,9 @@ Result<void> conclude_paper(const std::vector<CaseFigures>& measured);
 /// here.
 Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
+std::vector<BenchCase> live_cases(bool quick);
+/// Prints the table of targets; missing one is no error here.
+Result<void> conclude_live(const std::vector<CaseFigures>& measured);
 /// Those of the suites touch and surface that targets stand on; tables of both, and an error where one is
 /// missed.
 std::vector<BenchCase> target_cases(bool quick);

@@ -32,6 +32,8 @@ const std::vector<Target>& touch_targets();
 const std::vector<Target>& surface_targets();
 /// What a finger is to feel of depth that a real camera stored.
 const std::vector<Target>& real_targets();
+/// Clips that are touched while they play.
+const std::vector<Target>& live_targets();
 
 /// How a target fared: its worst value over the cases that were measured.
 struct Verdict {

@@ -53,13 +53,13 @@ Result<ClosedLoop> ClosedLoop::create(const TouchSurface& surface, const LoopCas
 }
 
 glm::dvec3 ClosedLoop::surface_now() const {
-    const HeightField field(scene_, surface_.pair_at(tick_ * tick_ns));
+    const HeightField field(scene_, surface_.pair_at(tick_ * tick_length_ns));
     return workspace_.to_device(point_of(field, place_.x, place_.y));
 }
 
 void ClosedLoop::tick() {
     const glm::dvec3 goal = workspace_.to_scene(handle_.reading());
-    const HeightField field(scene_, surface_.pair_at(tick_ * tick_ns));
+    const HeightField field(scene_, surface_.pair_at(tick_ * tick_length_ns));
     solver_.tick(field, {&goal, 1}, {&finger_, 1}, {&contact_, 1});
     handle_.intend(surface_now() - place_.normal * intended_depth_);
     const std::size_t slots = forces_.size(), now = static_cast<std::size_t>(tick_) % slots;

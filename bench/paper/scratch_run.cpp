@@ -42,8 +42,8 @@ public:
 
     /// The contact of tick k, or what is wrong with it.
     Result<Contact> tick(int k) {
-        played_.play_to(k * tick_ns);
-        const HeightField field(played_.scene(), played_.pair_at(k * tick_ns));
+        played_.play_to(k * tick_length_ns);
+        const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
         const glm::dvec3 goal = workspace_.to_scene(handle_.reading());
         Contact contact;
         solver_.tick(field, {&goal, 1}, {&finger_, 1}, {&contact, 1});

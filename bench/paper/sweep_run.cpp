@@ -25,15 +25,15 @@ public:
         finger_ = {};
         played_.restart();
     }
-    void prepare(int /*begin*/, int end) override { played_.play_to((end - 1) * tick_ns); }
+    void prepare(int /*begin*/, int end) override { played_.play_to((end - 1) * tick_length_ns); }
     void tick(int k) override {
-        const HeightField field(played_.scene(), played_.pair_at(k * tick_ns));
+        const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
         solver_.tick(field, {&goals_[static_cast<std::size_t>(k)], 1}, {&finger_, 1}, {&contact_, 1});
     }
     const Contact& contact() const { return contact_; }
     /// What is wrong with the contact of tick k, which was the last; nullptr if it is sound.
     const char* fault(int k) const {
-        const HeightField field(played_.scene(), played_.pair_at(k * tick_ns));
+        const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
         return fault_of(contact_, field, solver_.settings().metres_per_scene_unit,
                         behind_tolerance(solver_.settings().metric));
     }

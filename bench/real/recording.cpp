@@ -19,14 +19,14 @@ std::filesystem::path scene_file(const char* name) {
 
 }  // namespace
 
-Recording cube_recording(const std::filesystem::path& data) {
+CameraRecording cube_recording(const std::filesystem::path& data) {
     // Stereo of 50 mm base and 384 pixels of focal length, 0.08 pixels of noise (sensor_models.hpp).
     constexpr double quadratic = 0.08 / (50 * 384);
     return {"cube",         data / "visp_cube_realsense", scene_file("visp_cube_realsense.json"),
             {0, quadratic}, {0.58, 1.4 * quadratic},      600};
 }
 
-Recording redwood_recording(const std::filesystem::path& data) {
+CameraRecording redwood_recording(const std::filesystem::path& data) {
     const SensorModel kinect = kinect_v1();
     return {"redwood",           data / "stills/redwood5",          scene_file("redwood5.json"),
             kinect.stated_noise, {0, 0.45 * kinect.disparity_step}, 2840};

@@ -13,7 +13,7 @@
 namespace touchable {
 
 /// A clip of a real camera, and which of its patches are the flat faces of things.
-struct Recording {
+struct CameraRecording {
     std::string name;
     std::filesystem::path clip, scene_file;
     DepthLength noise;  ///< of a stored depth
@@ -24,13 +24,13 @@ struct Recording {
     double farthest_mm;
 };
 /// The cube of RealSense and the room of PrimeSense in a folder of recordings (docs/real-depth.md).
-Recording cube_recording(const std::filesystem::path& data);
-Recording redwood_recording(const std::filesystem::path& data);
+CameraRecording cube_recording(const std::filesystem::path& data);
+CameraRecording redwood_recording(const std::filesystem::path& data);
 
 /// What is the same for each filter: its frames, and the planes of the flat patches of each.
 class RecordingPatches {
 public:
-    explicit RecordingPatches(Recording recording) : recording_(std::move(recording)) {}
+    explicit RecordingPatches(CameraRecording recording) : recording_(std::move(recording)) {}
     /// Appends what fingers feel with these filters against the planes of the stored depths, flat patches of
     /// all frames on a grid of 8 pixels (`quick`: 16): see PressErrors; plane_error_deg, the planes' own
     /// standard error, RMS; frame_cpu_ms and frame_ms; depth_mm, the patches' mean depth; level_mm, the level
@@ -40,7 +40,7 @@ public:
 private:
     Result<void> read(bool quick);
 
-    Recording recording_;
+    CameraRecording recording_;
     std::optional<Scene> scene_;  // once it is read
     std::vector<RawFrame> raws_;
     std::vector<std::vector<DepthPlane>> planes_;  // frame by frame

@@ -63,7 +63,8 @@ Result<void> measure_rest(const Scene& scene, const std::vector<SurfaceFrame>& f
     std::vector<Contact> contacts(goals.size());
     std::vector<RestingForce> forces(goals.size());
     const std::int64_t begin_ns = scene.rate.time_ns(settled);
-    for (std::int64_t time_ns = 0; time_ns < begin_ns + ticks_of_a_spectrum * tick_ns; time_ns += tick_ns) {
+    for (std::int64_t time_ns = 0; time_ns < begin_ns + ticks_of_a_spectrum * tick_length_ns;
+         time_ns += tick_length_ns) {
         const auto pair = frames_around(scene, frames, time_ns);
         if (!pair) return Error{ErrorKind::check, scene.name + ": too few frames to rest on"};
         solver->tick(HeightField(scene, *pair), goals, fingers, contacts);

@@ -41,7 +41,7 @@ public:
         built_ = 0;
     }
     void tick(int k) override {
-        const std::int64_t now = k * tick_ns, number = now * 30 / 1'000'000'000;
+        const std::int64_t now = k * tick_length_ns, number = now * 30 / 1'000'000'000;
         // It was right in `fill`, with the same frame.
         for (; builds_ && built_ <= number + 1; ++built_)
             static_cast<void>(builder_->build(raw_, slot(built_)));
@@ -56,7 +56,7 @@ public:
     std::span<const Contact> contacts() const { return contacts_; }
 
 private:
-    static constexpr std::int64_t tick_ns = 1'000'000, frame_ns = 33'333'333;
+    static constexpr std::int64_t tick_length_ns = 1'000'000, frame_ns = 33'333'333;
     SurfaceFrame& slot(std::int64_t number) {
         return slots_[static_cast<std::size_t>(number) % slots_.size()];
     }

@@ -75,7 +75,7 @@ Result<void> measure_frame_changes(const TouchSurface& surface, const FrameChang
     std::vector<double> changed_us, other_us;
     std::int64_t last = -1;
     for (int k = 0; k < run.ticks; ++k) {
-        const std::int64_t now = k * tick_ns;
+        const std::int64_t now = k * tick_length_ns;
         // Half a frame ahead of its need: by then the copying is no longer what fills the caches.
         if (auto published = publisher.publish_past(now + scene.rate.time_ns(1) / 2); !published.ok())
             return published;

@@ -93,7 +93,7 @@ Result<void> measure_proof(const TouchSurface& surface, const ProvenRun& run, Fi
     for (int k = 0; k < touch.ticks(); ++k) {
         const Proxy before = touch.finger().proxy;
         touch.tick(k);
-        const reference::Surface truth(touch.scene(), surface.pair_at(k * tick_ns));
+        const reference::Surface truth(touch.scene(), surface.pair_at(k * tick_length_ns));
         if (k > 0) proof.look(truth, before, touch.finger().proxy, touch.contacts()[0]);
     }
     return proof.report(figures);

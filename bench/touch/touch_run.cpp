@@ -46,7 +46,7 @@ void TouchRun::restart() {
 }
 
 HeightField TouchRun::field(int k) const {
-    return {scene_, surface_.pair_at(k * tick_ns)};
+    return {scene_, surface_.pair_at(k * tick_length_ns)};
 }
 
 void TouchRun::tick(int k) {

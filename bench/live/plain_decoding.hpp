@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "engine/media/plane_role.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// What FFmpeg alone needs for the packets of a clip: the plain loop of send and receive, track after track.
+struct PlainDecoding {
+    double cpu_ms = 0;   ///< all tracks on one thread: CPU time
+    double wall_ms = 0;  ///< each with the threads that FFmpeg takes by itself: wall time
+};
+/// Of the tracks of these planes, all of their packets, which are read beforehand; the least of some rounds.
+Result<PlainDecoding> decode_plainly(const std::filesystem::path& clip, const std::vector<PlaneRole>& planes,
+                                     int rounds);
+
+}  // namespace touchable

@@ -1,0 +1,41 @@
+#include "bench/live/seek_run.hpp"
+
+#include "bench/clocks.hpp"
+#include "engine/content/random.hpp"
+#include "player/session/touch_figures.hpp"
+
+namespace touchable {
+
+Result<void> measure_seek(const LiveClip& clip, int seeks, LiveClips& clips, Figures& figures) {
+    constexpr std::int64_t patience_ns = 30'000'000'000;
+    const auto file = clips.file(clip);
+    if (!file.ok()) return file.error();
+    const auto source = clips.pictures(clip);
+    if (!source.ok()) return source.error();
+    const auto reader = open_clip(*file);
+    if (!reader.ok()) return reader.error();
+    (*reader)->leave_out_colour();
+    std::vector<double> ms;
+    SplitMix64 random(1);
+    const std::int64_t start = monotonic_ns();
+    // Where a seek reads all that comes before, a few of them tell enough.
+    while (std::ssize(ms) < seeks && (ms.size() < 3 || monotonic_ns() - start < patience_ns)) {
+        const auto frame = static_cast<std::int64_t>(random.unit() * clip.frames);
+        const std::int64_t begin = monotonic_ns();
+        if (auto found = (*reader)->seek(frame); !found.ok()) return found;
+        const auto raw = (*reader)->next();
+        ms.push_back(static_cast<double>(monotonic_ns() - begin) * 1e-6);
+        if (!raw.ok()) return raw.error();
+        if (!*raw || (*raw)->number != frame || !same_touch_planes(**raw, (*source)->of(frame)))
+            return Error{ErrorKind::check, "after a seek to frame " + std::to_string(frame) +
+                                               " another frame comes, or one with other planes"};
+    }
+    const Spread spread = spread_of(ms);
+    figures.push_back({"seeks", static_cast<double>(ms.size()), ""});
+    figures.push_back({"seek_ms_p50", spread.p50, "ms"});
+    figures.push_back({"seek_ms_p99", spread.p99, "ms"});
+    figures.push_back({"seek_ms_max", spread.max, "ms"});
+    return {};
+}
+
+}  // namespace touchable

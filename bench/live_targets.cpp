@@ -1,0 +1,42 @@
+#include "bench/targets.hpp"
+
+namespace touchable {
+namespace {
+
+std::vector<Target> make_live_targets() {
+    using Sense = Limit::Sense;
+    using Cases = std::vector<std::string>;
+    const std::string feed = "feed-globe-1920x1080-16";
+    const Cases demo{"live-globe-720x480-16"}, touch{feed}, colour{feed + "-colour"}, small{feed + "-small"},
+        depth{feed + "-depth", "feed-moving-1920x1080-16-depth"}, memory{"memory-1920x1080"};
+    std::vector<Target> targets;
+    const auto add = [&](const char* what, const Cases& cases, const char* metric, Sense sense, double value,
+                         const char* unit) {
+        targets.push_back({what, cases, metric, {value, sense, unit}});
+    };
+    add("globe 720x480, live, 5 fingers: late frames", demo, "late_frames_pct", Sense::at_most, 0, "%");
+    add("globe 1920x1080, without colour: framesets/s", touch, "frames_per_s", Sense::at_least, 60, "");
+    add("  with colour", colour, "frames_per_s", Sense::at_least, 30, "");
+    add("  of the cores left at 30 framesets/s", colour, "cores_left_pct", Sense::at_least, 30, "%");
+    add("CPU of reading depth, haptic and height", touch, "read_cpu_ms", Sense::at_most, 25, "ms");
+    add("  over FFmpeg's for the same packets", touch, "read_cpu_vs_ffmpeg", Sense::none, 0, "");
+    add("  depth alone", depth, "read_cpu_ms", Sense::at_most, 14, "ms");
+    add("bytes over FFV1's, archive fast", touch, "vs_ffv1", Sense::at_most, 2, "");
+    add("  archive small", small, "vs_ffv1", Sense::at_most, 1, "");
+    add("ticks late by over 0.2 ms while it runs", {demo.front(), "live-globe-1920x1080-16"},
+        "late_ticks_pct", Sense::at_most, 0.1, "%");
+    add("seek in a clip of 10 minutes, p99", {"seek-720x480-600s"}, "seek_ms_p99", Sense::at_most, 100, "ms");
+    add("  of 20 seconds", {"seek-720x480-20s"}, "seek_ms_p99", Sense::at_most, 100, "ms");
+    add("peak memory, 1920x1080 live", memory, "live_mb", Sense::at_most, 300, "MB");
+    add("  make", memory, "make_mb", Sense::at_most, 500, "MB");
+    return targets;
+}
+
+}  // namespace
+
+const std::vector<Target>& live_targets() {
+    static const std::vector<Target> targets = make_live_targets();
+    return targets;
+}
+
+}  // namespace touchable
