@@ -42,9 +42,9 @@ std::vector<BenchCase> live_cases(bool quick) {
             });
     };
     const LiveClip demo{.scene = "globe", .width = 720, .height = 480, .frames = quick ? 90 : 300};
-    const LiveClip full_hd{.scene = "globe", .frames = quick ? 30 : 90};
+    const LiveClip full_hd{.scene = "globe", .frames = quick ? 90 : 300};
     LiveClip small = full_hd, depth = full_hd, moving = full_hd, long_clip = demo;
-    small.small = true;
+    small.archive = Archive::small;
     depth.planes = moving.planes = {PlaneRole::depth};
     moving.scene = "moving";
     const int seconds = quick ? 20 : 600;

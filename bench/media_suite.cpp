@@ -121,6 +121,7 @@ Result<void> conclude_media(const std::vector<CaseFigures>& measured) {
     std::map<std::string, std::vector<const CaseFigures*>> planes;
     std::vector<std::string> order;
     for (const CaseFigures& c : measured) {
+        if (value_of(c, "psnr_db")) continue;
         const bool by_ffmpeg =
             c.name.find("-ffv") != std::string::npos || c.name.ends_with("-png") || c.name.ends_with("fast");
         const std::string plane = plane_in(c.name);

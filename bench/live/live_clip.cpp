@@ -12,7 +12,8 @@ std::string scene_key(const LiveClip& clip) {
 }
 
 std::string file_key(const LiveClip& clip) {
-    std::string key = scene_key(clip) + "-" + std::to_string(clip.frames) + (clip.small ? "-small" : "");
+    std::string key = scene_key(clip) + "-" + std::to_string(clip.frames) +
+                      (clip.archive == Archive::small ? "-small" : "");
     for (const PlaneRole role : clip.planes) key.append("-").append(role_name(role));
     return key;
 }
@@ -27,7 +28,7 @@ Result<void> write_clip(const ScenePictures& pictures, const LiveClip& clip,
                         const std::filesystem::path& file) {
     Scene described = pictures.scene;
     described.unstated = all_unstated;  // as `touchable make` writes it
-    auto writer = create_clip(file, described);
+    auto writer = create_clip(file, described, {.archive = clip.archive});
     if (!writer.ok()) return writer.error();
     for (std::int64_t n = 0; n < clip.frames; ++n) {
         RawFrame frame = pictures.of(n);

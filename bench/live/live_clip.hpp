@@ -20,7 +20,7 @@ struct LiveClip {
     int width = 1920, height = 1080;
     std::vector<PlaneRole> planes{all_roles.begin(), all_roles.end()};
     int frames = 30;
-    bool small = false;  ///< the archive of few bytes
+    Archive archive = Archive::fast;
 };
 
 /// The pictures of a scene, as many as differ; a longer clip repeats them.

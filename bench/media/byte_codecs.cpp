@@ -161,6 +161,7 @@ public:
             for (const std::size_t stop = at + others; at < stop; ++at)
                 picture_[at] = static_cast<Sample>(before += unfolded(in.get()));
         }
+        if (!in.good()) return damaged("RVL");
         return {};
     }
 

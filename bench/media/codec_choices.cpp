@@ -42,10 +42,10 @@ void add_h264(std::vector<CodecChoice>& choices, const PlaneView& first) {
 }
 
 void add_lossy_h264(std::vector<CodecChoice>& choices) {
-    choices.push_back(
-        by_ffmpeg("h264-crf18-444", x264("libx264", {AV_PIX_FMT_YUV444P}, "veryfast", "crf", "18"), false));
-    choices.push_back(
-        by_ffmpeg("h264-crf18-420", x264("libx264", {AV_PIX_FMT_YUV420P}, "veryfast", "crf", "18"), false));
+    for (const auto& [chroma, format] : {std::pair{"444", AV_PIX_FMT_YUV444P}, {"420", AV_PIX_FMT_YUV420P}})
+        for (const char* preset : {"veryfast", "superfast"})
+            choices.push_back(by_ffmpeg(std::string("h264-crf18-") + chroma + "-" + preset,
+                                        x264("libx264", {format}, preset, "crf", "18"), false));
 }
 
 }  // namespace
