@@ -122,8 +122,8 @@ Result<void> conclude_media(const std::vector<CaseFigures>& measured) {
     std::vector<std::string> order;
     for (const CaseFigures& c : measured) {
         if (value_of(c, "psnr_db")) continue;
-        const bool by_ffmpeg =
-            c.name.find("-ffv") != std::string::npos || c.name.ends_with("-png") || c.name.ends_with("fast");
+        const auto by = [&](const char* codec) { return c.name.find(codec) != std::string::npos; };
+        const bool by_ffmpeg = by("-ffv") || by("-png") || by("-magicyuv") || by("-h264");
         const std::string plane = plane_in(c.name);
         if (!by_ffmpeg || plane == c.name) continue;
         if (!planes.contains(plane)) order.push_back(plane);

@@ -182,7 +182,7 @@ struct FreeZstd {
     void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
-template <class Sample, int channels>
+template <class Sample, int channels, bool gradient>
 class ZstdCodec final : public ByteCodec {
 public:
     explicit ZstdCodec(const PlaneView& form)
@@ -196,10 +196,13 @@ public:
         std::size_t at = 0;
         for (int y = 0; y < plane.height; ++y, at += static_cast<std::size_t>(plane.width)) {
             const auto* from = reinterpret_cast<const Sample*>(plane.row(y));
+            const auto* above =
+                gradient && y > 0 ? reinterpret_cast<const Sample*>(plane.row(y - 1)) : nullptr;
             for (int c = 0; c < channels; ++c) {
                 int before = 0;
                 for (int x = 0; x < plane.width; ++x) {
-                    const int sample = from[x * channels + c];
+                    const int at_x = x * channels + c;
+                    const int sample = above ? from[at_x] - above[at_x] : from[at_x];
                     put(c, at + static_cast<std::size_t>(x), folded<Sample>(sample - before));
                     before = sample;
                 }
@@ -220,12 +223,16 @@ public:
         std::size_t at = 0;
         for (int y = 0; y < form_.height; ++y, at += static_cast<std::size_t>(form_.width)) {
             auto* to = reinterpret_cast<Sample*>(row(y));
+            const auto* above = gradient && y > 0 ? reinterpret_cast<const Sample*>(row(y - 1)) : nullptr;
             for (int c = 0; c < channels; ++c) {
                 int before = 0;
                 for (int x = 0; x < form_.width; ++x) {
                     before += unfolded(get(c, at + static_cast<std::size_t>(x)));
                     to[x * channels + c] = static_cast<Sample>(before);
                 }
+                if (!above) continue;
+                for (int x = c; x < form_.width * channels; x += channels)
+                    to[x] = static_cast<Sample>(to[x] + above[x]);
             }
         }
         return {};
@@ -251,6 +258,20 @@ private:
     std::unique_ptr<ZSTD_DCtx, FreeZstd> decompressor_;
 };
 
+template <bool gradient>
+std::unique_ptr<PlaneCodec> make_zstd(const PlaneView& form) {
+    if (form.channels == 3) return std::make_unique<ZstdCodec<std::uint8_t, 3, gradient>>(form);
+    if (form.bytes_per_sample == 2) return std::make_unique<ZstdCodec<std::uint16_t, 1, gradient>>(form);
+    return std::make_unique<ZstdCodec<std::uint8_t, 1, gradient>>(form);
+}
+
+#else
+
+template <bool gradient>
+std::unique_ptr<PlaneCodec> make_zstd(const PlaneView&) {
+    return nullptr;
+}
+
 #endif
 
 }  // namespace
@@ -264,14 +285,12 @@ std::unique_ptr<PlaneCodec> make_rvl_codec(const PlaneView& form) {
     return std::make_unique<RvlCodec<std::uint8_t>>(form);
 }
 
-std::unique_ptr<PlaneCodec> make_zstd_codec([[maybe_unused]] const PlaneView& form) {
-#ifdef TOUCHABLE_HAS_ZSTD
-    if (form.channels == 3) return std::make_unique<ZstdCodec<std::uint8_t, 3>>(form);
-    if (form.bytes_per_sample == 2) return std::make_unique<ZstdCodec<std::uint16_t, 1>>(form);
-    return std::make_unique<ZstdCodec<std::uint8_t, 1>>(form);
-#else
-    return nullptr;
-#endif
+std::unique_ptr<PlaneCodec> make_zstd_codec(const PlaneView& form) {
+    return make_zstd<false>(form);
+}
+
+std::unique_ptr<PlaneCodec> make_zstd_gradient_codec(const PlaneView& form) {
+    return make_zstd<true>(form);
 }
 
 }  // namespace touchable

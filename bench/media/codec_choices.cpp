@@ -59,13 +59,18 @@ std::vector<CodecChoice> codec_choices(PlaneRole role, const PlaneView& first) {
     // for.
     if (!deep) choices.push_back(by_ffmpeg("ffv1-rice", ffv1(rgb ? AV_PIX_FMT_BGR0 : grey, "0")));
     choices.push_back(by_ffmpeg("ffvhuff", {"ffvhuff", {rgb ? AV_PIX_FMT_RGB24 : grey}}));
-    choices.push_back(by_ffmpeg("png", {"png",
-                                        {rgb    ? AV_PIX_FMT_RGB24
-                                         : deep ? AV_PIX_FMT_GRAY16BE
-                                                : grey}}));
+    const AVPixelFormat in_png = rgb ? AV_PIX_FMT_RGB24 : deep ? AV_PIX_FMT_GRAY16BE : grey;
+    choices.push_back(by_ffmpeg("png", {"png", {in_png}}));
+    choices.push_back(by_ffmpeg("png-up", {"png", {in_png}, 1, 1, {{"pred", "up"}}}));
+    if (!rgb)
+        choices.push_back(by_ffmpeg(
+            "magicyuv", {"magicyuv", {AV_PIX_FMT_GRAY8, deep}, side_by_side, 1, {{"pred", "gradient"}}}));
     add_h264(choices, first);
     if (role == PlaneRole::colour) add_lossy_h264(choices);
-    if (make_zstd_codec(first)) choices.push_back(by_bytes("zstd", make_zstd_codec));
+    if (make_zstd_codec(first)) {
+        choices.push_back(by_bytes("zstd-left", make_zstd_codec));
+        choices.push_back(by_bytes("zstd-gradient", make_zstd_gradient_codec));
+    }
     if (!rgb) choices.push_back(by_bytes("rvl", make_rvl_codec));
     choices.push_back(by_bytes("raw", make_raw_codec));
     return choices;
