@@ -13,6 +13,7 @@
 #include "bench/surface/race.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/feed_threads.hpp"
+#include "player/session/interrupt.hpp"
 
 namespace touchable {
 namespace {
@@ -63,6 +64,7 @@ Result<FrameTimes> read_all(const std::filesystem::path& file, bool colour) {
     if (!reader.ok()) return reader.error();
     const Stopwatch watch;
     for (std::int64_t frames = 0;; ++frames) {
+        if (interrupted()) return interrupted_error();
         const auto raw = (*reader)->next();
         if (!raw.ok()) return raw.error();
         if (!*raw) return watch.per(frames);
@@ -79,6 +81,7 @@ Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scen
     if (auto begun = threads.start(); !begun.ok()) return begun.error();
     FramePair pair;
     while (!threads.end_ns() && !threads.error()) {
+        if (interrupted()) return interrupted_error();
         feed.timeline().pair_at(std::numeric_limits<std::int64_t>::max(), pair);
         std::this_thread::sleep_for(std::chrono::microseconds(200));
     }

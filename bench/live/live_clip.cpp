@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "player/session/interrupt.hpp"
+
 namespace touchable {
 namespace {
 
@@ -31,6 +33,7 @@ Result<void> write_clip(const ScenePictures& pictures, const LiveClip& clip,
     auto writer = create_clip(file, described, {.archive = clip.archive});
     if (!writer.ok()) return writer.error();
     for (std::int64_t n = 0; n < clip.frames; ++n) {
+        if (interrupted()) return interrupted_error();
         RawFrame frame = pictures.of(n);
         frame.number = n;
         frame.time_ns = pictures.scene.rate.time_ns(n);
@@ -54,6 +57,7 @@ Result<std::filesystem::path> LiveClips::place(const std::string& name) {
         if (unknown || !mkdtemp(folder.data()))
             return input_error(folder + ": no folder for clips can be made there");
         folder_ = folder;
+        catch_interrupts();  // a run that somebody ends leaves nothing there
     }
     return folder_ / name;
 }
@@ -66,7 +70,9 @@ Result<std::shared_ptr<const ScenePictures>> LiveClips::pictures(const LiveClip&
         if (!made.ok()) return made.error();
         auto pictures = std::make_shared<ScenePictures>();
         pictures->scene = (*made)->scene();
-        for (int n = 0; n < different_frames_; ++n) pictures->frames.push_back((*made)->frame(n));
+        for (int n = 0; n < different_frames_ && !interrupted(); ++n)
+            pictures->frames.push_back((*made)->frame(n));
+        if (interrupted()) return interrupted_error();
         scene_ = std::move(pictures);
         scene_name_ = scene_key(clip);
     }

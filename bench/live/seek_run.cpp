@@ -2,6 +2,7 @@
 
 #include "bench/clocks.hpp"
 #include "engine/content/random.hpp"
+#include "player/session/interrupt.hpp"
 #include "player/session/touch_figures.hpp"
 
 namespace touchable {
@@ -20,6 +21,7 @@ Result<void> measure_seek(const LiveClip& clip, int seeks, LiveClips& clips, Fig
     const std::int64_t start = monotonic_ns();
     // Where a seek reads all that comes before, a few of them tell enough.
     while (std::ssize(ms) < seeks && (ms.size() < 3 || monotonic_ns() - start < patience_ns)) {
+        if (interrupted()) return interrupted_error();
         const auto frame = static_cast<std::int64_t>(random.unit() * clip.frames);
         const std::int64_t begin = monotonic_ns();
         if (auto found = (*reader)->seek(frame); !found.ok()) return found;
