@@ -1,13 +1,16 @@
 #include "haptics_cpu/realtime.hpp"
 
+#include <link.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 
 namespace touchable {
 
@@ -43,13 +46,37 @@ std::optional<std::uint64_t> memory_limit() {
     return limit.rlim_cur;
 }
 
-/// What is there is fetched and kept. What comes later is kept once somebody has touched it, as a builder
-/// does with its frames before the hand sees them: to fetch all of it at once would fetch what drivers only
-/// reserve. Below a finite limit that is not asked for, because memory that would go beyond it is refused
-/// altogether.
+/// The program's own code and data, fetched and kept: no tick waits for them. The first object is the
+/// program.
+int lock_program(dl_phdr_info* object, std::size_t, void*) {
+    const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    for (int k = 0; k < object->dlpi_phnum; ++k) {
+        const auto& segment = object->dlpi_phdr[k];
+        if (segment.p_type != PT_LOAD) continue;
+        const std::uintptr_t begin = (object->dlpi_addr + segment.p_vaddr) / page * page;
+        const std::uintptr_t end = object->dlpi_addr + segment.p_vaddr + segment.p_memsz;
+        mlock(reinterpret_cast<const void*>(begin), end - begin);
+    }
+    return 1;
+}
+
+/// As much of the calling thread's stack as a tick could want.
+unsigned char touch_stack() {
+    constexpr std::size_t depth = 256 * 1024, page = 4096;
+    volatile unsigned char below[depth];
+    for (std::size_t at = 0; at < depth; at += page) below[at] = 0;
+    return below[0];
+}
+
+/// What is there is kept, and what comes later once somebody has touched it, as a builder does with its
+/// frames before the hand sees them: to fetch all of it at once would fetch what drivers and libraries only
+/// reserve, and eight megabytes of stack for every thread. Below a finite limit nothing is asked for later
+/// memory, because what would go beyond it is refused altogether.
 MemoryLock lock_memory(bool limited) {
-    if (mlockall(MCL_CURRENT) != 0) return MemoryLock::none;
-    if (limited || mlockall(MCL_FUTURE | MCL_ONFAULT) != 0) return MemoryLock::present;
+    if (mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) return MemoryLock::none;
+    dl_iterate_phdr(lock_program, nullptr);
+    touch_stack();
+    if (limited || mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) return MemoryLock::present;
     return MemoryLock::all;
 }
 
