@@ -17,7 +17,9 @@ HeightField::HeightField(const Scene& scene, const FramePair& pair)
       prev_(pair.prev.frame),
       prev_codes_(prev_->vertices->read_from()),
       nearer_(prev_),
-      moment_ns_(static_cast<double>(pair.prev.time_ns)) {
+      moment_ns_(static_cast<double>(pair.prev.time_ns)),
+      epoch_(pair.epoch),
+      interval_ns_(pair.next.time_ns - pair.prev.time_ns) {
     if (scene.interpolation == FrameInterpolation::linear && pair.blend > 0) {
         blend_ = pair.blend;
         moment_ns_ += blend_ * static_cast<double>(pair.next.time_ns - pair.prev.time_ns);

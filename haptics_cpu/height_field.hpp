@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/scene/scene.hpp"
@@ -39,6 +40,12 @@ public:
     double blend() const { return blend_; }
     /// The moment this surface is of, ns on the clip's clock: the earlier frame's where it holds.
     double moment_ns() const { return moment_ns_; }
+    /// Of the clip's clock. From one to another the surface may do anything.
+    std::uint64_t epoch() const { return epoch_; }
+    /// From the pair's earlier frame to its later one, s; nothing where both are one.
+    std::optional<double> frame_interval() const {
+        return interval_ns_ > 0 ? std::optional(1e-9 * static_cast<double>(interval_ns_)) : std::nullopt;
+    }
 
     /// Depth and validity at any lattice vertex; beyond the ring, of the ring vertex nearest to it.
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;
@@ -95,6 +102,8 @@ private:
     bool has_haptic_image_;
     double blend_ = 0;
     double moment_ns_;
+    std::uint64_t epoch_;
+    std::int64_t interval_ns_;
     TileGrid tiles_;
     double height_per_code_ = 0;
     double largest_height_ = 0;

@@ -66,21 +66,29 @@ Slip slip_of(const TouchSettings& settings, FingerState& finger) {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
+/// Whether what the finger last met was of another epoch: then all that the surface did since is a jump.
+bool is_in_new_epoch(const HeightField& field, const FingerState& finger) {
+    return finger.started && finger.epoch != field.epoch();
+}
+
 /// How far (scene units) the surface may take a proxy along in this tick before that is sudden: as far as it
 /// gets at the speed that is not, in the ticks that have passed where frames are interpolated (no longer than
 /// a frame, so that no stall earns a kick) and in a frame where they are held. A surface that stood still for
-/// want of frames and catches up has no more time for it. Infinite where the surface did not move, and in the
-/// metrics of pixels, which know no such thing.
+/// want of frames and catches up has no more time for it. Not at all into a new epoch. Infinite where the
+/// surface did not move, and in the metrics of pixels, which know no such thing.
 double sudden_distance(const HeightField& field, const TouchSettings& settings, const FingerState& finger,
                        int ticks) {
+    if (is_in_new_epoch(field, finger)) return 0;
     const Scene& scene = field.scene();
     const double moved_s = 1e-9 * std::abs(field.moment_ns() - finger.moment_ns);
     if (!finger.started || moved_s == 0 || settings.metric != TouchMetric::world) return never;
-    const double frame_s = static_cast<double>(scene.rate.den) / static_cast<double>(scene.rate.num);
+    const double nominal_s = static_cast<double>(scene.rate.den) / static_cast<double>(scene.rate.num);
+    const double frame_s = field.frame_interval().value_or(nominal_s);
+    // A hand feels how fast the surface moves in its own time, at whatever rate the clip is played.
     const double due_s = scene.interpolation == FrameInterpolation::hold
-                             ? frame_s
+                             ? std::min(moved_s, frame_s)
                              : std::min(ticks * tick_seconds, std::max(frame_s, tick_seconds));
-    return settings.sudden_speed * std::min(moved_s, due_s) / settings.metres_per_scene_unit;
+    return settings.sudden_speed * due_s / settings.metres_per_scene_unit;
 }
 
 template <class Space>
@@ -120,7 +128,8 @@ void bring(const Space& space, const TouchSettings& settings, double sudden, con
     const bool other_stuff = was_touching && is_other_stuff(space, settings, goal, finger, proxy, contact);
     const bool left_behind = contact.off_its_ray && !proxy.on_surface();
     const bool far_along = sudden != never && glm::distance(before, proxy.point) > sudden;
-    if (!other_stuff && !left_behind && !far_along) return;
+    const bool cut = is_in_new_epoch(space.field(), finger) && (was_touching || proxy.on_surface());
+    if (!other_stuff && !left_behind && !far_along && !cut) return;
     const auto there = space.from_world(goal);
     if (!there) return;
     contact.jumped = true;
@@ -196,6 +205,7 @@ void tick_in(const Space& space, const TouchSettings& settings, double goal_limi
         const dvec3 goal = *there;
         if (!finger.started) proxy.point = goal;
         const double sudden = sudden_distance(field, settings, finger, ticks);
+        if (!finger.started) finger.epoch = field.epoch();
         finger.started = true;
         finger.moment_ns = field.moment_ns();
         if (!proxy.on_surface() && is_clear(space, proxy.point, goal)) {
@@ -207,6 +217,7 @@ void tick_in(const Space& space, const TouchSettings& settings, double goal_limi
         }
         if (proxy.on_surface() || contact.counts.capped) contact.proxy = space.to_world(proxy.point);
         finger.place = contact.proxy;
+        finger.epoch = field.epoch();
         fill_contact(space, proxy, settings.metres_per_scene_unit, contact);
         finger.stiffness = contact.properties.stiffness;
         finger.near_hole = contact.hole_share > 0;

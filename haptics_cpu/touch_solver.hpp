@@ -25,8 +25,8 @@ struct TouchSettings {
     int event_limit = SolveLimits{}.events;  ///< features a proxy may pass in a tick, 1 to 1000000
     int cell_limit = SolveLimits{}.cells;    ///< lattice lines and faces it may look at, likewise
     double stribeck_speed = 0;  ///< v_s, m/s: friction that falls with speed (stribeck_slip); 0: Coulomb's
-    /// A surface that takes a proxy along faster than this (device metres per second of the clip) moves
-    /// suddenly: see `carry` and `Contact::jumped`. Infinite: never.
+    /// A surface that takes a proxy along faster than this (device metres per second of the hand) moves
+    /// suddenly: see `carry` and `Contact::jumped`. Infinite: never, but for a new epoch.
     double sudden_speed = 0.1;
 };
 
@@ -34,13 +34,14 @@ struct TouchSettings {
 struct FingerState {
     Proxy proxy;
     bool started = false;
-    glm::dvec3 goal{0.0};    ///< the last one that could be used, world
-    double slip_speed = 0;   ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
-    int ticks_held = 0;      ///< that have passed since `goal` was new
-    double moment_ns = 0;    ///< of the surface it last met
-    double stiffness = 0;    ///< at the proxy, N/m; 0 out of contact
-    bool near_hole = false;  ///< part of it is that of holes
-    glm::dvec3 place{0.0};   ///< of the proxy after its last tick, world
+    glm::dvec3 goal{0.0};     ///< the last one that could be used, world
+    double slip_speed = 0;    ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
+    int ticks_held = 0;       ///< that have passed since `goal` was new
+    double moment_ns = 0;     ///< of the surface it last met
+    std::uint64_t epoch = 0;  ///< likewise
+    double stiffness = 0;     ///< at the proxy, N/m; 0 out of contact
+    bool near_hole = false;   ///< part of it is that of holes
+    glm::dvec3 place{0.0};    ///< of the proxy after its last tick, world
 };
 
 /// What a finger met in a tick. World, scene units, newtons.
@@ -62,8 +63,8 @@ struct Contact {
     std::optional<double> carried_stiffness;
     int ticks = 1;  ///< that have passed since the finger's tick before: more where some were skipped
     bool off_its_ray = false;  ///< the surface moved suddenly, and took the proxy aside or left it behind
-    /// The surface moved suddenly, away or with the proxy: a cut, a frame that was late, an object that came
-    /// fast. Or it became so much stiffer or softer under the proxy.
+    /// The surface moved suddenly, away or with the proxy: a cut, a new epoch, a frame that was late, an
+    /// object that came fast. Or it became so much stiffer or softer under the proxy.
     bool jumped = false;
     glm::dvec3 jumped_force{0.0};  ///< then: what the goal of the tick before meets on this tick's surface
     SolveCounts counts;

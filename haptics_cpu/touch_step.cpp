@@ -37,7 +37,7 @@ void TouchStep::meet_anew(std::size_t finger) {
     guards_[finger].surface_is_new();
 }
 
-void TouchStep::begin_epoch() {
+void TouchStep::meet_new_surface() {
     for (std::size_t k = 0; k < fingers_.size(); ++k) meet_anew(k);
 }
 

@@ -20,10 +20,11 @@ public:
     std::span<glm::dvec3> goals() { return goals_; }
     /// What the fingers carry over to the next tick.
     std::span<const FingerState> states() const { return fingers_; }
-    /// What the next `run` touches is new to all fingers: another clip, another moment of it. The first one
-    /// is. Each begins anew where its goal is; what is inside a surface then waits to be free
-    /// (GuardSettings), or feels it come on as after a jump. Time goes on.
-    void begin_epoch();
+    /// What the next `run` touches is new to all fingers, as another clip is. The first one is. (Another
+    /// moment of the same clip, a new epoch, is not: fingers stay where they are, and the surface jumps.)
+    /// Each begins anew where its goal is; what is inside a surface then waits to be free (GuardSettings), or
+    /// feels it come on as after a jump. Time goes on.
+    void meet_new_surface();
     /// No allocation, lock or I/O. The spans stay as they are until the next call. `tick` counts time: where
     /// it is more than 1 after the last one, that long has passed. Frames that are missing, or have not the
     /// scene's size, are a fault: forces ramp to zero.

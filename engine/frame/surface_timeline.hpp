@@ -24,6 +24,8 @@ struct TimedFrame {
 struct FramePair {
     TimedFrame prev, next;
     double blend = 0;  ///< 0 at prev's time, towards 1 at next's
+    /// Of the clip's clock: another one has nothing to do with the frames before, whatever its times.
+    std::uint64_t epoch = 0;
 };
 
 /// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic

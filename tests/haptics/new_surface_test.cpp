@@ -1,4 +1,4 @@
-// A finger that is inside a surface when the surface is new to it: at the start, after a seek, after an
+// A finger that is inside a surface when the surface is new to it: at the start, in another clip, after an
 // outage.
 #include <gtest/gtest.h>
 
@@ -83,11 +83,11 @@ TEST_F(NewSurface, IsFeltFromTheStartByWhoWantsThat) {
     EXPECT_EQ(reasons, guard_none);
 }
 
-TEST_F(NewSurface, AnEpochFadesTheForceOfAFingerInside) {
+TEST_F(NewSurface, ANewSurfaceFadesTheForceOfAFingerInside) {
     begin();
     press(-1);
     const double before = press(4);
-    step->begin_epoch();
+    step->meet_new_surface();
     wall.fill(wall.prev, 98.0);
     const auto [most, force] = rest(4, 150, before);  // 6 mm deep now
     EXPECT_LE(most, before * steepest * (1 + 1e-9));
@@ -97,22 +97,22 @@ TEST_F(NewSurface, AnEpochFadesTheForceOfAFingerInside) {
     EXPECT_NEAR(press(4), 6, 1e-9);
 }
 
-TEST_F(NewSurface, AnEpochComesOnAsAfterAJumpWhereNothingWaits) {
+TEST_F(NewSurface, ANewSurfaceComesOnAsAfterAJumpWhereNothingWaits) {
     guard.waits_to_be_free = false;
     begin();
     press(-1);
     const double before = press(4);
-    step->begin_epoch();
+    step->meet_new_surface();
     wall.fill(wall.prev, 98.0);
     const auto [most, force] = rest(4, 150, before);
     EXPECT_LE(most, 2 * steepest * (1 + 1e-9));
     EXPECT_NEAR(force, 6, 1e-9);
 }
 
-TEST_F(NewSurface, AnEpochIsNothingToAFreeFinger) {
+TEST_F(NewSurface, ANewSurfaceIsNothingToAFreeFinger) {
     begin();
     press(-1);
-    step->begin_epoch();
+    step->meet_new_surface();
     press(-1);
     EXPECT_NEAR(press(2), 2, 1e-9);
     EXPECT_EQ(reasons, guard_none);

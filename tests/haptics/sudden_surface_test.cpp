@@ -47,13 +47,14 @@ public:
         contact = done.contacts[0];
         force = done.forces[0].force;
         reasons = done.forces[0].reasons;
-        ASSERT_FALSE(done.behind);
-        ASSERT_FALSE(is_behind_surface(surface, contact.proxy, 1e-12)) << "at " << time_ns;
+        const bool exact = settings.metric == TouchMetric::world;  // the paper's surface is a bit another
+        ASSERT_FALSE(done.behind && exact);
+        ASSERT_FALSE(exact && is_behind_surface(surface, contact.proxy, 1e-12)) << "at " << time_ns;
         ASSERT_TRUE(std::isfinite(glm::dot(force, force)));
         ASSERT_LE(glm::length(force), guard.max_force * (1 + 1e-12));
         ASSERT_LE(glm::length(force), glm::length(contact.force) * (1 + 1e-12));
         ASSERT_FALSE(contact.counts.capped);
-        if (contact.touching && field.scene.default_properties.static_friction == 0) {
+        if (exact && contact.touching && field.scene.default_properties.static_friction == 0) {
             ASSERT_LT(reference::excess_over_minimum({field.scene, pair}, step->states()[0].proxy, goal),
                       1e-9L * (1 + glm::distance(contact.proxy, goal)));
         }
@@ -277,6 +278,104 @@ TEST(SuddenSurface, LateAndDroppedFramesCatchUpWithoutAKick) {
             EXPECT_LE(most,
                       interpolation == FrameInterpolation::hold ? newtons_per_unit * 3.34 : largest_rise);
         }
+}
+
+/// A wall at some depth at a moment of the clip, pressed by a resting finger; ticks go on from call to call.
+class PressedWall {
+public:
+    explicit PressedWall(FrameInterpolation interpolation = FrameInterpolation::linear)
+        : stage(interpolation) {}
+    /// The largest rise of force meanwhile.
+    double press(int ticks, double depth, std::int64_t clip_ns, std::uint64_t epoch) {
+        stage.field.fill(stage.field.prev, depth);
+        FramePair pair = still(stage.field.prev, clip_ns / 33'000'000, clip_ns);
+        pair.epoch = epoch;
+        double most = 0;
+        for (int k = 0; k < ticks; ++k) {
+            stage.tick(1'000'000 * tick_++, pair, {0, 0, -203});
+            if (tick_ > 1) most = std::max(most, stage.rise);
+        }
+        return most;
+    }
+    double force() const { return glm::length(stage.force); }
+    Stage stage;
+
+private:
+    std::int64_t tick_ = 0;
+};
+
+// 6 mm at 0.6 N/mm under a finger that rests 3 mm deep.
+TEST(SuddenSurface, ANewEpochIsAJumpWhateverItsTime) {
+    for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled})
+        for (const std::int64_t clip_ns : {1'000'000'000LL, 500'000'000LL, 2'000'000'000LL}) {
+            SCOPED_TRACE(std::string(name_of(metric)) + " to " + std::to_string(clip_ns));
+            PressedWall wall;
+            wall.stage.settings.metric = metric;
+            wall.stage.begin();
+            wall.press(200, 200, 1'000'000'000, 4);
+            EXPECT_NEAR(wall.force(), 1.8, 1e-3);
+            EXPECT_EQ(wall.stage.jumped, 0);
+            EXPECT_LE(wall.press(150, 194, clip_ns, 5), 3.6 * 1.51 / JumpCancellation::fade_ticks);
+            EXPECT_EQ(wall.stage.jumped, 1);
+            EXPECT_NEAR(wall.force(), 5.4, 1e-3);
+            EXPECT_LE(wall.press(10, 202, clip_ns, 6), 1e-12) << "what drops, drops at once";
+            EXPECT_NEAR(wall.force(), 0.6, 1e-3);
+        }
+}
+
+TEST(SuddenSurface, ANewEpochThatRisesThroughAFreeFingerComesOnGently) {
+    PressedWall wall;
+    wall.stage.begin();
+    wall.press(5, 210, 0, 0);
+    EXPECT_EQ(wall.force(), 0);
+    EXPECT_LE(wall.press(150, 193, 0, 1), 6.01 * 1.51 / JumpCancellation::fade_ticks);
+    EXPECT_NEAR(wall.force(), 6, 2e-3);
+    EXPECT_LE(wall.press(150, 160, 0, 2), 0) << "beyond the device's force: it fades to nothing";
+    EXPECT_EQ(wall.force(), 0);
+}
+
+TEST(SuddenSurface, ANewEpochOfAnotherStiffnessIsAJumpToo) {
+    PressedWall wall;
+    wall.stage.begin();
+    wall.press(200, 200, 0, 0);
+    wall.stage.field.scene.default_properties.stiffness = 630;  // 0.09 N: less than other stuff makes
+    EXPECT_LE(wall.press(150, 200, 0, 1), 0.0901 * 1.51 / JumpCancellation::fade_ticks);
+    EXPECT_EQ(wall.stage.jumped, 1);
+    EXPECT_NEAR(wall.force(), 1.89, 1e-3);
+}
+
+// What counts is how fast it moves under the hand, and not how fast it did before the camera.
+TEST(SuddenSurface, OfAClipInSlowMotionLessIsSuddenAndInFastMotionMore) {
+    const auto jumps = [](double metres_per_s, double rate) {
+        PressedWall wall;
+        wall.stage.begin();
+        for (int tick = 0; tick < 60; ++tick)
+            wall.press(1, 200 - metres_per_s * rate * tick, std::llround(1e6 * rate * tick), 0);
+        return wall.stage.jumped;
+    };
+    EXPECT_EQ(jumps(0.5, 0.1), 0);
+    EXPECT_GT(jumps(0.5, 1), 50);
+    EXPECT_EQ(jumps(0.05, 1), 0);
+    EXPECT_GT(jumps(0.05, 8), 50);
+}
+
+// Frames 100 ms apart in a clip that says 30 a second: 9 mm of a held frame are 0.09 m/s.
+TEST(SuddenSurface, AHeldFramesTimeIsTheOneFromFrameToFrame) {
+    for (const bool sudden : {false, true}) {
+        Stage stage(FrameInterpolation::hold);
+        stage.begin();
+        for (int n = 0; n < 4; ++n) {
+            stage.field.fill(stage.field.prev, 200 - (sudden ? 11 : 9) * n);
+            FramePair pair;
+            pair.prev = {n, n * 100'000'000LL, &stage.field.prev};
+            pair.next = {n + 1, (n + 1) * 100'000'000LL, &stage.field.next};
+            for (int tick = 100 * n; tick < 100 * (n + 1); ++tick) {
+                pair.blend = 0.01 * (tick % 100);
+                stage.tick(tick * 1'000'000LL, pair, {0, 0, -199});
+            }
+        }
+        EXPECT_EQ(stage.jumped, sudden ? 3 : 0);
+    }
 }
 
 }  // namespace
