@@ -19,6 +19,14 @@ struct TimedFrame {
     const SurfaceFrame* frame = nullptr;
 };
 
+/// A moment on a clip's clock. Times go forward within an epoch; from one to another they may go anywhere.
+struct MediaMoment {
+    std::uint64_t epoch = 0;
+    std::int64_t time_ns = 0;
+    std::int64_t start_ns = 0;  ///< where the epoch begins
+    bool operator==(const MediaMoment&) const = default;
+};
+
 /// The frames around a moment. `next` equals `prev` before the first, from the last on, and while the
 /// producer is late; then blend is 0.
 struct FramePair {

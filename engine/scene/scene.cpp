@@ -280,6 +280,15 @@ std::int64_t FrameRate::time_ns(std::int64_t frame) const {
     return static_cast<std::int64_t>(std::clamp(quotient, -most, most));
 }
 
+// The largest n with floor(n 1e9 den / num) <= time, which is n 1e9 den < (time + 1) num.
+std::int64_t FrameRate::frame_at(std::int64_t time_ns) const {
+    __extension__ using Wide = __int128;
+    const Wide numerator = (Wide{time_ns} + 1) * num - 1, unit = Wide{den} * 1'000'000'000;
+    Wide quotient = numerator / unit;
+    if (numerator % unit < 0) --quotient;
+    return static_cast<std::int64_t>(quotient);
+}
+
 Result<void> validate(const Scene& scene) {
     return first_refusal(
         [&] { return check_within("width", scene.width, 1, max_side); },

@@ -87,7 +87,8 @@ inline constexpr UnstatedFilters all_unstated{true, true, true, true, true};
 /// Frame n is at floor(n 1e9 den / num) ns.
 struct FrameRate {
     std::int64_t num = 30, den = 1;
-    std::int64_t time_ns(std::int64_t frame) const;  ///< exact; no overflow for frame < 2^40
+    std::int64_t time_ns(std::int64_t frame) const;     ///< exact; no overflow for frame < 2^40
+    std::int64_t frame_at(std::int64_t time_ns) const;  ///< the last one that is not later; exact likewise
 };
 
 /// Files of a folder of images; patterns have one printf-like field of digits: "depth_%04d.png". Where none

@@ -95,6 +95,15 @@ TEST(FrameRate, FarFramesNeitherOverflowNorDrift) {
     EXPECT_EQ((FrameRate{1, 1000000000}).time_ns(last), std::numeric_limits<std::int64_t>::max());
 }
 
+TEST(FrameRate, TheFrameAtATimeIsTheLastThatIsNotLater) {
+    for (const FrameRate rate : {FrameRate{30, 1}, FrameRate{30000, 1001}, FrameRate{999999937, 1000003}})
+        for (const std::int64_t frame : {-3LL, 0LL, 1LL, 2LL, 12345LL, 1LL << 30}) {
+            EXPECT_EQ(rate.frame_at(rate.time_ns(frame)), frame);
+            EXPECT_EQ(rate.frame_at(rate.time_ns(frame) - 1), frame - 1);
+            EXPECT_EQ(rate.frame_at(rate.time_ns(frame + 1) - 1), frame);
+        }
+}
+
 TEST(Validate, AcceptsWhatIsPossible) {
     EXPECT_TRUE(validate(good_scene()).ok());
     EXPECT_TRUE(validate(metric_scene()).ok());
