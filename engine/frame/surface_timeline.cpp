@@ -16,6 +16,14 @@ constexpr std::size_t entries_per_slot = 4;
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
               std::atomic<std::int64_t>::is_always_lock_free);
 
+/// Two slots in one word, 0 standing for none.
+std::uint64_t pins(std::size_t one, std::size_t other) {
+    return std::uint64_t{one + 1} << 32 | std::uint64_t{other + 1};
+}
+bool has_pin(std::uint64_t pins, std::size_t slot) {
+    return pins >> 32 == slot + 1 || (pins & 0xffffffffU) == slot + 1;
+}
+
 /// later - earlier, exact for any two times.
 double nanoseconds_between(std::int64_t earlier, std::int64_t later) {
     return static_cast<double>(static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier));
@@ -37,9 +45,25 @@ SurfaceFrame* SurfaceTimeline::acquire() {
     if (published_.load(std::memory_order_relaxed) - oldest == entries_.size()) return nullptr;
     // Of the free slots the one used last: the least has changed since the frame it holds.
     for (std::size_t slot = 0; slot < slots_.size(); ++slot)
-        if (free_from_[slot] <= oldest && (!acquired_ || free_from_[slot] > free_from_[*acquired_]))
+        if (free_from_[slot] <= oldest && !is_pinned(slot) &&
+            (!acquired_ || free_from_[slot] > free_from_[*acquired_]))
             acquired_ = slot;
     return acquired_ ? slots_[*acquired_].get() : nullptr;
+}
+
+bool SurfaceTimeline::is_pinned(std::size_t slot) const {
+    return has_pin(pinned_.load(std::memory_order_acquire), slot);
+}
+
+void SurfaceTimeline::begin_epoch(std::uint64_t epoch) {
+    assert(epoch > epoch_ && slots_.size() >= 4);
+    epoch_ = epoch;
+    epoch_has_frames_ = false;
+    newest_time_.store(std::numeric_limits<std::int64_t>::min(), std::memory_order_release);
+}
+
+void SurfaceTimeline::end_epoch() {
+    ended_.store(epoch_ + 1, std::memory_order_release);
 }
 
 Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns) {
@@ -52,7 +76,11 @@ Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns)
 
 Result<bool> SurfaceTimeline::republish(std::int64_t number, std::int64_t time_ns) {
     const std::uint64_t published = published_.load(std::memory_order_relaxed);
-    if (published == 0) return Error{ErrorKind::internal, "timeline: republish before the first frame"};
+    if (!epoch_has_frames_)
+        return Error{ErrorKind::internal, "timeline: republish before the first frame of its epoch"};
+    // A reader that passed the epoch over has given its frames back.
+    if (acquired_ == entry(published - 1).slot)
+        return Error{ErrorKind::internal, "timeline: republish of a frame that is being built anew"};
     if (auto later = check_later(number, time_ns); !later) return later.error();
     // One entry stays free, so that publishing an acquired slot never meets a full ring.
     const std::uint64_t held = published - reader_oldest_.load(std::memory_order_acquire);
@@ -71,7 +99,8 @@ Result<void> SurfaceTimeline::check_later(std::int64_t number, std::int64_t time
 
 void SurfaceTimeline::append(std::int64_t number, std::int64_t time_ns, std::size_t slot) {
     const std::uint64_t sequence = published_.load(std::memory_order_relaxed);
-    entries_[sequence % entries_.size()] = {number, time_ns, slot};
+    entries_[sequence % entries_.size()] = {number, time_ns, epoch_, slot};
+    epoch_has_frames_ = true;
     free_from_[slot] = sequence + 1;
     published_.store(sequence + 1, std::memory_order_release);
     newest_time_.store(time_ns, std::memory_order_release);
@@ -86,20 +115,47 @@ TimedFrame SurfaceTimeline::timed_frame(std::uint64_t sequence) const {
     return {e.number, e.time_ns, slots_[e.slot].get()};
 }
 
+void SurfaceTimeline::hold(std::uint64_t prev, std::uint64_t next, double blend) {
+    held_ = FramePair{timed_frame(prev), timed_frame(next), blend, entry(prev).epoch};
+    pinned_.store(pins(entry(prev).slot, entry(next).slot), std::memory_order_release);
+}
+
+/// Passes over what is of epochs before; false where the pair in hand is to stay.
+bool SurfaceTimeline::go_over(std::uint64_t epoch, bool ended, std::uint64_t published,
+                              std::uint64_t& first) {
+    while (first < published && entry(first).epoch < epoch) ++first;
+    if (first == published || entry(first).epoch != epoch) return false;
+    return ended || first + 1 < published;
+}
+
 bool SurfaceTimeline::pair_at(std::int64_t time_ns, FramePair& pair) {
+    return pair_at(MediaMoment{held_ ? held_->epoch : 0, time_ns, 0}, pair);
+}
+
+bool SurfaceTimeline::pair_at(const MediaMoment& moment, FramePair& pair) {
+    const bool ended = ended_.load(std::memory_order_acquire) == moment.epoch + 1;
     const std::uint64_t published = published_.load(std::memory_order_acquire);
     if (published == 0) return false;
     std::uint64_t prev = reader_oldest_.load(std::memory_order_relaxed);  // only the reader writes it
-    while (prev + 1 < published && entry(prev + 1).time_ns <= time_ns) ++prev;
-
-    pair.prev = pair.next = timed_frame(prev);
-    pair.blend = 0;
-    if (prev + 1 < published && time_ns >= pair.prev.time_ns) {
-        pair.next = timed_frame(prev + 1);
-        const double blend = nanoseconds_between(pair.prev.time_ns, time_ns) /
-                             nanoseconds_between(pair.prev.time_ns, pair.next.time_ns);
-        pair.blend = std::min(blend, 1 - 0x1p-53);  // frames months apart could round to 1
+    if (!held_) hold(prev, prev, 0);
+    const bool there = moment.epoch > held_->epoch ? go_over(moment.epoch, ended, published, prev)
+                                                   : prev < published && entry(prev).epoch == held_->epoch &&
+                                                         moment.epoch == held_->epoch;
+    if (there) {
+        const auto follows = [&](std::uint64_t next) {
+            return next < published && entry(next).epoch == moment.epoch;
+        };
+        while (follows(prev + 1) && entry(prev + 1).time_ns <= moment.time_ns) ++prev;
+        const std::int64_t from = entry(prev).time_ns;
+        if (follows(prev + 1) && moment.time_ns >= from) {
+            const double blend = nanoseconds_between(from, moment.time_ns) /
+                                 nanoseconds_between(from, entry(prev + 1).time_ns);
+            hold(prev, prev + 1, std::min(blend, 1 - 0x1p-53));  // frames months apart could round to 1
+        } else {
+            hold(prev, prev, 0);
+        }
     }
+    pair = *held_;
     reader_oldest_.store(prev, std::memory_order_release);
     return true;
 }

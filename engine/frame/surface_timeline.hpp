@@ -41,7 +41,8 @@ struct FramePair {
 /// Nothing here locks, waits or retries: each side reads what the other last stored and works with that.
 class SurfaceTimeline {
 public:
-    /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built).
+    /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built); 4 where
+    /// epochs begin (the pair that it holds, and the one that it goes over to).
     explicit SurfaceTimeline(int slots);
     SurfaceTimeline(const SurfaceTimeline&) = delete;
     SurfaceTimeline& operator=(const SurfaceTimeline&) = delete;
@@ -54,40 +55,62 @@ public:
     /// one's is refused, and the slot kept. Wait-free; only a refusal allocates, for its message.
     Result<void> publish(std::int64_t number, std::int64_t time_ns);
     /// Writer. Publishes the newest frame once more, at a later time: nothing changed. Refused while the ring
-    /// of entries is full (false), with a time not later, or before the first frame (errors). Wait-free.
+    /// of entries is full (false), with a time not later, or before the first frame of the epoch (errors).
+    /// Wait-free.
     Result<bool> republish(std::int64_t number, std::int64_t time_ns);
+    /// Writer. What is published from now on is of this epoch, a later one than before, and its times may be
+    /// any. Wait-free.
+    void begin_epoch(std::uint64_t epoch);
+    /// Writer. The epoch has no more frames than are published. Wait-free.
+    void end_epoch();
 
-    /// Any thread. Time of the newest frame; INT64_MIN before the first. A reader that has seen it finds that
-    /// frame. Wait-free.
+    /// Any thread. Time of the newest epoch's newest frame; INT64_MIN before the first. A reader that has
+    /// seen it finds that frame. Wait-free.
     std::int64_t newest_time() const;
 
-    /// Reader. The pair around a time; false while nothing has been published. Times should not go backward:
-    /// an earlier time than before gives the earliest frame still held, at blend 0. The pair stays readable
-    /// until the next call; frames before `pair.prev` may be recycled from here on. Wait-free: at most one
-    /// walk over the ring (4 entries per slot); no allocation.
+    /// Reader. The pair around a moment; false while nothing has been published. Within an epoch times should
+    /// not go backward: an earlier time than before gives the earliest frame still held, at blend 0. A later
+    /// epoch than before is gone over to once two of its frames are published, or all that it has; until then
+    /// the pair stays the one that it was, blend and all. Epochs in between are passed over. The pair stays
+    /// readable until the next call; frames before `pair.prev` may be recycled from here on. Wait-free: at
+    /// most one walk over the ring (4 entries per slot); no allocation.
+    bool pair_at(const MediaMoment& moment, FramePair& pair);
+    /// Reader. Of the epoch that it is in.
     bool pair_at(std::int64_t time_ns, FramePair& pair);
 
 private:
     struct Entry {
         std::int64_t number = 0, time_ns = 0;
+        std::uint64_t epoch = 0;
         std::size_t slot = 0;
     };
     const Entry& entry(std::uint64_t sequence) const { return entries_[sequence % entries_.size()]; }
     TimedFrame timed_frame(std::uint64_t sequence) const;
     Result<void> check_later(std::int64_t number, std::int64_t time_ns) const;
     void append(std::int64_t number, std::int64_t time_ns, std::size_t slot);
+    bool is_pinned(std::size_t slot) const;
+    bool go_over(std::uint64_t epoch, bool ended, std::uint64_t published, std::uint64_t& first);
+    void hold(std::uint64_t prev, std::uint64_t next, double blend);
 
     // Entries are numbered from 0 without end; the ring holds entry n at n modulo its size. Those in
-    // [reader_oldest_, published_) and the slots they name are the reader's, all else is the writer's.
+    // [reader_oldest_, published_) and the slots they name are the reader's, and so are the pinned slots; all
+    // else is the writer's.
     std::vector<std::unique_ptr<SurfaceFrame>> slots_;
     std::vector<Entry> entries_;
-    // Writer only: the slot being built, and for each slot where reader_oldest_ must be to recycle it.
+    // Writer only: the slot being built, for each slot where reader_oldest_ must be to recycle it, and the
+    // epoch with what was published of it.
     std::optional<std::size_t> acquired_;
     std::vector<std::uint64_t> free_from_;
+    std::uint64_t epoch_ = 0;
+    bool epoch_has_frames_ = false;
+    // Reader only: what it holds; nothing before its first look.
+    std::optional<FramePair> held_;
     // Each on its own cache line, so that the sides do not slow each other.
     alignas(64) std::atomic<std::uint64_t> published_{0};      // stored by the writer
-    alignas(64) std::atomic<std::uint64_t> reader_oldest_{0};  // stored by the reader: its pair.prev
+    alignas(64) std::atomic<std::uint64_t> reader_oldest_{0};  // stored by the reader, after pinned_
+    std::atomic<std::uint64_t> pinned_{0};                     // by the reader: the slots of its pair
     alignas(64) std::atomic<std::int64_t> newest_time_;        // stored by the writer
+    std::atomic<std::uint64_t> ended_{0};                      // by the writer: 1 + the epoch that has ended
 };
 
 }  // namespace touchable
