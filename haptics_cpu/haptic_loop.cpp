@@ -1,6 +1,7 @@
 #include "haptics_cpu/haptic_loop.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/start_thread.hpp"
 
@@ -25,12 +26,13 @@ bool answer_of(Call&& call) noexcept {
 }  // namespace
 
 HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port,
-                       TickLog& log)
+                       TickLog& log, MomentOfTick moment_of_tick)
     : scene_(scene),
       timeline_(timeline),
       step_(step),
       port_(port),
       log_(log),
+      moment_of_tick_(std::move(moment_of_tick)),
       newtons_(static_cast<std::size_t>(step.fingers())) {}
 
 HapticLoop::~HapticLoop() {
@@ -89,7 +91,7 @@ bool HapticLoop::tick(std::int64_t tick, double late_us) {
     const std::int64_t time_ns = std::chrono::nanoseconds(tick * tick_time).count();
     time_ns_.store(time_ns, std::memory_order_relaxed);
     FramePair pair;
-    timeline_.pair_at(time_ns, pair);
+    timeline_.pair_at(moment_of_tick_ ? moment_of_tick_(tick) : MediaMoment{0, time_ns, 0}, pair);
     const HeightField field(scene_, pair);
     if (!answer_of([&] { return port_.read_goals(tick, field, step_.goals()); })) return false;
     TouchTick done = step_.run(tick, time_ns, scene_, pair);

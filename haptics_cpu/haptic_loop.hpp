@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -30,14 +31,17 @@ struct LoopFacts {
 /// skipped (docs/architecture.md, Threads).
 class HapticLoop {
 public:
+    /// Which moment of the clip a tick is of; asked tick by tick by the haptic thread, so it must not wait.
+    /// Nothing: the tick's own time, of epoch 0.
+    using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
     /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.
-    HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port,
-               TickLog& log);
+    HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
+               MomentOfTick moment_of_tick = {});
     ~HapticLoop();  ///< stops it
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
 
-    /// Begins tick 0, at time 0 of the timeline, now. At least one frame has been published. A loop runs
+    /// Begins tick 0 now. At least one frame has been published. A loop runs
     /// once: what its fingers carry over knows nothing of a pause, and the hand would get a force without a
     /// ramp. An error then, and where the machine has no thread left.
     Result<void> start();
@@ -45,7 +49,7 @@ public:
     /// has ended.
     void stop();
     bool running() const { return !ended_.load(std::memory_order_acquire); }
-    /// Time of the newest tick begun, on the timeline.
+    /// Time of the newest tick begun: tick k is at k ms.
     std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }
     /// After `stop`, or once it is not running.
     const LoopFacts& facts() const { return facts_; }
@@ -60,6 +64,7 @@ private:
     TouchStep& step_;
     HapticPort& port_;
     TickLog& log_;
+    const MomentOfTick moment_of_tick_;
     std::vector<glm::dvec3> newtons_;
     LoopFacts facts_;
     bool started_ = false;

@@ -80,7 +80,7 @@ Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scen
     const Stopwatch watch;
     if (auto begun = threads.start(); !begun.ok()) return begun.error();
     FramePair pair;
-    while (!threads.end_ns() && !threads.error()) {
+    while (!threads.end() && !threads.error()) {
         if (interrupted()) return interrupted_error();
         feed.timeline().pair_at(std::numeric_limits<std::int64_t>::max(), pair);
         std::this_thread::sleep_for(std::chrono::microseconds(200));

@@ -17,6 +17,18 @@ struct RawFrame {
     PlaneView height;          ///< 1 channel
     /// Keeps the planes alive, and as they are; nothing: they last only as long as a call that is given them.
     std::shared_ptr<const void> storage;
+    /// Of the clip's clock (MediaMoment); 0 as a reader gives it. Frames of two epochs are not each other's
+    /// neighbours, whatever their numbers.
+    std::uint64_t epoch = 0;
+};
+
+/// Which frame it was, for whoever remembers one.
+struct FramePlace {
+    std::uint64_t epoch = 0;
+    std::int64_t number = 0;
+
+    explicit FramePlace(const RawFrame& raw) : epoch(raw.epoch), number(raw.number) {}
+    bool is_before(const RawFrame& raw) const { return epoch == raw.epoch && number + 1 == raw.number; }
 };
 
 /// True where samples of both can be compared byte by byte, or neither plane is there.

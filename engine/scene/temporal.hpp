@@ -10,6 +10,9 @@ namespace touchable {
 
 /// Frames for which a pixel without depth keeps what it had.
 inline constexpr int temporal_hold_frames = 3;
+/// Where a clip is not read from its beginning, the filter begins empty so many frames before the first that
+/// anybody wants.
+inline constexpr int temporal_warm_up_frames = 16;
 
 /// The temporal filter, as it works on one scene's codes; docs/conventions.md has the arithmetic.
 struct TemporalFilter {

@@ -151,7 +151,7 @@ Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
 
 /// A picture, and of each pixel for how many frames it has only been held.
 struct Remembered {
-    std::int64_t number;
+    FramePlace place;
     Picture picture;
     std::vector<int> held;
 };
@@ -164,14 +164,14 @@ std::uint16_t smoothed(int code, int before, const CodeCurve& gate) {
 }
 
 /// Changes what is remembered into that of this frame.
-void smooth(Picture picture, std::int64_t number, const TemporalFilter& filter,
+void smooth(Picture picture, const RawFrame& raw, const TemporalFilter& filter,
             std::optional<Remembered>& remembered) {
     for (Pixel& pixel : picture.pixels) pixel.code = filter.scale.of(pixel.code);
-    if (!remembered || remembered->number + 1 != number) {
-        remembered = {number, picture, std::vector<int>(picture.pixels.size(), 0)};
+    if (!remembered || !remembered->place.is_before(raw)) {
+        remembered = {FramePlace(raw), picture, std::vector<int>(picture.pixels.size(), 0)};
         return;
     }
-    remembered->number = number;
+    remembered->place = FramePlace(raw);
     for (std::size_t k = 0; k < picture.pixels.size(); ++k) {
         const Pixel& now = picture.pixels[k];
         Pixel& kept = remembered->picture.pixels[k];
@@ -213,30 +213,30 @@ public:
         if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
         Picture picture = decoded(raw.depth, plan_.stored);
         for (const PlannedFilter& planned : plan_.filters)
-            picture = std::visit(
-                [&](const auto& filter) { return filtered(std::move(picture), filter, raw.number); },
-                planned.filter);
+            picture =
+                std::visit([&](const auto& filter) { return filtered(std::move(picture), filter, raw); },
+                           planned.filter);
         store(picture, out);
         copy_touch_planes(raw, out);
         return {};
     }
 
 private:
-    static Picture filtered(Picture picture, const FlyingPixels& filter, std::int64_t) {
+    static Picture filtered(Picture picture, const FlyingPixels& filter, const RawFrame&) {
         return flying_pixels_landed(picture, filter);
     }
-    static Picture filtered(Picture picture, const HoleFilling& filling, std::int64_t) {
+    static Picture filtered(Picture picture, const HoleFilling& filling, const RawFrame&) {
         for (int pass = 0; pass < filling.passes; ++pass) picture = holes_filled_once(picture);
         return picture;
     }
-    static Picture filtered(Picture picture, const MedianWindow& window, std::int64_t) {
+    static Picture filtered(Picture picture, const MedianWindow& window, const RawFrame&) {
         return median_filtered(picture, window.side);
     }
-    Picture filtered(Picture picture, const TemporalFilter& filter, std::int64_t number) {
-        smooth(std::move(picture), number, filter, remembered_);
+    Picture filtered(Picture picture, const TemporalFilter& filter, const RawFrame& raw) {
+        smooth(std::move(picture), raw, filter, remembered_);
         return remembered_->picture;
     }
-    static Picture filtered(Picture picture, const TerraceFilter& filter, std::int64_t) {
+    static Picture filtered(Picture picture, const TerraceFilter& filter, const RawFrame&) {
         return terraces_removed(std::move(picture), filter);
     }
 

@@ -13,9 +13,9 @@ void TemporalSmoother::begin(const RawFrame& raw, RowBands& bands) {
     codes_.resize(words * strip_pixels);
     for (auto* bits : {&known_, &held_low_, &held_high_}) {
         bits->resize(words);
-        if (!last_ || *last_ + 1 != raw.number) std::fill(bits->begin(), bits->end(), 0U);
+        if (!last_ || !last_->is_before(raw)) std::fill(bits->begin(), bits->end(), 0U);
     }
-    last_ = raw.number;
+    last_.emplace(raw);
 }
 
 void TemporalSmoother::make(const RowBand& band, SurfaceFrame& out) {

@@ -15,7 +15,7 @@ class TemporalSmoother final : public BandSource {
 public:
     TemporalSmoother(std::unique_ptr<BandSource> before, const TemporalFilter& filter, VectorUnit unit)
         : before_(std::move(before)), filter_(filter), unit_(unit) {}
-    /// Nothing is remembered of what is not the frame before this one, by its number.
+    /// Nothing is remembered of what is not the frame before this one, by epoch and number.
     void begin(const RawFrame& raw, RowBands& bands) override;
     /// Codes become finer and smooth, and more of them valid.
     void make(const RowBand& band, SurfaceFrame& out) override;
@@ -27,7 +27,7 @@ private:
     std::size_t words_ = 0;  // of a row
     std::vector<std::uint16_t> codes_;
     std::vector<std::uint32_t> known_, held_low_, held_high_;
-    std::optional<std::int64_t> last_;
+    std::optional<FramePlace> last_;
 };
 
 }  // namespace touchable

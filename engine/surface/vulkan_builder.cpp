@@ -45,7 +45,7 @@ private:
     SurfaceRecording recording_;
     BlockList list_;
     StoredPlane stored_;
-    std::optional<std::int64_t> last_;  // number of the frame that is remembered
+    std::optional<FramePlace> last_;  // of the frame that is remembered
     std::vector<GpuTime> stages_;
 };
 
@@ -81,7 +81,7 @@ Result<void> Builder::build_listed(const RawFrame& raw, const VulkanVertices& sl
     if (!rows.ok()) return rows.error();
     auto commands = GpuCommands::begin(device_, "surface");
     if (!commands.ok()) return commands.error();
-    const bool begins = !last_ || *last_ + 1 != raw.number;
+    const bool begins = !last_ || !last_->is_before(raw);
     last_.reset();  // until all of it is done
     stored_.record_reading_in(*commands);
     if (auto recorded = recording_.record(*commands, *rows, list_, begins, slot); !recorded.ok())
@@ -90,7 +90,7 @@ Result<void> Builder::build_listed(const RawFrame& raw, const VulkanVertices& sl
     const auto submission = std::move(*commands).submit();
     if (!submission.ok()) return submission.error();
     if (auto done = submission->wait(); !done.ok()) return done;
-    last_ = raw.number;
+    last_.emplace(raw);
     stages_ = submission->times();
     return {};
 }

@@ -11,6 +11,7 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/file_option.hpp"
 #include "player/commands/outputs.hpp"
+#include "player/commands/playback_options.hpp"
 #include "player/commands/touch_run.hpp"
 #include "player/commands/whole_option.hpp"
 #include "player/commands/word_option.hpp"
@@ -23,6 +24,7 @@ namespace {
 struct TouchWords {
     TouchOptions options;
     ClipTyped clip;
+    PlaybackTyped playback;
     double max_stiffness_n_mm = 10;
     double stiffness_slew = 0;  // N/mm per second
     double seconds = 0, picture_seconds = 0;
@@ -68,6 +70,10 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     auto clip = read_clip(words.clip);
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
+    auto playback = read_playback(words.playback);
+    if (!playback.ok()) return playback.error();
+    options.session.playback = std::move(*playback);
+    options.play = words.playback.script;
     return options;
 }
 
@@ -164,7 +170,7 @@ void group_options(CLI::App& sub) {
         const char* name;
         std::vector<const char*> options;
     } groups[] = {
-        {"The clip", {"--scene", "--intrinsics", "--depth-unit"}},
+        {"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},
@@ -187,6 +193,7 @@ void add_touch_command(CLI::App& app, Command& command) {
     // In the order in which the help names their groups.
     words->clip_word = add_clip_options(*sub, words->clip);
     words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
+    words->fix_by_recording(add_playback_options(*sub, words->playback));
     words->fix_by_recording(add_hand_options(*sub, o.session));
     words->fix_by_recording(add_filter_options(*sub, words->clip));
     words->fix_by_recording({add_interpolation_option(*sub, words->clip.choice)});

@@ -18,6 +18,7 @@ std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& 
     std::vector<NamedFile> inputs;
     if (setup.clip.scene_file) inputs.push_back({"--scene", *setup.clip.scene_file});
     if (options.replay) inputs.push_back({"--replay", *options.replay});
+    if (options.play) inputs.push_back({"--play", *options.play});
     if (const auto file = setup.hand->file()) inputs.push_back({"the hand's file", *file});
     add_inputs(inputs, setup.clip.file, setup.feed->reader());
     return inputs;
@@ -85,10 +86,8 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const To
         if (auto done = forces_->finish(); !done.ok()) return done;
     if (record_) {
         nlohmann::ordered_json facts = recorded_facts(setup_);
-        facts["frames"] = setup_.feed->frames();
-        facts["planes_hash"] = setup_.feed->planes_hash();
         facts["force_hash"] = figures.force_hash();
-        if (auto done = record_->finish(facts); !done.ok()) return done;
+        if (auto done = record_->finish(facts, setup_.settings.playback); !done.ok()) return done;
     }
     if (json_) {
         const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // names need not be UTF-8

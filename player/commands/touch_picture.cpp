@@ -18,6 +18,19 @@ struct FrameAgain {
     SurfaceFrame surface;
 };
 
+/// The first frame that those of an epoch are made of, `number` being one of them: that one alone, or where a
+/// filter remembers what it has seen since the epoch's start.
+std::int64_t first_read(const TouchSetup& setup, std::uint64_t epoch, std::int64_t number) {
+    if (!setup.scene.filter.temporal) return number;
+    PlaybackClock clock(setup.scene.rate, setup.settings.playback);
+    std::int64_t start_ns = 0;
+    for (auto next = clock.next_epoch(); next && next->number <= epoch; next = clock.next_epoch())
+        start_ns = next->start_ns;
+    if (epoch == 0) return 0;
+    const std::int64_t first = std::min(setup.scene.rate.frame_at(start_ns), number);
+    return std::max<std::int64_t>(0, first - setup.warm_up_frames);
+}
+
 /// Reads on until frame `number`, and builds it; `all`: those before it too, which it is made of.
 Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number, bool all,
                         FrameAgain& frame) {
@@ -37,6 +50,7 @@ Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_
 std::int64_t usual_picture_tick(const TouchSetup& setup) {
     const auto known = setup.settings.ticks ? setup.settings.ticks : setup.hand->ticks();
     if (known) return *known * 6 / 10;
+    if (!setup.settings.playback.empty()) return shortest_run_ns / tick_ns * 6 / 10;
     const auto frames = setup.feed->reader().frame_count();
     const std::int64_t clip_ms = frames ? setup.scene.rate.time_ns(*frames) / 1'000'000 : 0;
     return std::max<std::int64_t>(clip_ms, 3000) * 6 / 10;
@@ -55,7 +69,7 @@ Result<void> TouchPicture::take(const TouchTick& tick) {
         if (trails_[k].size() > trail_ticks) trails_[k].pop_front();
     }
     reached_ = tick.tick >= tick_;
-    moment_ = Moment{tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, {}};
+    moment_ = Moment{tick.pair.epoch, tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, {}};
     for (std::size_t k = 0; k < trails_.size(); ++k) {
         const Contact& contact = tick.contacts[k];
         moment_->fingers.push_back({contact.goal, contact.proxy, tick.forces[k].force, contact.touching, {}});
@@ -86,6 +100,8 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     const bool on_gpu = setup.feed->builder_name() == "vulkan";
     const auto builder = make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
+    const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
+    if (auto there = (*reader)->seek(first); !there.ok()) return there;
     FrameAgain prev, next;
     const bool all = setup.scene.filter.temporal;
     if (auto read = read_frame(**reader, **builder, moment_->frame_prev, all, prev); !read.ok()) return read;

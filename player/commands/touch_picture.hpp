@@ -27,6 +27,7 @@ public:
 private:
     using Place = glm::dvec2;  // of a proxy in the image, pixels
     struct Moment {
+        std::uint64_t epoch = 0;
         std::int64_t frame_prev = 0, frame_next = 0;
         double blend = 0;
         std::vector<FingerMark> fingers;  // trails are still empty

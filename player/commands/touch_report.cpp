@@ -6,6 +6,7 @@
 #include "player/commands/filter_facts.hpp"
 #include "player/commands/machine_facts.hpp"
 #include "player/commands/touch_warnings.hpp"
+#include "player/session/playback_script.hpp"
 
 namespace touchable {
 
@@ -28,7 +29,8 @@ std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& f
             "them soft");
     const double clip = static_cast<double>(setup.feed->end_ns()) * 1e-9,
                  run = 1e-3 * static_cast<double>(figures.ticks());
-    if (setup.feed->ended() && setup.feed->frames() > 1 && run > 1.02 * clip)
+    if (setup.settings.playback.empty() && setup.feed->ended() && setup.feed->frames() > 1 &&
+        run > 1.02 * clip)
         notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
                         in_seconds(run));
     for (const std::string& remark : setup.hand->remarks()) notes.push_back("hand: " + remark);
@@ -96,6 +98,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                 {"device_metres_per_metre",
                  setup.settings.touch.metres_per_scene_unit / setup.scene.metres_per_unit}};
     report.update(figures.to_json());
+    if (!setup.settings.playback.empty()) report["playback"] = in_words(setup.settings.playback);
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
     if (live) add_live_figures(report, figures, *live);
@@ -133,6 +136,7 @@ std::string report_to_text(const Json& r) {
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
     for (const auto& note : r["notes"]) line("note", note.get<std::string>());
+    if (r.contains("playback")) line("playback", r["playback"].get<std::string>() + " (seconds, command)");
     line("filters", r["filters"]["in_words"].get<std::string>());
     const auto why = r["builder_why"].get<std::string>();
     const auto builder = r["builder"].get<std::string>();

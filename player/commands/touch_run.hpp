@@ -16,8 +16,9 @@ struct TouchOptions {
     /// With `replay` only the builder and the clip, which may be empty: the recorded one then.
     SessionOptions session;
     std::optional<std::filesystem::path> json, forces, record, replay;
-    Existing existing = Existing::keep;  ///< what becomes of earlier files of those names
-    bool strict = false;                 ///< what the report warns of is an error of kind check
+    std::optional<std::filesystem::path> play;  ///< read into `session.playback` already
+    Existing existing = Existing::keep;         ///< what becomes of earlier files of those names
+    bool strict = false;                        ///< what the report warns of is an error of kind check
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
 };

@@ -20,10 +20,13 @@ constexpr std::chrono::milliseconds slot_wait(1);
 
 }  // namespace
 
-FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late)
+FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, WantedEpoch wanted)
     : feed_(feed),
       out_of_memory_(too_large(frames_in_words(feed.reader().scene()))),
-      is_late_(std::move(is_late)) {}
+      is_late_(std::move(is_late)),
+      wanted_(std::move(wanted)),
+      ahead_(std::move(ahead)),
+      coming_(ahead_.next_epoch()) {}
 
 Result<void> FeedThreads::start() {
     auto begun = start_thread(decoder_, "that decodes", [this] { guarded(&FeedThreads::decode); });
@@ -69,21 +72,41 @@ void FeedThreads::fail(Error&& error) {
     changed_.notify_all();
 }
 
+/// To the epoch that is to come, if it is time; one that the hand has left behind by then is left out.
+Result<bool> FeedThreads::go_on(bool all_is_read) {
+    const std::uint64_t wanted = wanted_();
+    if (!coming_ || !(all_is_read || coming_->number <= wanted)) return false;
+    ComingEpoch next = *coming_;
+    for (coming_ = ahead_.next_epoch(); coming_ && coming_->number <= wanted; coming_ = ahead_.next_epoch())
+        next = *coming_;
+    if (auto there = feed_.read_from(next.number, next.start_ns); !there.ok()) return there.error();
+    return true;
+}
+
+/// False once the threads are to stop.
+bool FeedThreads::queue_up(FedFrame&& frame) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return stopping_ || queue_.size() < queue_length; });
+    if (stopping_) return false;
+    queue_.push_back(std::move(frame));
+    changed_.notify_all();
+    return true;
+}
+
 void FeedThreads::decode() {
+    bool all_is_read = false;
     while (true) {
-        auto raw = feed_.read_next();
-        if (!raw.ok()) return fail(Error(raw.error()));
-        std::unique_lock lock(mutex_);
-        if (!*raw) {
-            decoded_all_ = true;
-            changed_.notify_all();
-            return;
-        }
-        changed_.wait(lock, [this] { return stopping_ || queue_.size() < queue_length; });
-        if (stopping_) return;
-        queue_.push_back(std::move(**raw));
-        changed_.notify_all();
+        const auto gone_on = go_on(all_is_read);
+        if (!gone_on.ok()) return fail(Error(gone_on.error()));
+        if (all_is_read && !*gone_on) break;
+        auto frame = feed_.read_next();
+        if (!frame.ok()) return fail(Error(frame.error()));
+        all_is_read = !*frame || (coming_ && (*frame)->raw.time_ns >= coming_->left_ns);
+        if (*frame && !queue_up(std::move(**frame))) return;
     }
+    const std::lock_guard lock(mutex_);
+    decoded_all_ = true;
+    changed_.notify_all();
 }
 
 void FeedThreads::build() {
@@ -92,18 +115,19 @@ void FeedThreads::build() {
         changed_.wait(lock, [this] { return stopping_ || decoded_all_ || !queue_.empty(); });
         if (stopping_) return;
         if (queue_.empty()) {
-            end_ns_ = feed_.end_ns();
+            feed_.timeline().end_epoch();
+            end_ = feed_.end();
             return;
         }
-        const RawFrame raw = std::move(queue_.front());
+        const FedFrame frame = std::move(queue_.front());
         queue_.pop_front();
         changed_.notify_all();
         lock.unlock();
         while (true) {
-            const auto published = feed_.publish(raw);
+            const auto published = feed_.publish(frame);
             if (!published.ok()) return fail(Error(published.error()));
             if (*published) {
-                late_frames_ += is_late_(raw);
+                late_frames_ += frame.shown && is_late_(frame.raw);
                 break;
             }
             lock.lock();
@@ -113,9 +137,9 @@ void FeedThreads::build() {
     }
 }
 
-std::optional<std::int64_t> FeedThreads::end_ns() const {
+std::optional<MediaMoment> FeedThreads::end() const {
     const std::lock_guard lock(mutex_);
-    return end_ns_;
+    return end_;
 }
 
 std::optional<Error> FeedThreads::error() const {

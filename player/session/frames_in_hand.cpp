@@ -25,6 +25,11 @@ public:
         given_ = 0;
         return reader_->rewind();
     }
+    Result<void> seek(std::int64_t frame) override {
+        frames_.clear();
+        given_ = 0;
+        return reader_->seek(frame);
+    }
     void leave_out_colour() override { reader_->leave_out_colour(); }
 
 private:

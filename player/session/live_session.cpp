@@ -1,12 +1,13 @@
 #include "player/session/live_session.hpp"
 
-#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <thread>
 
 #include "player/session/feed_threads.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/live_line.hpp"
+#include "player/session/playback_clock.hpp"
 
 namespace touchable {
 
@@ -16,11 +17,28 @@ namespace {
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
+/// Which moment of the clip the hand is at, for the other threads. Its epoch and its time may be those of two
+/// ticks, for figures that do not mind.
+class HandsMoment {
+public:
+    void set(const MediaMoment& moment) {
+        epoch_.store(moment.epoch, std::memory_order_relaxed);
+        time_ns_.store(moment.time_ns, std::memory_order_relaxed);
+    }
+    std::uint64_t epoch() const { return epoch_.load(std::memory_order_relaxed); }
+    std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }
+
+private:
+    std::atomic<std::uint64_t> epoch_{0};
+    std::atomic<std::int64_t> time_ns_{0};
+};
+
 /// Whether a frame that is there now was needed before: a held one from its own time on, one that the surface
 /// goes to (`linear`) as soon as it leaves the frame before.
-bool comes_late(const RawFrame& raw, const Scene& scene, std::int64_t now_ns) {
-    if (scene.interpolation == FrameInterpolation::hold) return now_ns >= raw.time_ns;
-    return now_ns > scene.rate.time_ns(raw.number - 1);
+bool comes_late(const RawFrame& raw, const Scene& scene, const HandsMoment& now) {
+    if (raw.epoch != now.epoch()) return raw.epoch < now.epoch();
+    if (scene.interpolation == FrameInterpolation::hold) return now.time_ns() >= raw.time_ns;
+    return now.time_ns() > scene.rate.time_ns(raw.number - 1);
 }
 
 }  // namespace
@@ -33,8 +51,17 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (interrupted()) return interrupted_error();
     TouchStep step(solver_, settings_.guard, settings_.fingers);
     TickLog log(log_ticks, settings_.fingers);
-    HapticLoop loop(scene_, feed_.timeline(), step, port_, log);
-    FeedThreads threads(feed_, [&](const RawFrame& raw) { return comes_late(raw, scene_, loop.time_ns()); });
+    PlaybackClock clock(scene_.rate, settings_.playback);
+    HandsMoment now;
+    now.set(clock.at(0));
+    FeedThreads threads(
+        feed_, [&](const RawFrame& raw) { return comes_late(raw, scene_, now); }, clock,
+        [&now] { return now.epoch(); });
+    HapticLoop loop(scene_, feed_.timeline(), step, port_, log, [&](std::int64_t tick) {
+        const MediaMoment moment = clock.at(tick);
+        now.set(moment);
+        return moment;
+    });
 
     Result<void> taken;
     LiveLine line;
@@ -50,8 +77,9 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     const auto is_over = [&] {
         if (const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks())
             return loop.time_ns() >= (*ticks - 1) * tick_ns;
-        const auto end = threads.end_ns();
-        return end && loop.time_ns() + tick_ns >= std::max(*end, shortest_run_ns);
+        const auto end = threads.end();
+        return end && now.epoch() == end->epoch && now.time_ns() + tick_ns >= end->time_ns &&
+               loop.time_ns() + tick_ns >= shortest_run_ns;
     };
     if (auto begun = threads.start(); !begun.ok()) return begun;
     if (auto begun = loop.start(); !begun.ok()) return begun;

@@ -12,13 +12,16 @@ void PlanesHash::add(const RawFrame& frame) {
     }
 }
 
-Result<std::string> planes_hash_of(ClipReader& clip, std::int64_t frames) {
+Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
     PlanesHash hash;
-    for (std::int64_t number = 0; number < frames; ++number) {
-        const auto frame = clip.next();
-        if (!frame.ok()) return frame.error();
-        if (!*frame) break;
-        hash.add(**frame);
+    for (const FrameRun& run : runs) {
+        if (auto there = clip.seek(run.first); !there.ok()) return there.error();
+        for (std::int64_t k = 0; k < run.count; ++k) {
+            const auto frame = clip.next();
+            if (!frame.ok()) return frame.error();
+            if (!*frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
+            hash.add(**frame);
+        }
     }
     return hash.hex();
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "engine/byte_hash.hpp"
 #include "engine/frame/raw_frame.hpp"
@@ -21,7 +22,13 @@ private:
     ByteHash hash_;
 };
 
-/// Of a clip's next `frames`; of all it has where those are fewer.
-Result<std::string> planes_hash_of(ClipReader& clip, std::int64_t frames);
+/// Frames of a clip that were read one after another.
+struct FrameRun {
+    std::int64_t first = 0, count = 0;
+    bool operator==(const FrameRun&) const = default;
+};
+
+/// Of these frames of a clip, in this order; an error where it has not all of them.
+Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs);
 
 }  // namespace touchable

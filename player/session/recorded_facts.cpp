@@ -1,5 +1,6 @@
 #include "player/session/recorded_facts.hpp"
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -45,6 +46,14 @@ Json recorded_facts(const TouchSetup& setup) {
         facts["depth_unit"] = camera->metres_per_code;
     }
     if (!setup.device_words.empty()) facts["device"] = setup.device_words;
+    if (!setup.settings.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
+    const auto& built = setup.feed->built();
+    std::int64_t frames = 0;
+    for (const FrameRun& run : built) frames += run.count;
+    facts["frames"] = frames;
+    if (built != std::vector<FrameRun>{{0, frames}})
+        for (const FrameRun& run : built) facts["built"].push_back({run.first, run.count});
+    facts["planes_hash"] = setup.feed->planes_hash();
     return facts;
 }
 
@@ -106,6 +115,26 @@ std::optional<PictureCamera> camera_of(const Json& facts) {
     return camera;
 }
 
+}  // namespace
+
+std::optional<std::vector<FrameRun>> built_frames(const Json& facts) {
+    std::vector<FrameRun> runs;
+    if (!facts.contains("built")) {
+        if (!facts.contains("frames")) return std::nullopt;
+        return std::vector<FrameRun>{{0, whole_number(facts, "frames", 1, 1'000'000'000)}};
+    }
+    const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(
+        facts, "built", "pairs of a frame's number and a count");
+    for (const auto& [first, count] : pairs) {
+        if (first < 0 || count < 1)
+            throw std::out_of_range("built must be pairs of a frame's number and a count");
+        runs.push_back({first, count});
+    }
+    return runs;
+}
+
+namespace {
+
 /// Throws as `member` does, and where a setting is impossible.
 void read_touch(const Json& facts, TouchSettings& touch) {
     touch.metric = metric_named(text(facts, "metric"));
@@ -142,8 +171,11 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
     if (facts.contains("device")) setup.device_words = text(facts, "device");
     read_touch(facts, setup.settings.touch);
     read_guard(object(facts, "guard"), setup.settings.guard);
+    if (facts.contains("warm_up_frames"))
+        setup.warm_up_frames = whole_number(facts, "warm_up_frames", 0, 1000);
     if (facts.contains("rules")) (void)whole_number(facts, "rules", 1, 1'000'000);
     if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, 1'000'000'000);
+    (void)built_frames(facts);
     for (const char* hash : {"planes_hash", "force_hash"}) (void)text(facts, hash);
     return object(facts, "scene").dump();
 }

@@ -9,10 +9,14 @@ namespace touchable {
 
 namespace {
 
-// Layout: magic, version u32, fingers u32, ticks..., facts (JSON), size of the facts u64, number of ticks
-// u64, XXH64 of all before it u64.
+// Layout: magic, version u32, fingers u32, ticks..., commands..., number of commands u64, facts (JSON), size
+// of the facts u64, number of ticks u64, XXH64 of all before it u64. Format 1 has neither commands nor
+// epochs.
 constexpr std::string_view magic = "TOUCHREC";
-constexpr std::size_t head_size = 16, tail_size = 24, tick_size = 32, finger_size = 52;
+constexpr std::size_t head_size = 16, tail_size = 24, finger_size = 52, command_size = 28;
+constexpr std::size_t tick_size(std::uint64_t version) {
+    return version == 1 ? 32 : 40;
+}
 constexpr std::uint32_t most_fingers = 256;
 
 void put(std::string& bytes, std::uint64_t value, int size) {
@@ -46,18 +50,40 @@ private:
     std::size_t at_ = 0;
 };
 
-RecordedTick read_tick(Bytes& bytes, std::size_t fingers) {
+RecordedTick read_tick(Bytes& bytes, std::uint64_t version, std::size_t fingers) {
     RecordedTick tick;
     tick.time_ns = static_cast<std::int64_t>(bytes.integer(8));
     tick.frame_prev = static_cast<std::int64_t>(bytes.integer(8));
     tick.frame_next = static_cast<std::int64_t>(bytes.integer(8));
     tick.blend = bytes.real();
+    if (version > 1) tick.epoch = bytes.integer(8);
     for (std::size_t k = 0; k < fingers; ++k) {
         tick.goals.push_back(bytes.vector());
         tick.forces.push_back(bytes.vector());
         tick.guards.push_back(static_cast<std::uint32_t>(bytes.integer(4)));
     }
     return tick;
+}
+
+PlaybackCommand read_command(Bytes& bytes) {
+    PlaybackCommand command;
+    command.tick = static_cast<std::int64_t>(bytes.integer(8));
+    command.verb = static_cast<PlaybackVerb>(bytes.integer(4));
+    command.first = static_cast<std::int64_t>(bytes.integer(8));
+    command.second = static_cast<std::int64_t>(bytes.integer(8));
+    return command;
+}
+
+/// Why ticks that can be read cannot be; empty where they can.
+std::string fault_of(const std::vector<RecordedTick>& ticks) {
+    if (ticks.empty()) return "has no ticks; there is nothing to replay";
+    for (std::size_t k = 1; k < ticks.size(); ++k) {
+        if (ticks[k].time_ns < ticks[k - 1].time_ns)
+            return "tick " + std::to_string(k) + ": its time is before that of the tick before";
+        if (ticks[k].epoch < ticks[k - 1].epoch)
+            return "tick " + std::to_string(k) + ": its epoch is before that of the tick before";
+    }
+    return "";
 }
 
 Result<std::string> read_whole(const std::filesystem::path& file) {
@@ -94,17 +120,24 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     ByteHash found;
     found.add(bytes.data(), bytes.size() - 8);
     if (hash != found.value()) return refuse(damaged);
-    const std::uint64_t tick_bytes = tick_size + finger_size * fingers;
+    const std::uint64_t tick_bytes = tick_size(version) + finger_size * fingers;
     const std::uint64_t room = bytes.size() - head_size - tail_size;
-    if (facts_size > room || ticks > room / tick_bytes || ticks * tick_bytes + facts_size != room)
+    const std::uint64_t count_size = version == 1 ? 0 : 8;
+    if (facts_size > room || count_size > room - facts_size) return refuse(damaged);
+    const std::size_t facts_at = bytes.size() - tail_size - facts_size;
+    const std::uint64_t commands = version == 1 ? 0 : Bytes(bytes.substr(facts_at - count_size)).integer(8);
+    const std::uint64_t left = room - facts_size - count_size;
+    if (commands > left / command_size || ticks > left / tick_bytes ||
+        ticks * tick_bytes + commands * command_size != left)
         return refuse(damaged);
 
     Recording recording;
     recording.fingers = static_cast<int>(fingers);
     Bytes body(bytes.substr(head_size));
     for (std::uint64_t k = 0; k < ticks; ++k)
-        recording.ticks.push_back(read_tick(body, static_cast<std::size_t>(fingers)));
-    const std::string_view facts = bytes.substr(bytes.size() - tail_size - facts_size, facts_size);
+        recording.ticks.push_back(read_tick(body, version, static_cast<std::size_t>(fingers)));
+    for (std::uint64_t k = 0; k < commands; ++k) recording.playback.push_back(read_command(body));
+    const std::string_view facts = bytes.substr(facts_at, facts_size);
     try {
         (void)checked_json::parse(facts);
     } catch (const checked_json::Refusal& reason) {
@@ -112,10 +145,11 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     }
     recording.facts = nlohmann::ordered_json::parse(facts, nullptr, false);
     if (!recording.facts.is_object()) return refuse(damaged);
-    if (recording.ticks.empty()) return refuse("has no ticks; there is nothing to replay");
-    for (std::size_t k = 1; k < recording.ticks.size(); ++k)
-        if (recording.ticks[k].time_ns < recording.ticks[k - 1].time_ns)
-            return refuse("tick " + std::to_string(k) + ": its time is before that of the tick before");
+    if (const std::string fault = fault_of(recording.ticks); !fault.empty()) return refuse(fault);
+    if (auto valid = validate(recording.playback); !valid.ok()) return refuse(valid.error().message);
+    // A loop is run through turn by turn.
+    if (!recording.playback.empty() && recording.ticks.back().time_ns > latest_moment_ns)
+        return refuse("its last tick is later than 1e6 s");
     return recording;
 }
 
@@ -141,6 +175,7 @@ Result<void> RecordingFile::take(const TouchTick& tick) {
     for (const std::int64_t value : {tick.time_ns, tick.pair.prev.number, tick.pair.next.number})
         put(bytes_, static_cast<std::uint64_t>(value), 8);
     put(bytes_, tick.blend);
+    put(bytes_, tick.pair.epoch, 8);
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         put(bytes_, tick.goals[k]);
         put(bytes_, tick.forces[k].force);
@@ -150,10 +185,20 @@ Result<void> RecordingFile::take(const TouchTick& tick) {
     return write(bytes_);
 }
 
-Result<void> RecordingFile::finish(const nlohmann::ordered_json& facts) {
+Result<void> RecordingFile::finish(const nlohmann::ordered_json& facts,
+                                   const std::vector<PlaybackCommand>& playback) {
+    std::string tail;
+    for (const PlaybackCommand& command : playback) {
+        put(tail, static_cast<std::uint64_t>(command.tick), 8);
+        put(tail, static_cast<std::uint64_t>(command.verb), 4);
+        for (const std::int64_t value : {command.first, command.second})
+            put(tail, static_cast<std::uint64_t>(value), 8);
+    }
+    put(tail, playback.size(), 8);
     // Names of files need not be UTF-8; JSON must.
-    std::string tail = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-    const std::uint64_t facts_size = tail.size();
+    const std::string text = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    const std::uint64_t facts_size = text.size();
+    tail += text;
     put(tail, facts_size, 8);
     put(tail, ticks_, 8);
     if (auto written = write(tail); !written.ok()) return written;

@@ -6,6 +6,7 @@
 
 #include "haptics_cpu/force_rules.hpp"
 #include "player/session/planes_hash.hpp"
+#include "player/session/recorded_facts.hpp"
 
 namespace touchable {
 
@@ -27,19 +28,21 @@ std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
 /// nothing.
 bool has_other_frames(const Recording& recording, const TouchSetup& setup) {
     const auto recorded = recording.facts.at("planes_hash").get<std::string>();
-    if (!recording.facts.contains("frames")) return !setup.live && recorded != setup.feed->planes_hash();
-    const auto frames = recording.facts["frames"].get<std::int64_t>();
-    if (frames == setup.feed->frames()) return recorded != setup.feed->planes_hash();
+    const auto built = built_frames(recording.facts);
+    if (!built) return !setup.live && recorded != setup.feed->planes_hash();
+    if (*built == setup.feed->built()) return recorded != setup.feed->planes_hash();
     const auto reader = setup.clip.open();
     if (!reader.ok()) return true;
-    const auto found = planes_hash_of(**reader, frames);
+    const auto found = planes_hash_of(**reader, *built);
     return !found.ok() || *found != recorded;
 }
 
-std::string in_words(std::int64_t prev, std::int64_t next, double blend) {
+std::string in_words(std::uint64_t epoch, std::int64_t prev, std::int64_t next, double blend) {
     char share[32];
     std::snprintf(share, sizeof share, " at %.17g", blend);
-    return "between frames " + std::to_string(prev) + " and " + std::to_string(next) + share;
+    std::string words = "between frames " + std::to_string(prev) + " and " + std::to_string(next) + share;
+    if (epoch > 0) words += " of epoch " + std::to_string(epoch);
+    return words;
 }
 
 }  // namespace
@@ -54,9 +57,11 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
     const RecordedTick& recorded = recording_.ticks[next_++];
     const std::string where = "tick " + std::to_string(tick.tick);
     if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
-        recorded.blend != tick.blend) {
-        difference_ = where + ": " + in_words(tick.pair.prev.number, tick.pair.next.number, tick.blend) +
-                      ", recorded " + in_words(recorded.frame_prev, recorded.frame_next, recorded.blend);
+        recorded.blend != tick.blend || recorded.epoch != tick.pair.epoch) {
+        difference_ = where + ": " +
+                      in_words(tick.pair.epoch, tick.pair.prev.number, tick.pair.next.number, tick.blend) +
+                      ", recorded " +
+                      in_words(recorded.epoch, recorded.frame_prev, recorded.frame_next, recorded.blend);
         return {};
     }
     for (std::size_t k = 0; k < tick.forces.size(); ++k) {

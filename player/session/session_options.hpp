@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/result.hpp"
 #include "haptics_cpu/guard_settings.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 #include "player/session/builder_choice.hpp"
 #include "player/session/clip_choice.hpp"
+#include "player/session/playback_clock.hpp"
 
 namespace touchable {
 
@@ -17,7 +19,8 @@ struct SessionOptions {
     ClipChoice clip;
     std::string hand = "wander";  ///< as make_hand reads it
     int fingers = 1;
-    std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
+    std::vector<PlaybackCommand> playback;  ///< what is asked of the clip's clock; `validate` passes them
+    std::optional<std::int64_t> ticks;      ///< nothing: the hand's length, or the clip's and at least 3 s
     BuilderChoice builder{.name = "auto"};
     TouchMetric metric = TouchMetric::world;
     double stribeck_speed = 0;  ///< m/s; 0: friction does not depend on speed

@@ -1,5 +1,6 @@
 #include "player/session/surface_feed.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <chrono>
 
@@ -25,38 +26,71 @@ bool has_valid_pixel(const PlaneView& depth, const DepthCoding& coding) {
 }  // namespace
 
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
-                         const Scene& scene)
+                         const Scene& scene, int warm_up_frames)
     : reader_(std::move(reader)),
       builder_(std::move(builder)),
       rate_(scene.rate),
       stored_(scene.depth),
+      warm_up_frames_(warm_up_frames),
       settles_(FilterPlan(scene).remembers()) {}
 
-Result<std::optional<RawFrame>> SurfaceFeed::read_next() {
-    const auto start = std::chrono::steady_clock::now();
-    auto raw = reader_->next();
-    if (raw.ok() && *raw) read_ms_.push_back(milliseconds_since(start));
-    return raw;
+Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) {
+    first_shown_ = rate_.frame_at(start_ns);
+    if (const auto count = reader_->frame_count(); count && *count > 0)
+        first_shown_ = std::min(first_shown_, *count - 1);
+    read_epoch_ = epoch;
+    const std::int64_t before = settles_ ? warm_up_frames_ : 0;
+    return reader_->seek(std::max<std::int64_t>(0, first_shown_ - before));
 }
 
-Result<bool> SurfaceFeed::publish(const RawFrame& raw) {
+Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
-    const bool unchanged = !settles_ && newest_ && same_touch_planes(*newest_, raw);
-    const auto published = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(raw);
-    if (!published.ok() || !*published) return published;
-    build_ms_.push_back(milliseconds_since(start));
+    auto raw = reader_->next();
+    if (!raw.ok()) return raw.error();
+    if (!*raw) return std::optional<FedFrame>();
+    read_ms_.push_back(milliseconds_since(start));
+    FedFrame frame{std::move(**raw)};
+    frame.raw.epoch = read_epoch_;
+    frame.shown = frame.raw.number >= first_shown_;
+    return std::optional(std::move(frame));
+}
+
+void SurfaceFeed::note_built(const RawFrame& raw) {
     hash_.add(raw);
+    if (built_.empty() || built_.back().first + built_.back().count != raw.number)
+        built_.push_back({raw.number, 0});
+    ++built_.back().count;
+}
+
+Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
+    const RawFrame& raw = frame.raw;
+    const auto start = std::chrono::steady_clock::now();
+    if (raw.epoch != built_epoch_) {
+        timeline_.begin_epoch(raw.epoch);
+        built_epoch_ = raw.epoch;
+        newest_.reset();
+    }
+    const bool unchanged = !settles_ && newest_ && same_touch_planes(*newest_, raw);
+    const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
+    if (!done.ok() || !*done) return done;
+    build_ms_.push_back(milliseconds_since(start));
+    note_built(raw);
+    if (!frame.shown) return true;
     any_valid_ = any_valid_ || has_valid_pixel(raw.depth, stored_);
+    newest_number_ = raw.number;
     ++frames_;
     unchanged_frames_ += unchanged;
     skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();
     return true;
 }
 
-Result<bool> SurfaceFeed::build(const RawFrame& raw) {
+/// One that is not shown stays in the writer's slot, where the next one takes its place.
+Result<bool> SurfaceFeed::build(const FedFrame& frame) {
+    const RawFrame& raw = frame.raw;
     SurfaceFrame* slot = timeline_.acquire();
     if (!slot) return false;
     if (auto built = builder_->build(raw, *slot); !built.ok()) return built.error();
+    if (!frame.shown) return true;
     if (auto published = timeline_.publish(raw.number, raw.time_ns); !published.ok())
         return published.error();
     if (!settles_ && raw.storage)
@@ -66,33 +100,42 @@ Result<bool> SurfaceFeed::build(const RawFrame& raw) {
     return true;
 }
 
-Result<void> SurfaceFeed::publish_next() {
-    const auto raw = read_next();
-    if (!raw.ok()) return raw.error();
-    if (!*raw) {
+Result<void> SurfaceFeed::feed_next() {
+    const auto frame = read_next();
+    if (!frame.ok()) return frame.error();
+    if (!*frame) {
         ended_ = true;
+        timeline_.end_epoch();
         return {};
     }
-    const auto published = publish(**raw);
+    const auto published = publish(**frame);
     if (!published.ok()) return published.error();
-    assert(*published && "the reader of virtual time never holds more than a pair");
+    assert(*published && "the reader of virtual time never holds more than two pairs");
     return {};
 }
 
-Result<FramePair> SurfaceFeed::pair_at(std::int64_t time_ns) {
-    FramePair pair;
-    // The reader's oldest frame follows it before each build, so that a slot is free however far time jumps.
-    while (!ended_ && timeline_.newest_time() <= time_ns) {
-        timeline_.pair_at(time_ns, pair);
-        if (auto published = publish_next(); !published.ok()) return published.error();
+Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
+    if (moment.epoch > read_epoch_) {
+        if (auto there = read_from(moment.epoch, moment.start_ns); !there.ok()) return there.error();
+        ended_ = false;
     }
-    if (!timeline_.pair_at(time_ns, pair))
+    FramePair pair;
+    const auto is_there = [&] {
+        return built_epoch_ >= moment.epoch && timeline_.newest_time() > moment.time_ns;
+    };
+    // The reader's oldest frame follows it before each build, so that a slot is free however far time jumps.
+    while (!ended_ && !is_there()) {
+        timeline_.pair_at(moment, pair);
+        if (auto fed = feed_next(); !fed.ok()) return fed.error();
+    }
+    if (!timeline_.pair_at(moment, pair))
         return input_error("the clip has no frames; there is nothing to touch");
     return pair;
 }
 
-Result<FramePair> SurfaceFeed::pair_of(std::int64_t prev, std::int64_t next, double blend) {
-    auto pair = pair_at(rate_.time_ns(prev));
+Result<FramePair> SurfaceFeed::pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
+                                       std::int64_t next, double blend) {
+    auto pair = pair_at(MediaMoment{epoch, rate_.time_ns(prev), start_ns});
     if (!pair.ok()) return pair;
     if (next == prev) pair->next = pair->prev;
     if (pair->prev.number != prev || pair->next.number != next)

@@ -8,33 +8,53 @@
 
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/media/clip.hpp"
+#include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/session/planes_hash.hpp"
 
 namespace touchable {
 
+/// A frame as it was read.
+struct FedFrame {
+    RawFrame raw;
+    bool shown = true;  ///< false: before the epoch's first, for the memory of a filter alone
+};
+
 /// A clip's frames on their way into the timeline, and in virtual time on the caller's thread: whoever asks
 /// for a moment finds the frames around it published.
 class SurfaceFeed {
 public:
-    /// `scene`: the reader's, as this run applies it.
+    /// `scene`: the reader's, as this run applies it. `warm_up_frames`: that a filter with a memory sees
+    /// before an epoch's first frame.
     SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
-                const Scene& scene);
+                const Scene& scene, int warm_up_frames = temporal_warm_up_frames);
 
-    /// Reads and builds until a frame later than `time_ns` is published or the clip has ended, then gives the
-    /// pair around that time. Times must not go backward. An empty clip is an error.
-    Result<FramePair> pair_at(std::int64_t time_ns);
+    /// Reads and builds until a frame later than the moment is published or the clip has ended, then gives
+    /// the pair around it. Moments must not go backward (of an epoch that is left, the pair in hand stays
+    /// the one that it is); a later epoch is read from its start on. An empty clip is an error.
+    Result<FramePair> pair_at(const MediaMoment& moment);
+    /// Of epoch 0.
+    Result<FramePair> pair_at(std::int64_t time_ns) { return pair_at(MediaMoment{0, time_ns, 0}); }
 
-    /// The pair of these frames (the same, or neighbours) at a blend: what a live tick found, whatever its
-    /// time.
-    Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend);
+    /// The pair of these frames (the same, or neighbours) at a blend: what a live tick found in an epoch,
+    /// whatever its time.
+    Result<FramePair> pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
+                              std::int64_t next, double blend);
+    /// Likewise, of epoch 0.
+    Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend) {
+        return pair_of(0, 0, prev, next, blend);
+    }
 
     // The parts, for a thread each (FeedThreads).
+    /// What is read from now on is of this epoch: from the frame at its start on (the clip's last where that
+    /// is beyond), and where a filter remembers from the warm-up before. By the thread that
+    /// reads.
+    Result<void> read_from(std::uint64_t epoch, std::int64_t start_ns);
     /// Decodes a frame; nothing after the last.
-    Result<std::optional<RawFrame>> read_next();
+    Result<std::optional<FedFrame>> read_next();
     /// Builds and publishes it, or, where no filter remembers, the frame before once more where nothing that
     /// can be touched has changed; false while the timeline has no room.
-    Result<bool> publish(const RawFrame& raw);
+    Result<bool> publish(const FedFrame& frame);
     SurfaceTimeline& timeline() { return timeline_; }
 
     const ClipReader& reader() const { return *reader_; }
@@ -48,26 +68,37 @@ public:
     /// Whether any stored pixel of the frames published so far was valid.
     bool any_valid() const { return any_valid_; }
     bool ended() const { return ended_; }
-    /// End of the newest frame's time on screen.
-    std::int64_t end_ns() const { return rate_.time_ns(frames_); }
+    /// The newest epoch that was built, and the end of its newest frame's time on screen.
+    MediaMoment end() const { return {built_epoch_, end_ns(), 0}; }
+    std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
+    /// Which frames were built, in order; what `planes_hash` is of.
+    const std::vector<FrameRun>& built() const { return built_; }
     /// Per frame, milliseconds.
     const std::vector<double>& read_ms() const { return read_ms_; }
     const std::vector<double>& build_ms() const { return build_ms_; }
-    /// Of the frames published so far.
     std::string planes_hash() const { return hash_.hex(); }
 
 private:
-    Result<void> publish_next();
-    Result<bool> build(const RawFrame& raw);
+    Result<void> feed_next();
+    void note_built(const RawFrame& raw);
+    Result<bool> build(const FedFrame& frame);
 
     std::unique_ptr<ClipReader> reader_;
     std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;
     DepthCoding stored_;
+    int warm_up_frames_;
     bool settles_;  // a filter that remembers makes another surface of the same frame once more
     SurfaceTimeline timeline_{4};
+    // Of the thread that reads.
+    std::uint64_t read_epoch_ = 0;
+    std::int64_t first_shown_ = 0;
+    // Of the thread that builds.
+    std::uint64_t built_epoch_ = 0;
     PlanesHash hash_;
-    std::optional<RawFrame> newest_;  // of those that were built
+    std::vector<FrameRun> built_;
+    std::optional<RawFrame> newest_;   // of those that were built
+    std::int64_t newest_number_ = -1;  // of those that were published
     std::int64_t frames_ = 0, unchanged_frames_ = 0;
     double skipped_frames_ = 0;  // and parts of frames
     bool any_valid_ = false, ended_ = false;

@@ -1,7 +1,5 @@
 #include "player/session/touch_session.hpp"
 
-#include <algorithm>
-
 #include "player/session/field_probe.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/progress.hpp"
@@ -14,14 +12,24 @@ TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, co
       feed_(feed),
       hand_(hand),
       settings_(settings),
+      clock_(scene.rate, settings.playback),
       step_(solver, settings.guard, settings.fingers) {
     if (!settings_.time_of_tick) settings_.time_of_tick = [](std::int64_t tick) { return tick * tick_ns; };
 }
 
-bool TouchSession::is_over(std::int64_t tick) const {
+MediaMoment TouchSession::moment_of(std::int64_t tick) {
+    return clock_.at(settings_.time_of_tick(tick) / tick_ns);
+}
+
+bool TouchSession::is_over(std::int64_t tick) {
     const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks();
     if (ticks) return tick >= *ticks;
-    return feed_.ended() && settings_.time_of_tick(tick) >= std::max(feed_.end_ns(), shortest_run_ns);
+    const auto& playback = settings_.playback;
+    const std::int64_t time_ns = settings_.time_of_tick(tick);
+    if (!playback.empty() && time_ns / tick_ns < playback.back().tick) return false;
+    const MediaMoment moment = moment_of(tick), end = feed_.end();
+    return feed_.ended() && moment.epoch == end.epoch && moment.time_ns >= end.time_ns &&
+           time_ns >= shortest_run_ns;
 }
 
 Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
@@ -36,7 +44,7 @@ Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
 
 Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> sinks) {
     const std::int64_t time_ns = settings_.time_of_tick(tick);
-    const auto pair = settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(time_ns);
+    const auto pair = settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(moment_of(tick));
     if (!pair.ok()) return pair.error();
     // A clip whose length only reading tells may turn out to have ended before this tick.
     if (is_over(tick)) return {};

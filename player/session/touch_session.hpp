@@ -10,6 +10,7 @@
 
 #include "device/hand.hpp"
 #include "haptics_cpu/touch_step.hpp"
+#include "player/session/playback_clock.hpp"
 #include "player/session/surface_feed.hpp"
 
 namespace touchable {
@@ -32,9 +33,11 @@ struct TouchSessionSettings {
     GuardSettings guard;
     /// Nothing: as long as the hand's motion, or where that has no end as the clip, but 3 s at least.
     std::optional<std::int64_t> ticks;
-    /// Time of a tick on the clip's clock; k ms by default. Must not go backward.
+    /// What was asked of the clip's clock (PlaybackClock), at which ticks.
+    std::vector<PlaybackCommand> playback;
+    /// Time of a tick; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
-    /// Frames of a tick; those around its time by default.
+    /// Frames of a tick; those around its moment on the clip's clock by default.
     std::function<Result<FramePair>(std::int64_t)> pair_of_tick;
 };
 
@@ -50,13 +53,15 @@ public:
     Result<void> run(std::span<TouchSink* const> sinks);
 
 private:
-    bool is_over(std::int64_t tick) const;
+    bool is_over(std::int64_t tick);
+    MediaMoment moment_of(std::int64_t tick);
     Result<void> tick(std::int64_t tick, std::span<TouchSink* const> sinks);
 
     const Scene& scene_;
     SurfaceFeed& feed_;
     Hand& hand_;
     TouchSessionSettings settings_;
+    PlaybackClock clock_;
     TouchStep step_;
 };
 

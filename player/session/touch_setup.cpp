@@ -8,6 +8,7 @@
 #include "player/session/builder_pick.hpp"
 #include "player/session/clip_workspace.hpp"
 #include "player/session/field_probe.hpp"
+#include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
 #include "player/session/repeating_hand.hpp"
 #include "player/session/replay.hpp"
@@ -51,7 +52,8 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
     auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
-    setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(*builder), setup.scene);
+    setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(*builder), setup.scene,
+                                               setup.warm_up_frames);
     return {};
 }
 
@@ -70,7 +72,25 @@ Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
     return {};
 }
 
-/// A hand over the clip's first frame, and where it stands there.
+/// A moment that the clip has not, where its length is known, and a run that would never end.
+Result<void> check_playback(const TouchSetup& setup, const SessionOptions& options) {
+    const auto& playback = setup.settings.playback;
+    const auto frames = setup.feed->reader().frame_count();
+    const std::int64_t end_ns = frames ? setup.scene.rate.time_ns(*frames) : latest_moment_ns + 1;
+    for (const PlaybackCommand& command : playback)
+        if ((command.verb == PlaybackVerb::seek || command.verb == PlaybackVerb::loop) &&
+            command.first >= end_ns)
+            return usage_error("playback '" + in_words(std::vector{command}) + "': the clip ends at " +
+                               std::to_string(static_cast<double>(end_ns) * 1e-9) + " s");
+    const bool ends = setup.settings.ticks || setup.hand->ticks() || options.live ||
+                      PlaybackClock(setup.scene.rate, playback).plays_to_the_end();
+    if (ends) return {};
+    return usage_error("playback '" + in_words(playback) +
+                       "' never comes to the clip's end; --seconds must say how long to touch");
+}
+
+/// A hand over the frame that it begins with, and where it stands there. The scale is that of the clip's
+/// first frame, wherever it begins.
 Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     const auto first = setup.feed->pair_at(0);
     if (!first.ok()) return first.error();
@@ -80,7 +100,9 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
         setup.workspace.metres_per_scene_unit = setup.settings.touch.metres_per_scene_unit;
         return {};
     }
-    const HeightField field(setup.scene, *first);
+    const auto begin = setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0));
+    if (!begin.ok()) return begin.error();
+    const HeightField field(setup.scene, *begin);
     auto hand = make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field));
     if (!hand.ok()) return hand.error();
     setup.hand = std::move(*hand);
@@ -118,6 +140,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->live = options.live;
     setup->settings.fingers = options.fingers;
     setup->settings.ticks = options.ticks;
+    setup->settings.playback = options.playback;
     setup->settings.touch.metric = options.metric;
     setup->settings.touch.stribeck_speed = options.stribeck_speed;
     setup->settings.guard = options.guard;
@@ -128,6 +151,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     if (!clip.ok()) return clip.error();
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
     if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();
+    if (auto checked = check_playback(*setup, options); !checked.ok()) return checked.error();
     if (auto held = hold_device(*setup, options); !held.ok()) return held.error();
     if (auto made = make_solver(*setup); !made.ok()) return made.error();
     return setup;
@@ -175,10 +199,18 @@ void follow(const Recording& recording, TouchSetup& setup) {
         const auto last = static_cast<std::int64_t>(recording.ticks.size()) - 1;
         return recording.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
     };
+    setup.settings.playback = recording.playback;
     if (!setup.live) return;
-    setup.settings.pair_of_tick = [&recording, feed = setup.feed.get()](std::int64_t tick) {
+    const PlaybackClock clock(setup.scene.rate, recording.playback);
+    setup.settings.pair_of_tick = [&recording, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
+                                   now = clock](std::int64_t tick) mutable -> Result<FramePair> {
         const RecordedTick& recorded = recording.ticks[static_cast<std::size_t>(tick)];
-        return feed->pair_of(recorded.frame_prev, recorded.frame_next, recorded.blend);
+        if (recorded.epoch > now.at(recorded.time_ns / tick_ns).epoch)
+            return input_error("tick " + std::to_string(tick) + " is of epoch " +
+                               std::to_string(recorded.epoch) + ", which no command has begun by then");
+        while (epoch.number < recorded.epoch) epoch = ahead.next_epoch().value();
+        return feed->pair_of(epoch.number, epoch.start_ns, recorded.frame_prev, recorded.frame_next,
+                             recorded.blend);
     };
 }
 

@@ -8,6 +8,7 @@
 
 #include "device/simulated_device.hpp"
 #include "device/workspace.hpp"
+#include "engine/scene/temporal.hpp"
 #include "player/session/recording.hpp"
 #include "player/session/session_options.hpp"
 #include "player/session/touch_session.hpp"
@@ -31,6 +32,8 @@ struct TouchSetup {
     Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
+    /// That a filter with a memory sees before an epoch's first frame.
+    int warm_up_frames = temporal_warm_up_frames;
     bool live = false;  ///< on the wall clock, or recorded so
 };
 

@@ -52,6 +52,30 @@ TEST_F(Live, ASessionReplaysToItsHashWithEveryBuilder) {
     }
 }
 
+// Which frames were there when an epoch was wanted is a matter of the moment, and part of the recording.
+TEST_F(Live, ASessionOfPausesSeeksLoopsAndOtherSpeedsReplaysToItsHash) {
+    const std::string play = folder / "play.txt";
+    std::ofstream(play) << "0.05 pause\n0.1 step\n0.15 play\n0.2 rate 2\n0.25 loop 0.1 0.25\n0.5 seek 0.3\n"
+                           "0.5 unloop\n0.52 seek 0\n0.521 seek 0.2\n0.6 rate 0.2\n";
+    for (const Words& filter : {Words{}, Words{"--temporal", "5"}}) {
+        Words words{clip,        "--live", "--start-buried", "--play",           play,
+                    "--seconds", "0.7",    "--record",       folder / "live.rec"};
+        words.insert(words.end(), filter.begin(), filter.end());
+        const auto live = touch(words);
+        const RecordingBytes raw(file_contents(folder / "live.rec"));
+        EXPECT_GT(raw.integer(raw.epoch_at(raw.ticks() - 1), 8), 3U);
+        const auto replay = touch({"--replay", folder / "live.rec", "--builder", "reference"});
+        EXPECT_EQ(replay["force_hash"], live["force_hash"]);
+        EXPECT_EQ(replay["playback"], live["playback"]);
+        RecordingBytes early = raw;
+        early.set_integer(early.epoch_at(raw.ticks() - 1), 8, 1U << 30);
+        std::ofstream(folder / "early.rec", std::ios::binary) << early.bytes();
+        const Outcome refused = run_touchable({"touch", "--replay", folder / "early.rec"});
+        EXPECT_EQ(refused.code, 3);
+        EXPECT_NE(refused.err.find("which no command has begun"), std::string::npos) << refused.err;
+    }
+}
+
 // A live session's threads read ahead of the hand; a replay reads no more than it needs.
 TEST_F(Live, AReplayThatDiffersBlamesTheClipOnlyForAnotherClip) {
     touch({clip, "--live", "--seconds", "0.2", "--record", folder / "live.rec"});

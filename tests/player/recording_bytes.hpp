@@ -15,11 +15,14 @@ public:
 
     std::size_t fingers() const { return integer(12, 4); }
     std::size_t ticks() const { return integer(bytes_.size() - 16, 8); }
-    std::size_t time_at(std::size_t tick) const { return 16 + tick * (32 + 52 * fingers()); }
+    std::size_t time_at(std::size_t tick) const { return 16 + tick * (head_size() + 52 * fingers()); }
     std::size_t blend_at(std::size_t tick) const { return time_at(tick) + 24; }
+    /// Not in format 1, as the commands.
+    std::size_t epoch_at(std::size_t tick) const { return time_at(tick) + 32; }
     std::size_t goal_at(std::size_t tick, std::size_t finger) const {
-        return time_at(tick) + 32 + 52 * finger;
+        return time_at(tick) + head_size() + 52 * finger;
     }
+    std::size_t command_at(std::size_t command) const { return time_at(ticks()) + 28 * command; }
     std::size_t force_at(std::size_t tick, std::size_t finger) const { return goal_at(tick, finger) + 24; }
     std::size_t guard_at(std::size_t tick, std::size_t finger) const { return goal_at(tick, finger) + 48; }
 
@@ -35,6 +38,8 @@ public:
     void keep_ticks(std::size_t count);
 
 private:
+    /// Of a tick, before its fingers.
+    std::size_t head_size() const { return integer(8, 4) == 1 ? 32 : 40; }
     void put(std::size_t at, std::size_t size, std::uint64_t value);
     void seal();
     std::string bytes_;

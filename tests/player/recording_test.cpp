@@ -27,6 +27,7 @@ protected:
         EXPECT_TRUE(make_reference_builder((*source)->scene())->build((*source)->frame(0), surface_).ok());
         pair_.prev = {7, 233'333'333, &surface_};
         pair_.next = {8, 266'666'666, &surface_};
+        pair_.epoch = 2;
         const HeightField field((*source)->scene(), pair_);
         auto recording = RecordingFile::create(file(), 2, Existing::replace);
         EXPECT_TRUE(recording.ok());
@@ -36,7 +37,7 @@ protected:
                                 goals_[k], contacts_, forces_[k], 0.001};
             EXPECT_TRUE((*recording)->take(one).ok());
         }
-        EXPECT_TRUE((*recording)->finish(facts_).ok());
+        EXPECT_TRUE((*recording)->finish(facts_, playback_).ok());
         bytes_ = file_contents(file());
     }
     std::string file() const { return folder / "run.rec"; }
@@ -67,6 +68,8 @@ protected:
         {{{0.1, 0.2, 0.3}, guard_force | guard_stiffness}, {{1e-17, 0, 0}, guard_none}},
         {{{0, 0, 0}, guard_none}, {{0, 0, 0}, guard_none}}};
     const std::vector<Contact> contacts_{2};
+    const std::vector<PlaybackCommand> playback_{{3, PlaybackVerb::loop, 5, 1'000'000'005},
+                                                 {7, PlaybackVerb::step, 0, 0}};
     const nlohmann::ordered_json facts_{{"clip", "a clip"}, {"S", 0.1}};
     std::string bytes_;
 };
@@ -81,6 +84,7 @@ TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
     ASSERT_TRUE(recording.ok()) << recording.error().message;
     EXPECT_EQ(recording->fingers, 2);
     EXPECT_EQ(nlohmann::json(recording->facts), nlohmann::json(facts_));
+    EXPECT_EQ(recording->playback, playback_);
     ASSERT_EQ(recording->ticks.size(), 4U);
     for (std::size_t k = 0; k < 4; ++k) {
         const RecordedTick& tick = recording->ticks[k];
@@ -88,6 +92,7 @@ TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
         EXPECT_EQ(tick.frame_prev, 7);
         EXPECT_EQ(tick.frame_next, 8);
         EXPECT_EQ(tick.blend, 0);
+        EXPECT_EQ(tick.epoch, 2U);
         ASSERT_EQ(tick.goals.size(), 2U);
         for (std::size_t finger = 0; finger < 2; ++finger) {
             expect_same_bits(tick.goals[finger], goals_[k][finger]);
@@ -100,7 +105,7 @@ TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
 TEST_F(RecordingFormat, LayoutIsAsDocumented) {
     const RecordingBytes raw(bytes_);
     EXPECT_EQ(bytes_.substr(0, 8), "TOUCHREC");
-    EXPECT_EQ(raw.integer(8, 4), 1U);
+    EXPECT_EQ(raw.integer(8, 4), 2U);
     EXPECT_EQ(raw.fingers(), 2U);
     EXPECT_EQ(raw.ticks(), 4U);
     EXPECT_EQ(raw.integer(raw.time_at(3), 8), 243'000'001U);
@@ -110,6 +115,12 @@ TEST_F(RecordingFormat, LayoutIsAsDocumented) {
     EXPECT_EQ(raw.real(raw.goal_at(3, 1) + 16), 6);
     EXPECT_EQ(raw.real(raw.force_at(2, 0) + 8), 0.2);
     EXPECT_EQ(raw.integer(raw.guard_at(2, 0), 4), 3U);
+    EXPECT_EQ(raw.integer(raw.epoch_at(1), 8), 2U);
+    EXPECT_EQ(raw.integer(raw.command_at(0), 8), 3U);
+    EXPECT_EQ(raw.integer(raw.command_at(0) + 8, 4), 5U);
+    EXPECT_EQ(raw.integer(raw.command_at(0) + 20, 8), 1'000'000'005U);
+    EXPECT_EQ(raw.integer(raw.command_at(1), 8), 7U);
+    EXPECT_EQ(raw.integer(raw.command_at(2), 8), 2U) << "how many there are";
     EXPECT_EQ(raw.facts(), facts_);
     RecordingBytes sealed = raw;
     sealed.set_facts(facts_.dump(2));
@@ -143,8 +154,8 @@ TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
     };
     const RecordingBytes raw(bytes_);
     const std::size_t facts_size = bytes_.size() - 24, ticks = bytes_.size() - 16;
-    expect_refused(with(8, 4, 2), "format version 2; this program reads up to 1");
-    expect_refused(with(8, 4, 0), "damaged");
+    expect_refused(with(8, 4, 3), "format version 3; this program reads up to 2");
+    for (const std::uint64_t version : {0, 1}) expect_refused(with(8, 4, version), "damaged");
     for (const std::uint64_t fingers : {0, 1, 3, 256, 257}) expect_refused(with(12, 4, fingers), "damaged");
     expect_refused(with(12, 4, 0xffffffff), "damaged");
     for (const std::uint64_t huge : {std::uint64_t{0}, std::uint64_t{1} << 32, ~std::uint64_t{0}}) {
@@ -153,6 +164,14 @@ TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
     }
     expect_refused(with(raw.time_at(2), 8, 240'999'999), "tick 2: its time is before");
     expect_refused(with(raw.time_at(3), 8, ~std::uint64_t{0}), "tick 3: its time is before");
+    expect_refused(with(raw.epoch_at(2), 8, 1), "tick 2: its epoch is before");
+    for (const std::uint64_t commands :
+         {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{3}, ~std::uint64_t{0}})
+        expect_refused(with(raw.command_at(2), 8, commands), "damaged");
+    expect_refused(with(raw.command_at(1), 8, 2), "playback command 2: tick 2 is before 3");
+    expect_refused(with(raw.command_at(0) + 8, 4, 99), "playback command 1: is no command");
+    expect_refused(with(raw.command_at(0) + 20, 8, 6), "playback command 1: a loop must be");
+    expect_refused(with(raw.time_at(3), 8, 1'000'000'000'000'001), "its last tick is later than 1e6 s");
     RecordingBytes none(bytes_);
     none.keep_ticks(0);
     expect_refused(none.bytes(), "no ticks");

@@ -228,9 +228,9 @@ TEST_F(Replay, FactsThatAreNestedTooDeeplyAreCode3) {
 TEST_F(Replay, NewerFormatIsRefusedByName) {
     record("plane", {"--seconds", "0.05"});
     RecordingBytes raw = recording();
-    raw.set_integer(8, 4, 2);
+    raw.set_integer(8, 4, 3);
     write(raw);
-    expect_ends_with(3, "format version 2");
+    expect_ends_with(3, "format version 3");
 }
 
 // Made once by `make moving moving.mkv --size 32x24 --frames 3` and `touch moving.mkv --seconds 0.05 --hand

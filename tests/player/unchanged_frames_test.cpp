@@ -155,7 +155,7 @@ TEST(UnchangedFrames, WaitForTheHandLikeOthers) {
     EXPECT_LT(published, 60);
     EXPECT_EQ(built, 1);
     FramePair pair;
-    ASSERT_TRUE(feed.timeline().pair_at((*raw)->time_ns, pair));
+    ASSERT_TRUE(feed.timeline().pair_at((*raw)->raw.time_ns, pair));
     const auto later = feed.publish(**raw);
     EXPECT_TRUE(later.ok() && *later);
 }
