@@ -92,6 +92,7 @@ bool HapticLoop::tick(std::int64_t tick, double late_us) {
     time_ns_.store(time_ns, std::memory_order_relaxed);
     FramePair pair;
     timeline_.pair_at(moment_of_tick_ ? moment_of_tick_(tick) : MediaMoment{0, time_ns, 0}, pair);
+    timeline_.show(tick);
     const HeightField field(scene_, pair);
     if (!answer_of([&] { return port_.read_goals(tick, field, step_.goals()); })) return false;
     TouchTick done = step_.run(tick, time_ns, scene_, pair);

@@ -12,6 +12,8 @@ namespace {
 /// Ring entries per slot: how far unchanged frames may be published ahead of the reader, and how many entries
 /// one look can walk over.
 constexpr std::size_t entries_per_slot = 4;
+/// In `between_`, beside the place.
+constexpr std::size_t is_new = 4;
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
               std::atomic<std::int64_t>::is_always_lock_free);
@@ -20,8 +22,11 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
 std::uint64_t pins(std::size_t one, std::size_t other) {
     return std::uint64_t{one + 1} << 32 | std::uint64_t{other + 1};
 }
-bool has_pin(std::uint64_t pins, std::size_t slot) {
-    return pins >> 32 == slot + 1 || (pins & 0xffffffffU) == slot + 1;
+template <class Pins>
+bool is_pinned(const Pins& pins, std::size_t slot) {
+    return std::any_of(pins.begin(), pins.end(), [slot](std::uint64_t pair) {
+        return pair >> 32 == slot + 1 || (pair & 0xffffffffU) == slot + 1;
+    });
 }
 
 /// later - earlier, exact for any two times.
@@ -31,28 +36,35 @@ double nanoseconds_between(std::int64_t earlier, std::int64_t later) {
 
 }  // namespace
 
-SurfaceTimeline::SurfaceTimeline(int slots) : newest_time_(std::numeric_limits<std::int64_t>::min()) {
-    assert(slots >= 3);
+SurfaceTimeline::SurfaceTimeline(int slots, Eye eye)
+    : eye_(eye), newest_time_(std::numeric_limits<std::int64_t>::min()) {
+    assert(slots >= (eye == Eye::none ? 3 : 5));
     const auto count = static_cast<std::size_t>(slots);
     for (std::size_t k = 0; k < count; ++k) slots_.push_back(std::make_unique<SurfaceFrame>());
     free_from_.assign(count, 0);
     entries_.resize(count * entries_per_slot);
 }
 
+/// Looked at after `reader_oldest_`, and the reader's own first: what has left the one is in the next by
+/// then.
+SurfaceTimeline::Pins SurfaceTimeline::all_pins() const {
+    Pins pins{pinned_.load(std::memory_order_acquire)};
+    for (std::size_t place = 0; place < shown_pins_.size(); ++place)
+        pins[place + 1] = shown_pins_[place].load(std::memory_order_acquire);
+    return pins;
+}
+
 SurfaceFrame* SurfaceTimeline::acquire() {
     if (acquired_) return slots_[*acquired_].get();
     const std::uint64_t oldest = reader_oldest_.load(std::memory_order_acquire);
     if (published_.load(std::memory_order_relaxed) - oldest == entries_.size()) return nullptr;
+    const Pins pins = all_pins();
     // Of the free slots the one used last: the least has changed since the frame it holds.
     for (std::size_t slot = 0; slot < slots_.size(); ++slot)
-        if (free_from_[slot] <= oldest && !is_pinned(slot) &&
+        if (free_from_[slot] <= oldest && !is_pinned(pins, slot) &&
             (!acquired_ || free_from_[slot] > free_from_[*acquired_]))
             acquired_ = slot;
     return acquired_ ? slots_[*acquired_].get() : nullptr;
-}
-
-bool SurfaceTimeline::is_pinned(std::size_t slot) const {
-    return has_pin(pinned_.load(std::memory_order_acquire), slot);
 }
 
 void SurfaceTimeline::begin_epoch(std::uint64_t epoch) {
@@ -158,6 +170,23 @@ bool SurfaceTimeline::pair_at(const MediaMoment& moment, FramePair& pair) {
     pair = *held_;
     reader_oldest_.store(prev, std::memory_order_release);
     return true;
+}
+
+void SurfaceTimeline::show(std::int64_t tick) {
+    if (eye_ == Eye::none || !held_) return;
+    shown_[readers_place_] = {*held_, tick};
+    shown_pins_[readers_place_].store(pinned_.load(std::memory_order_relaxed), std::memory_order_release);
+    readers_place_ = between_.exchange(readers_place_ | is_new, std::memory_order_acq_rel) & ~is_new;
+    shown_pins_[readers_place_].store(0, std::memory_order_release);
+}
+
+const HeldPair* SurfaceTimeline::look() {
+    if (between_.load(std::memory_order_relaxed) & is_new) {
+        shown_pins_[eyes_place_].store(0, std::memory_order_release);
+        eyes_place_ = between_.exchange(eyes_place_, std::memory_order_acq_rel) & ~is_new;
+        eye_has_seen_ = true;
+    }
+    return eye_has_seen_ ? &shown_[eyes_place_] : nullptr;
 }
 
 }  // namespace touchable

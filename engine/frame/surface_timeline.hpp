@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -36,14 +37,23 @@ struct FramePair {
     std::uint64_t epoch = 0;
 };
 
+/// What the reader held in a tick.
+struct HeldPair {
+    FramePair pair;
+    std::int64_t tick = 0;
+};
+
 /// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic
 /// thread). The reader never waits; the writer's slots are recycled only once the reader has moved past them.
-/// Nothing here locks, waits or retries: each side reads what the other last stored and works with that.
+/// An eye (whoever draws) may look at what the reader holds; neither of the two waits for it. Nothing here
+/// locks, waits or retries: each side reads what the others last stored and works with that.
 class SurfaceTimeline {
 public:
     /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built); 4 where
-    /// epochs begin (the pair that it holds, and the one that it goes over to).
-    explicit SurfaceTimeline(int slots);
+    /// epochs begin (the pair that it holds, and the one that it goes over to);
+    /// with an eye 2 more.
+    enum class Eye { none, one };
+    explicit SurfaceTimeline(int slots, Eye eye = Eye::none);
     SurfaceTimeline(const SurfaceTimeline&) = delete;
     SurfaceTimeline& operator=(const SurfaceTimeline&) = delete;
 
@@ -78,6 +88,12 @@ public:
     /// Reader. Of the epoch that it is in.
     bool pair_at(std::int64_t time_ns, FramePair& pair);
 
+    /// Reader. Lets the eye have what the last `pair_at` gave. Wait-free; does nothing where there is no eye.
+    void show(std::int64_t tick);
+    /// Eye, one thread. What the reader showed last; nothing before the first. It stays readable until the
+    /// next call, however long that takes. Wait-free, no allocation.
+    const HeldPair* look();
+
 private:
     struct Entry {
         std::int64_t number = 0, time_ns = 0;
@@ -88,7 +104,8 @@ private:
     TimedFrame timed_frame(std::uint64_t sequence) const;
     Result<void> check_later(std::int64_t number, std::int64_t time_ns) const;
     void append(std::int64_t number, std::int64_t time_ns, std::size_t slot);
-    bool is_pinned(std::size_t slot) const;
+    using Pins = std::array<std::uint64_t, 4>;
+    Pins all_pins() const;
     bool go_over(std::uint64_t epoch, bool ended, std::uint64_t published, std::uint64_t& first);
     void hold(std::uint64_t prev, std::uint64_t next, double blend);
 
@@ -109,8 +126,17 @@ private:
     alignas(64) std::atomic<std::uint64_t> published_{0};      // stored by the writer
     alignas(64) std::atomic<std::uint64_t> reader_oldest_{0};  // stored by the reader, after pinned_
     std::atomic<std::uint64_t> pinned_{0};                     // by the reader: the slots of its pair
-    alignas(64) std::atomic<std::int64_t> newest_time_;        // stored by the writer
-    std::atomic<std::uint64_t> ended_{0};                      // by the writer: 1 + the epoch that has ended
+    // Three places for pairs on their way to the eye: one is the reader's, one the eye's, one lies between
+    // them, and each swaps its own for that. Pins stand beside a pair from before the reader puts it there
+    // until whoever has it gives it up.
+    const Eye eye_;
+    std::array<HeldPair, 3> shown_;
+    std::size_t readers_place_ = 0, eyes_place_ = 1;
+    bool eye_has_seen_ = false;
+    std::array<std::atomic<std::uint64_t>, 3> shown_pins_{};
+    alignas(64) std::atomic<std::size_t> between_{2};    // the place, and whether it is new to the eye
+    alignas(64) std::atomic<std::int64_t> newest_time_;  // stored by the writer
+    std::atomic<std::uint64_t> ended_{0};                // by the writer: 1 + the epoch that has ended
 };
 
 }  // namespace touchable

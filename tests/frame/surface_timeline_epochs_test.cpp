@@ -143,7 +143,7 @@ TEST_F(Epochs, TheReaderDoesNotAllocateOnItsWayOver) {
 /// whole.
 TEST(SurfaceTimelineThreads, EpochsThatComeAtAnyTimeNeitherTearNorTurnBackNorStop) {
     constexpr std::size_t codes = 256;
-    constexpr int wanted_epochs = 3000;
+    constexpr int wanted_epochs = 500;
     SurfaceTimeline timeline(4);
     std::atomic<std::uint64_t> wanted{0};
     std::atomic<bool> stop{false};
