@@ -70,6 +70,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     auto clip = read_clip(words.clip);
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
+    options.session.recorded = options.record.has_value();
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
     options.session.playback = std::move(*playback);

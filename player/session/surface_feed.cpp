@@ -56,7 +56,7 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
 }
 
 void SurfaceFeed::note_built(const RawFrame& raw) {
-    hash_.add(raw);
+    if (hashed_) hash_.add(raw);
     if (built_.empty() || built_.back().first + built_.back().count != raw.number)
         built_.push_back({raw.number, 0});
     ++built_.back().count;

@@ -77,6 +77,8 @@ public:
     const std::vector<double>& read_ms() const { return read_ms_; }
     const std::vector<double>& build_ms() const { return build_ms_; }
     std::string planes_hash() const { return hash_.hex(); }
+    /// From the first frame on: no frame is hashed.
+    void leave_out_hash() { hashed_ = false; }
 
 private:
     Result<void> feed_next();
@@ -96,6 +98,7 @@ private:
     // Of the thread that builds.
     std::uint64_t built_epoch_ = 0;
     PlanesHash hash_;
+    bool hashed_ = true;
     std::vector<FrameRun> built_;
     std::optional<RawFrame> newest_;   // of those that were built
     std::int64_t newest_number_ = -1;  // of those that were published

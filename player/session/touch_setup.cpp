@@ -54,6 +54,7 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     if (!builder.ok()) return builder.error();
     setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(*builder), setup.scene,
                                                setup.warm_up_frames);
+    if (!options.recorded) setup.feed->leave_out_hash();
     return {};
 }
 
@@ -225,7 +226,9 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     if (!scene.ok()) return scene.error();
     auto clip = open_recorded(*setup, *scene, file, options.clip);
     if (!clip.ok()) return clip.error();
-    if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
+    SessionOptions as_recorded = options;
+    as_recorded.recorded = true;
+    if (auto made = make_feed(*setup, std::move(*clip), as_recorded); !made.ok()) return made.error();
     setup->hand = std::make_unique<ReplayHand>(recording);
     follow(recording, *setup);
     if (auto made = make_solver(*setup); !made.ok()) return made.error();
