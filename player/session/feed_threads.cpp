@@ -128,6 +128,7 @@ void FeedThreads::build() {
             if (!published.ok()) return fail(Error(published.error()));
             if (*published) {
                 late_frames_ += frame.shown && is_late_(frame.raw);
+                published_.fetch_add(frame.shown, std::memory_order_release);
                 break;
             }
             lock.lock();

@@ -38,7 +38,9 @@ public:
     /// Once. An error where the machine has no thread left; none runs then.
     Result<void> start();
     void stop();
-    /// How many frames were, so far.
+    /// How many frames they have published so far.
+    std::int64_t published() const { return published_.load(std::memory_order_acquire); }
+    /// How many frames were late, so far.
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
     /// End of the clip's last frame in the last epoch once all are published.
     std::optional<MediaMoment> end() const;
@@ -66,7 +68,7 @@ private:
     // Of the thread that decodes.
     PlaybackClock ahead_;
     std::optional<ComingEpoch> coming_;
-    std::atomic<std::int64_t> late_frames_{0};  // counted by the builder
+    std::atomic<std::int64_t> published_{0}, late_frames_{0};  // counted by the builder
     std::thread decoder_, builder_;
 };
 

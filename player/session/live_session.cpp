@@ -82,6 +82,10 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
                loop.time_ns() + tick_ns >= shortest_run_ns;
     };
     if (auto begun = threads.start(); !begun.ok()) return begun;
+    // The first frame after the pair at hand costs most, because memory is new: the hand begins once it is
+    // there.
+    while (threads.published() == 0 && !threads.end() && !threads.error() && !interrupted())
+        std::this_thread::sleep_for(sink_pause);
     if (auto begun = loop.start(); !begun.ok()) return begun;
     while (loop.running() && taken.ok() && !threads.error() && !is_over()) {
         facts_.interrupted = interrupted();
