@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/media/clip.hpp"
+#include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
@@ -116,26 +117,35 @@ std::vector<NamedFile> files_of(const ExportOptions& options) {
     return files;
 }
 
-/// Reads, builds and writes from `options.first` on; gives the number of the frame after the last one read.
-/// What is written says what a device moves per scene unit, for one frame alone may suggest something else
-/// than the clip, whose frame 0 is asked.
-Result<std::int64_t> export_frames(ClipReader& reader, Scene scene, const ExportOptions& options,
+/// One frame alone may suggest another scale than the clip, whose frame 0 is asked.
+Result<void> find_scale(ClipReader& reader, Scene& scene, SurfaceBuilder& builder) {
+    if (scene.device_metres_per_unit) return {};
+    const auto first = reader.next();
+    if (!first.ok()) return first.error();
+    if (!*first) return {};
+    SurfaceFrame surface;
+    if (auto built = builder.build(**first, surface); !built.ok()) return built;
+    scene.device_metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
+    return {};
+}
+
+/// Reads, builds and writes from `options.first` on; gives the number of the frame after the last one read. A
+/// temporal filter begins empty some frames before the first (docs/conventions.md).
+Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const ExportOptions& options,
                                    SurfaceBuilder& builder, std::optional<PictureOrder>& picture) {
     Progress progress("exporting frame", options.last ? *options.last + 1 : reader.frame_count().value_or(0));
     SurfaceFrame surface;
-    std::int64_t number = 0;
+    std::int64_t number =
+        std::max<std::int64_t>(0, options.first - (scene.filter.temporal ? temporal_warm_up_frames : 0));
+    if (auto there = reader.seek(number); !there.ok()) return there.error();
     for (; !options.last || number <= *options.last; ++number) {
         if (interrupted()) return interrupted_error();
-        const auto raw = reader.next();
+        auto raw = reader.next();
         if (!raw.ok()) return raw.error();
         if (!*raw) break;
+        (*raw)->epoch = 1;  // not that of the frame that told the scale
         progress.at(number);
-        // With the temporal filter a frame is made of all before it.
-        const bool needed = scene.filter.temporal || !scene.device_metres_per_unit;
-        if (number < options.first && !needed) continue;
         if (auto built = builder.build(**raw, surface); !built.ok()) return built.error();
-        if (!scene.device_metres_per_unit)
-            scene.device_metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
         if (number < options.first) continue;
         if (auto done = export_frame(**raw, scene, surface, options); !done.ok()) return done.error();
         if (picture)
@@ -166,6 +176,7 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     auto picture = order_picture(options.picture, options.existing, options.builder, gpu);
     if (!picture.ok()) return picture.error();
 
+    if (auto found = find_scale(*reader, scene, **builder); !found.ok()) return found;
     const auto read = export_frames(*reader, scene, options, **builder, *picture);
     if (!read.ok()) return read.error();
     if (*read <= wanted) return beyond_the_end(options, wanted, *read);
