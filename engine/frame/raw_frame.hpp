@@ -22,13 +22,13 @@ struct RawFrame {
     std::uint64_t epoch = 0;
 };
 
-/// Which frame it was, for whoever remembers one.
+/// Which frame it was, for whoever remembers one. Between two of an epoch frames may have been left out.
 struct FramePlace {
     std::uint64_t epoch = 0;
     std::int64_t number = 0;
 
     explicit FramePlace(const RawFrame& raw) : epoch(raw.epoch), number(raw.number) {}
-    bool is_before(const RawFrame& raw) const { return epoch == raw.epoch && number + 1 == raw.number; }
+    bool is_before(const RawFrame& raw) const { return epoch == raw.epoch && number < raw.number; }
 };
 
 /// True where samples of both can be compared byte by byte, or neither plane is there.

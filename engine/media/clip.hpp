@@ -43,6 +43,9 @@ public:
     /// `next` gives this frame next: from 0 to the clip's last, or one further, the end. An error of kind
     /// usage beyond that.
     virtual Result<void> seek(std::int64_t frame);
+    /// The last frame up to this one from which `seek` decodes nothing that is not wanted; 0 where every seek
+    /// begins at the clip's beginning.
+    virtual std::int64_t access_point(std::int64_t) const { return 0; }
     /// Nobody looks at colour: frames that are read from now on may come without it, where that saves
     /// decoding. What is stored of it is still counted, timed and checked for damage.
     virtual void leave_out_colour() {}

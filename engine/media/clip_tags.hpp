@@ -19,6 +19,9 @@ inline constexpr const char* lossless_tag = "T3D_LOSSLESS";
 inline constexpr const char* bits_tag = "T3D_BITS";
 inline constexpr const char* scene_file = "scene.json";
 
+/// From version 2 on, all tracks store a picture that decoding can begin with every so many frames.
+inline constexpr std::int64_t access_interval = 15;
+
 /// A version as its tag has it; nothing unless it is a whole number from 1.
 std::optional<std::int64_t> parse_version(std::string_view text);
 

@@ -91,6 +91,7 @@ public:
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override;
+    std::int64_t access_point(std::int64_t frame) const override { return frame; }
     void leave_out_colour() override { with_colour_ = false; }
 
 private:

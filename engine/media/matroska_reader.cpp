@@ -29,6 +29,7 @@ public:
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override;
     Result<void> seek(std::int64_t frame) override;
+    std::int64_t access_point(std::int64_t frame) const override { return frame - frame % access_interval_; }
     void leave_out_colour() override { with_colour_ = false; }
 
 private:
@@ -61,6 +62,7 @@ private:
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::int64_t promised_ = 0;
+    std::int64_t access_interval_ = 1;  // frames
     bool with_colour_ = true;
 
     // Where the reading is; `open_file` and `start` make it anew.
@@ -142,6 +144,7 @@ Result<void> MatroskaReader::read_version_and_rate() {
     if (*number > clip_format_version)
         return refuse("is of clip format " + printable(*version) + "; this program reads up to " +
                       std::to_string(clip_format_version) + ": use a newer one");
+    if (*number > 1) access_interval_ = clip_tags::access_interval;
     const auto rate = demuxer_->tag(clip_tags::rate_tag);
     const auto parsed = rate ? clip_tags::parse_rate(*rate) : std::nullopt;
     if (!parsed || clip_tags::is_too_fast(*parsed))

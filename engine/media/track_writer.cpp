@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "engine/media/clip_tags.hpp"
+
 namespace touchable {
 namespace {
 
@@ -50,8 +52,8 @@ bool TrackWriter::stays(const PlaneView& plane) {
 }
 
 Result<void> TrackWriter::add(const PlaneView& plane) {
-    const bool access = frames_ % access_interval == 0;
-    if (frames_ == access_interval) decide();
+    const bool access = frames_ % clip_tags::access_interval == 0;
+    if (frames_ == clip_tags::access_interval) decide();
     const bool same = stays(plane);
     for (Coding& coding : codings_) {
         if (same && !access) {

@@ -20,9 +20,6 @@ struct StoredPicture {
 /// choice of codings, the one whose first pictures take the fewest bytes is taken.
 class TrackWriter {
 public:
-    /// Every so many frames all tracks store a picture that decoding can begin with.
-    static constexpr std::int64_t access_interval = 15;
-
     /// `first`: a plane as all will be. An error of kind usage where no coding has pictures of its size.
     static Result<TrackWriter> open(PlaneRole role, const PlaneView& first, const Scene& scene,
                                     const ClipStorage& storage);

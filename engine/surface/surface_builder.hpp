@@ -14,7 +14,7 @@ namespace touchable {
 /// in integers (docs/conventions.md): every builder gives the same bits. An invalid pixel's code is 0, and so
 /// are validity bits beyond the width. Haptic and height planes are copied, never filtered. One thread at a
 /// time. With a temporal filter a frame is made of all before it, which are to be built in order; one whose
-/// number is not the next, or whose epoch is another, begins anew.
+/// number is not later, or whose epoch is another, begins anew.
 class SurfaceBuilder {
 public:
     virtual ~SurfaceBuilder() = default;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <sstream>
 
 #include "player/session/field_probe.hpp"
@@ -31,15 +32,15 @@ std::int64_t first_read(const TouchSetup& setup, std::uint64_t epoch, std::int64
     return std::max<std::int64_t>(0, first - setup.warm_up_frames);
 }
 
-/// Reads on until frame `number`, and builds it; `all`: those before it too, which it is made of.
-Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number, bool all,
-                        FrameAgain& frame) {
+/// Reads on until frame `number`, and builds it, and of those before it those that it is made of.
+Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number,
+                        const std::function<bool(std::int64_t)>& is_part, FrameAgain& frame) {
     for (;;) {
         auto raw = reader.next();
         if (!raw.ok()) return raw.error();
         if (!*raw) return input_error("the clip ends before frame " + std::to_string(number) + " this time");
         const bool wanted = (*raw)->number == number;
-        if (!wanted && !all) continue;
+        if (!wanted && !is_part((*raw)->number)) continue;
         frame.raw = **raw;
         if (auto built = builder.build(frame.raw, frame.surface); wanted || !built.ok()) return built;
     }
@@ -103,11 +104,14 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
     if (auto there = (*reader)->seek(first); !there.ok()) return there;
     FrameAgain prev, next;
-    const bool all = setup.scene.filter.temporal;
-    if (auto read = read_frame(**reader, **builder, moment_->frame_prev, all, prev); !read.ok()) return read;
+    const auto is_part = [&](std::int64_t number) {
+        return setup.scene.filter.temporal && !setup.feed->has_dropped(moment_->epoch, number);
+    };
+    if (auto read = read_frame(**reader, **builder, moment_->frame_prev, is_part, prev); !read.ok())
+        return read;
     const bool between = moment_->frame_next != moment_->frame_prev;
     if (between)
-        if (auto read = read_frame(**reader, **builder, moment_->frame_next, all, next); !read.ok())
+        if (auto read = read_frame(**reader, **builder, moment_->frame_next, is_part, next); !read.ok())
             return read;
 
     FramePair pair;

@@ -37,7 +37,8 @@ std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& f
     return notes;
 }
 
-void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts& live) {
+void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts& live,
+                      std::int64_t dropped_frames) {
     const auto frames = report["frames"].get<double>();
     report["late_ticks"] = live.loop.late;
     report["skipped_ticks"] = live.loop.skipped;
@@ -45,6 +46,7 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     report["late_us_histogram"] = figures.late_histogram();
     report["scheduling"] = live.loop.grant.in_words();
     report["late_frames"] = live.late_frames;
+    report["dropped_frames"] = dropped_frames;
     report["interrupted"] = live.interrupted;
     report["late_frames_pct"] = frames > 0 ? 100.0 * static_cast<double>(live.late_frames) / frames : 0.0;
 }
@@ -101,7 +103,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     if (!setup.settings.playback.empty()) report["playback"] = in_words(setup.settings.playback);
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
-    if (live) add_live_figures(report, figures, *live);
+    if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
     report["stages_ms"] = {{"read", spread_of(setup.feed->read_ms()).p50},
@@ -171,7 +173,8 @@ std::string report_to_text(const Json& r) {
                                       count("skipped_ticks") + " skipped; began " + spread(r["late_us"]) +
                                       " us after their time; " + r["scheduling"].get<std::string>());
         line("frames too late", count("late_frames") + " of " + count("frames") +
-                                    number(r["late_frames_pct"], " (%.1f %%)") +
+                                    number(r["late_frames_pct"], " (%.1f %%), ") + count("dropped_frames") +
+                                    " left out" +
                                     (r["late_frames"] == 0 ? "" : "; decoding and building are too slow"));
     }
     line("time per frame", number(r["stages_ms"]["read"], "%.3g ms decoding (median); surface ") +

@@ -20,11 +20,11 @@ constexpr std::chrono::milliseconds slot_wait(1);
 
 }  // namespace
 
-FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, WantedEpoch wanted)
+FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, Now now)
     : feed_(feed),
       out_of_memory_(too_large(frames_in_words(feed.reader().scene()))),
       is_late_(std::move(is_late)),
-      wanted_(std::move(wanted)),
+      now_(std::move(now)),
       ahead_(std::move(ahead)),
       coming_(ahead_.next_epoch()) {}
 
@@ -74,7 +74,7 @@ void FeedThreads::fail(Error&& error) {
 
 /// To the epoch that is to come, if it is time; one that the hand has left behind by then is left out.
 Result<bool> FeedThreads::go_on(bool all_is_read) {
-    const std::uint64_t wanted = wanted_();
+    const std::uint64_t wanted = now_().epoch;
     if (!coming_ || !(all_is_read || coming_->number <= wanted)) return false;
     ComingEpoch next = *coming_;
     for (coming_ = ahead_.next_epoch(); coming_ && coming_->number <= wanted; coming_ = ahead_.next_epoch())
@@ -99,6 +99,7 @@ void FeedThreads::decode() {
         const auto gone_on = go_on(all_is_read);
         if (!gone_on.ok()) return fail(Error(gone_on.error()));
         if (all_is_read && !*gone_on) break;
+        if (auto caught_up = feed_.catch_up(now_()); !caught_up.ok()) return fail(Error(caught_up.error()));
         auto frame = feed_.read_next();
         if (!frame.ok()) return fail(Error(frame.error()));
         all_is_read = !*frame || (coming_ && (*frame)->raw.time_ns >= coming_->left_ns);

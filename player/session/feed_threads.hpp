@@ -21,16 +21,15 @@ class FeedThreads {
 public:
     /// Whether a frame that has just been published was needed before; asked by the thread that builds.
     using IsLate = std::function<bool(const RawFrame&)>;
-    /// Which epoch the hand is in; asked by the thread that decodes.
-    using WantedEpoch = std::function<std::uint64_t()>;
+    /// Which moment the hand is at; asked by the thread that decodes.
+    using Now = std::function<MediaMoment()>;
     /// `feed` outlives this, and is left alone from `start` to `stop`. `ahead`: the clip's clock at the
     /// moment that `feed` has come to, which tells of the epochs that are to come: each is read as soon as
     /// all that is wanted of the one before has been, or the hand is there already.
-    FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, WantedEpoch wanted);
+    FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, Now now);
     /// Of a clip that is played once, from its beginning.
     FeedThreads(SurfaceFeed& feed, IsLate is_late)
-        : FeedThreads(feed, std::move(is_late), PlaybackClock(FrameRate{}), [] { return std::uint64_t{0}; }) {
-    }
+        : FeedThreads(feed, std::move(is_late), PlaybackClock(FrameRate{}), [] { return MediaMoment{}; }) {}
     ~FeedThreads();  ///< stops them
     FeedThreads(const FeedThreads&) = delete;
     FeedThreads& operator=(const FeedThreads&) = delete;
@@ -64,7 +63,7 @@ private:
     std::optional<Error> error_;
     Error out_of_memory_;  // made while there is memory to say it with
     const IsLate is_late_;
-    const WantedEpoch wanted_;
+    const Now now_;
     // Of the thread that decodes.
     PlaybackClock ahead_;
     std::optional<ComingEpoch> coming_;

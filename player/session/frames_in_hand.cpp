@@ -30,6 +30,7 @@ public:
         given_ = 0;
         return reader_->seek(frame);
     }
+    std::int64_t access_point(std::int64_t frame) const override { return reader_->access_point(frame); }
     void leave_out_colour() override { reader_->leave_out_colour(); }
 
 private:

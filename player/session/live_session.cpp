@@ -17,15 +17,15 @@ namespace {
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
-/// Which moment of the clip the hand is at, for the other threads. Its epoch and its time may be those of two
-/// ticks, for figures that do not mind.
+/// Which moment of the clip the hand is at, for the other threads. With the epoch that the hand has just left
+/// may come a time of the next one.
 class HandsMoment {
 public:
     void set(const MediaMoment& moment) {
-        epoch_.store(moment.epoch, std::memory_order_relaxed);
         time_ns_.store(moment.time_ns, std::memory_order_relaxed);
+        epoch_.store(moment.epoch, std::memory_order_release);
     }
-    std::uint64_t epoch() const { return epoch_.load(std::memory_order_relaxed); }
+    std::uint64_t epoch() const { return epoch_.load(std::memory_order_acquire); }
     std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }
 
 private:
@@ -56,7 +56,10 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     now.set(clock.at(0));
     FeedThreads threads(
         feed_, [&](const RawFrame& raw) { return comes_late(raw, scene_, now); }, clock,
-        [&now] { return now.epoch(); });
+        [&now] {
+            const std::uint64_t epoch = now.epoch();  // first: see HandsMoment
+            return MediaMoment{epoch, now.time_ns(), 0};
+        });
     HapticLoop loop(scene_, feed_.timeline(), step, port_, log, [&](std::int64_t tick) {
         const MediaMoment moment = clock.at(tick);
         now.set(moment);

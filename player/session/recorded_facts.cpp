@@ -53,11 +53,15 @@ Json recorded_facts(const TouchSetup& setup) {
     facts["frames"] = frames;
     if (built != std::vector<FrameRun>{{0, frames}})
         for (const FrameRun& run : built) facts["built"].push_back({run.first, run.count});
+    for (const DroppedFrames& frames : setup.feed->dropped())
+        facts["dropped"].push_back({frames.epoch, frames.first, frames.count});
     facts["planes_hash"] = setup.feed->planes_hash();
     return facts;
 }
 
 namespace {
+
+constexpr std::int64_t most_frames = 1'000'000'000;
 
 /// Throws std::out_of_range, with the member's name, where it is missing or no `kind`.
 template <class Value>
@@ -115,13 +119,26 @@ std::optional<PictureCamera> camera_of(const Json& facts) {
     return camera;
 }
 
+std::vector<DroppedFrames> dropped_frames(const Json& facts) {
+    std::vector<DroppedFrames> dropped;
+    if (!facts.contains("dropped")) return dropped;
+    constexpr const char* kind = "triples of an epoch, a frame's number and a count";
+    const auto triples = member<std::vector<std::array<std::int64_t, 3>>>(facts, "dropped", kind);
+    for (const auto& [epoch, first, count] : triples) {
+        if (epoch < 0 || first < 0 || count < 1 || first > most_frames || count > most_frames)
+            throw std::out_of_range(std::string("dropped must be ") + kind);
+        dropped.push_back({static_cast<std::uint64_t>(epoch), first, count});
+    }
+    return dropped;
+}
+
 }  // namespace
 
 std::optional<std::vector<FrameRun>> built_frames(const Json& facts) {
     std::vector<FrameRun> runs;
     if (!facts.contains("built")) {
         if (!facts.contains("frames")) return std::nullopt;
-        return std::vector<FrameRun>{{0, whole_number(facts, "frames", 1, 1'000'000'000)}};
+        return std::vector<FrameRun>{{0, whole_number(facts, "frames", 1, most_frames)}};
     }
     const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(
         facts, "built", "pairs of a frame's number and a count");
@@ -174,8 +191,9 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
     if (facts.contains("warm_up_frames"))
         setup.warm_up_frames = whole_number(facts, "warm_up_frames", 0, 1000);
     if (facts.contains("rules")) (void)whole_number(facts, "rules", 1, 1'000'000);
-    if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, 1'000'000'000);
+    if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, most_frames);
     (void)built_frames(facts);
+    setup.dropped = dropped_frames(facts);
     for (const char* hash : {"planes_hash", "force_hash"}) (void)text(facts, hash);
     return object(facts, "scene").dump();
 }

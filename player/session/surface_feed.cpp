@@ -23,6 +23,12 @@ bool has_valid_pixel(const PlaneView& depth, const DepthCoding& coding) {
     return false;
 }
 
+bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::int64_t number) {
+    return std::any_of(dropped.begin(), dropped.end(), [&](const DroppedFrames& frames) {
+        return frames.epoch == epoch && number >= frames.first && number < frames.first + frames.count;
+    });
+}
+
 }  // namespace
 
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
@@ -40,17 +46,45 @@ Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) 
         first_shown_ = std::min(first_shown_, *count - 1);
     read_epoch_ = epoch;
     const std::int64_t before = settles_ ? warm_up_frames_ : 0;
-    return reader_->seek(std::max<std::int64_t>(0, first_shown_ - before));
+    next_number_ = std::max<std::int64_t>(0, first_shown_ - before);
+    return reader_->seek(next_number_);
+}
+
+Result<void> SurfaceFeed::catch_up(const MediaMoment& now) {
+    constexpr std::int64_t oldest = 2;  // frames behind the moment
+    if (now.epoch != read_epoch_) return {};
+    std::int64_t due = rate_.frame_at(now.time_ns);
+    if (const auto count = reader_->frame_count(); count && *count > 0) due = std::min(due, *count - 1);
+    if (next_number_ < first_shown_ || next_number_ + oldest > due) return {};
+    const std::int64_t there = reader_->access_point(due);
+    return there > next_number_ ? reader_->seek(there) : Result<void>{};
+}
+
+bool SurfaceFeed::has_dropped(std::uint64_t epoch, std::int64_t number) const {
+    return has(dropped_, epoch, number);
+}
+
+std::int64_t SurfaceFeed::dropped_frames() const {
+    std::int64_t all = 0;
+    for (const DroppedFrames& frames : dropped_) all += frames.count;
+    return all;
 }
 
 Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
     auto raw = reader_->next();
+    while (raw.ok() && *raw) {
+        if (!has(left_out_, read_epoch_, (*raw)->number)) break;
+        raw = reader_->next();
+    }
     if (!raw.ok()) return raw.error();
     if (!*raw) return std::optional<FedFrame>();
     read_ms_.push_back(milliseconds_since(start));
     FedFrame frame{std::move(**raw)};
     frame.raw.epoch = read_epoch_;
+    const std::int64_t number = frame.raw.number;
+    if (number > next_number_) dropped_.push_back({read_epoch_, next_number_, number - next_number_});
+    next_number_ = number + 1;
     frame.shown = frame.raw.number >= first_shown_;
     return std::optional(std::move(frame));
 }

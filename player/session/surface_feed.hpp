@@ -14,6 +14,13 @@
 
 namespace touchable {
 
+/// Frames of an epoch that were left out.
+struct DroppedFrames {
+    std::uint64_t epoch = 0;
+    std::int64_t first = 0, count = 0;
+    bool operator==(const DroppedFrames&) const = default;
+};
+
 /// A frame as it was read.
 struct FedFrame {
     RawFrame raw;
@@ -50,6 +57,11 @@ public:
     /// is beyond), and where a filter remembers from the warm-up before. By the thread that
     /// reads.
     Result<void> read_from(std::uint64_t epoch, std::int64_t start_ns);
+    /// Leaves out frames whose time has passed at this moment, where decoding can begin again later: those
+    /// that nobody would feel any more. By the thread that reads.
+    Result<void> catch_up(const MediaMoment& now);
+    /// A replay leaves out what its recording did.
+    void leave_out(std::vector<DroppedFrames> frames) { left_out_ = std::move(frames); }
     /// Decodes a frame; nothing after the last.
     Result<std::optional<FedFrame>> read_next();
     /// Builds and publishes it, or, where no filter remembers, the frame before once more where nothing that
@@ -73,6 +85,10 @@ public:
     std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
     /// Which frames were built, in order; what `planes_hash` is of.
     const std::vector<FrameRun>& built() const { return built_; }
+    /// Which frames were left out, in order.
+    const std::vector<DroppedFrames>& dropped() const { return dropped_; }
+    bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
+    std::int64_t dropped_frames() const;
     /// Per frame, milliseconds.
     const std::vector<double>& read_ms() const { return read_ms_; }
     const std::vector<double>& build_ms() const { return build_ms_; }
@@ -94,7 +110,8 @@ private:
     SurfaceTimeline timeline_{4};
     // Of the thread that reads.
     std::uint64_t read_epoch_ = 0;
-    std::int64_t first_shown_ = 0;
+    std::int64_t first_shown_ = 0, next_number_ = 0;
+    std::vector<DroppedFrames> dropped_, left_out_;
     // Of the thread that builds.
     std::uint64_t built_epoch_ = 0;
     PlanesHash hash_;

@@ -229,6 +229,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     SessionOptions as_recorded = options;
     as_recorded.recorded = true;
     if (auto made = make_feed(*setup, std::move(*clip), as_recorded); !made.ok()) return made.error();
+    setup->feed->leave_out(setup->dropped);
     setup->hand = std::make_unique<ReplayHand>(recording);
     follow(recording, *setup);
     if (auto made = make_solver(*setup); !made.ok()) return made.error();

@@ -33,8 +33,9 @@ struct TouchSetup {
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
     /// That a filter with a memory sees before an epoch's first frame.
+    std::vector<DroppedFrames> dropped{};  ///< that a recorded run left out
     int warm_up_frames = temporal_warm_up_frames;
-    bool live = false;  ///< on the wall clock, or recorded so
+    bool live = false;                     ///< on the wall clock, or recorded so
 };
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);

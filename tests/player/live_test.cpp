@@ -101,6 +101,28 @@ TEST_F(Live, ASessionReplaysToItsHashOnVulkan) {
 }
 
 // A thousand frames a second, each far more work than a millisecond.
+/// A clip that no machine keeps up with, 60 frames in 60 ms: what has passed is not decoded any more.
+TEST_F(Live, FramesThatNobodyWouldFeelAreLeftOut) {
+    const std::string hard = folder / "hard.mkv", run = folder / "run.rec";
+    ASSERT_EQ(run_touchable({"make", "moving", hard, "--size", "200x150", "--frames", "60"}).code, 0);
+    ASSERT_EQ(run_touchable({"export", hard, "--frame", "0", "--out", folder / "frame"}).code, 0);
+    auto scene = nlohmann::json::parse(file_contents(folder / "frame/scene.json"));
+    scene["rate"] = {1000, 1};
+    std::ofstream(folder / "fast.json") << scene;
+    for (const std::string temporal : {"off", "0.5"}) {
+        const auto report =
+            touch({hard, "--scene", folder / "fast.json", "--live", "--builder", "reference", "--median", "5",
+                   "--temporal", temporal, "--seconds", "0.4", "--record", run, "--overwrite"});
+        const auto dropped = report["dropped_frames"].get<std::int64_t>();
+        EXPECT_GE(dropped, 15) << "none until decoding can begin again";
+        EXPECT_LE(report["frames"].get<std::int64_t>(), 60 - dropped);
+        EXPECT_NE(report["warnings"].dump().find("frames were left out"), std::string::npos);
+        const Outcome again = run_touchable({"touch", "--replay", run, "--builder", "cpu"});
+        EXPECT_EQ(again.code, 0) << temporal << ": " << again.err;
+        EXPECT_NE((again.out + again.err).find("every force is as recorded"), std::string::npos) << again.out;
+    }
+}
+
 TEST_F(Live, FramesThatComeTooLateAreCounted) {
     const std::string hard = folder / "hard.mkv";
     ASSERT_EQ(run_touchable({"make", "moving", hard, "--size", "256x256", "--frames", "8"}).code, 0);
