@@ -19,8 +19,8 @@ inline constexpr int clip_format_version = 2;
 
 struct TrackInfo {
     std::string role;           ///< "depth", "colour", "haptic", "height"
-    std::string codec;          ///< as FFmpeg names it
-    std::string pixel_format;   ///< likewise, or how samples are split
+    std::string codec;          ///< as FFmpeg names it, or "t3dz"
+    std::string pixel_format;   ///< FFmpeg's, or how samples are split
     int width = 0, height = 0;  ///< as stored, before resampling to the depth plane's size
     bool lossless = false;      ///< says who wrote it, though the codec need not be
 };

@@ -10,8 +10,9 @@
 namespace touchable::clip_tags {
 
 // How a clip says what it is, in Matroska tags: T3D_VERSION and T3D_RATE of the file; of each track T3D_ROLE,
-// T3D_LOSSLESS where it keeps every value, and T3D_BITS where samples of so many bits are stored as bytes,
-// the high ones in the upper half of the picture; and the name under which the scene is attached.
+// T3D_LOSSLESS where it keeps every value, and T3D_BITS where samples of so many bits are stored as bytes (by
+// FFmpeg's codecs the high ones in the upper half of the picture); and the name under which the scene is
+// attached.
 inline constexpr const char* version_tag = "T3D_VERSION";
 inline constexpr const char* rate_tag = "T3D_RATE";
 inline constexpr const char* role_tag = "T3D_ROLE";

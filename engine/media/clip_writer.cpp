@@ -152,8 +152,8 @@ Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
 
 Result<void> MatroskaWriter::add_track(const TrackWriter& track) {
     AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
-    if (!stream || avcodec_parameters_from_context(stream->codecpar, &track.encoder().codec()) < 0)
-        return refuse("out of memory");
+    if (!stream) return refuse("out of memory");
+    if (auto described = track.encoder().describe(*stream->codecpar); !described) return described;
     stream->time_base = {1, 1000};
     stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
     const PlaneRole role = track.role();
@@ -161,9 +161,9 @@ Result<void> MatroskaWriter::add_track(const TrackWriter& track) {
     av_dict_set(&stream->metadata, clip_tags::role_tag, name.c_str(), 0);
     av_dict_set(&stream->metadata, "title", name.c_str(), 0);
     const Shape& shape = shapes_[static_cast<std::size_t>(role)];
-    if (track.encoder().coding() != TrackCoding::h264_visual)
+    if (track.coding() != TrackCoding::h264_visual)
         av_dict_set(&stream->metadata, clip_tags::lossless_tag, "1", 0);
-    if (shape.bytes_per_sample == 2 && stream->codecpar->codec_id == AV_CODEC_ID_H264)
+    if (shape.bytes_per_sample == 2 && track.coding() != TrackCoding::ffv1)
         av_dict_set_int(&stream->metadata, clip_tags::bits_tag,
                         role == PlaneRole::depth ? scene_.depth_bits : 16, 0);
     // Ordinary players show the track that is there to be seen.
@@ -186,9 +186,8 @@ Result<void> MatroskaWriter::begin_file() {
 Result<void> MatroskaWriter::write_picture(std::size_t track) {
     const StoredPicture picture = tracks_[track].take_oldest();
     AVPacket* packet = picture.packet.get();
-    if (auto added = add_block_addition(*packet, tracks_[track].encoder().codec().codec_id, picture.frames);
-        !added)
-        return added;
+    const AVCodecID codec = muxer_->streams[track]->codecpar->codec_id;
+    if (auto added = add_block_addition(*packet, codec, picture.frames); !added) return added;
     packet->stream_index = static_cast<int>(track);
     packet->pts = packet->dts = time_ms(picture.frame);
     packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);

@@ -18,17 +18,28 @@ constexpr std::array codecs{
     Codec{AV_CODEC_ID_HEVC, true},  Codec{AV_CODEC_ID_PRORES, true}, Codec{AV_CODEC_ID_VP9, true},
     Codec{AV_CODEC_ID_AV1, true},   Codec{AV_CODEC_ID_HAP, true}};
 
+constexpr const char* own_codec = "t3dz";
+
 }  // namespace
 
-bool is_read(AVCodecID codec) {
-    return std::any_of(codecs.begin(), codecs.end(), [&](const Codec& one) { return one.id == codec; });
+bool is_gradient_zstd(const AVCodecParameters& stored) {
+    return stored.codec_id == AV_CODEC_ID_NONE && stored.codec_tag == gradient_zstd_tag;
+}
+
+std::string codec_name(const AVCodecParameters& stored) {
+    return is_gradient_zstd(stored) ? own_codec : avcodec_get_name(stored.codec_id);
+}
+
+bool is_read(const AVCodecParameters& stored) {
+    return is_gradient_zstd(stored) || std::any_of(codecs.begin(), codecs.end(), [&](const Codec& one) {
+               return one.id == stored.codec_id;
+           });
 }
 
 std::string codecs_that_are_read() {
     std::string names;
-    for (const Codec& codec : codecs)
-        names += (names.empty() ? "" : ", ") + std::string(avcodec_get_name(codec.id));
-    return names;
+    for (const Codec& codec : codecs) names += std::string(avcodec_get_name(codec.id)) + ", ";
+    return names + own_codec;
 }
 
 std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec) {

@@ -1,7 +1,5 @@
 #include "engine/media/track_decoder.hpp"
 
-#include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "engine/media/block_addition.hpp"
@@ -35,14 +33,6 @@ bool ffv1_slices_intact(const AVPacket& packet) {
     return packet.size > 0;
 }
 
-/// From this many pixels on a picture is worth waking threads for.
-constexpr std::int64_t pixels_for_threads = 100'000;
-
-int decoding_threads(const AVCodecParameters& stored) {
-    if (std::int64_t{stored.width} * stored.height < pixels_for_threads) return 1;
-    return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
-}
-
 std::string size_text(const AVFrame& frame) {
     return std::to_string(frame.width) + "x" + std::to_string(frame.height) + " " + format_name(frame);
 }
@@ -54,25 +44,16 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     track.role_ = role;
     track.file_ = file;
     track.info_.role = role_name(role);
-    track.info_.codec = avcodec_get_name(stream.codecpar->codec_id);
+    track.info_.codec = codec_name(*stream.codecpar);
     const std::string where = file + ": track " + track.info_.role;
-    if (!is_read(stream.codecpar->codec_id))
+    if (!is_read(*stream.codecpar))
         return input_error(where + ": has codec " + track.info_.codec + ": must be one of " +
                            codecs_that_are_read());
-    const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
-    if (!codec)
-        return input_error(where + ": has codec " + track.info_.codec + ", which this FFmpeg cannot decode");
-    track.codec_.reset(avcodec_alloc_context3(codec));
-    if (!track.codec_) return Error{ErrorKind::internal, "out of memory"};
-    int status = avcodec_parameters_to_context(track.codec_.get(), stream.codecpar);
-    // Slices of a picture side by side; frames side by side would come late.
-    track.codec_->thread_type = FF_THREAD_SLICE;
-    track.codec_->thread_count = decoding_threads(*stream.codecpar);
-    track.codec_->pkt_timebase = stream.time_base;
-    track.codec_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
-    track.codec_->max_pixels = std::int64_t{16384} * 16384;
-    if (status >= 0) status = avcodec_open2(track.codec_.get(), codec, nullptr);
-    if (status < 0) return input_error(where + ": its header is damaged: " + ffmpeg_text(status));
+    auto decoder = PacketDecoder::open(stream, where);
+    if (!decoder) return decoder.error();
+    track.decoder_ = std::move(*decoder);
+    track.codec_ = stream.codecpar->codec_id;
+    track.pixels_ = std::int64_t{stream.codecpar->width} * stream.codecpar->height;
     if (auto read = track.read_tags(stream); !read) return read.error();
     return track;
 }
@@ -80,12 +61,13 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
 Result<void> TrackDecoder::read_tags(const AVStream& stream) {
     says_lossless_ = av_dict_get(stream.metadata, clip_tags::lossless_tag, nullptr, 0) != nullptr;
     const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::bits_tag, nullptr, 0);
-    if (!tag) return {};
-    const auto bits = clip_tags::parse_bits(tag->value);
+    if (!tag && codec_ != AV_CODEC_ID_NONE) return {};
+    const auto bits = tag ? clip_tags::parse_bits(tag->value) : std::nullopt;
     if (!bits)
         return input_error(file_ + ": track " + info_.role + ": its tag T3D_BITS is " +
-                           in_quotes(tag->value) + ": must be a whole number from 9 to 16");
-    split_bits_ = *bits;
+                           (tag ? in_quotes(tag->value) : "missing") +
+                           ": must be a whole number from 9 to 16");
+    stated_bits_ = *bits;
     return {};
 }
 
@@ -103,13 +85,14 @@ Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
     }
     bool sound = (packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && addition.has_value() == *has_additions_;
     if (addition) sound = sound && addition->sound;
-    if (!addition && codec_->codec_id == AV_CODEC_ID_FFV1) sound = sound && ffv1_slices_intact(packet);
+    if (!addition && codec_ == AV_CODEC_ID_NONE) sound = false;  // its only checksum
+    if (!addition && codec_ == AV_CODEC_ID_FFV1) sound = sound && ffv1_slices_intact(packet);
     if (sound) return addition ? addition->frames : 1;
     return input_error(where() + ": is damaged: its checksum is missing or wrong");
 }
 
 bool TrackDecoder::is_one_packet_each() const {
-    return has_additions_.value_or(false) || (codec_->codec->capabilities & AV_CODEC_CAP_DELAY) == 0;
+    return has_additions_.value_or(false) || decoder_->is_one_packet_each();
 }
 
 Result<TrackDecoder::Picture> TrackDecoder::skip(const AVPacket& packet) {
@@ -120,7 +103,7 @@ Result<TrackDecoder::Picture> TrackDecoder::skip(const AVPacket& packet) {
 }
 
 void TrackDecoder::restart(std::int64_t number) {
-    avcodec_flush_buffers(codec_.get());
+    decoder_->flush();
     frames_.clear();
     received_ = number;
     drained_ = false;
@@ -132,7 +115,7 @@ Result<void> TrackDecoder::send(const AVPacket* packet) {
         if (!frames) return frames.error();
         frames_.push_back(*frames);
     }
-    const int status = avcodec_send_packet(codec_.get(), packet);
+    const int status = decoder_->send(packet);
     if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
     drained_ = packet == nullptr;
     return {};
@@ -141,7 +124,7 @@ Result<void> TrackDecoder::send(const AVPacket* packet) {
 Result<std::optional<TrackDecoder::Picture>> TrackDecoder::receive() {
     FramePtr frame(av_frame_alloc());
     if (!frame) return Error{ErrorKind::internal, "out of memory"};
-    const int status = avcodec_receive_frame(codec_.get(), frame.get());
+    const int status = decoder_->receive(*frame);
     if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return std::optional<Picture>{};
     if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
@@ -163,8 +146,11 @@ Result<void> TrackDecoder::check_format(const AVFrame& frame) {
     if (format_.empty()) {
         format_ = format_name(frame);
         info_.width = frame.width;
-        info_.height = split_bits_ == 0 ? frame.height : frame.height / 2;
-        info_.pixel_format = split_bits_ == 0 ? format_ : std::to_string(split_bits_) + " bits in two halves";
+        info_.height = is_split() ? frame.height / 2 : frame.height;
+        info_.pixel_format = format_;
+        if (stated_bits_ > 0)
+            info_.pixel_format =
+                std::to_string(stated_bits_) + (is_split() ? " bits in two halves" : " bits");
         coded_height_ = frame.height;
     }
     if (frame.width == info_.width && frame.height == coded_height_ && format_name(frame) == format_)
@@ -179,15 +165,15 @@ Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
     if (!bytes || bytes->bytes_per_sample != 1 || frame.height % 2 != 0)
         return input_error(where() + ": is " + size_text(frame) + "; with the tag T3D_BITS, " + info_.role +
                            " is grey of 8 bits, the high bytes above the low ones");
-    return plane_from(joined_bytes(*bytes), split_bits_);
+    return plane_from(joined_bytes(*bytes), stated_bits_);
 }
 
 Result<Plane> TrackDecoder::plane(FramePtr frame) {
     const bool one_channel = role_ == PlaneRole::depth || role_ == PlaneRole::height;
-    if (one_channel && split_bits_ > 0) return joined(*frame);
+    if (one_channel && is_split()) return joined(*frame);
     if (role_ == PlaneRole::depth && is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
     if (one_channel) {
-        const int bits = sample_bits(*frame);
+        const int bits = stated_bits_ > 0 ? stated_bits_ : sample_bits(*frame);
         const auto samples = luma_samples(*frame);
         if (!samples)
             return input_error(where() + ": has pixel format " + info_.pixel_format + "; " + info_.role +

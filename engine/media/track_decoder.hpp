@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "engine/media/clip.hpp"
 #include "engine/media/decoded_picture.hpp"
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/packet_decoder.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/result.hpp"
 
@@ -29,7 +31,7 @@ public:
     /// Codec, and once the first picture is out, its size and format.
     const TrackInfo& info() const { return info_; }
     PlaneRole role() const { return role_; }
-    std::int64_t pixels() const { return std::int64_t{codec_->width} * codec_->height; }
+    std::int64_t pixels() const { return pixels_; }
     /// No packet is needed any more.
     bool drained() const { return drained_; }
     /// "clip.mkv: track depth".
@@ -56,14 +58,17 @@ private:
     Result<void> check_format(const AVFrame& frame);
     Result<Plane> plane(FramePtr frame);
     Result<Plane> joined(const AVFrame& frame) const;
+    bool is_split() const { return stated_bits_ > 0 && codec_ != AV_CODEC_ID_NONE; }
 
     PlaneRole role_ = PlaneRole::depth;
     std::string file_;
     TrackInfo info_;
-    CodecPtr codec_;
+    std::unique_ptr<PacketDecoder> decoder_;
+    AVCodecID codec_ = AV_CODEC_ID_NONE;  // FFmpeg's number; none for the codec that is our own
+    std::int64_t pixels_ = 0;
     RgbConverter converter_;
     bool says_lossless_ = false;
-    int split_bits_ = 0;                 // of samples stored as two bytes apart; 0: they are not
+    int stated_bits_ = 0;                // of samples stored as two bytes apart; 0: they are not
     std::optional<bool> has_additions_;  // all packets or none, as the first has them
     std::deque<std::int64_t> frames_;    // that the pictures of packets sent, not received, stay
     std::string format_;                 // of the pictures, FFmpeg's name

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "engine/media/codecs.hpp"
+#include "engine/media/gradient_zstd.hpp"
 #include "engine/media/track_codecs.hpp"
 
 namespace touchable {
@@ -84,33 +86,47 @@ ScalerPtr scaler_to(const AVFrame& picture) {
     return scaler;
 }
 
-}  // namespace
+class FfmpegEncoder final : public TrackEncoder {
+public:
+    explicit FfmpegEncoder(PlaneRole role) : role_(role) {}
+    Result<void> open(TrackCoding coding, const PlaneView& first, const Scene& scene);
+    Result<void> describe(AVCodecParameters& stored) const override;
+    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own) override;
 
-Result<TrackEncoder> TrackEncoder::open(PlaneRole role, TrackCoding coding, const PlaneView& first,
-                                        const Scene& scene) {
-    TrackEncoder track;
-    track.role_ = role;
-    track.coding_ = coding;
-    const CodedForm form = form_of(role, coding, first, scene);
+private:
+    PlaneRole role_;
+    CodecPtr codec_;
+    FramePtr picture_;
+    ScalerPtr scaler_;  // of h264_visual
+};
+
+Result<void> FfmpegEncoder::open(TrackCoding coding, const PlaneView& first, const Scene& scene) {
+    const CodedForm form = form_of(role_, coding, first, scene);
     auto codec = open_encoder(coding, form.format, form.width, form.height, scene.rate);
     if (!codec && codec.error().kind == ErrorKind::usage && form.split)  // in terms of the scene
         return unstorable_size(first.width, first.height, "H.264 takes sides of 16384 at most");
     if (!codec) return codec.error();
-    track.codec_ = std::move(*codec);
-    track.picture_.reset(av_frame_alloc());
-    if (!track.picture_) return encoder_error(role, "out of memory");
-    track.picture_->format = form.format;
-    track.picture_->width = form.width;
-    track.picture_->height = form.height;
-    if (av_frame_get_buffer(track.picture_.get(), 0) < 0) return encoder_error(role, "out of memory");
-    track.picture_->pts = -1;
-    if (coding != TrackCoding::h264_visual) return track;
-    track.scaler_ = scaler_to(*track.picture_);
-    if (!track.scaler_) return encoder_error(role, "no way from RGB to its pixels");
-    return track;
+    codec_ = std::move(*codec);
+    picture_.reset(av_frame_alloc());
+    if (!picture_) return encoder_error(role_, "out of memory");
+    picture_->format = form.format;
+    picture_->width = form.width;
+    picture_->height = form.height;
+    if (av_frame_get_buffer(picture_.get(), 0) < 0) return encoder_error(role_, "out of memory");
+    picture_->pts = -1;
+    if (coding != TrackCoding::h264_visual) return {};
+    scaler_ = scaler_to(*picture_);
+    if (!scaler_) return encoder_error(role_, "no way from RGB to its pixels");
+    return {};
 }
 
-Result<PacketPtr> TrackEncoder::encode(const PlaneView& plane, bool on_its_own) {
+Result<void> FfmpegEncoder::describe(AVCodecParameters& stored) const {
+    if (avcodec_parameters_from_context(&stored, codec_.get()) < 0)
+        return encoder_error(role_, "out of memory");
+    return {};
+}
+
+Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own) {
     PacketPtr packet(av_packet_alloc());
     if (!packet || av_frame_make_writable(picture_.get()) < 0) return encoder_error(role_, "out of memory");
     if (scaler_) {
@@ -126,6 +142,49 @@ Result<PacketPtr> TrackEncoder::encode(const PlaneView& plane, bool on_its_own) 
     if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
     if (status < 0) return encoder_error(role_, ffmpeg_text(status));
     return packet;
+}
+
+class GradientZstdTrack final : public TrackEncoder {
+public:
+    GradientZstdTrack(PlaneRole role, const PlaneView& first)
+        : role_(role), width_(first.width), height_(first.height) {}
+    Result<void> describe(AVCodecParameters& stored) const override;
+    Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own) override;
+
+private:
+    const PlaneRole role_;
+    const int width_, height_;
+    GradientZstdEncoder encoder_;
+};
+
+Result<void> GradientZstdTrack::describe(AVCodecParameters& stored) const {
+    stored.codec_type = AVMEDIA_TYPE_VIDEO;
+    stored.codec_id = AV_CODEC_ID_NONE;
+    stored.codec_tag = gradient_zstd_tag;
+    stored.width = width_;
+    stored.height = height_;
+    return {};
+}
+
+Result<PacketPtr> GradientZstdTrack::encode(const PlaneView& plane, bool /*on_its_own: each is*/) {
+    const auto bytes = encoder_.encode(plane);
+    PacketPtr packet(av_packet_alloc());
+    if (bytes.empty() || !packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0)
+        return encoder_error(role_, "out of memory");
+    std::memcpy(packet->data, bytes.data(), bytes.size());
+    packet->flags |= AV_PKT_FLAG_KEY;
+    return packet;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCoding coding,
+                                                         const PlaneView& first, const Scene& scene) {
+    if (coding == TrackCoding::gradient_zstd)
+        return std::unique_ptr<TrackEncoder>(std::make_unique<GradientZstdTrack>(role, first));
+    auto encoder = std::make_unique<FfmpegEncoder>(role);
+    if (auto opened = encoder->open(coding, first, scene); !opened) return opened.error();
+    return std::unique_ptr<TrackEncoder>(std::move(encoder));
 }
 
 }  // namespace touchable

@@ -9,11 +9,15 @@
 namespace touchable {
 namespace {
 
-std::vector<TrackCoding> codings_of(PlaneRole role, const ClipStorage& storage) {
+std::vector<CodingOffer> offers_for(PlaneRole role, const PlaneView& first, const ClipStorage& storage) {
     using enum TrackCoding;
-    if (role == PlaneRole::colour && !storage.exact_colour) return {h264_visual};
-    if (storage.archive == Archive::fast) return {h264_quick};
-    return {h264_thrifty, ffv1};
+    if (role == PlaneRole::colour && !storage.exact_colour) return {{h264_visual}};
+    const bool fast = storage.archive == Archive::fast, wide = first.bytes_per_sample == 2;
+    // What H.264 takes to decode grows with its bytes: at half the bytes of the other it is as quick.
+    if (fast && wide) return {{h264_quick, 2}, {gradient_zstd}};
+    if (fast) return {{h264_quick}};
+    if (wide) return {{h264_thrifty}, {ffv1}, {gradient_zstd}};
+    return {{h264_thrifty}, {ffv1}};
 }
 
 }  // namespace
@@ -22,18 +26,18 @@ Result<TrackWriter> TrackWriter::open(PlaneRole role, const PlaneView& first, co
                                       const ClipStorage& storage) {
     TrackWriter track;
     track.role_ = role;
-    const auto open = [&](TrackCoding coding) -> Result<void> {
-        auto encoder = TrackEncoder::open(role, coding, first, scene);
+    const auto open = [&](const CodingOffer& offer) -> Result<void> {
+        auto encoder = TrackEncoder::open(role, offer.coding, first, scene);
         if (!encoder) return encoder.error();
-        track.codings_.push_back({std::move(*encoder)});
+        track.codings_.push_back({offer, std::move(*encoder)});
         return {};
     };
-    for (const TrackCoding coding : codings_of(role, storage))
-        if (auto opened = open(coding); !opened && opened.error().kind != ErrorKind::usage)
+    for (const CodingOffer& offer : offers_for(role, first, storage))
+        if (auto opened = open(offer); !opened && opened.error().kind != ErrorKind::usage)
             return opened.error();
     // Whatever is too large for the one is not for the other.
     if (track.codings_.empty())
-        if (auto opened = open(TrackCoding::ffv1); !opened) return opened.error();
+        if (auto opened = open({TrackCoding::ffv1}); !opened) return opened.error();
     return track;
 }
 
@@ -60,7 +64,7 @@ Result<void> TrackWriter::add(const PlaneView& plane) {
             ++coding.pictures.back().frames;
             continue;
         }
-        auto packet = coding.encoder.encode(plane, access);
+        auto packet = coding.encoder->encode(plane, access);
         if (!packet) return packet.error();
         coding.bytes += (*packet)->size;
         coding.pictures.push_back({std::move(*packet), frames_});
@@ -76,8 +80,9 @@ void TrackWriter::end() {
 
 /// The first of those that are equally small.
 void TrackWriter::decide() {
-    const auto least = std::min_element(codings_.begin(), codings_.end(),
-                                        [](const Coding& a, const Coding& b) { return a.bytes < b.bytes; });
+    const auto least = std::min_element(
+        codings_.begin(), codings_.end(),
+        [](const Coding& a, const Coding& b) { return a.bytes * a.offer.weight < b.bytes * b.offer.weight; });
     if (least != codings_.begin()) std::swap(*codings_.begin(), *least);
     codings_.erase(codings_.begin() + 1, codings_.end());
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <vector>
 
 #include "engine/media/clip.hpp"
@@ -16,8 +17,14 @@ struct StoredPicture {
     std::int64_t frames = 1;  ///< that show it
 };
 
+/// A coding that a track may have. Where there are others, its bytes count so many times.
+struct CodingOffer {
+    TrackCoding coding;
+    int weight = 1;
+};
+
 /// One track of a clip that is written: pictures that do not change are stored once, and where there is a
-/// choice of codings, the one whose first pictures take the fewest bytes is taken.
+/// choice of codings, the one whose first pictures take the fewest bytes, by weight, is taken.
 class TrackWriter {
 public:
     /// `first`: a plane as all will be. An error of kind usage where no coding has pictures of its size.
@@ -32,7 +39,8 @@ public:
 
     /// Whether it is known by now how the track is coded.
     bool decided() const { return codings_.size() == 1; }
-    const TrackEncoder& encoder() const { return codings_.front().encoder; }
+    TrackCoding coding() const { return codings_.front().offer.coding; }
+    const TrackEncoder& encoder() const { return *codings_.front().encoder; }
     /// The oldest picture, once decided; null where there is none.
     const StoredPicture* oldest() const;
     /// Whether it is known how long that stays.
@@ -41,7 +49,8 @@ public:
 
 private:
     struct Coding {
-        TrackEncoder encoder;
+        CodingOffer offer;
+        std::unique_ptr<TrackEncoder> encoder;
         std::deque<StoredPicture> pictures{};
         std::int64_t bytes = 0;
     };

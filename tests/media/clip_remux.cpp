@@ -100,7 +100,7 @@ Track add_track(const AVStream& from, AVFormatContext& out, const Remux& changes
         track.transcoder = std::make_unique<Transcoder>(from, codec->second, changes.transcoded_scale);
         avcodec_parameters_from_context(to->codecpar, &track.transcoder->codec());
     }
-    to->codecpar->codec_tag = 0;
+    if (to->codecpar->codec_id != AV_CODEC_ID_NONE) to->codecpar->codec_tag = 0;  // else it is the codec
     return track;
 }
 
