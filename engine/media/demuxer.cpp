@@ -135,4 +135,11 @@ bool Demuxer::seek(int stream, std::int64_t timestamp) {
     return av_seek_frame(container_.get(), stream, timestamp, AVSEEK_FLAG_BACKWARD) >= 0;
 }
 
+std::optional<std::int64_t> Demuxer::key_before(int stream, std::int64_t timestamp) const {
+    const AVIndexEntry* entry =
+        avformat_index_get_entry_from_timestamp(container_->streams[stream], timestamp, AVSEEK_FLAG_BACKWARD);
+    if (!entry) return std::nullopt;
+    return entry->timestamp;
+}
+
 }  // namespace touchable

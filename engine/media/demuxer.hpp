@@ -33,6 +33,9 @@ public:
     /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
     /// where the file offers no way there. What follows may be anything: whoever reads on checks the times.
     bool seek(int stream, std::int64_t timestamp);
+    /// Once there was a `seek`: when the index has a packet of `stream` that decoding can begin with, at
+    /// `timestamp` or the last before; nothing where it has none.
+    std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
     /// The packet that `next` gives; null at the end.
     Result<const AVPacket*> peek(int stream);
 

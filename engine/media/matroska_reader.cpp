@@ -1,5 +1,6 @@
 #include "engine/media/matroska_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -110,6 +111,15 @@ Result<void> MatroskaReader::seek(std::int64_t frame) {
 Result<bool> MatroskaReader::begin_at(std::int64_t frame) {
     const int depth = tracks_.front().pictures->stream();
     if (!demuxer_->seek(depth, timestamp_of(depth, frame))) return false;
+    // Of some tracks every picture is on its own: those of the others decide.
+    std::int64_t target = frame;
+    for (const Track& track : tracks_) {
+        const int stream = track.pictures->stream();
+        const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
+        if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
+            target = std::min(target, *begins);
+    }
+    if (target < frame && !demuxer_->seek(depth, timestamp_of(depth, target))) return false;
     std::optional<std::int64_t> there;
     for (const Track& track : tracks_) {
         const int stream = track.pictures->stream();

@@ -129,5 +129,30 @@ TEST(ClipRefusal, UnreadableSceneFilesAreNamed) {
     EXPECT_PRED2(contains, message(open_clip(folder / "clip.mkv", folder / "scene.json")), "scene.json");
 }
 
+/// The codec that is our own stands on what the container says.
+TEST(ClipRefusal, OwnCodecNeedsItsBitsItsSizeAndItsChecksums) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "good.mkv", small_scene(64, 48, 16), 2, {})), "");
+    remux(folder / "good.mkv", folder / "bare.mkv", {.checksums = false});
+    const std::string good = read_bytes(folder / "bare.mkv");
+    const auto refusal_with = [&](const std::string& part, const std::string& other) {
+        std::string bytes = good;
+        const auto at = bytes.find(part);
+        EXPECT_NE(at, std::string::npos) << part;
+        bytes.replace(at, other.size(), other);
+        write_bytes(folder / "clip.mkv", bytes);
+        return message(read_clip(folder / "clip.mkv"));
+    };
+    EXPECT_EQ(refusal_with("T3DZ", "T3DZ"), "");
+    EXPECT_PRED2(contains, refusal_with("T3DZ", "T4DZ"), "track depth: has codec none: must be one of ffv1,");
+    EXPECT_PRED2(contains, refusal_with("T3D_BITS", "T3D_BYTE"), "track depth: its tag T3D_BITS is missing");
+    EXPECT_PRED2(contains, refusal_with("\xB0\x81\x40", "\xB0\x81\x3F"), "track depth, frame 0: is damaged");
+    EXPECT_PRED2(contains, refusal_with("\xB0\x81\x40", std::string("\xB0\x81\0", 3)),
+                 "track depth: its header is damaged: it says 0x48 pixels");
+    // The additions of frame 0, 15 bytes and their size, become padding.
+    EXPECT_PRED2(contains, refusal_with("\x75\xA1\x8F", "\xEC\x90"),
+                 "track depth, frame 0: is damaged: its checksum is missing");
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -113,14 +113,14 @@ TEST(Clip, TracksSayWhatIsStored) {
     ASSERT_EQ(message(reader), "");
     const auto& tracks = (*reader)->tracks();
     ASSERT_EQ(tracks.size(), 4U);
-    const char* expected[][2] = {{"depth", "12 bits in two halves"},
-                                 {"colour", "gbrp"},
-                                 {"haptic", "gbrp"},
-                                 {"height", "yuvj420p"}};  // FFmpeg's H.264 has no grey
+    const char* expected[][3] = {{"depth", "t3dz", "12 bits"},
+                                 {"colour", "h264", "gbrp"},
+                                 {"haptic", "h264", "gbrp"},
+                                 {"height", "h264", "yuvj420p"}};  // FFmpeg's H.264 has no grey
     for (std::size_t k = 0; k < 4; ++k) {
         EXPECT_EQ(tracks[k].role, expected[k][0]);
-        EXPECT_EQ(tracks[k].codec, "h264");
-        EXPECT_EQ(tracks[k].pixel_format, expected[k][1]);
+        EXPECT_EQ(tracks[k].codec, expected[k][1]);
+        EXPECT_EQ(tracks[k].pixel_format, expected[k][2]);
         EXPECT_EQ(tracks[k].width, 40);
         EXPECT_EQ(tracks[k].height, 30);
         EXPECT_TRUE(tracks[k].lossless);

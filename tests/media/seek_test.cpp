@@ -94,7 +94,7 @@ TEST(Seek, BeyondTheClipIsRefused) {
 /// What lies before the place, or far behind it, does not matter; damage at the place is told.
 TEST(Seek, PassesOverDamageElsewhere) {
     const TemporaryFolder folder;
-    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(64, 48, 16), seek_frames, {})), "");
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(64, 48), seek_frames, {})), "");
     const auto payloads = packets(folder / "clip.mkv");
     std::string bytes = read_bytes(folder / "clip.mkv");
     const auto at = bytes.find(payloads[20]);
