@@ -1,12 +1,12 @@
 #include "bench/media/byte_codecs.hpp"
 
+#include <zstd.h>
+
 #include <cstring>
 #include <span>
 #include <type_traits>
 
-#ifdef TOUCHABLE_HAS_ZSTD
-#include <zstd.h>
-#endif
+#include "engine/media/gradient_zstd.hpp"
 
 namespace touchable {
 namespace {
@@ -175,8 +175,6 @@ private:
     std::vector<Sample> picture_;
 };
 
-#ifdef TOUCHABLE_HAS_ZSTD
-
 struct FreeZstd {
     void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
     void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
@@ -258,21 +256,34 @@ private:
     std::unique_ptr<ZSTD_DCtx, FreeZstd> decompressor_;
 };
 
+/// As clips have it.
+class ClipZstdCodec final : public ByteCodec {
+public:
+    using ByteCodec::ByteCodec;
+    Result<void> encode(const PlaneView& plane, Packet& packet) override {
+        const auto bytes = encoder_.encode(plane);
+        if (bytes.empty()) return Error{ErrorKind::internal, "zstd: a packet cannot be made"};
+        packet.assign(bytes.begin(), bytes.end());
+        return {};
+    }
+    Result<void> decode(const Packet& packet) override {
+        auto* const samples = reinterpret_cast<std::uint16_t*>(row(0));
+        if (!decoder_.decode(packet, form_.width, form_.height, samples, form_.width)) return damaged("zstd");
+        return {};
+    }
+
+private:
+    GradientZstdEncoder encoder_;
+    GradientZstdDecoder decoder_;
+};
+
 template <bool gradient>
 std::unique_ptr<PlaneCodec> make_zstd(const PlaneView& form) {
     if (form.channels == 3) return std::make_unique<ZstdCodec<std::uint8_t, 3, gradient>>(form);
-    if (form.bytes_per_sample == 2) return std::make_unique<ZstdCodec<std::uint16_t, 1, gradient>>(form);
-    return std::make_unique<ZstdCodec<std::uint8_t, 1, gradient>>(form);
+    if (form.bytes_per_sample == 1) return std::make_unique<ZstdCodec<std::uint8_t, 1, gradient>>(form);
+    if (gradient) return std::make_unique<ClipZstdCodec>(form);
+    return std::make_unique<ZstdCodec<std::uint16_t, 1, gradient>>(form);
 }
-
-#else
-
-template <bool gradient>
-std::unique_ptr<PlaneCodec> make_zstd(const PlaneView&) {
-    return nullptr;
-}
-
-#endif
 
 }  // namespace
 

@@ -14,9 +14,10 @@ std::unique_ptr<PlaneCodec> make_raw_codec(const PlaneView& form);
 std::unique_ptr<PlaneCodec> make_rvl_codec(const PlaneView& form);
 
 /// Of each sample the difference from the one to its left, signs in the lowest bit, bytes of the same weight
-/// and channel together, compressed by zstd at its level 1. Nothing where this was built without libzstd.
+/// and channel together, compressed by zstd at its level 1.
 std::unique_ptr<PlaneCodec> make_zstd_codec(const PlaneView& form);
-/// The same of what is left of a sample less the one above it: left + above - above left is predicted.
+/// The same of what is left of a sample less the one above it: left + above - above left is predicted. Of
+/// two bytes a sample it is the codec of clips.
 std::unique_ptr<PlaneCodec> make_zstd_gradient_codec(const PlaneView& form);
 
 }  // namespace touchable

@@ -67,10 +67,8 @@ std::vector<CodecChoice> codec_choices(PlaneRole role, const PlaneView& first) {
             "magicyuv", {"magicyuv", {AV_PIX_FMT_GRAY8, deep}, side_by_side, 1, {{"pred", "gradient"}}}));
     add_h264(choices, first);
     if (role == PlaneRole::colour) add_lossy_h264(choices);
-    if (make_zstd_codec(first)) {
-        choices.push_back(by_bytes("zstd-left", make_zstd_codec));
-        choices.push_back(by_bytes("zstd-gradient", make_zstd_gradient_codec));
-    }
+    choices.push_back(by_bytes("zstd-left", make_zstd_codec));
+    choices.push_back(by_bytes("zstd-gradient", make_zstd_gradient_codec));
     if (!rgb) choices.push_back(by_bytes("rvl", make_rvl_codec));
     choices.push_back(by_bytes("raw", make_raw_codec));
     return choices;

@@ -35,7 +35,7 @@ TEST(ByteCodecs, GiveBackWhatWentIn) {
         expect_back(*make_raw_codec(picture.view), picture.view);
         if (channels == 1) expect_back(*make_rvl_codec(picture.view), picture.view);
         for (const auto make : {make_zstd_codec, make_zstd_gradient_codec})
-            if (const auto zstd = make(picture.view)) expect_back(*zstd, picture.view);
+            expect_back(*make(picture.view), picture.view);
     }
 }
 
