@@ -7,7 +7,9 @@
 
 #include "bench/clocks.hpp"
 #include "engine/media/clip_tags.hpp"
+#include "engine/media/codecs.hpp"
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/packet_decoder.hpp"
 
 namespace touchable {
 namespace {
@@ -51,8 +53,23 @@ Result<std::vector<TrackPackets>> read_tracks(AVFormatContext& container, const 
     return tracks;
 }
 
+/// By the decoder that clips have, on one thread.
+int decode_own_track(const TrackPackets& track) {
+    const auto decoder = PacketDecoder::open(*track.stream, "");
+    const FramePtr frame(av_frame_alloc());
+    if (!decoder || !frame) return AVERROR_INVALIDDATA;
+    for (const PacketPtr& packet : track.packets) {
+        int status = (*decoder)->send(packet.get());
+        if (status >= 0) status = (*decoder)->receive(*frame);
+        if (status < 0) return status;
+        av_frame_unref(frame.get());
+    }
+    return 0;
+}
+
 /// `threads`: 0: as many as FFmpeg likes, by frames where the codec can.
 int decode_track(const TrackPackets& track, int threads) {
+    if (is_gradient_zstd(*track.stream->codecpar)) return decode_own_track(track);
     const AVCodec* codec = avcodec_find_decoder(track.stream->codecpar->codec_id);
     const CodecPtr decoder(codec ? avcodec_alloc_context3(codec) : nullptr);
     const FramePtr frame(av_frame_alloc());
