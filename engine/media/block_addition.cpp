@@ -2,6 +2,8 @@
 
 #include <span>
 
+#include "engine/media/clip_tags.hpp"
+
 extern "C" {
 #include <libavutil/crc.h>
 #include <libavutil/intreadwrite.h>
@@ -67,7 +69,8 @@ std::optional<BlockAddition> block_addition_of(const AVPacket& packet) {
     const std::int64_t frames = AV_RB32(data + frames_at);
     std::uint32_t crc = crc_of(crc_of_nothing, data + frames_at, 4);
     crc = crc_of(crc, packet.data, static_cast<std::size_t>(packet.size));
-    return BlockAddition{frames, frames > 0 && AV_RB32(data + crc_at) == crc};
+    return BlockAddition{frames,
+                         frames > 0 && frames <= clip_tags::access_interval && AV_RB32(data + crc_at) == crc};
 }
 
 }  // namespace touchable

@@ -11,8 +11,8 @@ namespace touchable {
 /// What a clip says of each stored picture, in its block's BlockAdditions (docs/codecs.md): for how many
 /// frames the picture stays, and a checksum, since not every codec has one of its own.
 struct BlockAddition {
-    std::int64_t frames = 1;  ///< from 1
-    bool sound = true;        ///< the checksum is that of the packet and of `frames`
+    std::int64_t frames = 1;  ///< from 1 to the distance of access points
+    bool sound = true;        ///< the checksum is that of the packet and of `frames`, which are so many
 };
 
 /// Adds it to a packet on its way into a Matroska file. An error where memory runs out.
