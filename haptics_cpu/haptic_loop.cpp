@@ -54,6 +54,11 @@ void HapticLoop::stop() {
     thread_.join();
 }
 
+std::optional<steady_clock::time_point> HapticLoop::zero() const {
+    const auto zero = zero_.load(std::memory_order_relaxed);
+    return zero == not_begun ? std::nullopt : std::optional(zero);
+}
+
 /// Nothing thrown leaves the thread, and whatever ends it, the hand is left with zero force.
 void HapticLoop::run() {
     facts_.grant = become_realtime();
@@ -69,6 +74,7 @@ void HapticLoop::run() {
 
 void HapticLoop::tick_until_stopped() {
     const auto start = steady_clock::now();
+    zero_.store(start, std::memory_order_relaxed);
     for (std::int64_t tick = 0; !stopping_.load(std::memory_order_relaxed); ++tick) {
         sleep_until(start + tick * tick_time);
         auto late = steady_clock::now() - (start + tick * tick_time);

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -51,10 +53,14 @@ public:
     bool running() const { return !ended_.load(std::memory_order_acquire); }
     /// Time of the newest tick begun: tick k is at k ms.
     std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }
+    /// When tick 0 was due; nothing until its thread has come so far.
+    std::optional<std::chrono::steady_clock::time_point> zero() const;
     /// After `stop`, or once it is not running.
     const LoopFacts& facts() const { return facts_; }
 
 private:
+    static constexpr auto not_begun = std::chrono::steady_clock::time_point::min();
+
     void run();
     void tick_until_stopped();
     bool tick(std::int64_t tick, double late_us);
@@ -70,6 +76,7 @@ private:
     bool started_ = false;
     std::atomic<bool> stopping_{false}, ended_{true};
     std::atomic<std::int64_t> time_ns_{0};
+    std::atomic<std::chrono::steady_clock::time_point> zero_{not_begun};
     std::thread thread_;
 };
 

@@ -54,7 +54,7 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
     const auto cpu_ns = static_cast<double>(process_cpu_ns() - cpu);
     const LiveFacts& facts = session.facts();
     if (facts.failure) return *facts.failure;
-    if (facts.interrupted) return Error{ErrorKind::internal, "interrupted"};
+    if (facts.interrupted) return Error{ErrorKind::interrupted, "interrupted"};
 
     const auto frames = static_cast<double>(s.feed->frames());
     const auto due = static_cast<double>(facts.loop.ticks + facts.loop.skipped);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -25,7 +26,7 @@ struct TrackInfo {
     bool lossless = false;      ///< says who wrote it, though the codec need not be
 };
 
-/// Reads a touchable clip frame by frame. One thread at a time.
+/// Reads a touchable clip frame by frame. One thread at a time, but for `interrupt`.
 class ClipReader {
 public:
     virtual ~ClipReader() = default;
@@ -49,6 +50,18 @@ public:
     /// Nobody looks at colour: frames that are read from now on may come without it, where that saves
     /// decoding. What is stored of it is still counted, timed and checked for damage.
     virtual void leave_out_colour() {}
+
+    // Of a live source.
+    /// Frames come as they are taken: none is there before its time, and one that was missed is gone.
+    virtual bool is_live() const { return false; }
+    /// A run begins, and this is time 0 of its frames: from here on they come when they are taken, after
+    /// those that `next` has given so far, and `seek` and `rewind` are refused. Once, while no other thread
+    /// reads.
+    virtual Result<void> begin(std::chrono::steady_clock::time_point) { return {}; }
+    /// From any thread: a `next` that waits for its source ends with an error of kind interrupted, and so
+    /// does every later one of that run.
+    virtual void interrupt() {}
+
     /// Every file that this clip is read from: itself or each of its pictures, what lies beside it, its scene
     /// file. Nobody may write there.
     const std::vector<std::filesystem::path>& inputs() const { return inputs_; }

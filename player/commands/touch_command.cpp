@@ -15,6 +15,7 @@
 #include "player/commands/touch_run.hpp"
 #include "player/commands/whole_option.hpp"
 #include "player/commands/word_option.hpp"
+#include "player/session/camera_words.hpp"
 
 namespace touchable {
 
@@ -53,6 +54,18 @@ Result<void> read_moments(const TouchWords& words, TouchOptions& options) {
     return {};
 }
 
+/// A camera in place of the clip.
+Result<void> read_camera_words(const TouchWords& words, SessionOptions& session) {
+    if (!session.camera) return {};
+    if (words.clip_word->count() > 0)
+        return usage_error("CLIP and --camera are two things to touch; leave one of them out");
+    auto camera = read_live_camera(*session.camera);
+    if (!camera.ok()) return camera.error();
+    session.clip.file = std::move(camera->recording);
+    session.clip.as_camera = camera->delivery;
+    return {};
+}
+
 Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     GuardSettings& guard = options.session.guard;
@@ -64,13 +77,15 @@ Result<TouchOptions> read_words(const TouchWords& words) {
             if (option->count() > 0)
                 return usage_error(option->get_name() +
                                    " comes from the recording; leave it out with --replay");
-    } else if (words.clip_word->count() == 0) {
-        return usage_error("touch needs a CLIP, or a recording to --replay; see touchable touch -h");
+    } else if (words.clip_word->count() == 0 && !options.session.camera) {
+        return usage_error(
+            "touch needs a CLIP, a --camera, or a recording to --replay; see touchable touch -h");
     }
     auto clip = read_clip(words.clip);
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
     options.session.recorded = options.record.has_value();
+    if (auto read = read_camera_words(words, options.session); !read.ok()) return read.error();
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
     options.session.playback = std::move(*playback);
@@ -110,6 +125,9 @@ std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& sessio
     return {
         sub.add_flag("--live", session.live,
                      "in real time on the wall clock, each part on a thread of its own"),
+        sub.add_option("--camera", session.camera,
+                       "live, in place of CLIP: replay:PATH[,key=value,...], a recording that behaves like a "
+                       "camera (docs/camera.md)"),
         sub.add_option("--device", session.device,
                        "live: what the hand holds, simulated[:key=value,...] (docs/devices.md); without it "
                        "nothing holds the hand back"),
@@ -171,7 +189,8 @@ void group_options(CLI::App& sub) {
         const char* name;
         std::vector<const char*> options;
     } groups[] = {
-        {"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop", "--play"}},
+        {"The clip",
+         {"--scene", "--intrinsics", "--depth-unit", "--camera", "--start", "--rate", "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},

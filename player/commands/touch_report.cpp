@@ -45,9 +45,15 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     report["late_us"] = to_json(figures.late_us());
     report["late_us_histogram"] = figures.late_histogram();
     report["scheduling"] = live.loop.grant.in_words();
-    report["late_frames"] = live.late_frames;
     report["dropped_frames"] = dropped_frames;
     report["interrupted"] = live.interrupted;
+    if (live.camera) {
+        report["frames_shown"] = live.camera->frames_shown;
+        report["frames_left_out"] = live.camera->frames_left_out;
+        report["exposure_to_force_ms"] = to_json(live.camera->exposure_to_force_ms);
+        return;
+    }
+    report["late_frames"] = live.late_frames;
     report["late_frames_pct"] = frames > 0 ? 100.0 * static_cast<double>(live.late_frames) / frames : 0.0;
 }
 
@@ -102,6 +108,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     report.update(figures.to_json());
     if (!setup.settings.playback.empty()) report["playback"] = in_words(setup.settings.playback);
     report["clock"] = live ? "wall" : "virtual";
+    if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
@@ -138,6 +145,7 @@ std::string report_to_text(const Json& r) {
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
                      count("frames") + " frames");
     for (const auto& note : r["notes"]) line("note", note.get<std::string>());
+    if (r.contains("camera")) line("camera", r["camera"].get<std::string>());
     if (r.contains("playback")) line("playback", r["playback"].get<std::string>() + " (seconds, command)");
     line("filters", r["filters"]["in_words"].get<std::string>());
     const auto why = r["builder_why"].get<std::string>();
@@ -172,14 +180,19 @@ std::string report_to_text(const Json& r) {
         line("on the wall clock", count("late_ticks") + " ticks late by 1 ms or more, " +
                                       count("skipped_ticks") + " skipped; began " + spread(r["late_us"]) +
                                       " us after their time; " + r["scheduling"].get<std::string>());
+    }
+    if (r.contains("late_frames"))
         line("frames too late", count("late_frames") + " of " + count("frames") +
                                     number(r["late_frames_pct"], " (%.1f %%), ") + count("dropped_frames") +
                                     " left out" +
                                     (r["late_frames"] == 0 ? "" : "; decoding and building are too slow"));
+    if (r.contains("exposure_to_force_ms")) {
+        line("camera's frames", count("frames_shown") + " felt, " + count("frames_left_out") + " left out");
+        line("exposure to force", spread(r["exposure_to_force_ms"]) + " ms");
     }
-    line("time per frame",
-         number(r["stages_ms"]["read"], "%.3g ms mean waiting for a decoded one; surface ") +
-             spread(r["frame_ms"]) + " ms");
+    const char* reading = r.contains("exposure_to_force_ms") ? "%.3g ms mean waiting for the camera; surface "
+                                                             : "%.3g ms mean waiting for a decoded one; surface ";
+    line("time per frame", number(r["stages_ms"]["read"], reading) + spread(r["frame_ms"]) + " ms");
     line("force hash", r["force_hash"].get<std::string>());
     return text;
 }

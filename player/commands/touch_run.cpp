@@ -72,7 +72,7 @@ Result<void> ended_early(const LiveFacts& facts) {
     const std::string kept =
         std::string(" after ") + seconds + " s; what was asked for is written, up to there";
     if (facts.failure) return Error{facts.failure->kind, facts.failure->message + ": ended" + kept};
-    return Error{ErrorKind::internal, "interrupted" + kept};
+    return Error{ErrorKind::interrupted, "interrupted" + kept};
 }
 
 /// What `--strict` makes of the warnings.

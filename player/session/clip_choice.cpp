@@ -50,7 +50,9 @@ Result<Scene> applied(const ClipChoice& choice, Scene scene) {
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open() const {
-    return open_clip(file, scene_file, camera);
+    auto reader = open_clip(file, scene_file, camera);
+    if (!reader.ok() || !as_camera) return reader;
+    return make_replay_camera(std::move(*reader), *as_camera);
 }
 
 Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour) {

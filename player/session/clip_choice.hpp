@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/media/clip.hpp"
+#include "engine/media/replay_camera.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/session/chosen_filters.hpp"
@@ -34,6 +35,7 @@ struct ClipChoice {
     std::optional<TerraceRemoval> terraces;
     std::optional<TemporalChoice> temporal;
     std::optional<FrameInterpolation> interpolation;
+    std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
 
     /// The clip, from its beginning.
     Result<std::unique_ptr<ClipReader>> open() const;

@@ -45,6 +45,7 @@ void FeedThreads::stop() {
         stopping_ = true;
     }
     changed_.notify_all();
+    feed_.interrupt();
     if (decoder_.joinable()) decoder_.join();
     if (builder_.joinable()) builder_.join();
 }
@@ -86,7 +87,9 @@ Result<bool> FeedThreads::go_on(bool all_is_read) {
 /// False once the threads are to stop.
 bool FeedThreads::queue_up(FedFrame&& frame) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return stopping_ || queue_.size() < queue_length; });
+    // What waits here of a camera would only grow old.
+    const std::size_t room = feed_.reader().is_live() ? 1 : queue_length;
+    changed_.wait(lock, [&] { return stopping_ || queue_.size() < room; });
     if (stopping_) return false;
     queue_.push_back(std::move(frame));
     changed_.notify_all();
@@ -101,6 +104,7 @@ void FeedThreads::decode() {
         if (all_is_read && !*gone_on) break;
         if (auto caught_up = feed_.catch_up(now_()); !caught_up.ok()) return fail(Error(caught_up.error()));
         auto frame = feed_.read_next();
+        if (!frame.ok() && frame.error().kind == ErrorKind::interrupted) return;
         if (!frame.ok()) return fail(Error(frame.error()));
         all_is_read = !*frame || (coming_ && (*frame)->raw.time_ns >= coming_->left_ns);
         if (*frame && !queue_up(std::move(**frame))) return;

@@ -32,7 +32,7 @@ bool interrupted() {
 }
 
 Error interrupted_error() {
-    return {ErrorKind::internal, "interrupted; nothing half-written is left"};
+    return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
 }
 
 }  // namespace touchable

@@ -16,12 +16,12 @@ Result<void> LiveLine::take(const TouchTick& tick) {
     return {};
 }
 
-void LiveLine::show(std::int64_t late_frames) {
+void LiveLine::show(std::int64_t frames, const char* what) {
     if (!line_.is_due()) return;
     char text[128];
-    std::snprintf(text, sizeof text, "live %.1f s, %lld ticks skipped, %lld frames late, %.2f N",
+    std::snprintf(text, sizeof text, "live %.1f s, %lld ticks skipped, %lld %s, %.2f N",
                   static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
-                  static_cast<long long>(late_frames), newtons_);
+                  static_cast<long long>(frames), what, newtons_);
     line_.show(text);
 }
 

@@ -10,7 +10,8 @@ namespace touchable {
 class LiveLine final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override;
-    void show(std::int64_t late_frames);
+    /// How many frames came too late, or what else there is to say of them.
+    void show(std::int64_t frames, const char* what);
 
 private:
     StatusLine line_;

@@ -41,6 +41,14 @@ bool comes_late(const RawFrame& raw, const Scene& scene, const HandsMoment& now)
     return now.time_ns() > scene.rate.time_ns(raw.number - 1);
 }
 
+/// A live source's time begins with the hand's, so that no frame comes before it is taken.
+Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads& threads) {
+    while (!loop.zero() && loop.running()) std::this_thread::sleep_for(sink_pause);
+    if (!loop.zero()) return {};
+    if (auto begun = feed.begin(*loop.zero()); !begun.ok()) return begun;
+    return threads.start();
+}
+
 }  // namespace
 
 LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
@@ -54,8 +62,10 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     PlaybackClock clock(scene_.rate, settings_.playback);
     HandsMoment now;
     now.set(clock.at(0));
+    const bool live_source = feed_.reader().is_live();
+    CameraFigures camera(feed_.frames());
     FeedThreads threads(
-        feed_, [&](const RawFrame& raw) { return comes_late(raw, scene_, now); }, clock,
+        feed_, [&](const RawFrame& raw) { return !live_source && comes_late(raw, scene_, now); }, clock,
         [&now] {
             const std::uint64_t epoch = now.epoch();  // first: see HandsMoment
             return MediaMoment{epoch, now.time_ns(), 0};
@@ -73,6 +83,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
             for (TouchSink* sink : sinks)
                 if (taken.ok()) taken = sink->take(tick);
             if (taken.ok()) taken = line.take(tick);
+            if (taken.ok() && live_source) taken = camera.take(tick);
         };
         while (log.pop(give)) {
         }
@@ -84,17 +95,24 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         return end && now.epoch() == end->epoch && now.time_ns() + tick_ns >= end->time_ns &&
                loop.time_ns() + tick_ns >= shortest_run_ns;
     };
-    if (auto begun = threads.start(); !begun.ok()) return begun;
-    // The first frame after the pair at hand costs most, because memory is new: the hand begins once it is
-    // there.
-    while (threads.published() == 0 && !threads.end() && !threads.error() && !interrupted())
-        std::this_thread::sleep_for(sink_pause);
+    if (!live_source) {
+        if (auto begun = threads.start(); !begun.ok()) return begun;
+        // The first frame after the pair at hand costs most, because memory is new: the hand begins once it is
+        // there.
+        while (threads.published() == 0 && !threads.end() && !threads.error() && !interrupted())
+            std::this_thread::sleep_for(sink_pause);
+    }
     if (auto begun = loop.start(); !begun.ok()) return begun;
+    if (live_source)
+        if (auto begun = begin_source(loop, feed_, threads); !begun.ok()) return begun;
     while (loop.running() && taken.ok() && !threads.error() && !is_over()) {
         facts_.interrupted = interrupted();
         if (facts_.interrupted) break;
         drain();
-        line.show(threads.late_frames());
+        if (live_source)
+            line.show(camera.frames_shown(), "frames felt");
+        else
+            line.show(threads.late_frames(), "frames late");
         std::this_thread::sleep_for(sink_pause);
     }
     loop.stop();
@@ -102,6 +120,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     drain();
     facts_.loop = loop.facts();
     facts_.late_frames = threads.late_frames();
+    if (live_source) facts_.camera = camera.facts();
     facts_.failure = threads.error();
     if (!facts_.failure && facts_.loop.port_failed)
         facts_.failure =

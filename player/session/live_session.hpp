@@ -4,6 +4,7 @@
 #include <span>
 
 #include "haptics_cpu/haptic_loop.hpp"
+#include "player/session/camera_figures.hpp"
 #include "player/session/touch_session.hpp"
 
 namespace touchable {
@@ -11,8 +12,9 @@ namespace touchable {
 /// How a live session went.
 struct LiveFacts {
     LoopFacts loop;
-    std::int64_t late_frames = 0;  ///< not built yet when the surface first needed them
-    bool interrupted = false;      ///< a person ended it
+    std::int64_t late_frames = 0;         ///< not built yet when the surface first needed them
+    std::optional<CameraFacts> camera{};  ///< of a live source, which has no late frames
+    bool interrupted = false;             ///< a person ended it
     std::optional<Error>
         failure;  ///< what else ended it too early: the device, or a frame that cannot be read
 };

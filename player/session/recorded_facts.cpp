@@ -8,6 +8,7 @@
 
 #include "engine/scene/scene_file.hpp"
 #include "haptics_cpu/force_rules.hpp"
+#include "player/session/camera_words.hpp"
 #include "player/session/session_options.hpp"
 
 namespace touchable {
@@ -45,6 +46,7 @@ Json recorded_facts(const TouchSetup& setup) {
             facts["intrinsics"].insert(facts["intrinsics"].end(), {*camera->cx, *camera->cy});
         facts["depth_unit"] = camera->metres_per_code;
     }
+    if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) facts["device"] = setup.device_words;
     if (!setup.settings.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
     const auto& built = setup.feed->built();
@@ -177,6 +179,14 @@ void read_guard(const Json& limits, GuardSettings& guard) {
     if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
 }
 
+/// Likewise.
+void read_recorded_camera(const std::string& words, TouchSetup& setup) {
+    const auto camera = read_live_camera(words);
+    if (!camera.ok()) throw std::out_of_range(camera.error().message);
+    setup.clip.as_camera = camera->delivery;
+    setup.camera_words = words;
+}
+
 /// Gives the recorded scene, as text. Throws std::out_of_range where something is missing, of another kind or
 /// impossible.
 std::string read_facts(const Json& facts, TouchSetup& setup) {
@@ -185,6 +195,7 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
     setup.clip.camera = camera_of(facts);
     setup.hand_words = text(facts, "hand");
     setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
+    if (facts.contains("camera")) read_recorded_camera(text(facts, "camera"), setup);
     if (facts.contains("device")) setup.device_words = text(facts, "device");
     read_touch(facts, setup.settings.touch);
     read_guard(object(facts, "guard"), setup.settings.guard);

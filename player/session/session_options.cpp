@@ -15,6 +15,19 @@ constexpr GuardNames option_names{.max_force = "--max-force",
                                   .damping = "--damping",
                                   .passivity = "--passivity"};
 
+/// A camera takes its frames in real time, one after another.
+Result<void> check_camera(const SessionOptions& options) {
+    if (!options.camera) return {};
+    if (!options.live) return usage_error("--camera needs --live: a camera's frames come in real time");
+    if (!options.playback.empty())
+        return usage_error("--start, --rate, --loop and --play are for a clip; a camera's time only goes on");
+    if (options.clip.interpolation == FrameInterpolation::linear)
+        return usage_error(
+            "--interpolation linear needs the frame after, which a camera has not taken yet; "
+            "leave it out with --camera");
+    return {};
+}
+
 }  // namespace
 
 Result<void> check_guard(const GuardSettings& guard) {
@@ -32,7 +45,7 @@ Result<void> validate(const SessionOptions& options) {
         return usage_error("--start-buried needs --live: without it no finger waits to be free");
     if (options.device && !options.live)
         return usage_error("--device needs --live: a device is held in real time");
-    return {};
+    return check_camera(options);
 }
 
 }  // namespace touchable

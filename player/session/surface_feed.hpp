@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -68,6 +69,10 @@ public:
     /// can be touched has changed; false while the timeline has no room.
     Result<bool> publish(const FedFrame& frame);
     SurfaceTimeline& timeline() { return timeline_; }
+    /// Of a live source: time 0 of the run, before the thread that reads begins.
+    Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
+    /// From any thread: `read_next` waits for no live source any more.
+    void interrupt() { reader_->interrupt(); }
 
     const ClipReader& reader() const { return *reader_; }
     std::string_view builder_name() const { return builder_->name(); }

@@ -8,6 +8,7 @@
 #include "player/session/builder_pick.hpp"
 #include "player/session/clip_workspace.hpp"
 #include "player/session/field_probe.hpp"
+#include "player/session/only_frames.hpp"
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
 #include "player/session/repeating_hand.hpp"
@@ -138,6 +139,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     if (auto valid = validate(options); !valid.ok()) return valid.error();
     auto setup = std::make_unique<TouchSetup>();
     setup->clip = options.clip;
+    setup->camera_words = options.camera.value_or("");
     setup->live = options.live;
     setup->settings.fingers = options.fingers;
     setup->settings.ticks = options.ticks;
@@ -174,14 +176,15 @@ Error gone(Error error, const TouchSetup& setup, const std::filesystem::path& fi
     return error;
 }
 
-/// The recorded clip, or the one it is now, as the `recorded` scene.
-Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const std::filesystem::path& file,
-                               const ClipChoice& instead) {
+/// The recorded clip, or the one it is now, as the `recorded` scene. Of a camera, what it gave.
+Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const Recording& recording,
+                               const std::filesystem::path& file, const ClipChoice& instead) {
     if (!instead.file.empty()) setup.clip.file = instead.file;
     if (instead.scene_file) {
         setup.clip.scene_file = instead.scene_file;
         setup.clip.camera.reset();
     }
+    if (setup.clip.as_camera) setup.clip.as_camera->rate = recorded.rate;
     auto reader = setup.clip.open();
     if (!reader.ok()) return gone(reader.error(), setup, file, instead);
     (*reader)->leave_out_colour();
@@ -190,6 +193,9 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const s
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(recorded.width) + "x" + std::to_string(recorded.height));
+    if (setup.clip.as_camera)
+        *reader =
+            only_frames(std::move(*reader), built_frames(recording.facts).value_or(std::vector<FrameRun>()));
     return OpenClip{std::move(*reader), recorded, {}};
 }
 
@@ -224,7 +230,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     setup->settings.fingers = recording.fingers;
     const auto scene = read_recorded_facts(recording.facts, "recording " + file.string(), *setup);
     if (!scene.ok()) return scene.error();
-    auto clip = open_recorded(*setup, *scene, file, options.clip);
+    auto clip = open_recorded(*setup, *scene, recording, file, options.clip);
     if (!clip.ok()) return clip.error();
     SessionOptions as_recorded = options;
     as_recorded.recorded = true;

@@ -27,6 +27,7 @@ struct TouchSetup {
     std::unique_ptr<SurfaceFeed> feed;
     std::string hand_words;  ///< as on the command line
     std::unique_ptr<Hand> hand;
+    std::string camera_words;  ///< as on the command line; empty: no camera
     std::string device_words;  ///< as on the command line; empty: no device
     std::unique_ptr<SimulatedDevice> device;
     Workspace workspace;

@@ -1,0 +1,19 @@
+#include "player/session/camera_figures.hpp"
+
+namespace touchable {
+
+/// Ticks are counted by the clock by which frames are taken; a force is there once its tick is solved.
+Result<void> CameraFigures::take(const TouchTick& tick) {
+    const TimedFrame& felt = tick.pair.prev;
+    if (felt.number <= newest_) return {};
+    newest_ = felt.number;
+    latency_ms_.push_back(static_cast<double>(tick.time_ns - felt.time_ns) * 1e-6 +
+                          (tick.late_us + tick.solve_us) * 1e-3);
+    return {};
+}
+
+CameraFacts CameraFigures::facts() const {
+    return {frames_shown(), newest_ - first_ + 1 - frames_shown(), spread_of(latency_ms_)};
+}
+
+}  // namespace touchable

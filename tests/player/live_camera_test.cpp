@@ -1,0 +1,138 @@
+// Touch of a camera: frames that come when they are taken, or do not come. No test depends on a deadline.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/media/replay_camera.hpp"
+#include "player/session/frames_in_hand.hpp"
+#include "player/session/only_frames.hpp"
+#include "tests/media/clip_fixture.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+class LiveCamera : public ::testing::Test {
+protected:
+    LiveCamera() {
+        const Outcome made = run_touchable({"make", "moving", clip, "--size", "64x48", "--frames", "30"});
+        EXPECT_EQ(made.code, 0) << made.err;
+    }
+    nlohmann::json touch(Words words) const {
+        words.insert(words.begin(), "touch");
+        words.insert(words.end(), {"--overwrite", "--json", report});
+        const Outcome outcome = run_touchable(words);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        said = outcome.out;
+        return nlohmann::json::parse(file_contents(report), nullptr, false);
+    }
+
+    const TemporaryFolder folder;
+    const std::string clip = folder / "moving.mkv", record = folder / "live.rec", report = folder / "r.json";
+    mutable std::string said;
+};
+
+TEST_F(LiveCamera, ASessionReplaysToItsHash) {
+    const std::string camera = "replay:" + clip + ",fps=100,jitter=4,drop=0.3";
+    for (const Words& filter : {Words{}, Words{"--temporal", "5"}}) {
+        Words words{"--live", "--camera", camera, "--seconds", "0.4", "--fingers", "2", "--record", record};
+        words.insert(words.end(), filter.begin(), filter.end());
+        const auto live = touch(words);
+        EXPECT_EQ(live["camera"], camera);
+        EXPECT_GT(live["frames_shown"], 0);
+        EXPECT_GT(live["frames_left_out"], 0);
+        EXPECT_LE(live["frames_shown"].get<int>() + live["frames_left_out"].get<int>(), 28);
+        EXPECT_FALSE(live.contains("late_frames"));
+        EXPECT_EQ(live["warnings"].dump().find("too late"), std::string::npos) << live["warnings"];
+        EXPECT_GT(live["exposure_to_force_ms"]["p50"], 0);
+        EXPECT_LE(live["exposure_to_force_ms"]["p50"], live["exposure_to_force_ms"]["p99"]);
+        EXPECT_NE(said.find("exposure to force"), std::string::npos) << said;
+        for (const char* builder : {"cpu", "reference"}) {
+            const auto replay = touch({"--replay", record, "--builder", builder});
+            EXPECT_EQ(replay["force_hash"], live["force_hash"]) << builder;
+            EXPECT_EQ(replay["camera"], camera);
+        }
+        EXPECT_EQ(said.find("not the recorded ones"), std::string::npos) << said;
+    }
+}
+
+TEST_F(LiveCamera, ThatIsStalledKeepsNobodyFromEnding) {
+    const std::string camera = "replay:" + clip + ",fps=100,stall=0.05";
+    const auto live = touch({"--live", "--camera", camera, "--seconds", "0.3", "--record", record,
+                             "--picture", folder / "p.png", "--picture-size", "64x48", "--painter", "cpu"});
+    EXPECT_GE(live["ticks"].get<int>() + live["skipped_ticks"].get<int>(), 300);
+    EXPECT_LE(live["frames"], 5) << "0, 1, ... 4";
+    EXPECT_EQ(touch({"--replay", record})["force_hash"], live["force_hash"]);
+    const Outcome ended = run_interrupted_while_live(
+        {"touch", "--live", "--camera", camera, "--overwrite", "--json", report, "--record", record});
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    EXPECT_NE(ended.err.find("what was asked for is written"), std::string::npos) << ended.err;
+}
+
+TEST_F(LiveCamera, IsRefusedWhereItCannotBe) {
+    const std::string camera = "replay:" + clip;
+    const std::vector<std::pair<Words, const char*>> refused{
+        {{"--live", "--camera", "webcam"}, "unknown camera 'webcam'; the one there is is replay:PATH"},
+        {{"--live", "--camera", "replay:,fps=3"}, "needs a recording"},
+        {{"--live", "--camera", camera + ",fps=0"}, "fps takes 0.1 to 1000 frames/s"},
+        {{"--live", "--camera", camera + ",drop=1"}, "drop takes 0 to 0.99 of the frames"},
+        {{"--live", "--camera", camera + ",jitter"}, "'jitter' is not key=value; keys are fps"},
+        {{"--live", "--camera", camera + ",blur=1"}, "unknown key 'blur'; keys are fps"},
+        {{"--live", "--camera", camera + ",stall=2,resume=2"}, "resume must be a moment after stall"},
+        {{"--live", "--camera", camera + ",resume=2"}, "resume must be a moment after stall"},
+        {{"--live", "--camera", camera, clip}, "CLIP and --camera are two things to touch"},
+        {{"--camera", camera}, "--camera needs --live"},
+        {{"--live", "--camera", camera, "--rate", "2"}, "a camera's time only goes on"},
+        {{"--live", "--camera", camera, "--interpolation", "linear"}, "leave it out with --camera"},
+        {{"--replay", record, "--camera", camera}, "--camera comes from the recording"}};
+    for (const auto& [words, fragment] : refused) {
+        Words all{"touch"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome outcome = run_touchable(all);
+        EXPECT_EQ(outcome.code, 2) << fragment;
+        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+        EXPECT_NE(outcome.err.find(fragment), std::string::npos) << outcome.err;
+    }
+    EXPECT_EQ(run_touchable({"touch", "--live", "--camera", "replay:" + (folder / "no.mkv").string()}).code,
+              3);
+}
+
+TEST_F(LiveCamera, FramesThatWereReadAheadAreNotGivenBeforeTheirTime) {
+    auto recording = open_clip(clip);
+    ASSERT_EQ(message(recording), "");
+    auto camera = make_replay_camera(std::move(*recording), {.rate = FrameRate{1000, 1}});
+    std::vector<RawFrame> ahead;
+    for (int n = 0; n < 20; ++n) ahead.push_back(**camera->next());
+    const auto reader = with_frames_in_hand(std::move(camera), std::move(ahead));
+    EXPECT_TRUE(reader->is_live());
+    for (int n = 0; n < 2; ++n) EXPECT_EQ((*reader->next())->number, n);
+    const auto zero = std::chrono::steady_clock::now();
+    ASSERT_EQ(message(reader->begin(zero)), "");
+    const auto frame = reader->next();
+    ASSERT_EQ(message(frame), "");
+    EXPECT_GE((*frame)->number, 2);
+    EXPECT_GE(std::chrono::steady_clock::now(), zero + std::chrono::nanoseconds((*frame)->time_ns));
+    reader->interrupt();
+    EXPECT_EQ(reader->next().error().kind, ErrorKind::interrupted);
+}
+
+TEST_F(LiveCamera, OfAReplayThereAreOnlyTheFramesThatWereBuilt) {
+    auto recording = open_clip(clip);
+    ASSERT_EQ(message(recording), "");
+    const auto some = only_frames(std::move(*recording), {{0, 2}, {5, 1}, {28, 9}});
+    const auto numbers = [&some] {
+        const auto frames = test::read_all(*some);
+        EXPECT_EQ(message(frames), "");
+        std::vector<std::int64_t> all;
+        for (const RawFrame& frame : *frames) all.push_back(frame.number);
+        return all;
+    };
+    EXPECT_EQ(numbers(), (std::vector<std::int64_t>{0, 1, 5, 28, 29}));
+    ASSERT_EQ(message(some->seek(2)), "");
+    EXPECT_EQ(numbers(), (std::vector<std::int64_t>{5, 28, 29}));
+}
+
+}  // namespace
+}  // namespace touchable::test
