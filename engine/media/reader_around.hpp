@@ -17,6 +17,7 @@ public:
     Result<std::optional<RawFrame>> next() override { return reader_->next(); }
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override { return reader_->seek(frame); }
+    std::int64_t access_point(std::int64_t frame) const override { return reader_->access_point(frame); }
     void leave_out_colour() override { reader_->leave_out_colour(); }
     bool is_live() const override { return reader_->is_live(); }
     Result<void> begin(std::chrono::steady_clock::time_point zero) override { return reader_->begin(zero); }

@@ -16,9 +16,6 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// Frames that are read and thrown away rather than sought beyond, where decoding has to begin anew.
-constexpr std::int64_t short_way = 4;
-
 /// What chance decides about a frame.
 enum class Chance : std::uint64_t { drop = 1, jitter = 2 };
 
@@ -106,9 +103,9 @@ Delivery ReplayCamera::newest_or_next() const {
 Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
     if (const auto count = frame_count()) {
         if (number >= *count) return std::optional<RawFrame>();
-        if (number - position_ > short_way) {
-            if (auto there = inner().seek(number); !there.ok()) return there.error();
-            position_ = number;
+        if (const std::int64_t nearer = access_point(number); nearer > position_) {
+            if (auto there = inner().seek(nearer); !there.ok()) return there.error();
+            position_ = nearer;
         }
     }
     while (true) {

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "player/session/field_probe.hpp"
-#include "player/session/only_frames.hpp"
 
 namespace touchable {
 namespace {
@@ -98,7 +97,6 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
                            " ms, the moment to draw; --picture-at says another");
     auto reader = setup.clip.open();
     if (!reader.ok()) return reader.error();
-    if (setup.clip.as_camera) *reader = only_frames(std::move(*reader), setup.feed->built());
     // Frames of the GPU that also draws stay there; others are built here, whole.
     const bool on_gpu = setup.feed->builder_name() == "vulkan";
     const auto builder = make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu);

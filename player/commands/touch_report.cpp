@@ -49,7 +49,6 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     report["interrupted"] = live.interrupted;
     if (live.camera) {
         report["frames_shown"] = live.camera->frames_shown;
-        report["frames_left_out"] = live.camera->frames_left_out;
         report["exposure_to_force_ms"] = to_json(live.camera->exposure_to_force_ms);
         return;
     }
@@ -187,11 +186,12 @@ std::string report_to_text(const Json& r) {
                                     " left out" +
                                     (r["late_frames"] == 0 ? "" : "; decoding and building are too slow"));
     if (r.contains("exposure_to_force_ms")) {
-        line("camera's frames", count("frames_shown") + " felt, " + count("frames_left_out") + " left out");
+        line("camera's frames", count("frames_shown") + " felt, " + count("dropped_frames") + " left out");
         line("exposure to force", spread(r["exposure_to_force_ms"]) + " ms");
     }
-    const char* reading = r.contains("exposure_to_force_ms") ? "%.3g ms mean waiting for the camera; surface "
-                                                             : "%.3g ms mean waiting for a decoded one; surface ";
+    const char* reading = r.contains("exposure_to_force_ms")
+                              ? "%.3g ms mean waiting for the camera; surface "
+                              : "%.3g ms mean waiting for a decoded one; surface ";
     line("time per frame", number(r["stages_ms"]["read"], reading) + spread(r["frame_ms"]) + " ms");
     line("force hash", r["force_hash"].get<std::string>());
     return text;

@@ -25,7 +25,7 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
     if (live.late_frames > 0)
         warnings.push_back(std::to_string(live.late_frames) + " of " + std::to_string(frames) +
                            " frames came too late: decoding and building are too slow");
-    if (dropped > 0)
+    if (dropped > 0 && !live.camera)  // which leaves out some itself
         warnings.push_back(std::to_string(dropped) +
                            " frames were left out, because their time had passed before they were decoded");
 }

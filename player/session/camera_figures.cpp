@@ -13,7 +13,7 @@ Result<void> CameraFigures::take(const TouchTick& tick) {
 }
 
 CameraFacts CameraFigures::facts() const {
-    return {frames_shown(), newest_ - first_ + 1 - frames_shown(), spread_of(latency_ms_)};
+    return {frames_shown(), spread_of(latency_ms_)};
 }
 
 }  // namespace touchable

@@ -10,23 +10,21 @@ namespace touchable {
 
 /// What became of a camera's frames in a live run.
 struct CameraFacts {
-    std::int64_t frames_shown = 0;     ///< that fingers felt
-    std::int64_t frames_left_out = 0;  ///< whose numbers lie between those
-    Spread exposure_to_force_ms;       ///< from taking a frame to the first force that it made
+    std::int64_t frames_shown = 0;  ///< that fingers felt
+    Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made
 };
 
 /// Finds that out tick by tick.
 class CameraFigures final : public TouchSink {
 public:
     /// `first`: of the frames that the run waits for; those before it were there when it began.
-    explicit CameraFigures(std::int64_t first) : newest_(first - 1), first_(first) {}
+    explicit CameraFigures(std::int64_t first) : newest_(first - 1) {}
     Result<void> take(const TouchTick& tick) override;
     std::int64_t frames_shown() const { return static_cast<std::int64_t>(latency_ms_.size()); }
     CameraFacts facts() const;
 
 private:
     std::int64_t newest_;  // that was felt
-    const std::int64_t first_;
     std::vector<double> latency_ms_;
 };
 

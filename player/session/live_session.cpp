@@ -97,8 +97,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     };
     if (!live_source) {
         if (auto begun = threads.start(); !begun.ok()) return begun;
-        // The first frame after the pair at hand costs most, because memory is new: the hand begins once it is
-        // there.
+        // The first frame after the pair at hand costs most, because memory is new: the hand begins once it
+        // is there.
         while (threads.published() == 0 && !threads.end() && !threads.error() && !interrupted())
             std::this_thread::sleep_for(sink_pause);
     }

@@ -52,7 +52,7 @@ Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) 
 
 Result<void> SurfaceFeed::catch_up(const MediaMoment& now) {
     constexpr std::int64_t oldest = 2;  // frames behind the moment
-    if (now.epoch != read_epoch_) return {};
+    if (now.epoch != read_epoch_ || reader_->is_live()) return {};
     std::int64_t due = rate_.frame_at(now.time_ns);
     if (const auto count = reader_->frame_count(); count && *count > 0) due = std::min(due, *count - 1);
     if (next_number_ < first_shown_ || next_number_ + oldest > due) return {};

@@ -59,7 +59,7 @@ public:
     /// reads.
     Result<void> read_from(std::uint64_t epoch, std::int64_t start_ns);
     /// Leaves out frames whose time has passed at this moment, where decoding can begin again later: those
-    /// that nobody would feel any more. By the thread that reads.
+    /// that nobody would feel any more. (A live source does so itself.) By the thread that reads.
     Result<void> catch_up(const MediaMoment& now);
     /// A replay leaves out what its recording did.
     void leave_out(std::vector<DroppedFrames> frames) { left_out_ = std::move(frames); }

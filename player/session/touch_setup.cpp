@@ -8,7 +8,6 @@
 #include "player/session/builder_pick.hpp"
 #include "player/session/clip_workspace.hpp"
 #include "player/session/field_probe.hpp"
-#include "player/session/only_frames.hpp"
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
 #include "player/session/repeating_hand.hpp"
@@ -176,9 +175,9 @@ Error gone(Error error, const TouchSetup& setup, const std::filesystem::path& fi
     return error;
 }
 
-/// The recorded clip, or the one it is now, as the `recorded` scene. Of a camera, what it gave.
-Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const Recording& recording,
-                               const std::filesystem::path& file, const ClipChoice& instead) {
+/// The recorded clip, or the one it is now, as the `recorded` scene.
+Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const std::filesystem::path& file,
+                               const ClipChoice& instead) {
     if (!instead.file.empty()) setup.clip.file = instead.file;
     if (instead.scene_file) {
         setup.clip.scene_file = instead.scene_file;
@@ -193,9 +192,6 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const R
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(recorded.width) + "x" + std::to_string(recorded.height));
-    if (setup.clip.as_camera)
-        *reader =
-            only_frames(std::move(*reader), built_frames(recording.facts).value_or(std::vector<FrameRun>()));
     return OpenClip{std::move(*reader), recorded, {}};
 }
 
@@ -230,7 +226,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     setup->settings.fingers = recording.fingers;
     const auto scene = read_recorded_facts(recording.facts, "recording " + file.string(), *setup);
     if (!scene.ok()) return scene.error();
-    auto clip = open_recorded(*setup, *scene, recording, file, options.clip);
+    auto clip = open_recorded(*setup, *scene, file, options.clip);
     if (!clip.ok()) return clip.error();
     SessionOptions as_recorded = options;
     as_recorded.recorded = true;
