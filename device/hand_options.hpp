@@ -9,8 +9,8 @@
 
 namespace touchable {
 
-/// One key that a hand, or a simulated device, understands. Numbers have a range and a default; words (names
-/// of columns) do not.
+/// One key that a hand, a simulated device or a camera understands. Numbers have a range and a default; words
+/// (names of columns) do not.
 struct HandKey {
     enum class Kind { number, whole, words };
     std::string_view name;

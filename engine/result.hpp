@@ -17,34 +17,23 @@ struct Error {
     std::string message;
 };
 
-/// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130
-/// somebody asked to stop.
+/// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130 somebody
+/// asked to stop.
 constexpr int exit_code(ErrorKind kind) {
     switch (kind) {
-        case ErrorKind::internal:
-            return 1;
-        case ErrorKind::usage:
-            return 2;
-        case ErrorKind::input:
-            return 3;
-        case ErrorKind::gpu:
-            return 4;
-        case ErrorKind::device:
-            return 5;
-        case ErrorKind::check:
-            return 6;
-        case ErrorKind::interrupted:
-            return 130;
+        case ErrorKind::internal: return 1;
+        case ErrorKind::usage: return 2;
+        case ErrorKind::input: return 3;
+        case ErrorKind::gpu: return 4;
+        case ErrorKind::device: return 5;
+        case ErrorKind::check: return 6;
+        case ErrorKind::interrupted: return 130;
     }
     return 1;
 }
 
-inline Error input_error(std::string message) {
-    return {ErrorKind::input, std::move(message)};
-}
-inline Error usage_error(std::string message) {
-    return {ErrorKind::usage, std::move(message)};
-}
+inline Error input_error(std::string message) { return {ErrorKind::input, std::move(message)}; }
+inline Error usage_error(std::string message) { return {ErrorKind::usage, std::move(message)}; }
 
 /// A value, or the reason there is none. Asking for the one that is not there is a fault of the caller.
 template <class T>
@@ -56,22 +45,10 @@ public:
     bool ok() const { return state_.index() == 0; }
     explicit operator bool() const { return ok(); }
 
-    T& value() & {
-        assert(ok());
-        return std::get<0>(state_);
-    }
-    const T& value() const& {
-        assert(ok());
-        return std::get<0>(state_);
-    }
-    T&& value() && {
-        assert(ok());
-        return std::get<0>(std::move(state_));
-    }
-    const Error& error() const {
-        assert(!ok());
-        return std::get<1>(state_);
-    }
+    T& value() & { assert(ok()); return std::get<0>(state_); }
+    const T& value() const& { assert(ok()); return std::get<0>(state_); }
+    T&& value() && { assert(ok()); return std::get<0>(std::move(state_)); }
+    const Error& error() const { assert(!ok()); return std::get<1>(state_); }
 
     T& operator*() { return value(); }
     const T& operator*() const { return value(); }
@@ -90,10 +67,7 @@ public:
 
     bool ok() const { return !error_; }
     explicit operator bool() const { return ok(); }
-    const Error& error() const {
-        assert(!ok());
-        return *error_;
-    }
+    const Error& error() const { assert(!ok()); return *error_; }
 
 private:
     std::optional<Error> error_;

@@ -4,6 +4,7 @@
 #include <sched.h>
 
 #include <atomic>
+#include <chrono>
 #include <new>
 #include <stdexcept>
 #include <thread>
@@ -99,6 +100,19 @@ TEST(HapticLoop, TicksInOrderLogsEachAndEndsWithZeroForce) {
     EXPECT_GT(rig.port.largest, 0.4);
     EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
     EXPECT_EQ(rig.port.writes, facts.ticks + 1);
+}
+
+TEST(HapticLoop, SaysWhenItsFirstTickWasDue) {
+    LoopRig rig(4096);
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    EXPECT_FALSE(loop.zero());
+    const auto before = std::chrono::steady_clock::now();
+    ASSERT_TRUE(loop.start().ok());
+    while (loop.time_ns() < 3'000'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_TRUE(loop.zero());
+    EXPECT_GE(*loop.zero(), before);
+    EXPECT_LE(*loop.zero(), std::chrono::steady_clock::now() - std::chrono::milliseconds(3));
+    loop.stop();
 }
 
 TEST(HapticLoop, StaysOnTheCpuItNames) {
