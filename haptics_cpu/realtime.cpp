@@ -11,6 +11,7 @@
 
 #include <cerrno>
 #include <cstdint>
+#include <string_view>
 
 namespace touchable {
 
@@ -46,9 +47,12 @@ std::optional<std::uint64_t> memory_limit() {
     return limit.rlim_cur;
 }
 
-/// The program's own code and data, fetched and kept: no tick waits for them. The first object is the
-/// program.
-int lock_program(dl_phdr_info* object, std::size_t, void*) {
+/// Code and data of the program, which has no name here, and of the libraries that a tick may call: fetched
+/// and kept, so that no tick waits for them.
+int lock_for_ticks(dl_phdr_info* object, std::size_t, void*) {
+    const std::string_view name = object->dlpi_name;
+    const auto is_part = [name](const char* library) { return name.find(library) != std::string_view::npos; };
+    if (!name.empty() && !is_part("/libc.so") && !is_part("/libm.so") && !is_part("/libstdc++.so")) return 0;
     const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
     for (int k = 0; k < object->dlpi_phnum; ++k) {
         const auto& segment = object->dlpi_phdr[k];
@@ -57,7 +61,7 @@ int lock_program(dl_phdr_info* object, std::size_t, void*) {
         const std::uintptr_t end = object->dlpi_addr + segment.p_vaddr + segment.p_memsz;
         mlock(reinterpret_cast<const void*>(begin), end - begin);
     }
-    return 1;
+    return 0;
 }
 
 /// As much of the calling thread's stack as a tick could want.
@@ -74,7 +78,7 @@ unsigned char touch_stack() {
 /// memory, because what would go beyond it is refused altogether.
 MemoryLock lock_memory(bool limited) {
     if (mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) return MemoryLock::none;
-    dl_iterate_phdr(lock_program, nullptr);
+    dl_iterate_phdr(lock_for_ticks, nullptr);
     touch_stack();
     if (limited || mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) return MemoryLock::present;
     return MemoryLock::all;

@@ -30,7 +30,7 @@ public:
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override;
     Result<void> seek(std::int64_t frame) override;
-    std::int64_t access_point(std::int64_t frame) const override { return frame - frame % access_interval_; }
+    std::int64_t access_point(std::int64_t frame) const override;
     void leave_out_colour() override { with_colour_ = false; }
 
 private:
@@ -63,7 +63,7 @@ private:
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::int64_t promised_ = 0;
-    std::int64_t access_interval_ = 1;  // frames
+    bool index_leads_ = true;  // to access points, as far as that was tried
     bool with_colour_ = true;
 
     // Where the reading is; `open_file` and `start` make it anew.
@@ -92,11 +92,12 @@ Result<void> MatroskaReader::seek(std::int64_t frame) {
     first_.reset();
     const auto begun = begin_at(frame);
     if (!begun) return begun.error();
+    index_leads_ = *begun;
     if (!*begun) {
         if (auto opened = open_file(); !opened) return opened;
         if (auto started = start(); !started) return started;
     }
-    while (number_ < frame) {
+    while ((first_ ? 0 : number_) < frame) {
         const auto passed = next();
         if (!passed) return passed.error();
         if (!*passed)
@@ -104,6 +105,16 @@ Result<void> MatroskaReader::seek(std::int64_t frame) {
                                std::to_string(number_ - 1));
     }
     return {};
+}
+
+/// Of clips that other programs have encoded anew it is not known.
+std::int64_t MatroskaReader::access_point(std::int64_t frame) const {
+    if (!index_leads_) return 0;
+    const auto is_ours = [](const Track& track) { return track.pictures->has_additions(); };
+    if (std::all_of(tracks_.begin(), tracks_.end(), is_ours))
+        return frame - frame % clip_tags::access_interval;
+    const auto is_ffv1 = [](const Track& track) { return track.pictures->info().codec == "ffv1"; };
+    return std::all_of(tracks_.begin(), tracks_.end(), is_ffv1) ? frame : 0;
 }
 
 /// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
@@ -154,7 +165,6 @@ Result<void> MatroskaReader::read_version_and_rate() {
     if (*number > clip_format_version)
         return refuse("is of clip format " + printable(*version) + "; this program reads up to " +
                       std::to_string(clip_format_version) + ": use a newer one");
-    if (*number > 1) access_interval_ = clip_tags::access_interval;
     const auto rate = demuxer_->tag(clip_tags::rate_tag);
     const auto parsed = rate ? clip_tags::parse_rate(*rate) : std::nullopt;
     if (!parsed || clip_tags::is_too_fast(*parsed))

@@ -37,6 +37,11 @@ std::string size_text(const AVFrame& frame) {
     return std::to_string(frame.width) + "x" + std::to_string(frame.height) + " " + format_name(frame);
 }
 
+Error undecodable(const std::string& where, int status) {
+    if (status == AVERROR(ENOMEM)) return {ErrorKind::internal, where + ": out of memory"};
+    return input_error(where + ": is damaged: " + ffmpeg_text(status));
+}
+
 }  // namespace
 
 Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, const std::string& file) {
@@ -62,6 +67,9 @@ Result<void> TrackDecoder::read_tags(const AVStream& stream) {
     says_lossless_ = av_dict_get(stream.metadata, clip_tags::lossless_tag, nullptr, 0) != nullptr;
     const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::bits_tag, nullptr, 0);
     if (!tag && codec_ != AV_CODEC_ID_NONE) return {};
+    if (role_ != PlaneRole::depth && role_ != PlaneRole::height)
+        return input_error(name() +
+                           ": is stored as depth and height are (tag T3D_BITS, or codec T3DZ): must not be");
     const auto bits = tag ? clip_tags::parse_bits(tag->value) : std::nullopt;
     if (!bits)
         return input_error(file_ + ": track " + info_.role + ": its tag T3D_BITS is " +
@@ -116,7 +124,7 @@ Result<void> TrackDecoder::send(const AVPacket* packet) {
         frames_.push_back(*frames);
     }
     const int status = decoder_->send(packet);
-    if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
+    if (status < 0) return undecodable(where(), status);
     drained_ = packet == nullptr;
     return {};
 }
@@ -126,7 +134,7 @@ Result<std::optional<TrackDecoder::Picture>> TrackDecoder::receive() {
     if (!frame) return Error{ErrorKind::internal, "out of memory"};
     const int status = decoder_->receive(*frame);
     if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return std::optional<Picture>{};
-    if (status < 0) return input_error(where() + ": is damaged: " + ffmpeg_text(status));
+    if (status < 0) return undecodable(where(), status);
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
         return input_error(where() + ": is damaged");
     if (auto same = check_format(*frame); !same) return same.error();

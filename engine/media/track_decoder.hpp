@@ -41,6 +41,8 @@ public:
 
     /// The next packet; null after the last. Only when `receive` had nothing.
     Result<void> send(const AVPacket* packet);
+    /// Known with the first packet.
+    bool has_additions() const { return has_additions_.value_or(false); }
     /// Whether the next picture is what the next packet holds, so that it can be left out.
     bool is_one_packet_each() const;
     /// The picture of this packet, which must be sound, without its plane. None after it is decoded, but

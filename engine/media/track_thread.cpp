@@ -38,6 +38,12 @@ void TrackThread::restart(std::int64_t frame) {
     std::unique_lock lock(mutex_);
     jobs_.clear();
     changed_.wait(lock, [this] { return !working_; });
+    if (thrown_) {  // its thread has ended with that
+        lock.unlock();
+        thread_.join();
+        lock.lock();
+        thrown_ = nullptr;
+    }
     outcomes_.clear();
     decoder_.restart(frame);
     final_.reset();

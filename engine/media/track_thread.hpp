@@ -29,6 +29,8 @@ public:
     int stream() const { return stream_; }
     /// Complete once a picture was given.
     const TrackInfo& info() const { return decoder_.info(); }
+    /// Likewise: whether its packets say how long their pictures stay.
+    bool has_additions() const { return decoder_.has_additions(); }
     /// "clip.mkv: track depth".
     std::string name() const { return name_; }
 

@@ -15,7 +15,7 @@ class TemporalSmoother final : public BandSource {
 public:
     TemporalSmoother(std::unique_ptr<BandSource> before, const TemporalFilter& filter, VectorUnit unit)
         : before_(std::move(before)), filter_(filter), unit_(unit) {}
-    /// Nothing is remembered of what is not the frame before this one, by epoch and number.
+    /// Nothing is remembered but of an earlier frame of the same epoch.
     void begin(const RawFrame& raw, RowBands& bands) override;
     /// Codes become finer and smooth, and more of them valid.
     void make(const RowBand& band, SurfaceFrame& out) override;

@@ -1,5 +1,6 @@
 #include "player/session/feed_threads.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <new>
@@ -102,7 +103,9 @@ void FeedThreads::decode() {
         const auto gone_on = go_on(all_is_read);
         if (!gone_on.ok()) return fail(Error(gone_on.error()));
         if (all_is_read && !*gone_on) break;
-        if (auto caught_up = feed_.catch_up(now_()); !caught_up.ok()) return fail(Error(caught_up.error()));
+        MediaMoment now = now_();  // whose time may be of the next epoch already
+        if (coming_) now.time_ns = std::min(now.time_ns, coming_->left_ns);
+        if (auto caught_up = feed_.catch_up(now); !caught_up.ok()) return fail(Error(caught_up.error()));
         auto frame = feed_.read_next();
         if (!frame.ok() && frame.error().kind == ErrorKind::interrupted) return;
         if (!frame.ok()) return fail(Error(frame.error()));

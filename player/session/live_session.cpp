@@ -91,6 +91,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     const auto is_over = [&] {
         if (const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks())
             return loop.time_ns() >= (*ticks - 1) * tick_ns;
+        const auto& playback = settings_.playback;
+        if (!playback.empty() && loop.time_ns() / tick_ns < playback.back().tick) return false;
         const auto end = threads.end();
         return end && now.epoch() == end->epoch && now.time_ns() + tick_ns >= end->time_ns &&
                loop.time_ns() + tick_ns >= shortest_run_ns;

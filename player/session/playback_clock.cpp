@@ -39,14 +39,19 @@ const char* fault_of(const PlaybackCommand& command) {
 
 }  // namespace
 
+std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command) {
+    if (command.tick < tick_before)
+        return "tick " + std::to_string(command.tick) + " is before " + std::to_string(tick_before) +
+               "; commands must be in the order of their ticks";
+    const char* fault = fault_of(command);
+    return fault ? std::optional<std::string>(fault) : std::nullopt;
+}
+
 Result<void> validate(const std::vector<PlaybackCommand>& commands) {
     std::int64_t before = 0;
     for (std::size_t k = 0; k < commands.size(); ++k) {
-        const std::string name = "playback command " + std::to_string(k + 1) + ": ";
-        if (commands[k].tick < before)
-            return input_error(name + "tick " + std::to_string(commands[k].tick) + " is before " +
-                               std::to_string(before) + "; commands must be in the order of their ticks");
-        if (const char* fault = fault_of(commands[k])) return input_error(name + fault);
+        if (const auto fault = fault_after(before, commands[k]))
+            return input_error("playback command " + std::to_string(k + 1) + ": " + *fault);
         before = commands[k].tick;
     }
     return {};

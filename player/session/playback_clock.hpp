@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/frame/surface_timeline.hpp"
@@ -39,6 +40,9 @@ inline constexpr std::int64_t latest_moment_ns = 1'000'000'000'000'000;
 /// Refuses (ErrorKind::input, the command named by its place from 1) ticks that are below 0 or go backward,
 /// verbs that there are none, and rates, moments and loops out of their range.
 Result<void> validate(const std::vector<PlaybackCommand>& commands);
+
+/// What is wrong with a command after another one's tick; nothing where it will do.
+std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command);
 
 /// An epoch that is to come.
 struct ComingEpoch {

@@ -83,8 +83,9 @@ Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const
         };
         PlaybackCommand command;
         if (const auto why = read_words(words, command)) return refuse(*why);
+        if (const auto fault = fault_after(commands.empty() ? 0 : commands.back().tick, command))
+            return refuse(*fault);
         commands.push_back(command);
-        if (const auto valid = validate(commands); !valid.ok()) return refuse(valid.error().message);
     }
     return commands;
 }

@@ -55,8 +55,8 @@ Json recorded_facts(const TouchSetup& setup) {
     facts["frames"] = frames;
     if (built != std::vector<FrameRun>{{0, frames}})
         for (const FrameRun& run : built) facts["built"].push_back({run.first, run.count});
-    for (const DroppedFrames& frames : setup.feed->dropped())
-        facts["dropped"].push_back({frames.epoch, frames.first, frames.count});
+    for (const DroppedFrames& run : setup.feed->dropped())
+        facts["dropped"].push_back({run.epoch, run.first, run.count});
     facts["planes_hash"] = setup.feed->planes_hash();
     return facts;
 }

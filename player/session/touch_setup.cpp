@@ -97,12 +97,12 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     if (!first.ok()) return first.error();
     setup.workspace = clip_workspace(setup.scene, *first->prev.frame);
     setup.hand_words = options.hand;
+    const auto begin = setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0));
+    if (!begin.ok()) return begin.error();
     if (setup.hand) {
         setup.workspace.metres_per_scene_unit = setup.settings.touch.metres_per_scene_unit;
         return {};
     }
-    const auto begin = setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0));
-    if (!begin.ok()) return begin.error();
     const HeightField field(setup.scene, *begin);
     auto hand = make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field));
     if (!hand.ok()) return hand.error();

@@ -33,10 +33,10 @@ struct TouchSetup {
     Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
-    /// That a filter with a memory sees before an epoch's first frame.
     std::vector<DroppedFrames> dropped{};  ///< that a recorded run left out
+    /// That a filter with a memory sees before an epoch's first frame.
     int warm_up_frames = temporal_warm_up_frames;
-    bool live = false;                     ///< on the wall clock, or recorded so
+    bool live = false;  ///< on the wall clock, or recorded so
 };
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);

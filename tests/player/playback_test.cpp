@@ -286,7 +286,7 @@ TEST_F(PlayedClip, WhatCannotBePlayedIsCode2AndSaysWhatCould) {
         {{"--loop", "1", "1.05"}, "--loop must end 0.1 s"},
         {{"--loop", "0", "1"}, "--seconds must say how long"},
         {{"--play", folder / "none.txt"}, "cannot be read"},
-        {{"--play", script("0.5 play\n0.4 pause\n")}, "line 2: playback command 2: tick 400 is before 500"}};
+        {{"--play", script("0.5 play\n0.4 pause\n")}, "line 2: tick 400 is before 500"}};
     for (const auto& [words, fragment] : wrong) {
         Words all{"touch", clip};
         all.insert(all.end(), words.begin(), words.end());
