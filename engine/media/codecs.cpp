@@ -47,8 +47,8 @@ std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec) 
                                      [&](const Codec& one) { return codec == avcodec_get_name(one.id); });
     if (role == PlaneRole::colour || stored == codecs.end() || !stored->lossy) return std::nullopt;
     return std::string(role_name(role)) + " is stored as " + codec +
-           ", which changes values: what is felt is not quite what was recorded (ffv1 and png keep every "
-           "value)";
+           ", which changes values: what is felt is not quite what was recorded (ffv1, png and t3dz keep "
+           "every value)";
 }
 
 }  // namespace touchable

@@ -104,7 +104,7 @@ TEST_F(Live, ASessionReplaysToItsHashOnVulkan) {
 /// A clip that no machine keeps up with, 60 frames in 60 ms: what has passed is not decoded any more.
 TEST_F(Live, FramesThatNobodyWouldFeelAreLeftOut) {
     const std::string hard = folder / "hard.mkv", run = folder / "run.rec";
-    ASSERT_EQ(run_touchable({"make", "moving", hard, "--size", "200x150", "--frames", "60"}).code, 0);
+    ASSERT_EQ(run_touchable({"make", "moving", hard, "--size", "100x76", "--frames", "60"}).code, 0);
     ASSERT_EQ(run_touchable({"export", hard, "--frame", "0", "--out", folder / "frame"}).code, 0);
     auto scene = nlohmann::json::parse(file_contents(folder / "frame/scene.json"));
     scene["rate"] = {1000, 1};
