@@ -69,7 +69,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         if (auto back = clip->reader->rewind(); !back.ok()) return back.error();
         auto measured = measure_depth(clip->reader, facts.scene);
         if (!measured.ok()) return measured.error();
-        facts.measured = std::move(*measured);
+        facts.measured = std::move(measured->depth);
     }
 
     const Camera& camera = facts.scene.camera;

@@ -24,29 +24,28 @@ std::size_t bytes_of(const RawFrame& frame) {
 
 }  // namespace
 
-Result<std::optional<MeasuredDepth>> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene) {
+Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene) {
     DepthSurvey survey(scene);
     std::vector<RawFrame> seen;
     std::size_t bytes = 0;
-    bool whole = true;
+    std::string damage;
     while (!survey.enough()) {
         if (interrupted()) return interrupted_error();
         const auto frame = reader->next();
         if (!frame.ok() && bytes == 0) return frame.error();
-        whole = frame.ok();
+        if (!frame.ok()) damage = frame.error().message;
         if (!frame.ok() || !*frame) break;
         survey.add(**frame);
         bytes += bytes_of(**frame);
         if (bytes <= most_bytes_in_hand) seen.push_back(**frame);
     }
-    // Whoever plays the clip will meet what is wrong there.
-    if (whole && bytes <= most_bytes_in_hand) {
+    if (damage.empty() && bytes <= most_bytes_in_hand) {
         reader = with_frames_in_hand(std::move(reader), std::move(seen));
-        return survey.measured();
+        return MeasuredFrames{survey.measured(), damage};
     }
     seen.clear();
     if (auto back = reader->rewind(); !back.ok()) return back.error();
-    return survey.measured();
+    return MeasuredFrames{survey.measured(), damage};
 }
 
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene) {
@@ -59,14 +58,15 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
     if (!chosen.chosen.any() && !needs_levels && !needs_noise) return std::optional<ChosenFilters>();
     auto measured = measure_depth(reader, scene);
     if (!measured.ok()) return measured.error();
-    choose_filters(*measured, scene);
+    choose_filters(measured->depth, scene);
     if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})
         return usage_error(
             "the temporal filter is to be on, but the scene does not say how noisy its depth is, and its "
             "first frames show no "
             "noise; right would be that noise in scene units, such as --temporal 1.5");
     if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
-    chosen.measured = *measured;
+    chosen.measured = measured->depth;
+    chosen.damage = measured->damage;
     return std::optional(chosen);
 }
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
@@ -10,14 +11,19 @@
 
 namespace touchable {
 
-/// What the first frames say of a clip's depth, nothing where no pixel is valid. Needs a reader at the
-/// beginning, and leaves one that is there again.
-Result<std::optional<MeasuredDepth>> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene);
+/// What the first frames say of a clip.
+struct MeasuredFrames {
+    std::optional<MeasuredDepth> depth;  ///< nothing: no pixel is valid
+    std::string damage;                  ///< why they ended early; empty: they did not
+};
+/// Needs a reader at the beginning, and leaves one that is there again.
+Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene);
 
 /// Filters that were chosen by what was measured.
 struct ChosenFilters {
     UnstatedFilters chosen;                 ///< which of them; the others are what the scene states
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel is valid
+    std::string damage{};                   ///< as MeasuredFrames has it
 };
 /// Settles what the scene leaves open (choose_filters), and levels that terrace removal needs. Nothing where
 /// it leaves nothing open: then no frame is read.

@@ -69,7 +69,8 @@ std::string temporal_name(const Scene& scene, double depth) {
 }  // namespace
 
 std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilters>& chosen) {
-    const bool known = chosen && chosen->measured;
+    const bool known = chosen && chosen->measured, cut = chosen && !chosen->damage.empty();
+    const std::string damage = cut ? "; chosen by the frames before damage: " + chosen->damage : "";
     const MeasuredDepth measured = known ? *chosen->measured : MeasuredDepth{};
     const UnstatedFilters by = known ? chosen->chosen : UnstatedFilters{};
     const FilterSettings& filter = scene.filter;
@@ -88,8 +89,8 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
              "levels " + where_it_is(measured, unit));
     if (known && by == all_unstated && !list.has_any())
         return "none needed (levels " + where_it_is(measured, unit) + ", noise " +
-               noise_found(measured, unit) + ", roughness " + mm(measured.roughness, unit) + ")";
-    return list.in_words() + (chosen && !known ? "; no pixel of the first frames is valid" : "");
+               noise_found(measured, unit) + ", roughness " + mm(measured.roughness, unit) + ")" + damage;
+    return list.in_words() + (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
 }
 
 std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit) {

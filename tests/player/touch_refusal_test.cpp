@@ -244,7 +244,11 @@ TEST_F(TouchRefusal, DamageInsideAClipNamesTheFrameAndLeavesNothing) {
     expect_refused(writing({damaged}), 3, "frame 15");  // stored anew after half a second
     EXPECT_TRUE(names_in(out()).empty());
     // What comes before the damage is fine.
-    EXPECT_EQ(touch({damaged, "--seconds", "0.2"})["ticks"], 200);
+    const auto report = touch({damaged, "--seconds", "0.2"});
+    EXPECT_EQ(report["ticks"], 200);
+    EXPECT_NE(report["filters"]["in_words"].get<std::string>().find("chosen by the frames before damage: "),
+              std::string::npos)
+        << report["filters"];
 }
 
 TEST_F(TouchRefusal, DamagedPictureOfAFolderNamesTheFrameAndLeavesNothing) {
