@@ -244,11 +244,19 @@ TEST_F(TouchRefusal, DamageInsideAClipNamesTheFrameAndLeavesNothing) {
     expect_refused(writing({damaged}), 3, "frame 15");  // stored anew after half a second
     EXPECT_TRUE(names_in(out()).empty());
     // What comes before the damage is fine.
-    const auto report = touch({damaged, "--seconds", "0.2"});
-    EXPECT_EQ(report["ticks"], 200);
-    EXPECT_NE(report["filters"]["in_words"].get<std::string>().find("chosen by the frames before damage: "),
-              std::string::npos)
-        << report["filters"];
+    EXPECT_EQ(touch({damaged, "--seconds", "0.2"})["ticks"], 200);
+}
+
+/// Filters are chosen by the clip's first frames, though the run may never come to them.
+TEST_F(TouchRefusal, DamageThatOnlyTheChoiceOfFiltersMeetsIsSaid) {
+    make("moving", {"--size", "96x96", "--frames", "10"});
+    std::string bytes = file_contents(clip());
+    const std::string damaged = folder / "damaged.mkv";
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 4), 16, '\0');
+    std::ofstream(damaged, std::ios::binary) << bytes;
+    const auto report = touch({damaged, "--start", "0.3", "--seconds", "0.1"});
+    const auto words = report["filters"]["in_words"].get<std::string>();
+    EXPECT_NE(words.find("chosen by the frames before damage: "), std::string::npos) << words;
 }
 
 TEST_F(TouchRefusal, DamagedPictureOfAFolderNamesTheFrameAndLeavesNothing) {
