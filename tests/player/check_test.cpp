@@ -71,10 +71,10 @@ TEST(Check, AnswersWhetherTheMachineCan) {
     for (const char* fact : {"decode", "build", "tick", "cpu time", "at most", "SCHED_FIFO"})
         EXPECT_NE(easy.out.find(fact), std::string::npos) << fact;
 
-    const Outcome hard = run_touchable({"check", "--json", "--size", "640x480", "--rate", "1000"});
+    const Outcome hard = run_touchable({"check", "--json", "--size", "1920x1080", "--rate", "1000"});
     EXPECT_EQ(hard.code, 6) << hard.out;
     EXPECT_TRUE(hard.one_line_of_error()) << hard.err;
-    EXPECT_NE(hard.err.find("640x480 at 1000 frames/s with 1 finger is too much for this machine"),
+    EXPECT_NE(hard.err.find("1920x1080 at 1000 frames/s with 1 finger is too much for this machine"),
               std::string::npos)
         << hard.err;
     const auto facts = nlohmann::json::parse(hard.out, nullptr, false);
