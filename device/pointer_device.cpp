@@ -1,0 +1,146 @@
+#include "device/pointer_device.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace touchable {
+namespace {
+
+constexpr double reading_s = 0.001;  // from one to the next
+constexpr double arrival = 0.001;    // device metres: nearer to where it is meant to be, a finger is there
+
+constexpr glm::dvec3 no_forces[PointerDevice::most_fingers]{};
+
+/// Unit vector from one to the other; zero where there is none.
+glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
+    const glm::dvec3 way = to - from;
+    const double length = std::sqrt(glm::dot(way, way));
+    return length > 1e-9 && std::isfinite(length) ? way / length : glm::dvec3(0);
+}
+
+std::int64_t steady_ns() {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+}  // namespace
+
+PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings,
+                             Clock clock)
+    : settings_(settings),
+      refuge_(refuge),
+      clock_(clock ? std::move(clock) : Clock(steady_ns)),
+      led_(static_cast<std::size_t>(fingers), Led{LedPoint(settings.times, reading_s)}) {
+    assert(fingers >= 1 && fingers <= most_fingers);
+    assert(settings.max_speed > 0 && settings.approach_speed > 0 && settings.limits.max_force > 0 &&
+           settings.limits.max_stiffness > 0);
+    retreat();
+}
+
+Result<void> PointerDevice::open() {
+    fault_.store(nullptr, std::memory_order_relaxed);
+    opening_.store(++openings_, std::memory_order_release);
+    return {};
+}
+
+void PointerDevice::close() {
+    opening_.store(0, std::memory_order_release);
+}
+
+bool PointerDevice::works() const {
+    return opening_.load(std::memory_order_acquire) != 0 && !fault_.load(std::memory_order_relaxed);
+}
+
+Result<void> PointerDevice::health() const {
+    if (const char* fault = fault_.load(std::memory_order_relaxed))
+        return Error{ErrorKind::device, "pointer " + std::string(fault) + "; open it again"};
+    return {};
+}
+
+void PointerDevice::retreat() {
+    for (Led& led : led_) {
+        led.point.put(refuge_);
+        led.comes = true;
+    }
+}
+
+void PointerDevice::lead(const Meant& meant, Led& led) const {
+    if (!meant.place) {
+        led.comes = true;
+        led.point.follow(refuge_, glm::dvec3(0), settings_.max_speed);
+        return;
+    }
+    led.point.follow(*meant.place, meant.along, led.comes ? settings_.approach_speed : settings_.max_speed);
+    const glm::dvec3 left = *meant.place - led.point.place();
+    led.comes = led.comes && glm::dot(left, left) > arrival * arrival;
+}
+
+bool PointerDevice::read_positions(std::span<glm::dvec3> device_metres) {
+    if (!works()) return false;
+    assert(device_metres.size() == led_.size());
+    const std::uint32_t opening = opening_.load(std::memory_order_acquire);
+    const std::uint32_t force = force_.load(std::memory_order_acquire);
+    // Whoever stopped it and let it go on between two readings has stopped it all the same.
+    if (opening != seen_opening_ || force != seen_force_) retreat();
+    seen_opening_ = opening;
+    seen_force_ = force;
+    const auto& meant = intents_.read();
+    for (std::size_t finger = 0; finger < led_.size(); ++finger) {
+        if (is_on(force)) lead(meant[finger], led_[finger]);
+        device_metres[finger] = led_[finger].point.place();
+    }
+    return true;
+}
+
+bool PointerDevice::write_forces(std::span<const glm::dvec3> newtons) {
+    if (!works()) return false;
+    assert(newtons.size() == led_.size());
+    Written written{opening_.load(std::memory_order_acquire), seen_force_, clock_(), {}};
+    for (std::size_t finger = 0; finger < newtons.size(); ++finger) {
+        const double length = glm::length(newtons[finger]);
+        if (!std::isfinite(length)) {
+            fault_.store("was given a force that is not finite", std::memory_order_relaxed);
+            return false;
+        }
+        const double most = settings_.limits.max_force;
+        written.newtons[finger] = newtons[finger] * (length > most ? most / length : 1.0);
+    }
+    written_.write(written);
+    return true;
+}
+
+void PointerDevice::intend(std::span<const glm::dvec3> places, const glm::dvec3& eye) {
+    assert(places.size() <= led_.size());
+    for (std::size_t finger = 0; finger < meant_.size(); ++finger) {
+        if (finger >= places.size())
+            meant_[finger].place.reset();
+        else if (glm::dot(places[finger], places[finger]) <= farthest * farthest)  // not of what is no number
+            meant_[finger] = {places[finger], direction(eye, places[finger])};
+    }
+    intents_.write(meant_);
+}
+
+void PointerDevice::lift(int finger) {
+    meant_[static_cast<std::size_t>(finger)].place.reset();
+    intents_.write(meant_);
+}
+
+std::span<const glm::dvec3> PointerDevice::forces() {
+    const Written& newest = written_.read();
+    const bool lives = works() && newest.opening == opening_.load(std::memory_order_acquire) &&
+                       force_is_on() && newest.force == force_.load(std::memory_order_acquire) &&
+                       static_cast<double>(clock_() - newest.time_ns) * 1e-9 <= silence_s;
+    return {lives ? newest.newtons.data() : no_forces, led_.size()};
+}
+
+void PointerDevice::set_force(bool on) {
+    std::uint32_t now = force_.load(std::memory_order_relaxed);
+    while (is_on(now) != on && !force_.compare_exchange_weak(now, now + 1, std::memory_order_acq_rel,
+                                                             std::memory_order_relaxed)) {
+    }
+}
+
+}  // namespace touchable
