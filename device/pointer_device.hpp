@@ -52,6 +52,9 @@ public:
                   Clock clock = {});
     ~PointerDevice() override { close(); }
 
+    /// Before it is opened, for whoever knows only then where the clip's camera is.
+    void set_refuge(const glm::dvec3& device_metres) { refuge_ = device_metres; }
+
     std::string name() const override { return "pointer"; }
     DeviceLimits limits() const override { return settings_.limits; }
     int fingers() const override { return static_cast<int>(led_.size()); }
@@ -98,7 +101,7 @@ private:
     void retreat();
 
     const PointerSettings settings_;
-    const glm::dvec3 refuge_;
+    glm::dvec3 refuge_;
     const Clock clock_;
     // Set by any thread. Openings are counted, 0: closed; so are changes of the force, odd: on. So a force
     // that answers what was before any of them is known.

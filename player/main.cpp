@@ -15,6 +15,7 @@
 #include "player/commands/export_command.hpp"
 #include "player/commands/info_command.hpp"
 #include "player/commands/make_command.hpp"
+#include "player/commands/play_command.hpp"
 #include "player/commands/plot_command.hpp"
 #include "player/commands/touch_command.hpp"
 #include "player/session/interrupt.hpp"
@@ -72,6 +73,7 @@ int run(int argc, char** argv) {
     app.require_subcommand(0, 1);
     Command command;
     add_make_command(app, command);
+    add_play_command(app, command);
     add_touch_command(app, command);
     add_info_command(app, command);
     add_export_command(app, command);

@@ -21,12 +21,18 @@ Function function_of(VkDevice device, const char* name) {
     return reinterpret_cast<Function>(vkGetDeviceProcAddr(device, name));
 }
 
-Result<void> create_device(VulkanDevice& gpu) {
+Result<void> create_device(VulkanDevice& gpu, bool shows_pictures) {
     GpuFeatures here, wanted;
     vkGetPhysicalDeviceFeatures2(gpu.physical, &here.core);
     enable(wanted, here);
     const std::vector<std::string> extensions_here = extensions_of(gpu.physical);
-    const std::vector<const char*> extensions = extensions_to_enable(extensions_here);
+    std::vector<const char*> extensions = extensions_to_enable(extensions_here);
+    if (shows_pictures) {
+        if (!has_extension(extensions_here, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+            return Error{ErrorKind::gpu, gpu.facts.name + " has no " VK_KHR_SWAPCHAIN_EXTENSION_NAME
+                                                          " and cannot show pictures in a window"};
+        extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    }
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
@@ -115,7 +121,7 @@ Result<std::vector<GpuFacts>> list_gpus() {
 Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
     free_finished_remains();
     auto vulkan = std::make_shared<VulkanDevice>();
-    auto instance = VulkanInstance::create(options.validation);
+    auto instance = VulkanInstance::create(options.validation, options.window_extensions);
     if (!instance.ok()) return instance.error();
     std::vector<VkPhysicalDevice> devices;
     if (*instance) {
@@ -131,7 +137,8 @@ Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
     vulkan->physical = devices[*chosen];
     vulkan->facts = facts[*chosen];
     vulkan->queue_family = static_cast<std::uint32_t>(queue_family_of(vulkan->physical));
-    if (auto created = create_device(*vulkan); !created.ok()) return created.error();
+    if (auto created = create_device(*vulkan, !options.window_extensions.empty());
+        !created.ok()) return created.error();
     const auto timeline = create_timeline(*vulkan);
     if (!timeline.ok()) return timeline.error();
     return std::shared_ptr<GpuDevice>(new GpuDevice(std::move(vulkan), *timeline));

@@ -28,6 +28,9 @@ struct GpuOptions {
     /// not installed. TOUCHABLE_VULKAN_VALIDATION=1 in the environment asks as well, and prints what it says
     /// to stderr.
     bool validation = false;
+    /// Of the window system that pictures are to be shown by; where there are any, the device also gets
+    /// swapchains, and one without them is refused.
+    std::vector<std::string> window_extensions{};
 };
 
 struct GpuTime;

@@ -111,7 +111,8 @@ std::vector<std::string> GpuMessages::all() const {
     return messages_;
 }
 
-Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(bool validation) {
+Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(
+    bool validation, const std::vector<std::string>& wanted_extensions) {
     std::unique_ptr<VulkanInstance> made(new VulkanInstance);
     made->validates_ = validation || asked_by_environment();
     if (made->validates_ && !layer_is_here())
@@ -145,6 +146,11 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(bool validation) 
     if (extension_is_here(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
         info.flags = VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
         extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    }
+    for (const std::string& extension : wanted_extensions) {
+        if (!extension_is_here(extension.c_str()))
+            return Error{ErrorKind::gpu, "Vulkan here has not " + extension + ", which a window needs"};
+        extensions.push_back(extension.c_str());
     }
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();

@@ -32,7 +32,9 @@ class VulkanInstance {
 public:
     /// Null where there is a loader but no driver. Fails (ErrorKind::gpu) where validation is asked for and
     /// not installed, and where Vulkan fails.
-    static Result<std::unique_ptr<VulkanInstance>> create(bool validation);
+    /// `extensions`: wanted besides, such as a window system's; one that is not here is refused by name.
+    static Result<std::unique_ptr<VulkanInstance>> create(bool validation,
+                                                          const std::vector<std::string>& extensions = {});
     VulkanInstance(const VulkanInstance&) = delete;
     VulkanInstance& operator=(const VulkanInstance&) = delete;
     ~VulkanInstance();

@@ -31,9 +31,12 @@ const std::map<std::string, Rooms> may_use{
     {"player/session",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
       "device"}},
+    {"player/window",
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
+      "device", "player/session", "player/view"}},
     {"player/commands",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/content",
-      "engine/gpu", "haptics_cpu", "device", "shaders", "player/session", "player/view"}}};
+      "engine/gpu", "haptics_cpu", "device", "shaders", "player/session", "player/view", "player/window"}}};
 
 /// The folders of what a file includes from the root.
 Rooms used_by(const fs::path& file) {

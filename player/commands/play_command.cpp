@@ -1,0 +1,130 @@
+#include "player/commands/play_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "player/commands/builder_options.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/picture_options.hpp"
+#include "player/commands/playback_options.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/session/touch_figures.hpp"
+#include "player/window/play_window.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int smallest_side = 64, largest_side = 8192;
+
+/// Options as typed.
+struct PlayWords {
+    PlayOptions options;
+    ClipTyped clip;
+    PlaybackTyped playback;
+    std::string size = "1280x720";
+    std::optional<std::filesystem::path> script;
+    CLI::Option* seconds = nullptr;
+    double seconds_value = 0;
+};
+
+Result<PlayOptions> read_words(const PlayWords& words) {
+    PlayOptions options = words.options;
+    const auto size = read_pixel_size("--size", words.size, smallest_side, largest_side);
+    if (!size.ok()) return size.error();
+    options.screen.width = size->width;
+    options.screen.height = size->height;
+    auto clip = read_clip(words.clip);
+    if (!clip.ok()) return clip.error();
+    options.session.clip = std::move(*clip);
+    auto playback = read_playback(words.playback);
+    if (!playback.ok()) return playback.error();
+    options.session.playback = std::move(*playback);
+    if (words.script) {
+        auto script = read_window_script(*words.script);
+        if (!script.ok()) return script.error();
+        options.script = std::move(*script);
+    }
+    if (words.seconds->count() > 0) options.seconds = words.seconds_value;
+    if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
+    if (options.headless && !options.seconds)
+        return usage_error(
+            "--headless: nobody can close what nobody sees; --seconds or --screenshot says when it ends");
+    return options;
+}
+
+/// What a person reads once the window is closed.
+void print(const PlayFigures& figures) {
+    const Spread draw = spread_of(figures.draw_ms.values());
+    const Spread input = spread_of(figures.input_to_picture_ms.values());
+    std::printf("%-24s%lld in %.1f s, %.1f a second, by the %s painter on %s\n", "pictures",
+                static_cast<long long>(figures.pictures), figures.seconds,
+                static_cast<double>(figures.pictures) / std::max(figures.seconds, 1e-3),
+                figures.painter.c_str(), figures.gpu.c_str());
+    std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "time per picture", draw.p50, draw.p99);
+    if (!figures.input_to_picture_ms.values().empty())
+        std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
+    std::printf("%-24s%lld, %lld too late\n", "ticks", static_cast<long long>(figures.ticks),
+                static_cast<long long>(figures.late_ticks));
+    std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
+                static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
+                static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
+}
+
+Result<void> run_play(const PlayOptions& options) {
+    auto figures = play_in_window(options);
+    if (!figures.ok()) return figures.error();
+    print(*figures);
+    return {};
+}
+
+void add_window_options(CLI::App& sub, PlayWords& words) {
+    PlayOptions& o = words.options;
+    sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
+    sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
+    sub.add_option("--painter", o.painter,
+                   "raster (compute), mesh (triangles), or auto: mesh on a GPU, else raster")
+        ->check(CLI::IsMember({"auto", "raster", "mesh"}))
+        ->capture_default_str();
+    sub.add_flag("--headless", o.headless, "draw what the window would show, without a window");
+    add_file_option(sub, "--script", words.script,
+                    "timed inputs, as a person would give them (docs/play.md)");
+    auto* picture = add_file_option(sub, "--screenshot", o.screenshot,
+                                    "keep what the window shows in the end as this PNG file")
+                        ->check(ends_in_png());
+    sub.add_option("--at", o.screenshot_s, "the moment of --screenshot, seconds after the window opens")
+        ->needs(picture)
+        ->check(CLI::Range(0.1, 1e6))
+        ->capture_default_str();
+    words.seconds = sub.add_option("--seconds", words.seconds_value, "close the window after so long")
+                        ->check(CLI::Range(0.1, 1e6));
+    add_file_option(sub, "--record", o.record,
+                    "keep what it takes to repeat the touch: touchable touch --replay FILE");
+    add_overwrite_option(sub, o.existing);
+}
+
+}  // namespace
+
+void add_play_command(CLI::App& app, Command& command) {
+    auto words = std::make_shared<PlayWords>();
+    CLI::App* const sub = app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse");
+    add_clip_options(*sub, words->clip)->required();
+    add_camera_options(*sub, words->clip.camera);
+    add_playback_options(*sub, words->playback);
+    add_window_options(*sub, *words);
+    add_filter_options(*sub, words->clip);
+    add_builder_options(*sub, words->options.session.builder, {"auto", "cpu", "vulkan", "lazy"});
+    sub->callback([words, &command] {
+        command = [words]() -> Result<void> {
+            const auto options = read_words(*words);
+            if (!options.ok()) return options.error();
+            return run_play(*options);
+        };
+    });
+}
+
+}  // namespace touchable

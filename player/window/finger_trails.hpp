@@ -1,0 +1,28 @@
+#pragma once
+
+#include <deque>
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "haptics_cpu/height_field.hpp"
+#include "player/session/watched_session.hpp"
+#include "player/view/finger_marks.hpp"
+
+namespace touchable {
+
+/// The fingers of a moment as a picture shows them, with the ways they went since they last touched.
+class FingerTrails {
+public:
+    /// Once a picture. Fingers from `count` on are not shown.
+    std::vector<FingerMark> marks(const WatchedTick& tick, int count, const HeightField& field);
+
+private:
+    struct Place {
+        std::int64_t tick;
+        glm::dvec2 pixel;  // of the clip, which a surface that moves carries along
+    };
+    std::vector<std::deque<Place>> trails_;
+};
+
+}  // namespace touchable

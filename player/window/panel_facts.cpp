@@ -1,0 +1,117 @@
+#include "player/window/panel_facts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+
+#include "player/view/surface_pick.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr struct {
+    Overlay overlay;
+    const char* name;
+} overlay_names[] = {{Overlay::colour, "colour"},
+                     {Overlay::depth, "depth"},
+                     {Overlay::stiffness, "stiffness"},
+                     {Overlay::static_friction, "friction"},
+                     {Overlay::dynamic_friction, "dynamic-friction"},
+                     {Overlay::height, "height"},
+                     {Overlay::normals, "normals"},
+                     {Overlay::tiles, "tiles"},
+                     {Overlay::validity, "validity"}};
+
+template <class... Values>
+std::string words_of(const char* format, Values... values) {
+    char words[200];
+    std::snprintf(words, sizeof words, format, values...);
+    return words;
+}
+
+/// What is under the pointer, to be read at a glance.
+std::vector<std::string> place_words(const OpenedClip& clip, const WatchedMoment& moment,
+                                     const HeightField& field, const ViewCamera& camera) {
+    const auto& pointer = clip.fingers().pointer();
+    if (!pointer) return {};
+    const auto met = pick(field, camera, pointer->x, pointer->y);
+    if (!met || !met->drawn) return {"hole"};
+    const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
+    const PixelValues values = values_at(field, moment.held.pair, x, y);
+    std::vector<std::string> lines{words_of("pixel %d, %d", x, y)};
+    if (!values.valid) return lines;
+    lines.push_back(words_of("depth %.1f mm", values.depth_mm));
+    lines.push_back(words_of("stiffness %.2g N/mm", values.properties.stiffness / 1000));
+    lines.push_back(words_of("friction %.2f, sliding %.2f", values.properties.static_friction,
+                             values.properties.dynamic_friction));
+    if (values.height_mm != 0) lines.push_back(words_of("height %.2f mm", values.height_mm));
+    return lines;
+}
+
+/// How well the machine keeps up.
+std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture& picture,
+                                      const WatchedMoment& moment) {
+    const WatchedFigures figures = clip.session().figures();
+    return {words_of("frame %lld of %lld", static_cast<long long>(moment.held.pair.prev.number),
+                     static_cast<long long>(clip.frames())),
+            words_of("%lld frames late, %lld left out", static_cast<long long>(figures.late_frames),
+                     static_cast<long long>(figures.feed.dropped)),
+            words_of("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),
+            words_of("%lld of %lld ticks late", static_cast<long long>(figures.ticks.late),
+                     static_cast<long long>(figures.ticks.ticks)),
+            "builder " + figures.feed.builder + ", painter " + std::string(picture.painter())};
+}
+
+/// A round number of newtons that the bar goes up to.
+double bar_newtons(const std::vector<double>& forces) {
+    const double most = forces.empty() ? 0 : *std::max_element(forces.begin(), forces.end());
+    double bar = 2;
+    while (bar < most) bar = bar < 5 ? 5 : (bar < 10 ? 10 : bar * 2);
+    return bar;
+}
+
+}  // namespace
+
+std::string name_of(Overlay overlay) {
+    for (const auto& named : overlay_names)
+        if (named.overlay == overlay) return named.name;
+    return "";
+}
+
+Result<Overlay> overlay_after(Overlay now, const std::string& name) {
+    std::string known;
+    for (std::size_t k = 0; k < std::size(overlay_names); ++k) {
+        if (name.empty() && overlay_names[k].overlay == now)
+            return overlay_names[(k + 1) % std::size(overlay_names)].overlay;
+        if (name == overlay_names[k].name) return overlay_names[k].overlay;
+        known += (known.empty() ? "" : ", ") + std::string(overlay_names[k].name);
+    }
+    return usage_error("there is no overlay '" + name + "'; there are " + known);
+}
+
+PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const WatchedMoment& moment,
+                       const HeightField& field, const ViewCamera& camera) {
+    const PlaybackState state = clip.session().playback();
+    PanelFacts facts;
+    facts.clip = clip.name();
+    facts.seconds = std::min(static_cast<double>(state.moment.time_ns) * 1e-9, clip.seconds());
+    facts.clip_seconds = clip.seconds();
+    facts.playing = state.playing;
+    facts.looping = state.loops;
+    facts.at_end = state.at_end;
+    facts.speed = static_cast<double>(state.rate) / 1000;
+    facts.overlay = name_of(picture.overlay());
+    facts.force_on = clip.device().force_is_on();
+    facts.pressed_mm = clip.fingers().depth_m() * 1000;
+    const auto fingers =
+        std::min(moment.felt.fingers.size(), static_cast<std::size_t>(clip.fingers().count()));
+    for (std::size_t k = 0; k < fingers; ++k)
+        facts.forces.push_back(glm::length(moment.felt.fingers[k].force.force));
+    facts.most_newtons = bar_newtons(facts.forces);
+    facts.place.lines = place_words(clip, moment, field, camera);
+    facts.figures = figure_words(clip, picture, moment);
+    return facts;
+}
+
+}  // namespace touchable

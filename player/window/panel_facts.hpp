@@ -1,0 +1,17 @@
+#pragma once
+
+#include "player/window/clip_picture.hpp"
+#include "player/window/opened_clip.hpp"
+#include "player/window/window_panel.hpp"
+
+namespace touchable {
+
+/// What there is to show of a clip at a moment, but for what the window itself knows (messages, loop).
+PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const WatchedMoment& moment,
+                       const HeightField& field, const ViewCamera& camera);
+
+/// The overlay of that name, or after `now` where there is none. Refused with the right names.
+Result<Overlay> overlay_after(Overlay now, const std::string& name);
+std::string name_of(Overlay overlay);
+
+}  // namespace touchable

@@ -1,0 +1,354 @@
+#include "player/window/play_window.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "player/session/interrupt.hpp"
+#include "player/view/surface_pick.hpp"
+#include "player/window/canvas.hpp"
+#include "player/window/clip_picture.hpp"
+#include "player/window/imgui_layer.hpp"
+#include "player/window/opened_clip.hpp"
+#include "player/window/panel_facts.hpp"
+#include "player/window/pointer_input.hpp"
+#include "player/window/window_panel.hpp"
+
+namespace touchable {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds picture_pause(16);  // from one picture to the next, at least
+constexpr std::chrono::milliseconds idle_pause(200);    // and at most, so that clock and figures go on
+constexpr double message_s = 4;
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+}
+
+/// Of a picture that nobody gave a name.
+std::filesystem::path free_name() {
+    for (int number = 1;; ++number) {
+        std::filesystem::path file = "touchable-" + std::to_string(number) + ".png";
+        std::error_code ignored;
+        if (!std::filesystem::exists(file, ignored)) return file;
+    }
+}
+
+class PlayWindow {
+public:
+    explicit PlayWindow(const PlayOptions& options) : options_(options) {}
+
+    Result<void> open();
+    Result<PlayFigures> run();
+
+private:
+    void take_script();
+    void take(const InputEvent& event);
+    void take(const WindowCommand& command);
+    void ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
+    void seek(double seconds);
+    void step(double frames);
+    void toggle_loop();
+    void open_other(const std::string& file);
+    void keep_picture(const std::string& name);
+    void say(std::string words, bool bad = false);
+    bool is_due(const WatchedMoment& moment, Clock::time_point now) const;
+    Result<void> draw(const WatchedMoment& moment);
+    double now_s() const { return seconds_between(begun_, Clock::now()); }
+
+    const PlayOptions& options_;
+    std::unique_ptr<Screen> screen_;
+    std::shared_ptr<GpuDevice> device_;
+    std::optional<ClipPicture> picture_;
+    std::unique_ptr<ImGuiLayer> layer_;
+    std::optional<WindowPanel> panel_;
+    std::unique_ptr<OpenedClip> clip_;
+    PointerInput pointer_;
+    std::vector<InputEvent> events_;  // since the last picture
+    std::vector<WindowCommand> asked_;
+    std::size_t scripted_ = 0;
+    Clock::time_point begun_, last_picture_, message_at_;
+    std::optional<Clock::time_point> first_event_;  // not in a picture yet
+    std::int64_t last_tick_ = -1;
+    std::string message_;
+    bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
+    double last_draw_ms_ = 0;
+    std::optional<Error> fault_;  // of what a key asked for and a script cannot go on without
+    PlayFigures figures_;
+};
+
+Result<void> PlayWindow::open() {
+    if (options_.headless) {
+        screen_ = make_headless_screen(options_.screen);
+    } else {
+        auto screen = open_glfw_screen(options_.screen);
+        if (!screen.ok()) return screen.error();
+        screen_ = std::move(*screen);
+    }
+    auto device = GpuDevice::open(
+        {.request = options_.session.builder.gpu, .window_extensions = screen_->extensions()});
+    if (!device.ok()) return device.error();
+    device_ = std::move(*device);
+    if (auto attached = screen_->attach(device_); !attached.ok()) return attached;
+    auto picture = ClipPicture::create(device_, options_.painter);
+    if (!picture.ok()) return picture.error();
+    picture_.emplace(std::move(*picture));
+    const double scale = screen_->size().scale;
+    auto layer = ImGuiLayer::create(device_, scale);
+    if (!layer.ok()) return layer.error();
+    layer_ = std::move(*layer);
+    panel_.emplace(scale);
+    auto clip = OpenedClip::open(options_, options_.session.clip);
+    if (!clip.ok()) return clip.error();
+    clip_ = std::move(*clip);
+    screen_->set_title(clip_->name() + " - touchable");
+    fullscreen_ = options_.screen.fullscreen;
+    return {};
+}
+
+Result<PlayFigures> PlayWindow::run() {
+    begun_ = last_picture_ = Clock::now();
+    while (!quit_ && !interrupted()) {
+        const WatchedMoment* const moment = clip_->session().look();
+        const auto now = Clock::now();
+        if (moment && is_due(*moment, now)) {
+            if (auto drawn = draw(*moment); !drawn.ok()) return drawn.error();
+        } else {
+            const auto since = std::chrono::duration_cast<std::chrono::milliseconds>(now - last_picture_);
+            for (const InputEvent& event : screen_->poll(
+                     std::clamp(picture_pause - since, std::chrono::milliseconds(1), picture_pause)))
+                take(event);
+        }
+        for (const InputEvent& event : screen_->poll(std::chrono::milliseconds(0))) take(event);
+        take_script();
+        for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
+        if (!clip_->session().running() && message_.empty())
+            if (const auto failure = clip_->session().failure()) say(failure->message, true);
+        if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
+    }
+    if (options_.screenshot) keep_picture(options_.screenshot->string());
+    figures_.seconds = now_s();
+    if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
+    if (fault_) return *fault_;
+    return std::move(figures_);
+}
+
+/// Nothing is drawn again where nothing has moved.
+bool PlayWindow::is_due(const WatchedMoment& moment, Clock::time_point now) const {
+    const auto since = now - last_picture_;
+    if (since < picture_pause) return false;
+    return moment.tick != last_tick_ || !events_.empty() || since >= idle_pause;
+}
+
+void PlayWindow::take_script() {
+    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s()) {
+        const auto& what = options_.script[scripted_++].what;
+        if (const auto* event = std::get_if<InputEvent>(&what))
+            take(*event);
+        else
+            take(std::get<WindowCommand>(what));
+    }
+}
+
+void PlayWindow::take(const InputEvent& event) {
+    using Kind = InputEvent::Kind;
+    if (!first_event_) first_event_ = Clock::now();
+    events_.push_back(event);
+    if (event.kind == Kind::close) quit_ = true;
+    if (event.kind == Kind::dropped) open_other(event.word);
+    if (event.kind == Kind::key && !layer_->takes_keys()) {
+        for (const KeyBinding& binding : key_bindings())
+            if (event.word == binding.key && event.shift == binding.shift)
+                return take(WindowCommand{binding.verb, binding.number, ""});
+        return;
+    }
+    const bool is_of_panel = layer_->takes_pointer();
+    if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
+    if (is_of_panel && event.kind != Kind::released) return;
+    pointer_.take(event, clip_->fingers(), clip_->view(), screen_->size().height);
+    screen_->hide_pointer(clip_->fingers().pointer().has_value());
+}
+
+void PlayWindow::ask(PlaybackVerb verb, std::int64_t first, std::int64_t second) {
+    if (auto asked = clip_->session().ask(verb, first, second); !asked.ok()) say(asked.error().message, true);
+}
+
+void PlayWindow::seek(double seconds) {
+    const double last =
+        std::max(0.0, clip_->seconds() - static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-9);
+    ask(PlaybackVerb::seek, static_cast<std::int64_t>(std::clamp(seconds, 0.0, last) * 1e9));
+}
+
+void PlayWindow::step(double frames) {
+    if (frames > 0) return ask(PlaybackVerb::step);
+    const FrameRate& rate = clip_->scene().rate;
+    const std::int64_t now = rate.frame_at(clip_->session().playback().moment.time_ns);
+    ask(PlaybackVerb::pause);
+    ask(PlaybackVerb::seek, rate.time_ns(std::max<std::int64_t>(0, now - 1)));
+}
+
+void PlayWindow::toggle_loop() {
+    if (clip_->session().playback().loops) return ask(PlaybackVerb::unloop);
+    ask(PlaybackVerb::loop, 0, static_cast<std::int64_t>(clip_->seconds() * 1e9));
+}
+
+void PlayWindow::take(const WindowCommand& command) {
+    const PlaybackState state = clip_->session().playback();
+    const double seconds = static_cast<double>(state.moment.time_ns) * 1e-9;
+    const double speed = static_cast<double>(state.rate) / 1000;
+    PointerFingers& fingers = clip_->fingers();
+    const ScreenSize size = screen_->size();
+    switch (command.verb) {
+        case WindowVerb::play_pause:
+            if (state.at_end) {
+                seek(0);
+                return ask(PlaybackVerb::play);
+            }
+            return ask(state.playing ? PlaybackVerb::pause : PlaybackVerb::play);
+        case WindowVerb::seek_by:
+            return seek(seconds + command.number);
+        case WindowVerb::seek_to:
+            return seek(command.number);
+        case WindowVerb::step:
+            return step(command.number);
+        case WindowVerb::faster:
+        case WindowVerb::speed: {
+            const double wanted = command.verb == WindowVerb::speed ? command.number : speed * command.number;
+            return ask(PlaybackVerb::rate, std::lround(std::clamp(wanted, 0.1, 4.0) * 1000));
+        }
+        case WindowVerb::loop:
+            return toggle_loop();
+        case WindowVerb::fingers:
+            return fingers.set_count(static_cast<int>(command.number));
+        case WindowVerb::deeper:
+            return fingers.deepen(command.number / 1000);
+        case WindowVerb::point_right:
+            return pointer_.move_by({command.number, 0}, size.width, size.height, fingers);
+        case WindowVerb::point_down:
+            return pointer_.move_by({0, command.number}, size.width, size.height, fingers);
+        case WindowVerb::force:
+            clip_->device().set_force(!clip_->device().force_is_on());
+            return say(clip_->device().force_is_on() ? "force on" : "force off");
+        case WindowVerb::overlay: {
+            const auto overlay = overlay_after(picture_->overlay(), command.word);
+            if (!overlay.ok()) return say(overlay.error().message, true);
+            return picture_->set_overlay(*overlay);
+        }
+        case WindowVerb::home:
+            return clip_->view().go_home();
+        case WindowVerb::turn:
+            return clip_->view().turn(command.number, 0);
+        case WindowVerb::tilt:
+            return clip_->view().turn(0, command.number);
+        case WindowVerb::nearer:
+            return clip_->view().near_by(command.number);
+        case WindowVerb::panel:
+            panel_->shown = !panel_->shown;
+            return;
+        case WindowVerb::help:
+            panel_->help_shown = !panel_->help_shown;
+            return;
+        case WindowVerb::fullscreen:
+            fullscreen_ = !fullscreen_;
+            return screen_->set_fullscreen(fullscreen_);
+        case WindowVerb::screenshot:
+            return keep_picture(command.word);
+        case WindowVerb::open:
+            return open_other(command.word);
+        case WindowVerb::quit:
+            quit_ = true;
+            return;
+    }
+}
+
+/// The clip that is there goes on where the other one cannot be opened.
+void PlayWindow::open_other(const std::string& file) {
+    ClipChoice choice;
+    choice.file = file;
+    if (options_.record) return say("a recording is of one clip; open another without --record", true);
+    auto opened = OpenedClip::open(options_, choice);
+    if (!opened.ok()) return say(opened.error().message, true);
+    if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
+    clip_ = std::move(*opened);
+    picture_->forget();
+    pointer_ = PointerInput();
+    screen_->set_title(clip_->name() + " - touchable");
+}
+
+void PlayWindow::keep_picture(const std::string& name) {
+    const auto image = read_back(device_, picture_->canvas());
+    if (!image.ok()) {
+        fault_ = image.error();
+        return say(image.error().message, true);
+    }
+    const std::filesystem::path file = name.empty() ? free_name() : std::filesystem::path(name);
+    NewFile out(file, options_.existing);
+    auto written = out.check();
+    if (written.ok()) written = write_png(out, image->view());
+    if (written.ok()) written = out.commit();
+    if (!written.ok()) {
+        fault_ = written.error();
+        return say(written.error().message, true);
+    }
+    say("kept as " + file.string());
+}
+
+void PlayWindow::say(std::string words, bool bad) {
+    message_ = std::move(words);
+    message_is_bad_ = bad;
+    message_at_ = Clock::now();
+}
+
+Result<void> PlayWindow::draw(const WatchedMoment& moment) {
+    const ScreenSize size = screen_->size();
+    const auto begin = Clock::now();
+    const double since = seconds_between(last_picture_, begin);
+    last_picture_ = begin;
+    last_tick_ = moment.tick;
+    if (size.width < 1 || size.height < 1) return {};
+    if (!message_.empty() && seconds_between(message_at_, begin) > message_s) message_.clear();
+
+    const HeightField field(clip_->scene(), moment.held.pair);
+    const ViewCamera camera = clip_->view().camera(size.width, size.height);
+    if (const auto at = pointer_.take_double_click())
+        if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
+    clip_->fingers().intend(field, camera);
+
+    auto commands = GpuCommands::begin(device_, "window");
+    if (!commands.ok()) return commands.error();
+    const auto marks = clip_->trails().marks(moment.felt, clip_->fingers().shown(), field);
+    auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
+    if (!drawn.ok()) return drawn;
+    PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
+    facts.message = message_;
+    facts.message_is_bad = message_is_bad_;
+    layer_->begin(size.width, size.height, since, events_);
+    events_.clear();
+    panel_->draw(facts, size.width, size.height, asked_);
+    drawn = layer_->draw(*commands, picture_->canvas());
+    if (!drawn.ok()) return drawn;
+    if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;
+
+    const auto end = Clock::now();
+    last_draw_ms_ = seconds_between(begin, end) * 1000;
+    panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
+    ++figures_.pictures;
+    figures_.draw_ms.add(last_draw_ms_);
+    if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);
+    first_event_.reset();
+    return {};
+}
+
+}  // namespace
+
+Result<PlayFigures> play_in_window(const PlayOptions& options) {
+    PlayWindow window(options);
+    if (auto opened = window.open(); !opened.ok()) return opened.error();
+    return window.run();
+}
+
+}  // namespace touchable

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/new_file.hpp"
+#include "engine/result.hpp"
+#include "player/session/session_options.hpp"
+#include "player/window/screen.hpp"
+#include "player/window/window_script.hpp"
+
+namespace touchable {
+
+/// A window, and what becomes of it.
+struct PlayOptions {
+    SessionOptions session;
+    ScreenOptions screen;
+    bool headless = false;
+    std::string painter = "auto";  ///< auto, raster or mesh
+    std::vector<ScriptedInput> script;
+    std::optional<std::filesystem::path>
+        screenshot;  ///< of what the window shows at `screenshot_s`, the last thing done
+    double screenshot_s = 3;
+    std::optional<double> seconds;  ///< the window closes then
+    std::optional<std::filesystem::path> record;
+    Existing existing = Existing::keep;
+};
+
+/// The newest of many values: a window may be open for days.
+class NewestValues {
+public:
+    void add(double value) {
+        if (values_.size() < most)
+            values_.push_back(value);
+        else
+            values_[next_++ % most] = value;
+    }
+    const std::vector<double>& values() const { return values_; }
+
+private:
+    static constexpr std::size_t most = 20'000;
+    std::vector<double> values_;
+    std::size_t next_ = 0;
+};
+
+/// How it went.
+struct PlayFigures {
+    std::int64_t pictures = 0;
+    double seconds = 0;
+    NewestValues draw_ms, input_to_picture_ms;
+    std::string painter, gpu, builder;
+    std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
+};
+
+/// Shows a clip in a window and lets it be touched, until the person closes it. By the main thread.
+Result<PlayFigures> play_in_window(const PlayOptions& options);
+
+}  // namespace touchable

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <optional>
+
+#include "device/pointer_device.hpp"
+#include "device/workspace.hpp"
+#include "haptics_cpu/height_field.hpp"
+#include "player/view/view_camera.hpp"
+
+namespace touchable {
+
+/// The pointer over the picture, as fingers of a device: over what is seen there, or pressed into it.
+class PointerFingers {
+public:
+    static constexpr int most = 5;
+    static constexpr double hover_m = -0.004;  ///< device metres: above the surface where nobody presses
+    static constexpr double press_m = 0.004;   ///< what holding the button presses to
+    static constexpr double deepest_m = 0.012, highest_m = -0.008;
+
+    /// `device` has `most` fingers and outlives this.
+    PointerFingers(PointerDevice& device, const Workspace& workspace)
+        : device_(device), workspace_(workspace) {}
+
+    void set_count(int fingers) { count_ = fingers; }
+    int count() const { return count_; }
+    /// Of them, those that are somewhere.
+    int shown() const { return pointer_ ? count_ : 0; }
+    /// The pointer is there, pixels of the picture; nothing: nowhere, and no finger touches.
+    void set_pointer(std::optional<glm::dvec2> at) { pointer_ = at; }
+    const std::optional<glm::dvec2>& pointer() const { return pointer_; }
+    void press(bool held) { held_ = held; }
+    /// Device metres, into the surface; stays when the button is let go.
+    void deepen(double metres);
+    /// How deep fingers are meant to be in the surface, device metres; below 0 above it.
+    double depth_m() const;
+
+    /// Once a picture: tells the device where the fingers are meant to be over what `camera` shows of
+    /// `field`.
+    void intend(const HeightField& field, const ViewCamera& camera);
+
+private:
+    std::optional<glm::dvec3> place_of(int finger, const HeightField& field, const ViewCamera& camera);
+
+    PointerDevice& device_;
+    Workspace workspace_;
+    std::optional<glm::dvec2> pointer_;
+    int count_ = 1;
+    bool held_ = false;
+    double rest_m_ = hover_m;
+    std::optional<double> distance_;  // scene units, from the eye to what was met last
+};
+
+}  // namespace touchable

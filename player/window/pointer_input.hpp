@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+#include <glm/vec2.hpp>
+#include <optional>
+#include <string>
+
+#include "player/window/input_event.hpp"
+#include "player/window/pointer_fingers.hpp"
+#include "player/window/window_view.hpp"
+
+namespace touchable {
+
+/// What the pointer does over the picture: it leads the fingers, presses, and turns and moves the view.
+class PointerInput {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// An event that no panel takes; of a picture of that height. Keys are not the pointer's.
+    void take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int height);
+    /// By so many pixels, for whoever has keys alone; from the middle of the picture where it was nowhere.
+    void move_by(const glm::dvec2& pixels, int width, int height, PointerFingers& fingers);
+    /// The panel has the pointer, or it is nowhere: fingers leave, and nothing is held.
+    void leave(PointerFingers& fingers);
+    /// Where it clicked twice with the middle button, once.
+    std::optional<glm::dvec2> take_double_click();
+
+private:
+    void drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int height, bool shift);
+
+    glm::dvec2 at_{0.0};
+    std::string held_;  // the button
+    std::optional<Clock::time_point> last_middle_;
+    std::optional<glm::dvec2> double_click_;
+    bool shift_ = false;
+};
+
+}  // namespace touchable

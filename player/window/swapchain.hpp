@@ -1,0 +1,64 @@
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <memory>
+#include <vector>
+
+#include "engine/gpu/gpu_commands.hpp"
+#include "engine/result.hpp"
+#include "player/view/gpu_image.hpp"
+
+namespace touchable {
+
+/// A surface of the window system's. It goes after everything that shows on it.
+class WindowSurface {
+public:
+    WindowSurface(std::shared_ptr<VulkanDevice> vulkan, VkSurfaceKHR surface)
+        : vulkan_(std::move(vulkan)), surface_(surface) {}
+    WindowSurface(const WindowSurface&) = delete;
+    WindowSurface& operator=(const WindowSurface&) = delete;
+    ~WindowSurface() { vkDestroySurfaceKHR(vulkan_->instance->handle(), surface_, nullptr); }
+    VkSurfaceKHR handle() const { return surface_; }
+
+private:
+    std::shared_ptr<VulkanDevice> vulkan_;
+    VkSurfaceKHR surface_;
+};
+
+/// The pictures that a window shows in turn. Whoever presents waits until his drawing is done: so nothing
+/// that it read has to be kept longer.
+class Swapchain {
+public:
+    /// ErrorKind::gpu where the device cannot show on this surface.
+    static Result<std::unique_ptr<Swapchain>> create(std::shared_ptr<GpuDevice> device,
+                                                     std::unique_ptr<WindowSurface> surface);
+    ~Swapchain();
+    Swapchain(const Swapchain&) = delete;
+    Swapchain& operator=(const Swapchain&) = delete;
+
+    /// Screen::present; `wanted`: pixels of the window, of which the surface may know better. Nothing is
+    /// shown while it has none.
+    Result<void> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted);
+
+private:
+    Swapchain(std::shared_ptr<GpuDevice> device, std::unique_ptr<WindowSurface> surface)
+        : device_(std::move(device)), surface_(std::move(surface)) {}
+    Result<void> choose();
+    Result<bool> make(VkExtent2D wanted);
+    void destroy_chain();
+    Result<bool> acquire(std::uint32_t& index);
+    void record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const;
+
+    std::shared_ptr<GpuDevice> device_;
+    std::unique_ptr<WindowSurface> surface_;
+    VkSurfaceFormatKHR format_{};
+    VkPresentModeKHR mode_ = VK_PRESENT_MODE_FIFO_KHR;
+    VkSwapchainKHR chain_ = VK_NULL_HANDLE;
+    VkExtent2D extent_{};
+    std::vector<VkImage> images_;
+    VkFence acquired_ = VK_NULL_HANDLE;
+    bool outdated_ = false;
+};
+
+}  // namespace touchable

@@ -1,0 +1,129 @@
+#include "player/window/window_command.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+namespace touchable {
+namespace {
+
+enum class Takes { nothing, number, word, perhaps_a_word };
+
+struct NamedVerb {
+    const char* name;
+    WindowVerb verb;
+    Takes takes;
+    double least = 0, most = 0;  // of a number
+};
+
+constexpr double longest_s = 1e6;
+constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Takes::nothing},
+                                     {"seek", WindowVerb::seek_to, Takes::number, 0, longest_s},
+                                     {"seek-by", WindowVerb::seek_by, Takes::number, -longest_s, longest_s},
+                                     {"step", WindowVerb::step, Takes::number, -1, 1},
+                                     {"speed", WindowVerb::speed, Takes::number, 0.1, 4},
+                                     {"loop", WindowVerb::loop, Takes::nothing},
+                                     {"fingers", WindowVerb::fingers, Takes::number, 1, 5},
+                                     {"deeper", WindowVerb::deeper, Takes::number, -20, 20},
+                                     {"point-right", WindowVerb::point_right, Takes::number, -10000, 10000},
+                                     {"point-down", WindowVerb::point_down, Takes::number, -10000, 10000},
+                                     {"force", WindowVerb::force, Takes::nothing},
+                                     {"overlay", WindowVerb::overlay, Takes::perhaps_a_word},
+                                     {"home", WindowVerb::home, Takes::nothing},
+                                     {"turn", WindowVerb::turn, Takes::number, -180, 180},
+                                     {"tilt", WindowVerb::tilt, Takes::number, -180, 180},
+                                     {"nearer", WindowVerb::nearer, Takes::number, 0.1, 10},
+                                     {"panel", WindowVerb::panel, Takes::nothing},
+                                     {"help", WindowVerb::help, Takes::nothing},
+                                     {"fullscreen", WindowVerb::fullscreen, Takes::nothing},
+                                     {"screenshot", WindowVerb::screenshot, Takes::perhaps_a_word},
+                                     {"open", WindowVerb::open, Takes::word},
+                                     {"quit", WindowVerb::quit, Takes::nothing}};
+
+std::optional<double> number_of(const std::string& word) {
+    double value = 0;
+    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (failure != std::errc() || end != word.data() + word.size() || !(value == value)) return std::nullopt;
+    return value;
+}
+
+std::string in_words(double number) {
+    char words[32];
+    std::snprintf(words, sizeof words, "%g", number);
+    return words;
+}
+
+}  // namespace
+
+std::span<const KeyBinding> key_bindings() {
+    using enum WindowVerb;
+    static constexpr KeyBinding bindings[] = {
+        {"space", false, play_pause, 0, "play, or pause; touch goes on"},
+        {"left", false, seek_by, -1, "a second back, or on; with Shift ten"},
+        {"right", false, seek_by, 1, nullptr},
+        {"left", true, seek_by, -10, nullptr},
+        {"right", true, seek_by, 10, nullptr},
+        {",", false, step, -1, "a frame back, or on"},
+        {".", false, step, 1, nullptr},
+        {"[", false, faster, 0.5, "half as fast, or twice"},
+        {"]", false, faster, 2, nullptr},
+        {"l", false, loop, 0, "again from the beginning at the end, or not"},
+        {"1", false, fingers, 1, "so many fingers"},
+        {"2", false, fingers, 2, nullptr},
+        {"3", false, fingers, 3, nullptr},
+        {"4", false, fingers, 4, nullptr},
+        {"5", false, fingers, 5, nullptr},
+        {"e", false, deeper, 0.5, "press deeper, or less; so does the wheel"},
+        {"q", false, deeper, -0.5, nullptr},
+        {"w", false, point_down, -8, "move the finger with W A S D"},
+        {"s", false, point_down, 8, nullptr},
+        {"a", false, point_right, -8, nullptr},
+        {"d", false, point_right, 8, nullptr},
+        {"f", false, force, 0, "force off at once, or on again"},
+        {"o", false, overlay, 0, "what the surface is coloured by"},
+        {"home", false, home, 0, "back to the clip's own view"},
+        {"+", false, nearer, 1.25, "nearer, or farther; so does Ctrl and the wheel"},
+        {"=", false, nearer, 1.25, nullptr},
+        {"-", false, nearer, 0.8, nullptr},
+        {"tab", false, panel, 0, "the panel"},
+        {"?", false, help, 0, "these keys"},
+        {"/", true, help, 0, nullptr},
+        {"f1", false, help, 0, nullptr},
+        {"f11", false, fullscreen, 0, "full screen"},
+        {"f12", false, screenshot, 0, "keep a picture of the window"},
+        {"escape", false, quit, 0, "close"}};
+    return bindings;
+}
+
+Result<WindowCommand> parse_window_command(const std::string& words) {
+    const std::size_t space = std::min(words.find(' '), words.size());
+    const std::string name = words.substr(0, space);
+    const std::string rest = space < words.size() ? words.substr(space + 1) : "";
+    const auto* const named =
+        std::find_if(std::begin(named_verbs), std::end(named_verbs),
+                     [&name](const NamedVerb& candidate) { return name == candidate.name; });
+    if (named == std::end(named_verbs)) {
+        std::string known;
+        for (const NamedVerb& verb : named_verbs)
+            known += (known.empty() ? "" : ", ") + std::string(verb.name);
+        return usage_error("'" + name + "' is no command of the window; there are " + known);
+    }
+    WindowCommand command{named->verb, 0, ""};
+    if (named->takes == Takes::nothing) {
+        if (!rest.empty()) return usage_error("'" + name + "' takes nothing, and not '" + rest + "'");
+        return command;
+    }
+    if (named->takes != Takes::number) {
+        if (rest.empty() && named->takes == Takes::word) return usage_error("'" + name + "' needs a name");
+        command.word = rest;
+        return command;
+    }
+    const auto number = number_of(rest);
+    if (!number || *number < named->least || *number > named->most)
+        return usage_error("'" + words + "': " + name + " needs a number from " + in_words(named->least) +
+                           " to " + in_words(named->most));
+    command.number = *number;
+    return command;
+}
+
+}  // namespace touchable

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// What keys, buttons of the panel, scripts and tests ask of the window: one set for all of them.
+enum class WindowVerb {
+    play_pause,
+    seek_by,      ///< `number`: seconds, either way
+    seek_to,      ///< `number`: seconds
+    step,         ///< `number`: frames, either way; pauses
+    faster,       ///< `number`: times as fast as now
+    speed,        ///< `number`: 0.1 to 4, times the clip's own
+    loop,         ///< on or off
+    fingers,      ///< `number`: 1 to 5
+    deeper,       ///< `number`: millimetres of the device, pressed in by
+    point_right,  ///< `number`: pixels by which the pointer moves, for whoever has keys alone
+    point_down,   ///< likewise
+    force,        ///< on or off
+    overlay,      ///< `word`: what the surface is coloured by; empty: the next one
+    home,         ///< the clip's own view
+    turn,         ///< `number`: degrees to the right
+    tilt,         ///< `number`: degrees up
+    nearer,       ///< `number`: times
+    panel,        ///< shown or not
+    help,         ///< shown or not
+    fullscreen,   ///< on or off
+    screenshot,   ///< `word`: the file; empty: a new name in the working folder
+    open,         ///< `word`: a clip
+    quit
+};
+
+struct WindowCommand {
+    WindowVerb verb = WindowVerb::play_pause;
+    double number = 0;
+    std::string word{};
+};
+
+/// A key and what it does.
+struct KeyBinding {
+    const char* key;  ///< as InputEvent names it
+    bool shift;
+    WindowVerb verb;
+    double number;
+    const char* what;  ///< for a person; null: the same as the row above
+};
+std::span<const KeyBinding> key_bindings();
+
+/// "seek 10", "speed 0.5", "overlay depth" and so on. Refused (ErrorKind::usage) with what would be right.
+Result<WindowCommand> parse_window_command(const std::string& words);
+
+}  // namespace touchable

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <variant>
+#include <vector>
+
+#include "engine/result.hpp"
+#include "player/window/input_event.hpp"
+#include "player/window/window_command.hpp"
+
+namespace touchable {
+
+/// What is done to the window at a moment of a script.
+struct ScriptedInput {
+    double seconds = 0;  ///< since the first picture
+    std::variant<InputEvent, WindowCommand> what;
+};
+
+/// A file of timed inputs (docs/play.md), a line each: SECONDS, then move X Y, press BUTTON, release BUTTON,
+/// wheel NOTCHES, key NAME, drop FILE, or a command of the window. Times must not go backward. Refused with
+/// the line.
+Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file);
+
+}  // namespace touchable
