@@ -5,8 +5,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "player/view/solids.hpp"
 #include "shaders/cut_rule.h"
+#include "shaders/solid_light.h"
 
 namespace touchable {
 namespace {
@@ -19,30 +19,42 @@ constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178), 
                                                       pack_colour(240, 228, 66),  pack_colour(51, 34, 136),
                                                       pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
 
-/// Darkens what is drawn near a ball: its soft shadow on the surface it touches.
-void draw_shadow(const glm::dvec3& centre, double radius, const ViewCamera& camera, LightPicture& picture) {
-    const double reach = 2.6 * radius;
-    const auto middle = camera.project(centre);
-    if (!middle) return;
-    const double distance = std::max(camera.near / middle->z, reach * 1.01);
-    const double pixels = camera.focal * reach / (distance - reach);
-    auto span = [&](double at, int size) {
-        return std::array<int, 2>{
-            static_cast<int>(std::clamp(at - pixels, 0.0, static_cast<double>(size))),
-            static_cast<int>(std::clamp(at + pixels + 1, 0.0, static_cast<double>(size)))};
-    };
-    const auto [x0, x1] = span(middle->x, picture.width);
-    const auto [y0, y1] = span(middle->y, picture.height);
+void draw_shadow(const BallShadow& shadow, const ViewCamera& camera, LightPicture& picture) {
+    const auto bounds = shadow.bounds(camera);
+    if (!bounds) return;
+    const auto [x0, y0, x1, y1] = *bounds;
     for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
             const std::size_t at = picture.index(x, y);
             if (!(picture.z[at] > 0)) continue;
             const glm::dvec3 point = camera.unproject(x + 0.5, y + 0.5, static_cast<double>(picture.z[at]));
-            const double share = glm::length(point - centre) / reach;
-            if (share >= 1) continue;
-            const double fade = (1 - share * share);
-            picture.light[at] *= static_cast<float>(1 - 0.72 * fade * fade);
+            const glm::vec3 share((point - shadow.centre) / shadow.reach);
+            if (const float squared = glm::dot(share, share); squared < 1)
+                picture.light[at] *= shadow_light(squared);
         }
+}
+
+/// Rods that meet in balls, so that there is no gap.
+void draw_thread(std::span<const ThreadPoint> points, const ViewCamera& camera, LightPicture& picture) {
+    std::vector<Solid> solids;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const ThreadPoint& to = points[k];
+        if (to.is_joined)
+            add_rod(solids, points[k - 1].at, to.at, points[k - 1].radius, to.radius, {to.light, 1});
+        add_ball(solids, to.at, to.radius, {to.light, 1});
+    }
+    for (const Solid& solid : solids) draw_solid(camera, solid, picture);
+}
+
+void shape_thread(const FingerMark& finger, double radius, const glm::vec3& light,
+                  std::vector<ThreadPoint>& points) {
+    const auto& trail = finger.trail;
+    for (std::size_t k = 0; k < trail.size(); ++k) {
+        const double youth = static_cast<double>(k) / static_cast<double>(trail.size());
+        const bool is_joined =
+            k > 0 && std::max(trail[k - 1].z / trail[k].z, trail[k].z / trail[k - 1].z) < CUT_RULE_RATIO;
+        points.push_back({trail[k], 0.22 * radius * (0.15 + 0.85 * youth), light, is_joined});
+    }
 }
 
 }  // namespace
@@ -56,40 +68,55 @@ MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle) {
     return {0.02 * width, 0.06 * width};
 }
 
-void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
-                  LightPicture& picture) {
+std::optional<std::array<int, 4>> BallShadow::bounds(const ViewCamera& camera) const {
+    const auto middle = camera.project(centre);
+    if (!middle) return std::nullopt;
+    const double distance = std::max(camera.near / middle->z, reach * 1.01);
+    const double pixels = camera.focal * reach / (distance - reach);
+    auto clamped = [](double at, int size) {
+        return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(size)));
+    };
+    return std::array<int, 4>{
+        clamped(middle->x - pixels, camera.width), clamped(middle->y - pixels, camera.height),
+        clamped(middle->x + pixels + 1, camera.width), clamped(middle->y + pixels + 1, camera.height)};
+}
+
+void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, FingerShapes& shapes) {
+    shapes.shadows.clear();
+    shapes.threads.clear();
+    shapes.solids.clear();
+    shapes.veils.clear();
     const double radius = sizes.finger_radius;
-    for (const FingerMark& finger : fingers) draw_shadow(finger.proxy, radius, camera, picture);
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         const FingerMark& finger = fingers[k];
-        const Material solid{light_of(finger_colour(k)), 1};
-        const auto points = static_cast<double>(finger.trail.size());
-        auto thread = [&](std::size_t at) {
-            return 0.22 * radius * (0.15 + 0.85 * static_cast<double>(at) / points);
-        };
-        for (std::size_t at = 1; at < finger.trail.size(); ++at) {
-            const glm::dvec3 &from = finger.trail[at - 1], &to = finger.trail[at];
-            if (std::max(from.z / to.z, to.z / from.z) < CUT_RULE_RATIO)
-                draw_rod(camera, from, to, thread(at - 1), thread(at), solid, picture);
-            draw_sphere(camera, to, thread(at), solid, picture);  // rods meet without a gap
-        }
-        draw_sphere(camera, finger.proxy, radius, solid, picture);
+        const glm::vec3 light = light_of(finger_colour(k)), white(1.0F);
+        shapes.shadows.push_back({finger.proxy, 2.6 * radius});
+        shape_thread(finger, radius, light, shapes.threads);
+        add_ball(shapes.solids, finger.proxy, radius, {light, 1});
         if (!finger.touching) continue;
+        add_rod(shapes.veils, finger.goal, finger.proxy, 0.14 * radius, 0.14 * radius,
+                {glm::mix(light, white, 0.3F), 0.9F});
         // From where it leaves the ball, so that a small force is not lost in it.
         const glm::dvec3 arrow = finger.force * sizes.length_per_newton;
         const double length = glm::length(arrow);
         if (!(length > 0)) continue;
         const glm::dvec3 from = finger.proxy + arrow * (0.95 * radius / length);
-        draw_arrow(camera, from, from + arrow, 0.34 * radius,
-                   {glm::mix(solid.light, glm::vec3(1.0F), 0.35F), 1}, picture);
+        add_arrow(shapes.solids, from, from + arrow, 0.34 * radius, {glm::mix(light, white, 0.35F), 1});
     }
-    for (std::size_t k = 0; k < fingers.size(); ++k) {
-        const FingerMark& finger = fingers[k];
-        if (!finger.touching) continue;
-        const glm::vec3 light = glm::mix(light_of(finger_colour(k)), glm::vec3(1.0F), 0.3F);
-        draw_rod(camera, finger.goal, finger.proxy, 0.14 * radius, 0.14 * radius, {light, 0.9F}, picture);
-        draw_sphere(camera, finger.goal, 0.8 * radius, {light, 0.8F}, picture);
-    }
+    for (std::size_t k = 0; k < fingers.size(); ++k)
+        if (fingers[k].touching)
+            add_ball(shapes.veils, fingers[k].goal, 0.8 * radius,
+                     {glm::mix(light_of(finger_colour(k)), glm::vec3(1.0F), 0.3F), 0.8F});
+}
+
+void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
+                  LightPicture& picture) {
+    FingerShapes shapes;
+    shape_fingers(fingers, sizes, shapes);
+    for (const BallShadow& shadow : shapes.shadows) draw_shadow(shadow, camera, picture);
+    draw_thread(shapes.threads, camera, picture);
+    for (const auto* solids : {&shapes.solids, &shapes.veils})
+        for (const Solid& solid : *solids) draw_solid(camera, solid, picture);
 }
 
 }  // namespace touchable

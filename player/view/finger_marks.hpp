@@ -1,12 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "player/view/light_picture.hpp"
+#include "player/view/solids.hpp"
 #include "player/view/view_camera.hpp"
 #include "player/view/view_surface.hpp"
 
@@ -32,8 +35,37 @@ struct MarkSizes {
 /// middle, a newton's arrow 6 %.
 MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle);
 
-/// Draws every finger: its proxy as a ball in its colour, the goal as a bubble seen through what hides it, a
-/// rod between them, the force on the finger as an arrow, and the trail as a thread that thins with age.
+/// A point of the thread that a finger leaves. World, scene units.
+struct ThreadPoint {
+    glm::dvec3 at{0.0};
+    double radius = 0;
+    glm::vec3 light{1.0F};
+    bool is_joined = false;  ///< to the point before
+};
+
+/// The soft shadow of a ball on the surface it touches. World, scene units.
+struct BallShadow {
+    glm::dvec3 centre{0.0};
+    double reach = 0;
+
+    /// Pixels that it may fall on: x and y from [0, 1] to before [2, 3]; nothing where it is not in sight.
+    std::optional<std::array<int, 4>> bounds(const ViewCamera& camera) const;
+};
+
+/// What fingers are drawn as, whoever draws them, in this order.
+struct FingerShapes {
+    std::vector<BallShadow> shadows;
+    std::vector<ThreadPoint> threads;  ///< one after the other
+    std::vector<Solid> solids;
+    std::vector<Solid> veils;  ///< seen through: all rods before all balls
+};
+
+/// Every finger: its proxy as a ball in its colour, the goal as a bubble seen through what hides it, a rod
+/// between them, the force on the finger as an arrow, and the trail as a thread that thins with age.
+/// `shapes` is written anew.
+void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, FingerShapes& shapes);
+
+/// Draws them.
 void draw_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera,
                   LightPicture& picture);
 

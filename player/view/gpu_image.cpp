@@ -9,6 +9,10 @@ bool is_depth(VkFormat format) {
     return format == VK_FORMAT_D32_SFLOAT;
 }
 
+bool has_light(VkFormat format) {
+    return format == VK_FORMAT_R8G8B8A8_UNORM;
+}
+
 VkImageCreateInfo image_info(VkExtent2D extent, VkFormat format) {
     VkImageCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
@@ -19,16 +23,31 @@ VkImageCreateInfo image_info(VkExtent2D extent, VkFormat format) {
     info.arrayLayers = 1;
     info.samples = VK_SAMPLE_COUNT_1_BIT;
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
-    info.usage =
-        VK_IMAGE_USAGE_TRANSFER_SRC_BIT | (is_depth(format) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
-                                                            : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+    info.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                 (is_depth(format) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
+                                   : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+    if (has_light(format)) info.flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
     return info;
+}
+
+Result<VkImageView> make_view(VulkanDevice& gpu, VkImage image, VkFormat format, VkImageAspectFlags aspect) {
+    VkImageViewCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+    info.image = image;
+    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    info.format = format;
+    info.subresourceRange = {aspect, 0, 1, 0, 1};
+    VkImageView made = VK_NULL_HANDLE;
+    const VkResult result = vkCreateImageView(gpu.device, &info, nullptr, &made);
+    if (result != VK_SUCCESS) return gpu.failed("vkCreateImageView", result);
+    return made;
 }
 
 }  // namespace
 
 GpuImage::State::~State() {
-    if (view) vkDestroyImageView(vulkan->device, view, nullptr);
+    for (VkImageView each : {view, light_view})
+        if (each) vkDestroyImageView(vulkan->device, each, nullptr);
     if (image) vkDestroyImage(vulkan->device, image, nullptr);
     if (memory) vkFreeMemory(vulkan->device, memory, nullptr);
 }
@@ -43,7 +62,7 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
     const VkImageCreateInfo info = image_info(state->extent, format);
     VkImageFormatProperties most{};
     VkResult result = vkGetPhysicalDeviceImageFormatProperties(gpu.physical, format, info.imageType,
-                                                               info.tiling, info.usage, 0, &most);
+                                                               info.tiling, info.usage, info.flags, &most);
     if (result != VK_SUCCESS || state->extent.width > most.maxExtent.width ||
         state->extent.height > most.maxExtent.height)
         return Error{ErrorKind::gpu, gpu.facts.name + " has no picture '" + name + "' of " +
@@ -65,14 +84,14 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
     result = vkBindImageMemory(gpu.device, state->image, state->memory, 0);
     if (result != VK_SUCCESS) return gpu.failed("vkBindImageMemory", result);
 
-    VkImageViewCreateInfo view{};
-    view.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
-    view.image = state->image;
-    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-    view.format = format;
-    view.subresourceRange = {state->aspect, 0, 1, 0, 1};
-    result = vkCreateImageView(gpu.device, &view, nullptr, &state->view);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateImageView", result);
+    const auto view = make_view(gpu, state->image, format, state->aspect);
+    if (!view.ok()) return view.error();
+    state->view = *view;
+    if (has_light(format)) {
+        const auto light = make_view(gpu, state->image, VK_FORMAT_R8G8B8A8_SRGB, state->aspect);
+        if (!light.ok()) return light.error();
+        state->light_view = *light;
+    }
     GpuImage image;
     image.state_ = std::move(state);
     return image;

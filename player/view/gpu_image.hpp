@@ -10,7 +10,8 @@
 
 namespace touchable {
 
-/// A picture in the GPU's memory that is drawn to and copied from. A handle, as GpuBuffer is.
+/// A picture in the GPU's memory: drawn to, read by shaders, copied from, and (but for depth) copied to. A
+/// handle, as GpuBuffer is. Its first content and layout are undefined.
 class GpuImage {
 public:
     GpuImage() = default;
@@ -18,8 +19,12 @@ public:
     static Result<GpuImage> create(const GpuDevice& device, const std::string& name, int width, int height,
                                    VkFormat format);
 
+    explicit operator bool() const { return state_ != nullptr; }
     VkImage handle() const { return state_->image; }
     VkImageView view() const { return state_->view; }
+    /// Of VK_FORMAT_R8G8B8A8_UNORM alone, else null: the same bytes as sRGB, so that what is drawn is light,
+    /// and light is what is mixed.
+    VkImageView light_view() const { return state_->light_view; }
     VkImageAspectFlags aspect() const { return state_->aspect; }
     VkExtent2D extent() const { return state_->extent; }
     std::shared_ptr<const void> keep_alive() const { return state_; }
@@ -31,7 +36,7 @@ private:
         std::shared_ptr<VulkanDevice> vulkan;
         VkImage image = VK_NULL_HANDLE;
         VkDeviceMemory memory = VK_NULL_HANDLE;
-        VkImageView view = VK_NULL_HANDLE;
+        VkImageView view = VK_NULL_HANDLE, light_view = VK_NULL_HANDLE;
         VkImageAspectFlags aspect = 0;
         VkExtent2D extent{};
     };

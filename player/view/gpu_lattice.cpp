@@ -41,6 +41,27 @@ Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size
     return {};
 }
 
+Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
+    return reserve(lattice.colours, "lattice colours",
+                   SurfaceUnproject::q_bytes(lattice.width, lattice.height),  // as many of colours
+                   device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device);
+}
+
+Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                                   const GpuLattice& lattice) {
+    if (SurfaceUnproject::has_codes(field, pair)) return unproject_.record(commands, field, pair, lattice.q);
+    const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
+    const auto uploaded = uploads_.take("lattice q", bytes);
+    if (!uploaded.ok()) return uploaded.error();
+    // Beyond the width there is no vertex.
+    std::memset(uploaded->mapped<std::byte>().data(), 0, bytes);
+    put_rows(q_of(field), lattice, *uploaded);
+    commands.barrier(GpuStage::compute, GpuStage::transfer);
+    commands.copy(*uploaded, 0, lattice.q, 0, bytes);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    return {};
+}
+
 Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                  GpuLattice& lattice) {
     lattice.vulkan = device_->vulkan();
@@ -54,7 +75,7 @@ Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field
           reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(w, h), memory),
           reserve(lattice.classes, "tile classes", TileLists::class_bytes(w, h), GpuMemory::device)})
         if (!done.ok()) return done;
-    if (auto recorded = unproject_.record(commands, field, pair, lattice.q); !recorded.ok()) return recorded;
+    if (auto recorded = record_q(commands, field, pair, lattice); !recorded.ok()) return recorded;
     commands.mark("unproject");
     if (auto recorded = tile_lists_.record(commands, lattice); !recorded.ok()) return recorded;
     commands.mark("tiles");

@@ -24,11 +24,11 @@ struct GpuLattice {
 class GpuLattices {
 public:
     explicit GpuLattices(std::shared_ptr<GpuDevice> device)
-        : device_(std::move(device)), unproject_(device_), tile_lists_(device_) {}
+        : device_(std::move(device)), unproject_(device_), tile_lists_(device_), uploads_(device_) {}
 
-    /// Records what makes q and tiles, without colours, of a pair of frames that have codes
-    /// (SurfaceUnproject::has_codes). Buffers of `lattice` that are large enough serve again: whoever reads
-    /// them has done so.
+    /// Records what makes q and tiles, without colours, of a pair of frames; q by the CPU where they have no
+    /// codes (SurfaceUnproject::has_codes). Buffers of `lattice` that are large enough serve again: whoever
+    /// reads them has been recorded before, and a barrier after it.
     Result<void> record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                         GpuLattice& lattice);
 
@@ -40,13 +40,19 @@ public:
     /// One at a time into the same buffers: who asks for the next has waited for what reads the last.
     Result<GpuLattice> lattice_of(const ViewSurface& surface);
 
+    /// Room for colours of a lattice, if it has none that are large enough.
+    Result<void> reserve_colours(GpuLattice& lattice);
+
 private:
+    Result<void> record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                          const GpuLattice& lattice);
     Result<void> reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory);
     Result<GpuLattice> read_back(const HeightField& field, const FramePair& pair, GpuLattice& lattice);
 
     std::shared_ptr<GpuDevice> device_;
     SurfaceUnproject unproject_;
     TileLists tile_lists_;
+    UploadPool uploads_;
     GpuLattice uploaded_;
 };
 

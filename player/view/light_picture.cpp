@@ -50,13 +50,26 @@ glm::vec3 light_of(PackedColour colour) {
     return {light[colour & 255U], light[colour >> 8 & 255U], light[colour >> 16 & 255U]};
 }
 
+namespace {
+
+glm::vec3 background_light(int row, int height) {
+    const glm::vec3 above = light_of(pack_colour(22, 25, 31)), below = light_of(pack_colour(62, 67, 76));
+    const float share = static_cast<float>(row) / static_cast<float>(height);
+    return glm::mix(above, below, share * share);
+}
+
+}  // namespace
+
+PackedColour background_colour(int row, int height) {
+    const glm::vec3 light = background_light(row, height);
+    return pack_colour(byte_of(light.r), byte_of(light.g), byte_of(light.b));
+}
+
 LightPicture on_background(PicturePlanes planes) {
     LightPicture picture{planes.width, planes.height, std::move(planes.z), {}};
     picture.light.resize(picture.z.size());
-    const glm::vec3 above = light_of(pack_colour(22, 25, 31)), below = light_of(pack_colour(62, 67, 76));
     for (int y = 0; y < picture.height; ++y) {
-        const float share = static_cast<float>(y) / static_cast<float>(picture.height);
-        const glm::vec3 background = glm::mix(above, below, share * share);
+        const glm::vec3 background = background_light(y, picture.height);
         for (int x = 0; x < picture.width; ++x) {
             const std::size_t at = picture.index(x, y);
             picture.light[at] = picture.z[at] > 0 ? light_of(planes.colours[at]) : background;

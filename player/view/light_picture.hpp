@@ -23,7 +23,10 @@ struct LightPicture {
 /// Light of a colour of three bytes.
 glm::vec3 light_of(PackedColour colour);
 
-/// The drawn surface before a quiet dark background, a little lighter below.
+/// What a picture of a height has where nothing is drawn: a quiet dark grey, a little lighter below.
+PackedColour background_colour(int row, int height);
+
+/// The drawn surface before the background.
 LightPicture on_background(PicturePlanes planes);
 
 /// Averages blocks of samples x samples; `picture`'s sides are multiples of that. RGB of 8 bits.

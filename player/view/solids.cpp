@@ -4,10 +4,12 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <span>
 #include <vector>
 
 #include "engine/trigonometry.hpp"
 #include "player/view/triangle_fill.hpp"
+#include "shaders/solid_light.h"
 
 namespace touchable {
 namespace {
@@ -16,25 +18,15 @@ constexpr int sides = 40;
 
 struct Painter {
     const ViewCamera& camera;
-    glm::dvec3 to_eye;  // unit, from the solid
+    glm::vec3 to_eye;  // unit, from the solid
     Material material;
     LightPicture& picture;
 
-    glm::vec3 lit(const glm::dvec3& normal) const {
-        static const glm::dvec3 key = glm::normalize(glm::dvec3(-0.55, 0.65, 0.55));
-        const double facing = std::max(0.0, glm::dot(normal, to_eye));
-        const double diffuse =
-            0.30 + 0.12 * normal.y + 0.55 * std::max(0.0, glm::dot(normal, key)) + 0.12 * facing;
-        const glm::dvec3 half = glm::normalize(key + to_eye);
-        const double gloss = std::max(0.0, glm::dot(normal, half));
-        const double gloss2 = gloss * gloss, gloss4 = gloss2 * gloss2, gloss8 = gloss4 * gloss4;
-        const double highlight = 0.28 * gloss8 * gloss8 * gloss8 * gloss8 * gloss8;
-        return glm::vec3(glm::dvec3(material.light) * diffuse + highlight);
-    }
+    glm::vec3 lit(const glm::vec3& normal) const { return solid_light(material.light, normal, to_eye); }
 
     void plot(int x, int y, float z, const glm::vec3& value) {
         const std::size_t at = picture.index(x, y);
-        const glm::dvec3 normal = glm::normalize(glm::dvec3(value));
+        const glm::vec3 normal = glm::normalize(value);
         const bool hidden = z < picture.z[at];
         if (material.opacity >= 1) {
             if (hidden) return;
@@ -42,27 +34,23 @@ struct Painter {
             picture.light[at] = lit(normal);
             return;
         }
-        // Thicker towards the rim, as a bubble is; of a closed solid only the front counts.
-        const double facing = glm::dot(normal, to_eye);
+        // Of a closed solid only the front counts.
+        const float facing = glm::dot(normal, to_eye);
         if (facing <= 0) return;
-        const double rim = (1 - facing) * (1 - facing);
-        const double opacity = material.opacity * (hidden ? 0.75 : 1.0) * (0.45 + 1.3 * rim);
-        picture.light[at] =
-            glm::mix(picture.light[at], lit(normal), static_cast<float>(std::min(opacity, 1.0)));
+        picture.light[at] = glm::mix(picture.light[at], lit(normal), veil(material.opacity, facing, hidden));
     }
 };
 
-}  // namespace
-
-void draw_solid(const ViewCamera& camera, const glm::dvec3& foot, const glm::dvec3& along,
-                std::span<const Ring> rings, const Material& material, LightPicture& picture) {
+void draw_rings(const ViewCamera& camera, const Solid& solid, std::span<const Ring> rings,
+                LightPicture& picture) {
+    const glm::dvec3& along = solid.along;
     const glm::dvec3 other = std::fabs(along.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     const glm::dvec3 a = glm::normalize(glm::cross(along, other)), b = glm::cross(along, a);
-    Painter painter{camera, glm::normalize(camera.eye - foot), material, picture};
+    Painter painter{camera, glm::vec3(glm::normalize(camera.eye - solid.foot)), solid.material, picture};
     auto corner = [&](const Ring& ring, int side) {
         const double angle = 2 * pi * (side % sides) / sides;
         const glm::dvec3 away = cosine(angle) * a + sine(angle) * b;
-        const glm::dvec3 point = foot + ring.height * along + ring.radius * away;
+        const glm::dvec3 point = solid.foot + ring.height * along + ring.radius * away;
         return FillCorner{glm::vec4(camera.clip_from_world * glm::dvec4(point, 1.0)),
                           glm::vec3(ring.normal_along * along + ring.normal_away * away)};
     };
@@ -76,39 +64,47 @@ void draw_solid(const ViewCamera& camera, const glm::dvec3& foot, const glm::dve
         }
 }
 
-void draw_sphere(const ViewCamera& camera, const glm::dvec3& centre, double radius, const Material& material,
-                 LightPicture& picture) {
+}  // namespace
+
+void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radius, const Material& material) {
+    solids.push_back({centre, {0, 1, 0}, {0, radius, 0, 1}, {}, true, material});
+}
+
+void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
+             double radius_to, const Material& material) {
+    const double length = glm::length(to - from);
+    if (!(length > 0)) return;
+    solids.push_back(
+        {from, (to - from) / length, {0, radius_from, 0, 1}, {length, radius_to, 0, 1}, false, material});
+}
+
+void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
+               const Material& material) {
+    const double length = glm::length(to - from);
+    if (!(length > 0)) return;
+    const double head = std::min(7.0 * shaft_radius, 0.6 * length), neck = length - head;
+    const double head_radius = head * (2.6 / 7.0), slope = head_radius / head;
+    const Ring parts[][2] = {{{0, shaft_radius, 0, 1}, {neck, shaft_radius, 0, 1}},  // shaft
+                             {{neck, 0, -1, 0}, {neck, head_radius, -1, 0}},         // collar
+                             {{neck, head_radius, slope, 1}, {length, 0, slope, 1}}};
+    for (const auto& [lower, upper] : parts)
+        solids.push_back({from, (to - from) / length, lower, upper, false, material});
+}
+
+void draw_solid(const ViewCamera& camera, const Solid& solid, LightPicture& picture) {
+    if (!solid.is_ball) {
+        const Ring rings[] = {solid.from, solid.to};
+        return draw_rings(camera, solid, rings, picture);
+    }
     constexpr int steps = sides / 2;
+    const double radius = solid.from.radius;
     std::vector<Ring> rings;
     for (int k = 0; k <= steps; ++k) {
         const double angle = pi * k / steps;
         const double up = -cosine(angle), out = k == 0 || k == steps ? 0.0 : sine(angle);
         rings.push_back({radius * up, radius * out, up, out});
     }
-    draw_solid(camera, centre, {0, 1, 0}, rings, material, picture);
-}
-
-void draw_rod(const ViewCamera& camera, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
-              double radius_to, const Material& material, LightPicture& picture) {
-    const double length = glm::length(to - from);
-    if (!(length > 0)) return;
-    const Ring rings[] = {{0, radius_from, 0, 1}, {length, radius_to, 0, 1}};
-    draw_solid(camera, from, (to - from) / length, rings, material, picture);
-}
-
-void draw_arrow(const ViewCamera& camera, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
-                const Material& material, LightPicture& picture) {
-    const double length = glm::length(to - from);
-    if (!(length > 0)) return;
-    const double head = std::min(7.0 * shaft_radius, 0.6 * length), neck = length - head;
-    const double head_radius = head * (2.6 / 7.0), slope = head_radius / head;
-    const Ring shaft[] = {{0, shaft_radius, 0, 1}, {neck, shaft_radius, 0, 1}};
-    const Ring collar[] = {{neck, 0, -1, 0}, {neck, head_radius, -1, 0}};
-    const Ring cone[] = {{neck, head_radius, slope, 1}, {length, 0, slope, 1}};
-    const glm::dvec3 along = (to - from) / length;
-    for (const auto& part :
-         {std::span<const Ring>(shaft), std::span<const Ring>(collar), std::span<const Ring>(cone)})
-        draw_solid(camera, from, along, part, material, picture);
+    draw_rings(camera, solid, rings, picture);
 }
 
 }  // namespace touchable

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
-#include <span>
+#include <vector>
 
 #include "player/view/light_picture.hpp"
 #include "player/view/view_camera.hpp"
@@ -21,20 +21,27 @@ struct Material {
     float opacity = 1;  ///< below 1: seen through, and behind other things too, more faintly; leaves z alone
 };
 
-/// Draws what the outline `rings` sweeps round the axis from `foot` towards `along` (a unit vector), world,
-/// scene units. Smoothly lit; opaque solids hide and are hidden by z.
-void draw_solid(const ViewCamera& camera, const glm::dvec3& foot, const glm::dvec3& along,
-                std::span<const Ring> rings, const Material& material, LightPicture& picture);
+/// A ball, or the mantle of a frustum: what an outline of two rings sweeps round its axis. World, scene
+/// units.
+struct Solid {
+    glm::dvec3 foot{0.0};           ///< of a ball: its centre
+    glm::dvec3 along{0.0, 1, 0.0};  ///< the axis, a unit vector
+    Ring from{}, to{};              ///< of a ball its radius stands in `from`, and no more
+    bool is_ball = false;
+    Material material;
+};
 
-void draw_sphere(const ViewCamera& camera, const glm::dvec3& centre, double radius, const Material& material,
-                 LightPicture& picture);
+void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radius, const Material& material);
 
 /// From `from` to `to`, a radius at either end; nothing where they are one point.
-void draw_rod(const ViewCamera& camera, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
-              double radius_to, const Material& material, LightPicture& picture);
+void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
+             double radius_to, const Material& material);
 
 /// Shaft and head from `from` to `to`; the head is shorter where the arrow is.
-void draw_arrow(const ViewCamera& camera, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
-                const Material& material, LightPicture& picture);
+void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double shaft_radius,
+               const Material& material);
+
+/// Smoothly lit; opaque solids hide and are hidden by z.
+void draw_solid(const ViewCamera& camera, const Solid& solid, LightPicture& picture);
 
 }  // namespace touchable

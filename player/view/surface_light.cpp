@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
 #include "shaders/cut_rule.h"
+#include "shaders/surface_light.h"
 
 namespace touchable {
 namespace {
-
-// Directions to the lights, world axes: one that models, one that keeps shadows from being black.
-const glm::dvec3 key_light = glm::normalize(glm::dvec3(-0.55, 0.65, 0.55));
-const glm::dvec3 fill_light = glm::normalize(glm::dvec3(0.7, -0.1, 0.5));
 
 /// Sums of the normals of the triangles at each vertex, as long as those are large. Cut triangles have none.
 std::vector<glm::vec3> vertex_normals(const Camera& camera, const ViewSurface& surface) {
@@ -60,19 +58,22 @@ void smooth(const ViewSurface& surface, std::vector<glm::vec3>& normals) {
         box_sum(surface.height, reach, [&](int y) -> glm::vec3& { return normals[surface.index(x, y)]; });
 }
 
-/// Light on a surface of a normal, 0 to about 1.
-double light_on(const glm::dvec3& normal) {
-    const double sky = 0.5 + 0.5 * normal.y;
-    return 0.22 + 0.16 * sky + 0.55 * std::max(0.0, glm::dot(normal, key_light)) +
-           0.12 * std::max(0.0, glm::dot(normal, fill_light));
+PackedColour packed(const glm::vec3& colour) {
+    const glm::uvec3 byte(colour + 0.5F);
+    return pack_colour(byte.r, byte.g, byte.b);
 }
 
-/// q that 4 % and 96 % of the valid pixels do not exceed.
-std::array<float, 2> usual_q(const std::vector<float>& q) {
+}  // namespace
+
+UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& q_at) {
+    // Thousands of vertices tell as well as all, and the same ones every time: what stands still keeps its
+    // shade.
+    constexpr double enough = 8192;
+    const int step = 1 + static_cast<int>(std::sqrt(static_cast<double>(width) * height / enough));
     std::vector<float> valid;
-    const std::size_t step = 1 + q.size() / 100'000;
-    for (std::size_t k = 0; k < q.size(); k += step)
-        if (q[k] > 0) valid.push_back(q[k]);
+    for (int y = 0; y < height; y += step)
+        for (int x = 0; x < width; x += step)
+            if (const float q = q_at(x, y); q > 0) valid.push_back(q);
     if (valid.empty()) return {0, 1};
     auto quantile = [&valid](std::size_t percent) {
         const auto at = valid.begin() + static_cast<std::ptrdiff_t>((valid.size() - 1) * percent / 100);
@@ -82,20 +83,13 @@ std::array<float, 2> usual_q(const std::vector<float>& q) {
     return {quantile(4), quantile(96)};
 }
 
-PackedColour packed(const glm::dvec3& colour) {
-    const glm::uvec3 byte(glm::clamp(colour, 0.0, 255.0) + 0.5);
-    return pack_colour(byte.r, byte.g, byte.b);
-}
-
-}  // namespace
-
 std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
                                       const PlaneView& colour) {
     std::vector<glm::vec3> normals = vertex_normals(camera, surface);
     smooth(surface, normals);
-    const auto [farthest_q, nearest_q] = usual_q(surface.q);
-    const double q_range = std::max(static_cast<double>(nearest_q - farthest_q), 1e-30);
-    constexpr glm::dvec3 near_clay(246, 214, 178), far_clay(120, 148, 182);
+    const auto [farthest_q, nearest_q] =
+        usual_q(surface.width, surface.height, [&](int x, int y) { return surface.q[surface.index(x, y)]; });
+    const float q_range = std::max(nearest_q - farthest_q, 1e-30F);
 
     std::vector<PackedColour> colours;
     colours.reserve(surface.q.size());
@@ -104,15 +98,13 @@ std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& s
             const std::size_t at = surface.index(x, y);
             const double length = glm::length(glm::dvec3(normals[at]));
             const glm::dvec3 normal = length > 0 ? glm::dvec3(normals[at]) / length : glm::dvec3(0, 0, 1);
-            const double light = light_on(normal);
+            const float light = light_on(glm::vec3(normal));
             if (!colour.empty()) {
                 const std::uint8_t* rgb = colour.row(y) + std::ptrdiff_t{3} * x;
-                colours.push_back(packed(glm::dvec3(rgb[0], rgb[1], rgb[2]) * (0.45 + 0.7 * light)));
+                colours.push_back(packed(lit_colour(glm::vec3(rgb[0], rgb[1], rgb[2]), light)));
                 continue;
             }
-            const double nearness =
-                std::clamp((static_cast<double>(surface.q[at]) - farthest_q) / q_range, 0.0, 1.0);
-            colours.push_back(packed(glm::mix(far_clay, near_clay, nearness) * (0.12 + 1.0 * light)));
+            colours.push_back(packed(lit_clay((surface.q[at] - farthest_q) / q_range, light)));
         }
     return colours;
 }

@@ -35,19 +35,6 @@ std::size_t whole(int count, int size) {
     return static_cast<std::size_t>((count + size - 1) / size);
 }
 
-/// Rows of 16 bits a pixel, each from a whole texel on.
-Result<GpuBuffer> uploaded_rows(const GpuDevice& device, const char* name, const std::uint16_t* values,
-                                int width, int height) {
-    const std::size_t pitch = 8 * whole(width, 8), columns = static_cast<std::size_t>(width);
-    const auto rows = static_cast<std::size_t>(height);
-    auto buffer = GpuBuffer::create(device, name, 2 * pitch * rows,
-                                    device.facts().unified_memory ? GpuMemory::shared : GpuMemory::upload);
-    if (!buffer.ok()) return buffer;
-    std::uint16_t* to = buffer->mapped<std::uint16_t>().data();
-    for (std::size_t y = 0; y < rows; ++y) std::memcpy(to + y * pitch, values + y * columns, 2 * columns);
-    return buffer;
-}
-
 }  // namespace
 
 UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair) {
@@ -102,19 +89,29 @@ Result<GpuProgram> SurfaceUnproject::program_for(const Constants& constants) {
     return made;
 }
 
-Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame& frame) const {
+/// Rows of 16 bits a pixel, each from a whole texel on.
+Result<GpuBuffer> SurfaceUnproject::uploaded_rows(const char* name, const std::uint16_t* values, int width,
+                                                  int height) {
+    const std::size_t pitch = 8 * whole(width, 8), columns = static_cast<std::size_t>(width);
+    const auto rows = static_cast<std::size_t>(height);
+    auto buffer = uploads_.take(name, 2 * pitch * rows);
+    if (!buffer.ok()) return buffer;
+    std::uint16_t* to = buffer->mapped<std::uint16_t>().data();
+    for (std::size_t y = 0; y < rows; ++y) std::memcpy(to + y * pitch, values + y * columns, 2 * columns);
+    return buffer;
+}
+
+Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame& frame) {
     Planes planes;
     const auto* built = dynamic_cast<const VulkanVertices*>(frame.vertices.get());
     if (built != nullptr && built->is_on(*device_)) {
         planes.codes = built->codes.gpu;
         planes.validity = built->validity.gpu;
     } else {
-        auto codes = uploaded_rows(*device_, "view codes", frame.codes.data(), frame.width, frame.height);
+        auto codes = uploaded_rows("view codes", frame.codes.data(), frame.width, frame.height);
         if (!codes.ok()) return codes.error();
         const std::size_t bytes = frame.validity.size() * sizeof(std::uint32_t);
-        auto validity =
-            GpuBuffer::create(*device_, "view validity", bytes,
-                              device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload);
+        auto validity = uploads_.take("view validity", bytes);
         if (!validity.ok()) return validity.error();
         std::memcpy(validity->mapped<std::uint32_t>().data(), frame.validity.data(), bytes);
         planes.codes = *codes;
@@ -122,7 +119,7 @@ Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame&
     }
     planes.heights = planes.codes;
     if (frame.heights.empty()) return planes;
-    auto heights = uploaded_rows(*device_, "view heights", frame.heights.data(), frame.width, frame.height);
+    auto heights = uploaded_rows("view heights", frame.heights.data(), frame.width, frame.height);
     if (!heights.ok()) return heights.error();
     planes.heights = *heights;
     return planes;

@@ -9,6 +9,7 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_program.hpp"
 #include "haptics_cpu/height_field.hpp"
+#include "player/view/upload_pool.hpp"
 #include "shaders/unproject.h"
 
 namespace touchable {
@@ -26,7 +27,7 @@ UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair);
 /// is taken off.
 class SurfaceUnproject {
 public:
-    explicit SurfaceUnproject(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+    explicit SurfaceUnproject(std::shared_ptr<GpuDevice> device) : device_(device), uploads_(device) {}
 
     /// Whether the frames behind a field have codes to begin with; lazy and exact ones have not.
     static bool has_codes(const HeightField& field, const FramePair& pair);
@@ -44,10 +45,12 @@ private:
     struct Planes {
         GpuBuffer codes, validity, heights;  // heights: any buffer where the frame has none
     };
-    Result<Planes> planes_of(const SurfaceFrame& frame) const;
+    Result<Planes> planes_of(const SurfaceFrame& frame);
+    Result<GpuBuffer> uploaded_rows(const char* name, const std::uint16_t* values, int width, int height);
     Result<GpuProgram> program_for(const Constants& constants);
 
     std::shared_ptr<GpuDevice> device_;
+    UploadPool uploads_;
     std::map<Constants, GpuProgram> programs_;  // made when first needed
 };
 

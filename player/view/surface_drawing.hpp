@@ -1,0 +1,75 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "player/view/finger_drawing.hpp"
+#include "player/view/gpu_lattice.hpp"
+#include "player/view/mesh_pipeline.hpp"
+#include "player/view/surface_lighting.hpp"
+#include "player/view/surface_raster.hpp"
+
+namespace touchable {
+
+/// Draws a surface and the fingers on it picture after picture, on the device from codes to colours, into
+/// memory that stays: what a window shows. The same picture as `make_picture`'s of one sample a pixel, but
+/// that fingers have smooth edges.
+///
+/// Recorded calls are to be submitted in the order in which they were recorded. Not for two threads at once.
+class SurfaceDrawing {
+public:
+    /// painter: "raster", "mesh" or "auto", as in make_painter. Fails (ErrorKind::gpu) where the device can
+    /// do neither, or not what is asked for by name; ErrorKind::usage for another name.
+    static Result<std::unique_ptr<SurfaceDrawing>> create(std::shared_ptr<GpuDevice> device,
+                                                          std::string_view painter);
+
+    /// "raster" or "mesh".
+    std::string_view painter() const { return raster_ ? "raster" : "mesh"; }
+
+    /// From now on this surface is drawn: records what makes q, tiles and colours of the pair that `field` is
+    /// of. `colour`: RGB of 8 bits, of the field's size, or empty for light and depth alone. It is read at
+    /// once; the pair's frames stay until what is recorded has completed. Fails (ErrorKind::gpu) where the
+    /// surface is larger than a kernel may read.
+    Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
+                      const PlaneView& colour, Lighting lighting);
+
+    /// From now on there is no surface: background and fingers alone, as before the first `show`.
+    void show_nothing();
+
+    /// Records the drawing of surface, background and fingers into `target` (VK_FORMAT_R8G8B8A8_UNORM, of the
+    /// camera's size), all of which is written, and which is left in
+    /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. Whatever comes after it is to wait for that, as
+    /// record_transition does. Fails (ErrorKind::gpu) where the picture is too large for the painter on this
+    /// device.
+    Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,
+                      const MarkSizes& sizes, const GpuImage& target);
+
+private:
+    SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers);
+
+    Result<void> reserve(const ViewCamera& camera);
+    Result<void> reserve_pixels(const ViewCamera& camera);
+    Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
+    void record_surface(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+
+    std::shared_ptr<GpuDevice> device_;
+    std::optional<SurfaceRaster> raster_;
+    std::optional<MeshPipeline> mesh_;  // one of the two
+    GpuLattices lattices_;
+    SurfaceLighting lighting_;
+    FingerDrawing fingers_;
+    GraphicsProgram background_, pixels_to_picture_;
+
+    GpuLattice lattice_;
+    bool is_shown_ = false;
+    GpuBuffer pixels_, large_;            // of the raster
+    std::optional<glm::dmat4> rastered_;  // clip_from_lattice that the pixels are of
+    int rastered_width_ = 0, rastered_height_ = 0;
+    GpuBuffer rows_;  // background
+    int rows_height_ = 0;
+    GpuImage z_;
+};
+
+}  // namespace touchable

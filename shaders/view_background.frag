@@ -1,0 +1,16 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+// The picture where nothing is: a colour for each row.
+
+#include "shaders/view_screen.h"
+
+layout(set = 0, binding = SCREEN_BACKGROUND, std430) readonly buffer Background {
+    uint background[];
+};
+
+layout(location = 0) out vec4 drawn;
+
+void main() {
+    drawn = unpackUnorm4x8(background[uint(gl_FragCoord.y)]);
+}

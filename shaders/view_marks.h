@@ -1,0 +1,53 @@
+// What the shaders view_solid, view_thread and view_shadow and their caller agree on: fingers, as triangle
+// hardware draws them. Compiled as GLSL and as C++ (with GLM). World axes and scene units; colours are light.
+//
+// A solid is an instance of a pattern of rings: the half of a ball that faces the eye, or the mantle of a
+// frustum. A thread is an instance for each stretch between two points: a ribbon that faces the eye and looks
+// round. Solids and threads are half a pixel larger than they are, and fade over the outermost pixel, which
+// is what makes their edges smooth.
+#ifndef TOUCHABLE_SHADERS_VIEW_MARKS_H
+#define TOUCHABLE_SHADERS_VIEW_MARKS_H
+
+#ifdef __cplusplus
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+namespace touchable {
+using glm::mat4;
+using glm::vec4;
+using uint = unsigned int;
+#endif
+
+#define MARKS_SIDES 32       // of a ring
+#define MARKS_BALL_RINGS 6   // from the silhouette to the point nearest to the eye: 320 triangles
+#define MARKS_RING_CORNERS 33  // vertices: the last is the first again
+
+struct SolidRecord {
+    vec4 foot;   // of a ball its centre; w: radius at the first ring
+    vec4 along;  // unit, from the first ring to the second; w: radius at that
+    vec4 ends;   // height along that of either ring, normal along and away from it
+    vec4 light;  // w: opacity
+};
+
+struct ThreadRecord {
+    vec4 at;     // w: radius
+    vec4 light;  // w: 1 where a stretch leads here from the point before, else 0
+};
+
+struct ShadowRecord {
+    mat4 share_from_pixel;  // (x, y, z, 1) -> homogeneous, from the ball's centre in shares of its reach
+    vec4 bounds;            // clip space: least x and y, greatest x and y
+};
+
+struct MarksPush {
+    mat4 clip_from_world;
+    vec4 eye;        // w: pixels that a thing of its own distance's size has
+    uint is_ball;    // solids
+    uint is_behind;  // solids that are seen through: those parts of them that are behind something
+    uint is_veil;    // solids that are seen through
+};
+
+#ifdef __cplusplus
+}  // namespace touchable
+#endif
+
+#endif

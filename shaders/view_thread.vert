@@ -1,0 +1,49 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+// A corner of a stretch of thread.
+
+#include "shaders/view_marks.h"
+
+layout(push_constant, std430) uniform Push {
+    MarksPush push;
+};
+layout(set = 0, binding = 0, std430) readonly buffer Threads {
+    ThreadRecord points[];
+};
+
+layout(location = 0) out float across;  // -1 to 1
+layout(location = 1) out vec3 sideways;
+layout(location = 2) out vec3 to_eye;
+layout(location = 3) flat out vec3 light;
+layout(location = 4) out float pixels;  // radius
+
+bool is_joined(uint at) {
+    return points[at].light.w != 0.0f;
+}
+
+void main() {
+    const uint from = uint(gl_InstanceIndex), to = from + 1u;
+    const bool at_end = gl_VertexIndex == 1 || gl_VertexIndex == 3 || gl_VertexIndex == 4;
+    across = gl_VertexIndex == 0 || gl_VertexIndex == 1 || gl_VertexIndex == 3 ? -1.0f : 1.0f;
+    const uint at = at_end ? to : from;
+    light = points[to].light.rgb;
+    // Where two stretches meet they agree on a direction. The first point of all is joined to none, and after
+    // the last one is one more that is not.
+    const uint before = is_joined(at) ? at - 1u : at, after = is_joined(at + 1u) ? at + 1u : at;
+    const vec3 point = points[at].at.xyz;
+    const vec3 back = push.eye.xyz - point;
+    const float distance_to_eye = length(back);
+    to_eye = back / distance_to_eye;
+    const vec3 turned = cross(points[after].at.xyz - points[before].at.xyz, to_eye);
+    const bool is_drawn = is_joined(to) && dot(turned, turned) > 0.0f;
+    sideways = is_drawn ? normalize(turned) : vec3(1.0f, 0.0f, 0.0f);
+
+    const float pixel = distance_to_eye / push.eye.w;
+    const float radius = points[at].at.w + 0.5f * pixel;
+    pixels = radius / pixel;
+    vec4 clip = push.clip_from_world * vec4(point + across * radius * sideways, 1.0f);
+    // As near as the front of what is round.
+    clip.z *= clip.w / max(clip.w - points[at].at.w, 1e-3f * clip.w);
+    gl_Position = is_drawn ? clip : vec4(2.0f, 2.0f, 0.0f, 1.0f);
+}

@@ -1,0 +1,240 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "player/view/scene_picture.hpp"
+#include "player/view/surface_drawing.hpp"
+#include "tests/gpu/gpu_fixture.hpp"
+#include "tests/view/shown.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr const char* gpu_painters[] = {"raster", "mesh"};
+
+/// Five fingers on the globe: two touch, one of them from behind, and one leaves a thread.
+std::vector<FingerMark> fingers_on(const Subject& subject, double size) {
+    std::vector<FingerMark> fingers(5);
+    for (std::size_t k = 0; k < fingers.size(); ++k) {
+        FingerMark& finger = fingers[k];
+        finger.proxy = subject.points[subject.points.size() * (k + 1) / 6];
+        finger.goal = finger.proxy - glm::dvec3(0.4, 0.2, 1.5) * (2 * size);
+        finger.touching = k % 2 == 0;
+        finger.force = glm::dvec3(-0.4, 0.5, 1.2) * static_cast<double>(k);
+        for (int n = 0; k > 1 && n < 40; ++n)
+            finger.trail.push_back(finger.proxy +
+                                   glm::dvec3(-0.2 * (40 - n), 0.08 * n * (k - 2.5), 0.1) * size);
+    }
+    return fingers;
+}
+
+class Drawing : public GpuTest {
+protected:
+    Image picture_of(SurfaceDrawing& drawing, const ViewCamera& camera, std::span<const FingerMark> fingers,
+                     const MarkSizes& sizes, const GpuImage& target) {
+        auto commands = must(GpuCommands::begin(gpu, "picture"));
+        must(drawing.draw(commands, camera, fingers, sizes, target));
+        return read(std::move(commands), target);
+    }
+    Image read(GpuCommands commands, const GpuImage& target) {
+        record_transition(commands, target, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                          VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        const VkExtent2D extent = target.extent();
+        const std::size_t pixels = std::size_t{extent.width} * extent.height;
+        const auto back = must(GpuBuffer::create(*gpu, "back", 4 * pixels, GpuMemory::readback));
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageExtent = {extent.width, extent.height, 1};
+        vkCmdCopyImageToBuffer(commands.handle(), target.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                               back.handle(), 1, &region);
+        commands.keep(back.keep_alive());
+        must(must(std::move(commands).submit()).wait());
+        Image image{static_cast<int>(extent.width), static_cast<int>(extent.height), 1, 3, {}};
+        for (const PackedColour colour : back.mapped<PackedColour>().first(pixels))
+            for (const unsigned shift : {0U, 8U, 16U})
+                image.samples.push_back(static_cast<std::uint8_t>(colour >> shift));
+        return image;
+    }
+    GpuImage target_of(int width, int height) {
+        return must(GpuImage::create(*gpu, "target", width, height, VK_FORMAT_R8G8B8A8_UNORM));
+    }
+    void show(SurfaceDrawing& drawing, const HeightField& field, const FramePair& pair,
+              const PlaneView& colour, Lighting lighting = Lighting::lit) {
+        auto commands = must(GpuCommands::begin(gpu, "show"));
+        must(drawing.show(commands, field, pair, colour, lighting));
+        must(must(std::move(commands).submit()).wait());
+    }
+};
+
+/// The same by the CPU: painter, background and fingers, a sample a pixel.
+Image cpu_picture(const ViewSurface& surface, const ViewCamera& camera, std::span<const FingerMark> fingers,
+                  const MarkSizes& sizes) {
+    LightPicture picture = on_background(must(make_cpu_painter()->paint(surface, camera)));
+    draw_fingers(fingers, sizes, camera, picture);
+    return developed(picture, 1);
+}
+
+/// Pixels of which a channel differs by more than `most` of 255.
+std::size_t different(const Image& a, const Image& b, int most) {
+    EXPECT_EQ(a.samples.size(), b.samples.size());
+    std::size_t count = 0;
+    for (std::size_t k = 0; k + 2 < std::min(a.samples.size(), b.samples.size()); k += 3) {
+        int worst = 0;
+        for (std::size_t channel = k; channel < k + 3; ++channel)
+            worst = std::max(worst, std::abs(a.samples[channel] - b.samples[channel]));
+        count += worst > most;
+    }
+    return count;
+}
+
+TEST_F(Drawing, ShowsSurfaceAndBackgroundAsTheCpuDoes) {
+    const auto shown = shown_scene("globe", 203, 133);
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        EXPECT_EQ(drawing->painter(), painter);
+        const GpuImage target = target_of(300, 200);
+        for (const double blend : {0.0, 0.35})
+            for (const bool coloured : {true, false}) {
+                const HeightField field = shown->field(blend);
+                const PlaneView colour = coloured ? shown->raw_prev.colour : PlaneView{};
+                show(*drawing, field, shown->pair(blend), colour);
+                const ViewSurface surface = make_view_surface(field, colour);
+                for (const char* words : {"own", "orbit:az=25,el=10"}) {
+                    const ViewCamera camera =
+                        make_view(*parse_viewpoint(words), shown->scene, subject_of(field).middle, 300, 200);
+                    const Image expected = cpu_picture(surface, camera, {}, {});
+                    // Silhouettes, by the rounding of a projection; light by 2, and a rounding.
+                    EXPECT_LE(different(picture_of(*drawing, camera, {}, {}, target), expected, 3), 60U)
+                        << painter << ", " << words << ", " << blend;
+                }
+            }
+    }
+}
+
+TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const HeightField field = shown->field();
+    const Subject subject = subject_of(field);
+    const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
+    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
+    const auto fingers = fingers_on(subject, sizes.finger_radius);
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        show(*drawing, field, shown->pair(), shown->raw_prev.colour);
+        const GpuImage target = target_of(600, 400);
+        for (const char* words : {"own", "orbit:az=25,el=10", "orbit:az=-60,el=30,zoom=2"}) {
+            const ViewCamera camera =
+                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 600, 400);
+            const Image bare = cpu_picture(surface, camera, {}, {});
+            const Image expected = cpu_picture(surface, camera, fingers, sizes);
+            const Image drawn = picture_of(*drawing, camera, fingers, sizes, target);
+            const std::size_t marked = different(bare, expected, 3);
+            EXPECT_GT(marked, 3000U);
+            // Edges are smooth in one and not in the other, and threads are ribbons.
+            EXPECT_LE(different(drawn, expected, 12), marked / 8) << painter << ", " << words;
+        }
+    }
+}
+
+TEST_F(Drawing, RepeatsItself) {
+    const auto shown = shown_scene("globe", 96, 64);
+    const HeightField field = shown->field();
+    const Subject subject = subject_of(field);
+    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
+    const auto fingers = fingers_on(subject, sizes.finger_radius);
+    const ViewCamera camera =
+        make_view({false, 20, 8, 1, std::nullopt}, shown->scene, subject.middle, 240, 160);
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        const GpuImage target = target_of(240, 160);
+        // All of it in one submission, twice over: the second picture is of the second surface.
+        auto commands = must(GpuCommands::begin(gpu, "pictures"));
+        must(drawing->show(commands, field, shown->pair(), {}, Lighting::lit));
+        must(drawing->draw(commands, camera, {}, sizes, target));
+        must(drawing->show(commands, shown->field(0.5), shown->pair(0.5), shown->raw_prev.colour,
+                           Lighting::lit));
+        must(drawing->draw(commands, camera, {}, sizes, target));
+        must(drawing->draw(commands, camera, fingers, sizes, target));
+        const Image first = read(std::move(commands), target);
+        EXPECT_EQ(first.samples, picture_of(*drawing, camera, fingers, sizes, target).samples) << painter;
+        const Image bare = picture_of(*drawing, camera, {}, sizes, target);
+        EXPECT_GT(different(first, bare, 3), 100U);
+        // A finger that goes leaves nothing behind.
+        const ViewSurface surface = make_view_surface(shown->field(0.5), shown->raw_prev.colour);
+        EXPECT_LE(different(bare, cpu_picture(surface, camera, {}, {}), 3), 40U) << painter;
+    }
+}
+
+TEST_F(Drawing, GoesOnWithSurfacesAndPicturesOfOtherSizes) {
+    const auto large = shown_scene("globe", 150, 100), small = shown_scene("step", 60, 40);
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        int height = 90;
+        for (const auto* shown : {small.get(), large.get(), small.get()}) {
+            const HeightField field = shown->field();
+            show(*drawing, field, shown->pair(), {});
+            height += 50;
+            const ViewCamera camera = make_view({false, 15, 5, 1, std::nullopt}, shown->scene,
+                                                subject_of(field).middle, 210, height % 140 + 20);
+            const GpuImage target = target_of(camera.width, camera.height);
+            const Image expected = cpu_picture(make_view_surface(field, {}), camera, {}, {});
+            EXPECT_LE(different(picture_of(*drawing, camera, {}, {}, target), expected, 3), 60U) << painter;
+        }
+    }
+}
+
+TEST_F(Drawing, OfNothingIsBackgroundAndFingers) {
+    auto shown = shown_scene("globe", 96, 64);
+    const Subject subject = subject_of(shown->field());
+    shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, std::vector<double>(96 * 64, NAN));
+    shown->prev.codes.clear();
+    const HeightField field = shown->field();
+    const ViewCamera camera = own_view(shown->scene, 192, 128, 1);
+    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
+    const auto fingers = fingers_on(subject, sizes.finger_radius);
+    const ViewSurface empty = make_view_surface(field, {});
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        const GpuImage target = target_of(192, 128);
+        const Image expected = cpu_picture(empty, camera, {}, {});
+        EXPECT_EQ(picture_of(*drawing, camera, {}, sizes, target).samples, expected.samples) << painter;
+        show(*drawing, field, shown->pair(), {});
+        EXPECT_EQ(picture_of(*drawing, camera, {}, sizes, target).samples, expected.samples) << painter;
+        EXPECT_GT(different(picture_of(*drawing, camera, fingers, sizes, target), expected, 20), 100U);
+        show(*drawing, shown_scene("globe", 96, 64)->field(), shown->pair(), {});
+        drawing->show_nothing();
+        EXPECT_EQ(picture_of(*drawing, camera, {}, sizes, target).samples, expected.samples) << painter;
+    }
+}
+
+TEST_F(Drawing, MapsKeepTheirColours) {
+    const auto shown = shown_scene("plane", 96, 64);
+    const std::vector<std::uint8_t> bytes(96 * 64 * 3, 77);
+    const PlaneView map{bytes.data(), 96 * 3, 96, 64, 1, 3};
+    for (const char* painter : gpu_painters) {
+        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        show(*drawing, shown->field(), shown->pair(), map, Lighting::plain);
+        const Image drawn =
+            picture_of(*drawing, own_view(shown->scene, 96, 64, 1), {}, {}, target_of(96, 64));
+        EXPECT_GT(std::count(drawn.samples.begin(), drawn.samples.end(), 77), 90 * 60 * 3) << painter;
+    }
+}
+
+TEST_F(Drawing, TellsWhatCannotBe) {
+    const auto named = SurfaceDrawing::create(gpu, "cpu");
+    ASSERT_FALSE(named.ok());
+    EXPECT_EQ(named.error().kind, ErrorKind::usage);
+    const auto drawing = must(SurfaceDrawing::create(gpu, "auto"));
+    const auto shown = shown_scene("plane", 32, 32);
+    auto commands = must(GpuCommands::begin(gpu, "wrong"));
+    const auto wrong = drawing->draw(commands, own_view(shown->scene, 32, 32, 1), {}, {}, target_of(32, 31));
+    ASSERT_FALSE(wrong.ok());
+    EXPECT_EQ(wrong.error().kind, ErrorKind::internal);
+}
+
+}  // namespace
+}  // namespace touchable::test
