@@ -1,0 +1,47 @@
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <utility>
+
+#include "player/window/window_command.hpp"
+
+namespace touchable::test {
+namespace {
+
+TEST(WindowCommand, EveryKeyDoesOneThing) {
+    std::set<std::pair<std::string, bool>> keys;
+    bool first = true;
+    for (const KeyBinding& binding : key_bindings()) {
+        EXPECT_TRUE(keys.insert({binding.key, binding.shift}).second) << binding.key;
+        if (first) EXPECT_NE(binding.what, nullptr) << "nothing is above it";
+        first = false;
+    }
+}
+
+TEST(WindowCommand, IsReadWithItsNumber) {
+    const auto seek = parse_window_command("seek 1.5");
+    ASSERT_TRUE(seek.ok());
+    EXPECT_EQ(seek->verb, WindowVerb::seek_to);
+    EXPECT_EQ(seek->number, 1.5);
+    const auto overlay = parse_window_command("overlay dynamic-friction");
+    ASSERT_TRUE(overlay.ok());
+    EXPECT_EQ(overlay->word, "dynamic-friction");
+    const auto next = parse_window_command("overlay");
+    ASSERT_TRUE(next.ok());
+    EXPECT_EQ(next->word, "");
+}
+
+TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
+    for (const char* words : {"jump 3", "", "seek", "seek x", "seek nan", "seek -1", "speed 5", "step 2",
+                              "fingers 6", "home 3", "open", "deeper 1 2"}) {
+        const auto read = parse_window_command(words);
+        ASSERT_FALSE(read.ok()) << words;
+        EXPECT_EQ(read.error().kind, ErrorKind::usage);
+    }
+    EXPECT_NE(parse_window_command("jump 3").error().message.find("seek"), std::string::npos);
+    EXPECT_NE(parse_window_command("speed 5").error().message.find("0.1 to 4"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test

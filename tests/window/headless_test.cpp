@@ -1,0 +1,127 @@
+// The window without a window: what it shows, and what is felt in it, by the program as a person starts it.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "engine/media/image_file.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// A small globe, once for all tests of this program.
+const std::filesystem::path& globe() {
+    static const TemporaryFolder folder;
+    static const std::filesystem::path clip = [] {
+        const auto made = run_touchable(
+            {"make", "globe", (folder / "globe.mkv").string(), "--size", "160x120", "--frames", "30"});
+        EXPECT_EQ(made.code, 0) << made.err;
+        return folder / "globe.mkv";
+    }();
+    return clip;
+}
+
+struct Shot {
+    Outcome outcome;
+    Image image;
+};
+
+/// What the window shows `seconds` after it opened, once `script` has been done to it.
+Shot shot_of(const std::string& script, const std::string& seconds, std::vector<std::string> more = {}) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "script") << script;
+    std::vector<std::string> words{"play",
+                                   globe().string(),
+                                   "--headless",
+                                   "--size",
+                                   "320x240",
+                                   "--script",
+                                   (folder / "script").string(),
+                                   "--screenshot",
+                                   (folder / "shot.png").string(),
+                                   "--at",
+                                   seconds};
+    words.insert(words.end(), more.begin(), more.end());
+    Shot shot{run_touchable(words), {}};
+    EXPECT_EQ(shot.outcome.code, 0) << shot.outcome.err;
+    const auto image = read_image(folder / "shot.png");
+    EXPECT_TRUE(image.ok());
+    if (image.ok()) shot.image = *image;
+    return shot;
+}
+
+/// How many pixels of a part differ by more than 24 of 255 in a channel.
+int differences(const Image& a, const Image& b, int x0, int y0, int x1, int y1) {
+    if (a.width != b.width || a.height != b.height) return -1;
+    int count = 0;
+    for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x)
+            for (int c = 0; c < 3; ++c) {
+                const auto at = static_cast<std::size_t>((y * a.width + x) * 3 + c);
+                if (std::abs(a.samples[at] - b.samples[at]) <= 24) continue;
+                ++count;
+                break;
+            }
+    return count;
+}
+
+TEST(HeadlessWindow, ShowsAFingerWhereThePointerPresses) {
+    const Shot without = shot_of("0 play-pause\n", "0.8");
+    const Shot with = shot_of("0 play-pause\n0 move 160 110\n0.1 press left\n", "0.8");
+    ASSERT_EQ(with.image.width, 320);
+    ASSERT_EQ(with.image.height, 240);
+    // Apart from the words in the corners and the bar below: round the pointer a finger with its arrow,
+    // beside it none.
+    EXPECT_GT(differences(without.image, with.image, 140, 90, 180, 130), 60);
+    EXPECT_EQ(differences(without.image, with.image, 220, 20, 310, 80), 0);
+    EXPECT_NE(with.outcome.out.find("pictures"), std::string::npos) << with.outcome.out;
+}
+
+TEST(HeadlessWindow, OverlayColoursTheSurface) {
+    const Shot colour = shot_of("0 play-pause\n", "0.5");
+    const Shot depth = shot_of("0 play-pause\n0 overlay depth\n", "0.5");
+    EXPECT_GT(differences(colour.image, depth.image, 120, 80, 200, 160), 3000);
+}
+
+TEST(HeadlessWindow, TouchThatIsRecordedRepeatsToTheBitWithoutIt) {
+    const TemporaryFolder folder;
+    const std::string record = (folder / "hand.touch").string();
+    shot_of(
+        "0 move 150 110\n0.1 press left\n0.3 move 170 115\n0.4 key space\n0.5 move 160 120\n0.6 seek "
+        "0.2\n0.7 speed 2\n"
+        "0.8 key space\n0.9 wheel 2\n1.0 key .\n1.1 key 3\n1.2 loop\n",
+        "1.4", {"--record", record});
+    const auto again = run_touchable({"touch", "--replay", record, "--json", "-"});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_NE(again.err.find("every force is the same"), std::string::npos) << again.err;
+    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+}
+
+TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {
+    const Shot shot = shot_of("0 play-pause\n0.1 drop nowhere.mkv\n0.2 move 160 110\n", "0.7");
+    const Shot without = shot_of("0 play-pause\n0.2 move 160 110\n", "0.7");
+    EXPECT_GT(differences(shot.image, without.image, 60, 0, 260, 60), 100) << "no message";
+    EXPECT_EQ(differences(shot.image, without.image, 220, 100, 310, 160), 0);
+}
+
+TEST(HeadlessWindow, IsRefusedWhereItCouldNotEnd) {
+    const auto endless = run_touchable({"play", globe().string(), "--headless"});
+    EXPECT_EQ(endless.code, 2);
+    EXPECT_TRUE(endless.one_line_of_error()) << endless.err;
+    const auto none = run_touchable({"play", "nowhere.mkv", "--headless", "--seconds", "1"});
+    EXPECT_EQ(none.code, 3);
+    EXPECT_TRUE(none.one_line_of_error()) << none.err;
+}
+
+TEST(HeadlessWindow, ClipAloneIsPlayed) {
+    const auto played =
+        run_touchable({globe().string(), "--headless", "--seconds", "0.3", "--size", "320x240"});
+    EXPECT_EQ(played.code, 0) << played.err;
+    EXPECT_NE(played.out.find("pictures"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test

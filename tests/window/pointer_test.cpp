@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "player/view/surface_pick.hpp"
+#include "player/window/pointer_input.hpp"
+#include "tests/view/shown.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// A pointer over a globe, and its fingers after a second.
+class Pointer : public ::testing::Test {
+protected:
+    void SetUp() override {
+        shown_ = shown_scene("globe", 160, 120);
+        workspace_ = {0.0002, {0, 0, -600}};
+        device_.emplace(PointerFingers::most, workspace_.to_device({0, 0, 0}));
+        ASSERT_TRUE(device_->open().ok());
+        fingers_.emplace(*device_, workspace_);
+        view_.emplace(shown_->scene, glm::dvec3(0, 0, -600));
+    }
+    void put(double x, double y) { input_.take({.x = x, .y = y}, *fingers_, *view_, 240); }
+    /// World.
+    std::array<glm::dvec3, PointerFingers::most> after_a_second() {
+        std::array<glm::dvec3, PointerFingers::most> places{};
+        fingers_->intend(field(), camera());
+        for (int tick = 0; tick < 1000; ++tick) EXPECT_TRUE(device_->read_positions(places));
+        for (auto& place : places) place = workspace_.to_scene(place);
+        return places;
+    }
+    HeightField field() { return shown_->field(); }
+    ViewCamera camera() { return view_->camera(320, 240); }
+
+    std::unique_ptr<Shown> shown_;
+    Workspace workspace_;
+    std::optional<PointerDevice> device_;
+    std::optional<PointerFingers> fingers_;
+    std::optional<WindowView> view_;
+    PointerInput input_;
+};
+
+TEST_F(Pointer, FingerHoversBeforeWhatIsSeenThere) {
+    put(160, 120);
+    const auto met = pick(field(), camera(), 160, 120);
+    ASSERT_TRUE(met && met->drawn);
+    const glm::dvec3 wanted =
+        met->point + met->direction * (PointerFingers::hover_m / workspace_.metres_per_scene_unit);
+    EXPECT_LT(glm::length(after_a_second()[0] - wanted), 0.01);
+}
+
+TEST_F(Pointer, ButtonPressesAndLettingGoLiftsAgain) {
+    put(160, 120);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 240);
+    EXPECT_EQ(fingers_->depth_m(), PointerFingers::press_m);
+    const auto met = pick(field(), camera(), 160, 120);
+    const double depth = glm::dot(after_a_second()[0] - met->point, met->direction);
+    EXPECT_NEAR(depth, PointerFingers::press_m / workspace_.metres_per_scene_unit, 0.01);
+    input_.take({.kind = InputEvent::Kind::released, .word = "left"}, *fingers_, *view_, 240);
+    EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m);
+}
+
+TEST_F(Pointer, WheelDeepensWithinLimits) {
+    for (int notch = 0; notch < 100; ++notch)
+        input_.take({.kind = InputEvent::Kind::wheel, .y = 1}, *fingers_, *view_, 240);
+    EXPECT_EQ(fingers_->depth_m(), PointerFingers::deepest_m);
+    for (int notch = 0; notch < 100; ++notch)
+        input_.take({.kind = InputEvent::Kind::wheel, .y = -1}, *fingers_, *view_, 240);
+    EXPECT_EQ(fingers_->depth_m(), PointerFingers::highest_m);
+}
+
+TEST_F(Pointer, SeveralFingersStandRoundIt) {
+    put(160, 120);
+    fingers_->set_count(3);
+    after_a_second();  // from the first look on it is known how far away they are
+    const auto places = after_a_second();
+    for (int k = 0; k < 3; ++k) {
+        const auto seen = camera().project(places[static_cast<std::size_t>(k)]);
+        ASSERT_TRUE(seen);
+        const double from_pointer = std::hypot(seen->x - 160, seen->y - 120);
+        EXPECT_GT(from_pointer, 5);
+        EXPECT_LT(from_pointer, 60);
+    }
+    EXPECT_LT(glm::length(places[3]), 1e-6) << "a finger that is not there is at the clip's camera";
+}
+
+TEST_F(Pointer, LeavesWithTheWindow) {
+    put(160, 120);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 240);
+    after_a_second();
+    input_.take({.kind = InputEvent::Kind::left_window}, *fingers_, *view_, 240);
+    EXPECT_LT(glm::length(after_a_second()[0]), 1e-6);
+    EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m) << "nothing is held any more";
+}
+
+TEST_F(Pointer, MiddleButtonTurnsTheViewAndLeavesTheFinger) {
+    put(160, 120);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "middle"}, *fingers_, *view_, 240);
+    put(190, 120);
+    EXPECT_FALSE(view_->own());
+    EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
+    input_.take({.kind = InputEvent::Kind::released, .word = "middle"}, *fingers_, *view_, 240);
+    put(160, 120);
+    EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,87 @@
+// A window on a display, with keys and a mouse as a person has them.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "engine/media/image_file.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Runs `actions` (of bash, with xdotool) while `program` with `words` has a window on a display of its own,
+/// and gives the program's exit code.
+int with_display(const TemporaryFolder& folder, const std::string& words, const std::string& actions) {
+    std::ofstream(folder / "run.sh") << R"(
+cd "$1"
+Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>display 2>xvfb.log & server=$!
+trap 'kill $server 2>/dev/null' EXIT
+for k in $(seq 100); do [[ -s display ]] && break; sleep 0.1; done
+[[ -s display ]] || exit 99
+export DISPLAY=:$(cat display)
+")" << TOUCHABLE_PROGRAM << "\" " << words
+                                     << R"( >out 2>err & program=$!
+timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
+xdotool windowmove $(head -1 window) 0 0
+)" << actions << R"(
+wait $program
+)";
+    const int status =
+        std::system(("bash '" + (folder / "run.sh").string() + "' '" + folder.path().string() + "'").c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+bool has_display_programs() {
+    return std::system("command -v Xvfb xdotool >/dev/null") == 0;
+}
+
+TEST(RealWindow, IsTouchedByMouseAndKeysAndClosedByThem) {
+    if (!has_display_programs()) {
+        ASSERT_EQ(std::getenv("TOUCHABLE_REQUIRE_DATA"), nullptr) << "Xvfb and xdotool are not installed";
+        GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    }
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_touchable(
+                  {"make", "globe", (folder / "globe.mkv").string(), "--size", "160x120", "--frames", "30"})
+                  .code,
+              0);
+    const int code = with_display(folder, "play globe.mkv --size 640x400 --record hand.touch", R"(
+xdotool mousemove 320 180 sleep 0.3 mousedown 1 sleep 0.3 mousemove 340 190 sleep 0.3 key space sleep 0.2 key o sleep 0.2
+xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 360 sleep 0.4 key Tab sleep 0.3 key F12 sleep 0.3 key Escape
+)");
+    EXPECT_EQ(code, 0) << file_contents(folder / "err");
+    EXPECT_EQ(file_contents(folder / "err"), "");
+    EXPECT_NE(file_contents(folder / "out").find("input to picture"), std::string::npos);
+    const auto first = read_image(folder / "touchable-1.png"),
+               second = read_image(folder / "touchable-2.png");
+    ASSERT_TRUE(first.ok()) << first.error().message;
+    ASSERT_TRUE(second.ok()) << second.error().message;
+    EXPECT_EQ(first->width, 640);
+    EXPECT_EQ(first->height, 400);
+    EXPECT_EQ(second->width, 500);
+    EXPECT_EQ(second->height, 360);
+    const auto again = run_touchable({"touch", "--replay", (folder / "hand.touch").string(), "--json", "-"});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+}
+
+TEST(RealWindow, WithoutADisplayIsOneLineThatSaysWhatToDo) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "bumps", (folder / "b.mkv").string(), "--size", "64x48", "--frames", "2"})
+            .code,
+        0);
+    std::ofstream(folder / "run.sh") << "env -u DISPLAY -u WAYLAND_DISPLAY \"" << TOUCHABLE_PROGRAM
+                                     << "\" play '" << (folder / "b.mkv").string() << "' 2>'"
+                                     << (folder / "err").string() << "'\n";
+    const int status = std::system(("bash '" + (folder / "run.sh").string() + "'").c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 4);
+    const std::string err = file_contents(folder / "err");
+    EXPECT_NE(err.find("--headless"), std::string::npos) << err;
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+}
+
+}  // namespace
+}  // namespace touchable::test

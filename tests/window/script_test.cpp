@@ -1,0 +1,58 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "player/window/window_script.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+namespace {
+
+Result<std::vector<ScriptedInput>> read_words(const std::string& words) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "script") << words;
+    return read_window_script(folder / "script");
+}
+
+TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
+    const auto read = read_words(
+        "# what a visitor does\n\n0.5 move 10 20.5\n1 press left\r\n1 key f12\n  2 seek 0.25\n3 drop a "
+        "b.mkv\n");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->size(), 5U);
+    const auto& moved = std::get<InputEvent>((*read)[0].what);
+    EXPECT_EQ((*read)[0].seconds, 0.5);
+    EXPECT_EQ(moved.kind, InputEvent::Kind::moved);
+    EXPECT_EQ(moved.x, 10);
+    EXPECT_EQ(moved.y, 20.5);
+    EXPECT_EQ(std::get<InputEvent>((*read)[1].what).word, "left");
+    EXPECT_EQ(std::get<InputEvent>((*read)[2].what).word, "f12");
+    EXPECT_EQ(std::get<WindowCommand>((*read)[3].what).number, 0.25);
+    EXPECT_EQ(std::get<InputEvent>((*read)[4].what).word, "a b.mkv");
+}
+
+TEST(WindowScript, FaultIsNamedWithItsLine) {
+    const struct {
+        const char *words, *where, *what;
+    } faults[] = {{"0 move 1\n", "line 1", "two numbers"},
+                  {"0 move 1 2\nx key a\n", "line 2", "a time"},
+                  {"2 key a\n1 key b\n", "line 2", "before that of the line above"},
+                  {"0 press up\n", "line 1", "left, right or middle"},
+                  {"0 wheel\n", "line 1", "notches"},
+                  {"0 dance\n", "line 1", "no command"},
+                  {"nan key a\n", "line 1", "a time"},
+                  {"-1 key a\n", "line 1", "a time"},
+                  {"0 drop\n", "line 1", "a file or folder"}};
+    for (const auto& fault : faults) {
+        const auto read = read_words(fault.words);
+        ASSERT_FALSE(read.ok()) << fault.words;
+        EXPECT_EQ(read.error().kind, ErrorKind::input);
+        EXPECT_NE(read.error().message.find(fault.where), std::string::npos) << read.error().message;
+        EXPECT_NE(read.error().message.find(fault.what), std::string::npos) << read.error().message;
+    }
+    EXPECT_FALSE(read_window_script("nowhere/at/all").ok());
+}
+
+}  // namespace
+}  // namespace touchable::test
