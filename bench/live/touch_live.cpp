@@ -47,7 +47,9 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
     LateTicks ticks;
     TouchSink* const sinks[]{&touched, &ticks};
     HandPort hand(*s.hand);
-    LiveSession session(s.scene, *s.feed, *s.hand, hand, *s.solver, s.settings);
+    TouchSessionSettings settings = s.settings;
+    settings.ticks = s.ticks();
+    LiveSession session(s.scene, *s.feed, hand, *s.solver, settings);
     const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
     if (auto ran = session.run(sinks); !ran.ok()) return ran;
     const auto wall_ns = static_cast<double>(monotonic_ns() - wall);

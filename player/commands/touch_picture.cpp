@@ -49,7 +49,7 @@ Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_
 }  // namespace
 
 std::int64_t usual_picture_tick(const TouchSetup& setup) {
-    const auto known = setup.settings.ticks ? setup.settings.ticks : setup.hand->ticks();
+    const auto known = setup.ticks();
     if (known) return *known * 6 / 10;
     if (!setup.settings.playback.empty()) return shortest_run_ns / tick_ns * 6 / 10;
     const auto frames = setup.feed->reader().frame_count();

@@ -33,7 +33,8 @@ std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& f
         run > 1.02 * clip)
         notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
                         in_seconds(run));
-    for (const std::string& remark : setup.hand->remarks()) notes.push_back("hand: " + remark);
+    for (const std::string& remark : setup.hand ? setup.hand->remarks() : std::vector<std::string>())
+        notes.push_back("hand: " + remark);
     return notes;
 }
 

@@ -8,7 +8,7 @@
 #include "player/commands/builder_options.hpp"
 #include "player/commands/touch_outputs.hpp"
 #include "player/commands/touch_report.hpp"
-#include "player/session/device_port.hpp"
+#include "player/session/live_port.hpp"
 #include "player/session/live_session.hpp"
 #include "player/session/memory.hpp"
 #include "player/session/replay.hpp"
@@ -33,19 +33,14 @@ bool runs_live(const TouchSetup& setup, const TouchOptions& options) {
 }
 
 Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks) {
-    HandPort hand(*s.hand);
-    std::optional<SimulatedPort> device;
-    if (s.device) {
-        if (auto opened = s.device->open(); !opened.ok()) return opened.error();
-        device.emplace(*s.hand, *s.device, s.workspace);
-    }
-    HapticPort& port = device ? static_cast<HapticPort&>(*device) : hand;
-    LiveSession session(s.scene, *s.feed, *s.hand, port, *s.solver, s.settings);
+    auto port = open_port(s);
+    if (!port.ok()) return port.error();
+    TouchSessionSettings settings = s.settings;
+    settings.ticks = s.ticks();
+    LiveSession session(s.scene, *s.feed, **port, *s.solver, settings);
     if (auto ran = session.run(sinks); !ran.ok()) return ran.error();
     LiveFacts facts = session.facts();
-    // Why the device stopped, it knows best.
-    if (facts.loop.port_failed && s.device)
-        if (auto healthy = s.device->health(); !healthy.ok()) facts.failure = healthy.error();
+    explain_failure(s, facts);
     return facts;
 }
 

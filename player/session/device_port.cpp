@@ -9,6 +9,12 @@ bool HandPort::read_goals(std::int64_t tick, const HeightField& field, std::span
     return true;
 }
 
+bool DevicePort::read_goals(std::int64_t, const HeightField&, std::span<glm::dvec3> goals) {
+    if (!device_.read_positions(goals)) return false;
+    for (glm::dvec3& goal : goals) goal = workspace_.to_scene(goal);
+    return true;
+}
+
 SimulatedPort::SimulatedPort(Hand& hand, SimulatedDevice& device, const Workspace& workspace)
     : hand_(hand), device_(device), workspace_(workspace) {}
 

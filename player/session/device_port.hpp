@@ -20,6 +20,19 @@ private:
     Hand& hand_;
 };
 
+/// A device that a person holds: its handles are the fingers.
+class DevicePort final : public HapticPort {
+public:
+    /// The device outlives the port, and is open.
+    DevicePort(HapticDevice& device, const Workspace& workspace) : device_(device), workspace_(workspace) {}
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    bool write_forces(std::span<const glm::dvec3> newtons) override { return device_.write_forces(newtons); }
+
+private:
+    HapticDevice& device_;
+    Workspace workspace_;
+};
+
 /// A hand that holds a simulated device: the hand's goals are where it means the handles to be, the handles'
 /// places are the goals that are touched with, and their forces move them. At the first tick the handles are
 /// where they are meant to be. A tick that is skipped passes for the device all the same.

@@ -26,7 +26,9 @@ FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead,
       out_of_memory_(too_large(frames_in_words(feed.reader().scene()))),
       is_late_(std::move(is_late)),
       now_(std::move(now)),
-      ahead_(std::move(ahead)),
+      commands_may_come_(ahead.log().is_open()),
+      known_(std::move(ahead)),
+      ahead_(known_),
       coming_(ahead_.next_epoch()) {}
 
 Result<void> FeedThreads::start() {
@@ -74,75 +76,155 @@ void FeedThreads::fail(Error&& error) {
     changed_.notify_all();
 }
 
-/// To the epoch that is to come, if it is time; one that the hand has left behind by then is left out.
-Result<bool> FeedThreads::go_on(bool all_is_read) {
-    const std::uint64_t wanted = now_().epoch;
-    if (!coming_ || !(all_is_read || coming_->number <= wanted)) return false;
-    ComingEpoch next = *coming_;
-    for (coming_ = ahead_.next_epoch(); coming_ && coming_->number <= wanted; coming_ = ahead_.next_epoch())
-        next = *coming_;
-    if (auto there = feed_.read_from(next.number, next.start_ns); !there.ok()) return there.error();
-    return true;
-}
-
-/// False once the threads are to stop.
-bool FeedThreads::queue_up(FedFrame&& frame) {
-    std::unique_lock lock(mutex_);
-    // What waits here of a camera would only grow old.
-    const std::size_t room = feed_.reader().is_live() ? 1 : queue_length;
-    changed_.wait(lock, [&] { return stopping_ || queue_.size() < room; });
-    if (stopping_) return false;
-    queue_.push_back(std::move(frame));
+void FeedThreads::look_at_commands() {
+    {
+        const std::lock_guard lock(mutex_);  // nobody is between looking and falling asleep
+    }
     changed_.notify_all();
-    return true;
 }
 
 void FeedThreads::decode() {
-    bool all_is_read = false;
-    while (true) {
-        const auto gone_on = go_on(all_is_read);
-        if (!gone_on.ok()) return fail(Error(gone_on.error()));
-        if (all_is_read && !*gone_on) break;
-        MediaMoment now = now_();  // whose time may be of the next epoch already
-        if (coming_) now.time_ns = std::min(now.time_ns, coming_->left_ns);
-        if (auto caught_up = feed_.catch_up(now); !caught_up.ok()) return fail(Error(caught_up.error()));
-        auto frame = feed_.read_next();
-        if (!frame.ok() && frame.error().kind == ErrorKind::interrupted) return;
-        if (!frame.ok()) return fail(Error(frame.error()));
-        all_is_read = !*frame || (coming_ && (*frame)->raw.time_ns >= coming_->left_ns);
-        if (*frame && !queue_up(std::move(**frame))) return;
+    do {
+        auto read = read_on();
+        if (!read.ok() && read.error().kind == ErrorKind::interrupted) return;
+        if (!read.ok()) return fail(Error(read.error()));
+    } while (hand_over());
+}
+
+/// Reads what comes next, unless nothing is wanted, or what was read before still waits.
+Result<void> FeedThreads::read_on() {
+    const MediaMoment now = now_();  // first: the commands that led there are known then
+    if (auto followed = follow_commands(); !followed.ok()) return followed;
+    if (next_) return {};
+    if (auto gone_on = go_on(now.epoch); !gone_on.ok() || all_is_read_) return gone_on;
+    if (auto caught_up = feed_.catch_up(now); !caught_up.ok()) return caught_up;
+    auto frame = feed_.read_next();
+    if (!frame.ok()) return frame.error();
+    all_is_read_ = !*frame || (coming_ && (*frame)->raw.time_ns >= coming_->left_ns);
+    next_ = Queued{feed_.place(), std::move(*frame), all_is_read_};
+    return {};
+}
+
+/// Of what was taken to be coming some may never be, and of the hand's own epoch more may be wanted.
+Result<void> FeedThreads::follow_commands() {
+    if (!known_.has_news()) return {};
+    const std::size_t before = known_.known();
+    const MediaMoment hand = known_.at_newest_command();
+    bool elsewhere = false;
+    for (std::size_t k = before; k < known_.known(); ++k)
+        elsewhere = elsewhere || leads_elsewhere(known_.log()[k].verb);
+    const ReadPlace reading = feed_.place();
+    if (!reading.is_of(hand) && (reading.epoch <= hand.epoch || elsewhere))
+        if (auto there = go_to(hand); !there.ok()) return there;
+    all_is_read_ = false;
+    ahead_ = known_;
+    do coming_ = ahead_.next_epoch();
+    while (coming_ && coming_->number <= feed_.place().epoch);
+    return {};
+}
+
+/// To the hand's epoch, from one that it has left or will never come to.
+Result<void> FeedThreads::go_to(const MediaMoment& hand) {
+    next_.reset();
+    {
+        const std::lock_guard lock(mutex_);
+        std::erase_if(queue_, [&hand](const Queued& queued) { return queued.place.epoch > hand.epoch; });
     }
-    const std::lock_guard lock(mutex_);
-    decoded_all_ = true;
-    changed_.notify_all();
+    const auto left = std::find_if(left_.begin(), left_.end(),
+                                   [&hand](const ReadPlace& place) { return place.is_of(hand); });
+    auto there = left == left_.end() ? feed_.read_from(hand.epoch, hand.start_ns) : feed_.go_back(*left);
+    left_.clear();
+    return there;
+}
+
+/// To the epoch that is to come, if it is time; one that the hand has left behind by then is left out.
+Result<void> FeedThreads::go_on(std::uint64_t wanted) {
+    if (!coming_ || !(all_is_read_ || coming_->number <= wanted)) return {};
+    ComingEpoch next = *coming_;
+    for (coming_ = ahead_.next_epoch(); coming_ && coming_->number <= wanted; coming_ = ahead_.next_epoch())
+        next = *coming_;
+    std::erase_if(left_, [wanted](const ReadPlace& place) { return place.epoch < wanted; });
+    if (commands_may_come_) left_.push_back(feed_.place());
+    all_is_read_ = false;
+    return feed_.read_from(next.number, next.start_ns);
+}
+
+/// Gives the builder what was read once there is room, or waits for news. False once there is no more to do.
+bool FeedThreads::hand_over() {
+    std::unique_lock lock(mutex_);
+    // What waits here of a camera would only grow old.
+    const std::size_t room = feed_.reader().is_live() ? 1 : queue_length;
+    const auto has_room = [&] { return next_ && queue_.size() < room; };
+    decoded_all_ = !next_;
+    if (decoded_all_) changed_.notify_all();
+    if (decoded_all_ && !commands_may_come_) return false;
+    changed_.wait(lock, [&] { return stopping_ || known_.has_news() || has_room(); });
+    if (known_.has_news()) {
+        decoded_all_ = false;
+        end_.reset();
+    }
+    if (!stopping_ && has_room()) {
+        queue_.push_back(std::move(*next_));
+        next_.reset();
+        changed_.notify_all();
+    }
+    return !stopping_;
 }
 
 void FeedThreads::build() {
+    while (const auto next = wait_for_next()) {
+        if (next->frame && !publish(*next)) return;
+        if (next->ends_epoch) feed_.end_epoch(next->place.epoch);
+    }
+}
+
+/// Nothing once the threads are to stop, or all is built that will ever be.
+std::optional<FeedThreads::Queued> FeedThreads::wait_for_next() {
+    std::unique_lock lock(mutex_);
     while (true) {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [this] { return stopping_ || decoded_all_ || !queue_.empty(); });
-        if (stopping_) return;
+        changed_.wait(lock,
+                      [this] { return stopping_ || !queue_.empty() || (decoded_all_ && !end_.has_value()); });
+        if (stopping_) return std::nullopt;
         if (queue_.empty()) {
-            feed_.timeline().end_epoch();
             end_ = feed_.end();
-            return;
+            if (!commands_may_come_) return std::nullopt;
+            continue;
         }
-        const FedFrame frame = std::move(queue_.front());
+        const Turn turn = turn_of(queue_.front());
+        if (turn == Turn::early) {
+            changed_.wait_for(lock, slot_wait);
+            continue;
+        }
+        Queued next = std::move(queue_.front());
         queue_.pop_front();
         changed_.notify_all();
-        lock.unlock();
-        while (true) {
-            const auto published = feed_.publish(frame);
-            if (!published.ok()) return fail(Error(published.error()));
-            if (*published) {
-                late_frames_ += frame.shown && is_late_(frame.raw);
-                published_.fetch_add(frame.shown, std::memory_order_release);
-                break;
-            }
-            lock.lock();
-            if (changed_.wait_for(lock, slot_wait, [this] { return stopping_; })) return;
-            lock.unlock();
+        if (turn == Turn::due) return next;
+    }
+}
+
+/// What the hand has left for good is past; what it may never come to is early.
+FeedThreads::Turn FeedThreads::turn_of(const Queued& queued) const {
+    const MediaMoment now = now_();
+    if (queued.place.epoch > now.epoch) return commands_may_come_ ? Turn::early : Turn::due;
+    return queued.place.is_of(now) ? Turn::due : Turn::past;
+}
+
+/// False once the threads are to stop.
+bool FeedThreads::publish(const Queued& queued) {
+    while (true) {
+        const auto published = feed_.publish(*queued.frame);
+        if (!published.ok()) {
+            fail(Error(published.error()));
+            return false;
         }
+        if (*published) {
+            late_frames_ += queued.frame->shown && is_late_(queued.frame->raw);
+            published_.fetch_add(queued.frame->shown, std::memory_order_release);
+            return true;
+        }
+        std::unique_lock lock(mutex_);
+        if (changed_.wait_for(lock, slot_wait, [this] { return stopping_; })) return false;
+        if (turn_of(queued) == Turn::past) return true;
     }
 }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "player/session/feed_threads.hpp"
 #include "player/session/interrupt.hpp"
@@ -17,28 +18,12 @@ namespace {
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
-/// Which moment of the clip the hand is at, for the other threads. With the epoch that the hand has just left
-/// may come a time of the next one.
-class HandsMoment {
-public:
-    void set(const MediaMoment& moment) {
-        time_ns_.store(moment.time_ns, std::memory_order_relaxed);
-        epoch_.store(moment.epoch, std::memory_order_release);
-    }
-    std::uint64_t epoch() const { return epoch_.load(std::memory_order_acquire); }
-    std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }
-
-private:
-    std::atomic<std::uint64_t> epoch_{0};
-    std::atomic<std::int64_t> time_ns_{0};
-};
-
 /// Whether a frame that is there now was needed before: a held one from its own time on, one that the surface
 /// goes to (`linear`) as soon as it leaves the frame before.
-bool comes_late(const RawFrame& raw, const Scene& scene, const HandsMoment& now) {
-    if (raw.epoch != now.epoch()) return raw.epoch < now.epoch();
-    if (scene.interpolation == FrameInterpolation::hold) return now.time_ns() >= raw.time_ns;
-    return now.time_ns() > scene.rate.time_ns(raw.number - 1);
+bool comes_late(const RawFrame& raw, const Scene& scene, const MediaMoment& now) {
+    if (raw.epoch != now.epoch) return raw.epoch < now.epoch;
+    if (scene.interpolation == FrameInterpolation::hold) return now.time_ns >= raw.time_ns;
+    return now.time_ns > scene.rate.time_ns(raw.number - 1);
 }
 
 /// A live source's time begins with the hand's, so that no frame comes before it is taken.
@@ -51,29 +36,42 @@ Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads
 
 }  // namespace
 
-LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
-                         const TouchSolver& solver, const TouchSessionSettings& settings)
-    : scene_(scene), feed_(feed), hand_(hand), port_(port), solver_(solver), settings_(settings) {}
+LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
+                         const TouchSessionSettings& settings)
+    : LiveSession(scene, feed, port, solver, settings, std::make_shared<PlaybackLog>(settings.playback)) {}
+
+LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
+                         const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log)
+    : scene_(scene), feed_(feed), port_(port), solver_(solver), settings_(settings), log_(std::move(log)) {
+    board_.set(PlaybackClock(scene.rate, log_).state_at(0));
+}
+
+bool LiveSession::is_over(const HapticLoop& loop, const std::optional<MediaMoment>& end) const {
+    if (settings_.ticks) return loop.time_ns() >= (*settings_.ticks - 1) * tick_ns;
+    if (log_->is_open()) return false;
+    const std::size_t commands = log_->size();
+    if (commands > 0 && loop.time_ns() / tick_ns < (*log_)[commands - 1].tick) return false;
+    const MediaMoment now = board_.moment();
+    return end && now.epoch == end->epoch && now.time_ns + tick_ns >= end->time_ns &&
+           loop.time_ns() + tick_ns >= shortest_run_ns;
+}
 
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (interrupted()) return interrupted_error();
     TouchStep step(solver_, settings_.guard, settings_.fingers);
     TickLog log(log_ticks, settings_.fingers);
-    PlaybackClock clock(scene_.rate, settings_.playback);
-    HandsMoment now;
-    now.set(clock.at(0));
+    PlaybackClock clock(scene_.rate, log_);
+    clock.at(0);
     const bool live_source = feed_.reader().is_live();
     CameraFigures camera(feed_.frames());
     FeedThreads threads(
-        feed_, [&](const RawFrame& raw) { return !live_source && comes_late(raw, scene_, now); }, clock,
-        [&now] {
-            const std::uint64_t epoch = now.epoch();  // first: see HandsMoment
-            return MediaMoment{epoch, now.time_ns(), 0};
-        });
+        feed_, [&](const RawFrame& raw) { return !live_source && comes_late(raw, scene_, board_.moment()); },
+        clock, [this] { return board_.moment(); });
     HapticLoop loop(scene_, feed_.timeline(), step, port_, log, [&](std::int64_t tick) {
-        const MediaMoment moment = clock.at(tick);
-        now.set(moment);
-        return moment;
+        log_->take(tick);
+        const PlaybackState now = clock.state_at(tick);
+        board_.set(now);
+        return now.moment;
     });
 
     Result<void> taken;
@@ -88,42 +86,47 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         while (log.pop(give)) {
         }
     };
-    const auto is_over = [&] {
-        if (const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks())
-            return loop.time_ns() >= (*ticks - 1) * tick_ns;
-        const auto& playback = settings_.playback;
-        if (!playback.empty() && loop.time_ns() / tick_ns < playback.back().tick) return false;
-        const auto end = threads.end();
-        return end && now.epoch() == end->epoch && now.time_ns() + tick_ns >= end->time_ns &&
-               loop.time_ns() + tick_ns >= shortest_run_ns;
+    const auto is_asked_to_stop = [this] {
+        facts_.interrupted = interrupted();
+        return facts_.interrupted || stopping_.load(std::memory_order_relaxed);
     };
     if (!live_source) {
         if (auto begun = threads.start(); !begun.ok()) return begun;
         // The first frame after the pair at hand costs most, because memory is new: the hand begins once it
         // is there.
-        while (threads.published() == 0 && !threads.end() && !threads.error() && !interrupted())
+        while (threads.published() == 0 && !threads.end() && !threads.error() && !is_asked_to_stop())
             std::this_thread::sleep_for(sink_pause);
     }
     if (auto begun = loop.start(); !begun.ok()) return begun;
     if (live_source)
         if (auto begun = begin_source(loop, feed_, threads); !begun.ok()) return begun;
-    while (loop.running() && taken.ok() && !threads.error() && !is_over()) {
-        facts_.interrupted = interrupted();
-        if (facts_.interrupted) break;
+    std::size_t commands = log_->size();
+    while (loop.running() && taken.ok() && !threads.error() && !is_asked_to_stop()) {
+        const auto end = threads.end();
+        if (end) clip_end_ns_.store(end->time_ns, std::memory_order_relaxed);
+        if (is_over(loop, end)) break;
+        if (const std::size_t there = log_->size(); there > std::exchange(commands, there))
+            threads.look_at_commands();
         drain();
+        late_frames_.store(threads.late_frames(), std::memory_order_relaxed);
         if (live_source)
             line.show(camera.frames_shown(), "frames felt");
-        else
+        else if (!log_->is_open())  // whoever gives commands sees the picture
             line.show(threads.late_frames(), "frames late");
         std::this_thread::sleep_for(sink_pause);
     }
     loop.stop();
     threads.stop();
     drain();
-    facts_.loop = loop.facts();
     facts_.late_frames = threads.late_frames();
     if (live_source) facts_.camera = camera.facts();
     facts_.failure = threads.error();
+    return conclude(loop, taken);
+}
+
+/// How it went.
+Result<void> LiveSession::conclude(const HapticLoop& loop, const Result<void>& taken) {
+    facts_.loop = loop.facts();
     if (!facts_.failure && facts_.loop.port_failed)
         facts_.failure =
             Error{ErrorKind::device, "the device stopped answering in the middle of the session"};

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "haptics_cpu/haptic_loop.hpp"
 #include "player/session/camera_figures.hpp"
+#include "player/session/playback_board.hpp"
 #include "player/session/touch_session.hpp"
 
 namespace touchable {
@@ -25,23 +29,44 @@ struct LiveFacts {
 class LiveSession {
 public:
     /// All references outlive the session; `feed` has published its first frame. `port` is where goals come
-    /// from and forces go, `hand` says how long that lasts.
-    LiveSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, HapticPort& port,
-                const TouchSolver& solver, const TouchSessionSettings& settings);
+    /// from and forces go. It lasts `settings.ticks`, otherwise as long as the clip, 3 s at least.
+    LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
+                const TouchSessionSettings& settings);
+    /// Likewise, by a log of commands in place of the settings' own. One that is open, because somebody is
+    /// there to give commands, makes a session without an end of its own.
+    LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
+                const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log);
 
     /// To the end, or until the person asks to stop, which is how most sessions end, or until the device or
     /// the clip fails. What was touched until then counts: an error only where no tick was run by then, or
     /// where the sinks have not got all.
     Result<void> run(std::span<TouchSink* const> sinks);
+
+    // While it runs, any thread.
+    /// `run` returns soon.
+    void stop() { stopping_.store(true, std::memory_order_relaxed); }
+    /// What the clip's clock is doing, as of the newest tick.
+    PlaybackState playback() const { return board_.read(); }
+    std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
+    /// End of the clip's last frame, once it has been met; 0 before.
+    std::int64_t clip_end_ns() const { return clip_end_ns_.load(std::memory_order_relaxed); }
+
+    /// After `run`.
     const LiveFacts& facts() const { return facts_; }
 
 private:
+    bool is_over(const HapticLoop& loop, const std::optional<MediaMoment>& end) const;
+    Result<void> conclude(const HapticLoop& loop, const Result<void>& taken);
+
     const Scene& scene_;
     SurfaceFeed& feed_;
-    Hand& hand_;
     HapticPort& port_;
     const TouchSolver& solver_;
     TouchSessionSettings settings_;
+    std::shared_ptr<PlaybackLog> log_;
+    PlaybackBoard board_;
+    std::atomic<bool> stopping_{false};
+    std::atomic<std::int64_t> late_frames_{0}, clip_end_ns_{0};
     LiveFacts facts_;
 };
 

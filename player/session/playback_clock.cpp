@@ -57,14 +57,43 @@ Result<void> validate(const std::vector<PlaybackCommand>& commands) {
     return {};
 }
 
+bool leads_elsewhere(PlaybackVerb verb) {
+    return verb != PlaybackVerb::play && verb != PlaybackVerb::pause && verb != PlaybackVerb::rate;
+}
+
 PlaybackClock::PlaybackClock(const FrameRate& rate, std::vector<PlaybackCommand> commands)
-    : rate_(rate), commands_(std::move(commands)) {}
+    : PlaybackClock(rate, std::make_shared<const PlaybackLog>(std::move(commands))) {}
+
+PlaybackClock::PlaybackClock(const FrameRate& rate, std::shared_ptr<const PlaybackLog> log)
+    : rate_(rate), log_(std::move(log)), known_(log_->size()) {}
+
+void PlaybackClock::go_on_to(std::int64_t tick) {
+    while (tick_of_next_turn() <= tick) turn();
+}
 
 MediaMoment PlaybackClock::at(std::int64_t tick) {
-    while (tick_of_next_turn() <= tick) turn();
+    known_ = log_->size();
+    go_on_to(tick);
     MediaMoment moment = state_.moment;
     moment.time_ns = time_at(tick);
     return moment;
+}
+
+PlaybackState PlaybackClock::state_at(std::int64_t tick) {
+    PlaybackState now;
+    now.moment = at(tick);
+    now.playing = state_.playing;
+    now.rate = state_.ns_per_tick / 1000;
+    now.loops = state_.loop_end != never;
+    if (now.loops) now.loop_begin_ns = state_.loop_begin;
+    if (now.loops) now.loop_end_ns = state_.loop_end;
+    return now;
+}
+
+MediaMoment PlaybackClock::at_newest_command() {
+    known_ = log_->size();
+    if (known_ > 0) go_on_to((*log_)[known_ - 1].tick);
+    return state_.moment;
 }
 
 std::optional<ComingEpoch> PlaybackClock::next_epoch() {
@@ -81,7 +110,7 @@ std::optional<ComingEpoch> PlaybackClock::next_epoch() {
 
 bool PlaybackClock::plays_to_the_end() const {
     PlaybackClock last = *this;
-    for (; last.applied_ < commands_.size(); ++last.applied_) last.apply(commands_[last.applied_]);
+    for (; last.applied_ < known_; ++last.applied_) last.apply((*log_)[last.applied_]);
     return last.state_.playing && last.state_.loop_end == never;
 }
 
@@ -101,8 +130,7 @@ std::int64_t PlaybackClock::tick_of_loops_end() const {
 
 /// Of the next command or end of a loop; `never` where there is neither.
 std::int64_t PlaybackClock::tick_of_next_turn() const {
-    return applied_ < commands_.size() ? std::min(commands_[applied_].tick, tick_of_loops_end())
-                                       : tick_of_loops_end();
+    return applied_ < known_ ? std::min((*log_)[applied_].tick, tick_of_loops_end()) : tick_of_loops_end();
 }
 
 /// What happens then: first the command.
@@ -110,7 +138,7 @@ void PlaybackClock::turn() {
     const std::int64_t tick = tick_of_next_turn();
     state_.moment.time_ns = time_at(tick);
     state_.tick = tick;
-    if (applied_ < commands_.size() && commands_[applied_].tick == tick) return apply(commands_[applied_++]);
+    if (applied_ < known_ && (*log_)[applied_].tick == tick) return apply((*log_)[applied_++]);
     // The way beyond the end is made up for; whoever was far beyond it already begins with the loop.
     const std::int64_t beyond = state_.moment.time_ns - state_.loop_end;
     begin_epoch(state_.loop_begin);

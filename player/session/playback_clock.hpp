@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,27 +11,9 @@
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
+#include "player/session/playback_log.hpp"
 
 namespace touchable {
-
-/// What a person may ask of a clip's clock. The numbers are part of the recordings' format.
-enum class PlaybackVerb : std::uint32_t {
-    play = 0,
-    pause = 1,
-    rate = 2,   ///< `first`: thousandths of the clip's own speed
-    seek = 3,   ///< `first`: where to, ns
-    step = 4,   ///< on to the next frame, and pause
-    loop = 5,   ///< from `first` to before `second`, ns, and again
-    unloop = 6  ///< on beyond the loop's end
-};
-
-/// Takes effect with its tick.
-struct PlaybackCommand {
-    std::int64_t tick = 0;
-    PlaybackVerb verb = PlaybackVerb::play;
-    std::int64_t first = 0, second = 0;
-    bool operator==(const PlaybackCommand&) const = default;
-};
 
 inline constexpr std::int64_t slowest_rate = 1, fastest_rate = 8000;  ///< thousandths
 inline constexpr std::int64_t shortest_loop_ns = 100'000'000;         ///< as long as a jump takes to fade
@@ -43,6 +26,20 @@ Result<void> validate(const std::vector<PlaybackCommand>& commands);
 
 /// What is wrong with a command after another one's tick; nothing where it will do.
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command);
+
+/// Whether the moments that a clock would come to without the command may never be: true of all but play,
+/// pause and rate, which change only when.
+bool leads_elsewhere(PlaybackVerb verb);
+
+/// What a clip's clock is doing in a tick.
+struct PlaybackState {
+    MediaMoment moment;
+    bool playing = true;
+    std::int64_t rate = 1000;  ///< thousandths
+    bool loops = false;
+    std::int64_t loop_begin_ns = 0, loop_end_ns = 0;  ///< where it does
+    bool at_end = false;  ///< the clip's last frame has been reached, and nothing leads away from it
+};
 
 /// An epoch that is to come.
 struct ComingEpoch {
@@ -58,15 +55,26 @@ class PlaybackClock {
 public:
     /// Of commands that `validate` passes; `rate` says how far a step goes.
     explicit PlaybackClock(const FrameRate& rate, std::vector<PlaybackCommand> commands = {});
+    /// Of commands some of which may be still to come, with ticks that this clock has not been asked for.
+    PlaybackClock(const FrameRate& rate, std::shared_ptr<const PlaybackLog> log);
 
     /// Ticks must not go backward; which of them are asked for changes nothing. No lock, no allocation.
     MediaMoment at(std::int64_t tick);
-    /// Goes on to where the next epoch begins; nothing where none is to come. For whoever looks ahead, with a
-    /// clock of his own.
+    /// Likewise, with all that there is to say; but for the end, which this clock does not know.
+    PlaybackState state_at(std::int64_t tick);
+    /// Goes on to where the next epoch begins, by the commands that the clock knows; nothing where none is to
+    /// come. For whoever looks ahead, with a clock of his own.
     std::optional<ComingEpoch> next_epoch();
-    /// After the last command the clip goes on to its end: neither paused nor in a loop.
+    /// After the last command that it knows the clip goes on to its end: neither paused nor in a loop.
     bool plays_to_the_end() const;
-    const std::vector<PlaybackCommand>& commands() const { return commands_; }
+
+    // For whoever looks ahead of commands that are still to come.
+    const PlaybackLog& log() const { return *log_; }
+    /// How many commands this clock knows: those that there were at its making, or when it was last asked.
+    std::size_t known() const { return known_; }
+    bool has_news() const { return log_->size() > known_; }
+    /// Goes on to the newest command there is; of a clock that has not been led beyond it.
+    MediaMoment at_newest_command();
 
 private:
     /// From a tick on, until the next command or the loop's end.
@@ -79,6 +87,7 @@ private:
     };
     static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
+    void go_on_to(std::int64_t tick);
     std::int64_t time_at(std::int64_t tick) const;
     std::int64_t tick_of_loops_end() const;
     std::int64_t tick_of_next_turn() const;
@@ -87,8 +96,8 @@ private:
     void begin_epoch(std::int64_t start_ns);
 
     FrameRate rate_;
-    std::vector<PlaybackCommand> commands_;
-    std::size_t applied_ = 0;
+    std::shared_ptr<const PlaybackLog> log_;
+    std::size_t known_, applied_ = 0;
     State state_;
 };
 

@@ -45,6 +45,11 @@ Result<void> validate(const SessionOptions& options) {
         return usage_error("--start-buried needs --live: without it no finger waits to be free");
     if (options.device && !options.live)
         return usage_error("--device needs --live: a device is held in real time");
+    if (options.held_device && (!options.live || options.device))
+        return usage_error(
+            "a device that a person holds is touched with in real time, and without another that a hand "
+            "holds: "
+            "leave out --device");
     return check_camera(options);
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "device/haptic_device.hpp"
 #include "engine/result.hpp"
 #include "haptics_cpu/guard_settings.hpp"
 #include "haptics_cpu/touch_solver.hpp"
@@ -30,6 +32,9 @@ struct SessionOptions {
     bool recorded = false;              ///< frames are hashed, so that a replay knows whether it has the same
     std::optional<std::string> camera;  ///< live: what `clip` is as a camera, in words; nothing: it is a clip
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
+    /// Live: a device whose handles are the fingers, and no hand; it is opened when the session begins.
+    std::shared_ptr<HapticDevice> held_device;
+    bool watched = false;  ///< live: somebody looks at what the hand holds, and wants its colour
 };
 
 /// Refuses (ErrorKind::usage) what no run can be made of, whatever the clip, in the options' names.

@@ -32,32 +32,45 @@ bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::in
 }  // namespace
 
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
-                         const Scene& scene, int warm_up_frames)
+                         const Scene& scene, int warm_up_frames, SurfaceTimeline::Eye eye)
     : reader_(std::move(reader)),
       builder_(std::move(builder)),
       rate_(scene.rate),
       stored_(scene.depth),
       warm_up_frames_(warm_up_frames),
-      settles_(FilterPlan(scene).remembers()) {}
+      settles_(FilterPlan(scene).remembers()),
+      eye_(eye),
+      timeline_(eye == SurfaceTimeline::Eye::none ? 4 : 6, eye) {
+    figures_.builder = builder_->name();
+}
 
 Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) {
-    first_shown_ = rate_.frame_at(start_ns);
+    ReadPlace place{epoch, start_ns, rate_.frame_at(start_ns), 0};
     if (const auto count = reader_->frame_count(); count && *count > 0)
-        first_shown_ = std::min(first_shown_, *count - 1);
-    read_epoch_ = epoch;
+        place.first_shown = std::min(place.first_shown, *count - 1);
     const std::int64_t before = settles_ ? warm_up_frames_ : 0;
-    next_number_ = std::max<std::int64_t>(0, first_shown_ - before);
-    return reader_->seek(next_number_);
+    place.next_number = std::max<std::int64_t>(0, place.first_shown - before);
+    return go_back(place);
+}
+
+Result<void> SurfaceFeed::go_back(const ReadPlace& place) {
+    place_ = place;
+    const auto never_was = [&place](const DroppedFrames& frames) {
+        return frames.epoch > place.epoch ||
+               (frames.epoch == place.epoch && frames.first >= place.next_number);
+    };
+    std::erase_if(dropped_, never_was);
+    return reader_->seek(place.next_number);
 }
 
 Result<void> SurfaceFeed::catch_up(const MediaMoment& now) {
     constexpr std::int64_t oldest = 2;  // frames behind the moment
-    if (now.epoch != read_epoch_ || reader_->is_live()) return {};
+    if (!place_.is_of(now) || reader_->is_live()) return {};
     std::int64_t due = rate_.frame_at(now.time_ns);
     if (const auto count = reader_->frame_count(); count && *count > 0) due = std::min(due, *count - 1);
-    if (next_number_ < first_shown_ || next_number_ + oldest > due) return {};
+    if (place_.next_number < place_.first_shown || place_.next_number + oldest > due) return {};
     const std::int64_t there = reader_->access_point(due);
-    return there > next_number_ ? reader_->seek(there) : Result<void>{};
+    return there > place_.next_number ? reader_->seek(there) : Result<void>{};
 }
 
 bool SurfaceFeed::has_dropped(std::uint64_t epoch, std::int64_t number) const {
@@ -74,18 +87,22 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
     auto raw = reader_->next();
     while (raw.ok() && *raw) {
-        if (!has(left_out_, read_epoch_, (*raw)->number)) break;
+        if (!has(left_out_, place_.epoch, (*raw)->number)) break;
         raw = reader_->next();
     }
     if (!raw.ok()) return raw.error();
     if (!*raw) return std::optional<FedFrame>();
     read_ms_.push_back(milliseconds_since(start));
     FedFrame frame{std::move(**raw)};
-    frame.raw.epoch = read_epoch_;
+    frame.raw.epoch = place_.epoch;
     const std::int64_t number = frame.raw.number;
-    if (number > next_number_) dropped_.push_back({read_epoch_, next_number_, number - next_number_});
-    next_number_ = number + 1;
-    frame.shown = frame.raw.number >= first_shown_;
+    if (number > place_.next_number)
+        dropped_.push_back({place_.epoch, place_.next_number, number - place_.next_number});
+    place_.next_number = number + 1;
+    frame.shown = frame.raw.number >= place_.first_shown;
+    const std::lock_guard lock(figures_mutex_);
+    figures_.read_ms = read_ms_.back();
+    figures_.dropped = dropped_frames();
     return std::optional(std::move(frame));
 }
 
@@ -104,6 +121,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
         built_epoch_ = raw.epoch;
         newest_.reset();
     }
+    if (frame.shown && eye_ != SurfaceTimeline::Eye::none) colours_.put(raw);
     const bool unchanged = !settles_ && newest_ && same_touch_planes(*newest_, raw);
     const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
     if (!done.ok() || !*done) return done;
@@ -115,6 +133,10 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     ++frames_;
     unchanged_frames_ += unchanged;
     skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();
+    const std::lock_guard lock(figures_mutex_);
+    figures_.builder = builder_->name();
+    figures_.frames = frames_;
+    figures_.build_ms = build_ms_.back();
     return true;
 }
 
@@ -134,6 +156,15 @@ Result<bool> SurfaceFeed::build(const FedFrame& frame) {
     return true;
 }
 
+void SurfaceFeed::end_epoch(std::uint64_t epoch) {
+    if (epoch == built_epoch_) timeline_.end_epoch();
+}
+
+FeedFigures SurfaceFeed::figures() const {
+    const std::lock_guard lock(figures_mutex_);
+    return figures_;
+}
+
 Result<void> SurfaceFeed::feed_next() {
     const auto frame = read_next();
     if (!frame.ok()) return frame.error();
@@ -149,7 +180,7 @@ Result<void> SurfaceFeed::feed_next() {
 }
 
 Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
-    if (moment.epoch > read_epoch_) {
+    if (moment.epoch > place_.epoch) {
         if (auto there = read_from(moment.epoch, moment.start_ns); !there.ok()) return there.error();
         ended_ = false;
     }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/session/planes_hash.hpp"
+#include "player/session/watched_colours.hpp"
 
 namespace touchable {
 
@@ -28,14 +30,34 @@ struct FedFrame {
     bool shown = true;  ///< false: before the epoch's first, for the memory of a filter alone
 };
 
+/// Where reading has come to in an epoch.
+struct ReadPlace {
+    std::uint64_t epoch = 0;
+    std::int64_t start_ns = 0;  ///< the epoch's
+    std::int64_t first_shown = 0, next_number = 0;
+
+    bool is_of(const MediaMoment& moment) const {
+        return epoch == moment.epoch && start_ns == moment.start_ns;
+    }
+};
+
+/// How a feed is doing.
+struct FeedFigures {
+    std::string builder;
+    std::int64_t frames = 0, dropped = 0;  ///< published, left out
+    double read_ms = 0, build_ms = 0;      ///< of the newest frame
+};
+
 /// A clip's frames on their way into the timeline, and in virtual time on the caller's thread: whoever asks
 /// for a moment finds the frames around it published.
 class SurfaceFeed {
 public:
     /// `scene`: the reader's, as this run applies it. `warm_up_frames`: that a filter with a memory sees
-    /// before an epoch's first frame.
+    /// before an epoch's first frame. `eye`: whether somebody looks at what the hand holds; colour is kept
+    /// for them.
     SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
-                const Scene& scene, int warm_up_frames = temporal_warm_up_frames);
+                const Scene& scene, int warm_up_frames = temporal_warm_up_frames,
+                SurfaceTimeline::Eye eye = SurfaceTimeline::Eye::none);
 
     /// Reads and builds until a frame later than the moment is published or the clip has ended, then gives
     /// the pair around it. Moments must not go backward (of an epoch that is left, the pair in hand stays
@@ -58,6 +80,10 @@ public:
     /// is beyond), and where a filter remembers from the warm-up before. By the thread that
     /// reads.
     Result<void> read_from(std::uint64_t epoch, std::int64_t start_ns);
+    ReadPlace place() const { return place_; }
+    /// What was read since this place, of epochs that never came to be, is as if it had not been: reading
+    /// goes on there. Nothing of it was built. By the thread that reads.
+    Result<void> go_back(const ReadPlace& place);
     /// Leaves out frames whose time has passed at this moment, where decoding can begin again later: those
     /// that nobody would feel any more. (A live source does so itself.) By the thread that reads.
     Result<void> catch_up(const MediaMoment& now);
@@ -68,7 +94,15 @@ public:
     /// Builds and publishes it, or, where no filter remembers, the frame before once more where nothing that
     /// can be touched has changed; false while the timeline has no room.
     Result<bool> publish(const FedFrame& frame);
+    /// By the thread that builds: of this epoch all has been given to it.
+    void end_epoch(std::uint64_t epoch);
     SurfaceTimeline& timeline() { return timeline_; }
+    /// Where there is an eye.
+    WatchedColours& colours() { return colours_; }
+    /// Any thread, at any time.
+    FeedFigures figures() const;
+    /// Whether a filter remembers earlier frames.
+    bool remembers() const { return settles_; }
     /// Of a live source: time 0 of the run, before the thread that reads begins.
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
     /// From any thread: `read_next` waits for no live source any more.
@@ -112,10 +146,13 @@ private:
     DepthCoding stored_;
     int warm_up_frames_;
     bool settles_;  // a filter that remembers makes another surface of the same frame once more
-    SurfaceTimeline timeline_{4};
+    SurfaceTimeline::Eye eye_;
+    SurfaceTimeline timeline_;
+    WatchedColours colours_;
+    mutable std::mutex figures_mutex_;
+    FeedFigures figures_;  // guarded by it
     // Of the thread that reads.
-    std::uint64_t read_epoch_ = 0;
-    std::int64_t first_shown_ = 0, next_number_ = 0;
+    ReadPlace place_;
     std::vector<DroppedFrames> dropped_, left_out_;
     // Of the thread that builds.
     std::uint64_t built_epoch_ = 0;

@@ -28,6 +28,11 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
         setup.builder_why =
             "the clip's noise is averaged over time, which needs whole frames, not the lazy builder";
     }
+    const std::string watched = "somebody looks at whole frames, which the lazy builder does not make";
+    if (options.watched && setup.builder.name == "lazy") {
+        setup.builder.name = "cpu";
+        setup.builder_why = watched;
+    }
     if (options.builder.name != "auto") return {};
     const bool named = options.builder.names_gpu();
     if (named)
@@ -40,6 +45,10 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
     setup.builder.name = pick.name;
     setup.builder.gpu_fallback = pick.name == "vulkan";
     setup.builder_why = pick.why;
+    if (options.watched && pick.name == "lazy") {
+        setup.builder.name = "cpu";
+        setup.builder_why = watched;
+    }
     return {};
 }
 
@@ -52,15 +61,16 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
     auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
+    const auto eye = options.watched ? SurfaceTimeline::Eye::one : SurfaceTimeline::Eye::none;
     setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(*builder), setup.scene,
-                                               setup.warm_up_frames);
+                                               setup.warm_up_frames, eye);
     if (!options.recorded) setup.feed->leave_out_hash();
     return {};
 }
 
 /// A hand that knows its goals already: how many fingers it has, and at what scale it touches.
 Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
-    if (!RepeatingHand::is_meant(options.hand)) return {};
+    if (options.held_device || !RepeatingHand::is_meant(options.hand)) return {};
     auto hand = RepeatingHand::read(options.hand);
     if (!hand.ok()) return hand.error();
     const int fingers = (*hand)->fingers();
@@ -83,8 +93,8 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
             command.first >= end_ns)
             return usage_error("playback '" + in_words(std::vector{command}) + "': the clip ends at " +
                                std::to_string(static_cast<double>(end_ns) * 1e-9) + " s");
-    const bool ends = setup.settings.ticks || setup.hand->ticks() || options.live ||
-                      PlaybackClock(setup.scene.rate, playback).plays_to_the_end();
+    const bool ends =
+        setup.ticks() || options.live || PlaybackClock(setup.scene.rate, playback).plays_to_the_end();
     if (ends) return {};
     return usage_error("playback '" + in_words(playback) +
                        "' never comes to the clip's end; --seconds must say how long to touch");
@@ -96,9 +106,13 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     const auto first = setup.feed->pair_at(0);
     if (!first.ok()) return first.error();
     setup.workspace = clip_workspace(setup.scene, *first->prev.frame);
-    setup.hand_words = options.hand;
+    setup.hand_words = setup.held_device ? setup.held_device->name() : options.hand;
     const auto begin = setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0));
     if (!begin.ok()) return begin.error();
+    if (setup.held_device) {
+        setup.settings.touch.metres_per_scene_unit = setup.workspace.metres_per_scene_unit;
+        return {};
+    }
     if (setup.hand) {
         setup.workspace.metres_per_scene_unit = setup.settings.touch.metres_per_scene_unit;
         return {};
@@ -111,15 +125,32 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     return {};
 }
 
+/// A person may ask for less than the device can, never for more.
+void keep_within(const DeviceLimits& can, GuardSettings& guard) {
+    guard.max_force = std::min(guard.max_force, can.max_force);
+    guard.max_stiffness = std::min(guard.max_stiffness, can.max_stiffness);
+}
+
+/// Of a device that a person holds: as many fingers as it has handles.
+Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) {
+    if (!options.held_device) return {};
+    const int fingers = options.held_device->fingers();
+    if (options.fingers != 1 && options.fingers != fingers)
+        return usage_error("--fingers " + std::to_string(options.fingers) + ": the " +
+                           options.held_device->name() + " has " + std::to_string(fingers) +
+                           "; leave it out");
+    setup.settings.fingers = fingers;
+    setup.held_device = options.held_device;
+    setup.device_words = options.held_device->name();
+    keep_within(options.held_device->limits(), setup.settings.guard);
+    return {};
+}
+
 Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.device) return {};
     auto device = make_simulated_device(*options.device, setup.settings.fingers);
     if (!device.ok()) return device.error();
-    // A person may ask for less than the device can, never for more.
-    const DeviceLimits can = (*device)->limits();
-    GuardSettings& guard = setup.settings.guard;
-    guard.max_force = std::min(guard.max_force, can.max_force);
-    guard.max_stiffness = std::min(guard.max_stiffness, can.max_stiffness);
+    keep_within((*device)->limits(), setup.settings.guard);
     setup.device = std::move(*device);
     setup.device_words = *options.device;
     return {};
@@ -148,8 +179,9 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->settings.guard = options.guard;
     setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
 
+    if (auto taken = take_held_device(*setup, options); !taken.ok()) return taken.error();
     if (auto read = repeat_hand(*setup, options); !read.ok()) return read.error();
-    auto clip = open_chosen(options.clip, Colour::left_out);
+    auto clip = open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out);
     if (!clip.ok()) return clip.error();
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
     if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "device/hand.hpp"
 #include "device/simulated_device.hpp"
 #include "device/workspace.hpp"
 #include "engine/scene/temporal.hpp"
@@ -25,11 +26,12 @@ struct TouchSetup {
     std::string builder_why;  ///< why auto, or another than was asked for; empty: it was asked for by name
     std::unique_ptr<RunGpu> gpu;  ///< of builder and picture
     std::unique_ptr<SurfaceFeed> feed;
-    std::string hand_words;  ///< as on the command line
-    std::unique_ptr<Hand> hand;
-    std::string camera_words;  ///< as on the command line; empty: no camera
-    std::string device_words;  ///< as on the command line; empty: no device
-    std::unique_ptr<SimulatedDevice> device;
+    std::string hand_words;                     ///< as on the command line
+    std::unique_ptr<Hand> hand;                 ///< nothing: a person holds `held_device`
+    std::string camera_words;                   ///< as on the command line; empty: no camera
+    std::string device_words;                   ///< as on the command line; empty: no device
+    std::unique_ptr<SimulatedDevice> device;    ///< that the hand holds
+    std::shared_ptr<HapticDevice> held_device;  ///< that a person holds
     Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
@@ -37,6 +39,11 @@ struct TouchSetup {
     /// That a filter with a memory sees before an epoch's first frame.
     int warm_up_frames = temporal_warm_up_frames;
     bool live = false;  ///< on the wall clock, or recorded so
+
+    /// How long the run was asked to be, or its hand's motion is; nothing: neither has an end.
+    std::optional<std::int64_t> ticks() const {
+        return settings.ticks || !hand ? settings.ticks : hand->ticks();
+    }
 };
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);

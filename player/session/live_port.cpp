@@ -1,0 +1,34 @@
+#include "player/session/live_port.hpp"
+
+#include "player/session/device_port.hpp"
+
+namespace touchable {
+
+namespace {
+
+HapticDevice* device_of(const TouchSetup& setup) {
+    return setup.held_device ? setup.held_device.get() : setup.device.get();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
+    if (HapticDevice* device = device_of(setup))
+        if (auto opened = device->open(); !opened.ok()) return opened.error();
+    std::unique_ptr<HapticPort> port;
+    if (setup.held_device)
+        port = std::make_unique<DevicePort>(*setup.held_device, setup.workspace);
+    else if (setup.device)
+        port = std::make_unique<SimulatedPort>(*setup.hand, *setup.device, setup.workspace);
+    else
+        port = std::make_unique<HandPort>(*setup.hand);
+    return port;
+}
+
+void explain_failure(const TouchSetup& setup, LiveFacts& facts) {
+    const HapticDevice* device = device_of(setup);
+    if (!facts.loop.port_failed || !device) return;
+    if (auto healthy = device->health(); !healthy.ok()) facts.failure = healthy.error();
+}
+
+}  // namespace touchable

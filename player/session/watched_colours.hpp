@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "engine/frame/raw_frame.hpp"
+
+namespace touchable {
+
+/// A frame's colour and what keeps it alive.
+struct HeldColour {
+    PlaneView plane;
+    std::shared_ptr<const void> storage;
+};
+
+/// Colour of the frames in the timeline, for whoever draws them: between the thread that builds and the
+/// eye's. Touch knows nothing of it.
+class WatchedColours {
+public:
+    /// By the thread that builds: before its frame is published, so that nobody sees one without.
+    void put(const RawFrame& raw) {
+        if (!raw.storage || !raw.colour.data) return;
+        const std::lock_guard lock(mutex_);
+        if (!frames_.empty() && frames_.back().epoch == raw.epoch && frames_.back().number == raw.number)
+            return;
+        frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.storage}});
+        if (frames_.size() > most) frames_.pop_front();
+    }
+    /// By the eye: of this frame, if it has any. Those before are let go: nobody looks back.
+    std::optional<HeldColour> find(std::uint64_t epoch, std::int64_t number) {
+        const std::lock_guard lock(mutex_);
+        for (std::size_t k = 0; k < frames_.size(); ++k) {
+            if (frames_[k].epoch != epoch || frames_[k].number != number) continue;
+            frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(k));
+            return frames_.front().colour;
+        }
+        return std::nullopt;
+    }
+
+private:
+    static constexpr std::size_t most = 32;  // more than a timeline with an eye has entries
+    struct Frame {
+        std::uint64_t epoch;
+        std::int64_t number;
+        HeldColour colour;
+    };
+    std::mutex mutex_;
+    std::deque<Frame> frames_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "player/session/touch_session.hpp"
+
+namespace touchable {
+
+/// A finger in a tick.
+struct WatchedFinger {
+    glm::dvec3 goal{0.0};  ///< as the hand gave it
+    Contact contact;       ///< the goal that was used, proxy, whether it touches, properties there
+    GuardedForce force;    ///< as it went out, and why it is not the spring's
+};
+
+struct WatchedTick {
+    std::int64_t tick = -1;
+    std::vector<WatchedFinger> fingers;
+};
+
+/// Of the ticks so far.
+struct TickFigures {
+    std::int64_t ticks = 0;
+    std::int64_t late = 0;             ///< that began a millisecond or more too late
+    std::int64_t skipped = 0;          ///< whose time had passed by then
+    double solve_us = 0, late_us = 0;  ///< of the newest
+};
+
+/// The newest tick, from the session's thread to a watcher's.
+class WatchedTicks final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override {
+        const std::lock_guard lock(mutex_);
+        figures_.late += tick.tick > newest_.tick + 1;
+        figures_.skipped += tick.tick - newest_.tick - 1;
+        ++figures_.ticks;
+        figures_.solve_us = tick.solve_us;
+        figures_.late_us = tick.late_us;
+        newest_.tick = tick.tick;
+        newest_.fingers.resize(tick.contacts.size());
+        for (std::size_t k = 0; k < tick.contacts.size(); ++k)
+            newest_.fingers[k] = {tick.goals[k], tick.contacts[k], tick.forces[k]};
+        return {};
+    }
+    void copy_newest(WatchedTick& to) const {
+        const std::lock_guard lock(mutex_);
+        to = newest_;
+    }
+    TickFigures figures() const {
+        const std::lock_guard lock(mutex_);
+        return figures_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    WatchedTick newest_;
+    TickFigures figures_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,293 @@
+// A session that somebody watches, and tells its clip's clock what to do while it runs.
+#include "player/session/watched_session.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <thread>
+
+#include "player/session/recorded_facts.hpp"
+#include "player/session/recording.hpp"
+#include "player/session/touch_figures.hpp"
+#include "tests/frame/random.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Verb = PlaybackVerb;
+
+constexpr int watched_frames = 45;  // 1.5 s
+constexpr std::int64_t ms = 1'000'000;
+
+void sleep_ms(int duration) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(duration));
+}
+
+/// Whether it came to be in twenty seconds, far longer than any machine takes.
+bool comes_true(const std::function<bool()>& what) {
+    for (int k = 0; k < 20000 && !what(); ++k) sleep_ms(1);
+    return what();
+}
+
+/// What a person holds: one handle, which stays where the test puts it.
+class Handle final : public HapticDevice {
+public:
+    std::string name() const override { return "handle"; }
+    DeviceLimits limits() const override { return {3, 2000}; }
+    int fingers() const override { return 1; }
+    Result<void> open() override {
+        open_ = true;
+        return {};
+    }
+    void close() override { open_ = false; }
+    bool read_positions(std::span<glm::dvec3> device_metres) override {
+        device_metres[0] = {0, 0, height.load()};
+        return !unplugged;
+    }
+    bool write_forces(std::span<const glm::dvec3> newtons) override {
+        newtons_ = newtons[0].z;
+        return !unplugged;
+    }
+    Result<void> health() const override {
+        return unplugged ? Result<void>(Error{ErrorKind::device, "the handle was pulled out"})
+                         : Result<void>();
+    }
+    bool is_open() const { return open_; }
+    double newtons() const { return newtons_; }
+    std::atomic<double> height{0};  ///< m
+    std::atomic<bool> unplugged{false};
+
+private:
+    std::atomic<bool> open_{false};
+    std::atomic<double> newtons_{0};
+};
+
+/// Of every tick the force, and whether the surface was another.
+class Steps final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override {
+        const double force = glm::length(tick.forces[0].force);
+        if (tick.tick > 200) rise = std::max(rise, force - before_);
+        most = std::max(most, force);
+        before_ = force;
+        return {};
+    }
+    double rise = 0, most = 0;  ///< N; from a tick to the next, once the guard has ramped in
+
+private:
+    double before_ = 0;
+};
+
+class Watched : public testing::Test {
+protected:
+    Watched() {
+        const std::string frames = std::to_string(watched_frames);
+        EXPECT_EQ(run_touchable({"make", "globe", clip, "--size", "32x24", "--frames", frames}).code, 0);
+    }
+    SessionOptions options() const {
+        SessionOptions options;
+        options.clip.file = clip;
+        options.held_device = handle;
+        options.live = options.watched = options.recorded = true;
+        return options;
+    }
+    void start(const SessionOptions& options) {
+        handle->height = 1;  // m: far from any surface
+        auto setup = setup_from_options(options);
+        ASSERT_TRUE(setup.ok()) << setup.error().message;
+        auto record =
+            RecordingFile::create(folder / "run.rec", (*setup)->settings.fingers, Existing::replace);
+        ASSERT_TRUE(record.ok());
+        record_ = std::move(*record);
+        auto started = WatchedSession::start(std::move(*setup), {record_.get(), &figures_.emplace(), &steps});
+        ASSERT_TRUE(started.ok()) << started.error().message;
+        session = std::move(*started);
+        ASSERT_TRUE(comes_true([this] { return session->look() != nullptr; }));
+    }
+    void press() {
+        // The middle of the picture, and 4 mm further.
+        const FramePair& pair = session->look()->held.pair;
+        const double depth = pair.prev.frame->vertices->at(16, 12).depth;
+        handle->height = session->setup().workspace.to_device({0, 0, -depth}).z - 0.004;
+        ASSERT_TRUE(comes_true([this] { return handle->newtons() > 0; })) << "a surface is there";
+    }
+    void ask(Verb verb, std::int64_t first = 0, std::int64_t second = 0) {
+        const auto asked = session->ask(verb, first, second);
+        EXPECT_TRUE(asked.ok()) << asked.error().message;
+    }
+    /// The hand's frames are those of where the clock is.
+    bool has_arrived() {
+        const WatchedMoment* seen = session->look();
+        const MediaMoment now = session->playback().moment;
+        const FrameRate& rate = session->setup().scene.rate;
+        return seen->held.pair.epoch == now.epoch &&
+               seen->held.pair.prev.number == rate.frame_at(now.time_ns);
+    }
+    void expect_replay() {
+        session->stop();
+        EXPECT_FALSE(session->failure()) << session->failure()->message;
+        EXPECT_FALSE(handle->is_open());
+        nlohmann::ordered_json facts = recorded_facts(session->setup());
+        facts["force_hash"] = figures_->force_hash();
+        ASSERT_TRUE(record_->finish(facts, session->setup().settings.playback).ok());
+        const Outcome replay = run_touchable({"touch", "--replay", folder / "run.rec"});
+        EXPECT_EQ(replay.code, 0) << replay.err;
+        EXPECT_NE(replay.out.find("every force is as recorded"), std::string::npos) << replay.out;
+    }
+
+    TemporaryFolder folder;
+    std::string clip = folder / "clip.mkv";
+    std::shared_ptr<Handle> handle = std::make_shared<Handle>();
+    Steps steps;
+
+private:
+    std::unique_ptr<RecordingFile> record_;
+    std::optional<TouchFigures> figures_;
+
+protected:
+    std::unique_ptr<WatchedSession> session;  // goes first
+};
+
+std::vector<std::uint8_t> bytes_of(const PlaneView& plane) {
+    std::vector<std::uint8_t> bytes;
+    for (int y = 0; y < plane.height; ++y)
+        bytes.insert(bytes.end(), plane.row(y),
+                     plane.row(y) + plane.width * plane.channels * plane.bytes_per_sample);
+    return bytes;
+}
+
+/// What a person may want next, mostly in the wrong moment.
+void ask_anything(WatchedSession& session, Random& random) {
+    const auto verb = static_cast<Verb>(random.below(7));
+    std::int64_t first = 0, second = 0;
+    if (verb == Verb::rate) first = 200 + random.below(7000);
+    if (verb == Verb::seek || verb == Verb::loop) first = random.below(1499) * ms;
+    if (verb == Verb::loop) second = first + shortest_loop_ns + random.below(200) * ms;
+    const auto asked = session.ask(verb, first, second);
+    EXPECT_TRUE(asked.ok()) << asked.error().message;
+}
+
+TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColour) {
+    std::vector<std::vector<std::uint8_t>> colours;
+    auto reader = open_clip(clip).value();
+    for (auto raw = reader->next(); raw.ok() && *raw; raw = reader->next())
+        colours.push_back(bytes_of((*raw)->colour));
+    ASSERT_EQ(colours.size(), std::size_t{watched_frames});
+    Random random(15);
+    for (const bool temporal : {false, true}) {
+        SessionOptions wanted = options();
+        if (temporal) wanted.clip.temporal = TemporalChoice{true, DepthLength{5, 0}};
+        start(wanted);
+        press();
+        for (int k = 0; k < 150; ++k) {
+            if (random.below(3) == 0) ask_anything(*session, random);
+            sleep_ms(random.below(7));
+            const WatchedMoment& seen = *session->look();
+            const FramePair& pair = seen.held.pair;
+            ASSERT_TRUE(pair.prev.frame->vertices && pair.next.frame->vertices);
+            ASSERT_TRUE(seen.colour);
+            const auto number = static_cast<std::size_t>((pair.blend < 0.5 ? pair.prev : pair.next).number);
+            ASSERT_EQ(bytes_of(seen.colour->plane), colours[number]);
+            ASSERT_EQ(seen.felt.fingers.size(), 1U);
+        }
+        EXPECT_GT(session->setup().feed->figures().frames, 10);
+        ASSERT_NO_FATAL_FAILURE(expect_replay());
+        EXPECT_GT(session->setup().settings.playback.size(), 20U);
+        EXPECT_EQ(session->figures().ticks.ticks, session->facts().loop.ticks);
+        EXPECT_EQ(session->figures().ticks.skipped, session->facts().loop.skipped);
+    }
+}
+
+TEST_F(Watched, ASeekOfAPausedClipIsFeltAndFadesIn) {
+    start(options());
+    press();
+    ask(Verb::pause);
+    ASSERT_TRUE(comes_true([this] { return !session->playback().playing; }));
+    for (const std::int64_t to : {1400, 30, 700, 1499}) {
+        const std::uint64_t epoch = session->playback().moment.epoch;
+        ask(Verb::seek, to * ms);
+        ASSERT_TRUE(comes_true([&] { return session->playback().moment.epoch > epoch && has_arrived(); }))
+            << to;
+        EXPECT_EQ(session->playback().at_end, to == 1499);
+        sleep_ms(30);
+    }
+    ASSERT_NO_FATAL_FAILURE(expect_replay());
+    EXPECT_GT(steps.most, 0);
+    // A fade of twice the largest force there was, and half of it again where two meet.
+    EXPECT_LE(steps.rise, 2 * 1.5 * steps.most / JumpCancellation::fade_ticks);
+    EXPECT_LE(steps.most, 3) << "the device's";
+}
+
+TEST_F(Watched, AClipThatHasEndedStandsStillAndGoesBackWhenAsked) {
+    start(options());
+    ask(Verb::rate, 8000);
+    ASSERT_TRUE(comes_true([this] { return session->playback().at_end && has_arrived(); }) ||
+                session->look()->held.pair.prev.number == watched_frames - 1);
+    EXPECT_EQ(session->look()->held.pair.prev.number, watched_frames - 1);
+    ask(Verb::rate, 1000);
+    ask(Verb::loop, 0, 100 * ms);
+    ASSERT_TRUE(comes_true([this] { return session->playback().moment.epoch > 2 && has_arrived(); }));
+    EXPECT_FALSE(session->playback().at_end);
+    EXPECT_TRUE(session->playback().loops);
+    ask(Verb::unloop);
+    ASSERT_TRUE(comes_true([this] { return session->look()->held.pair.prev.number > 5; }))
+        << "beyond the loop";
+    ASSERT_NO_FATAL_FAILURE(expect_replay());
+}
+
+TEST_F(Watched, RefusesWhatNoClockTakes) {
+    SessionOptions planned = options();
+    planned.playback = {{5, Verb::pause, 0, 0}};
+    const auto refused = WatchedSession::start(setup_from_options(planned).value(), {});
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("0.005 pause"), std::string::npos) << refused.error().message;
+    start(options());
+    for (const auto& [verb, first, second, fragment] :
+         std::initializer_list<std::tuple<Verb, std::int64_t, std::int64_t, const char*>>{
+             {Verb::rate, 0, 0, "0.001 to 8"},
+             {Verb::seek, 1500 * ms, 0, "the clip ends at 1.5"},
+             {Verb::loop, 0, 50 * ms, "0.1 s or longer"}}) {
+        const auto asked = session->ask(verb, first, second);
+        ASSERT_FALSE(asked.ok()) << fragment;
+        EXPECT_EQ(asked.error().kind, ErrorKind::usage);
+        EXPECT_NE(asked.error().message.find(fragment), std::string::npos) << asked.error().message;
+    }
+    session->stop();
+    EXPECT_FALSE(session->ask(Verb::play).ok()) << "nobody takes it any more";
+}
+
+TEST_F(Watched, ADeviceThatIsPulledOutEndsItAndSaysWhy) {
+    start(options());
+    handle->unplugged = true;
+    ASSERT_TRUE(comes_true([this] { return !session->running(); }));
+    session->stop();
+    ASSERT_TRUE(session->failure());
+    EXPECT_EQ(session->failure()->kind, ErrorKind::device);
+    EXPECT_EQ(session->failure()->message, "the handle was pulled out");
+}
+
+TEST(PlaybackLog, KeepsWhatWasAskedAtTheTickThatTookItAndRefusesMoreThanItHolds) {
+    PlaybackLog log({{0, Verb::rate, 500, 0}}, 2);
+    EXPECT_TRUE(log.is_open());
+    ASSERT_TRUE(log.ask(Verb::pause, 0, 0).ok());
+    EXPECT_EQ(log.size(), 1U) << "not taken yet";
+    log.take(7);
+    ASSERT_TRUE(log.ask(Verb::seek, 5 * ms, 0).ok());
+    log.take(9);
+    log.take(10);
+    const auto full = log.ask(Verb::play, 0, 0);
+    ASSERT_FALSE(full.ok());
+    EXPECT_EQ(full.error().kind, ErrorKind::usage);
+    const std::vector<PlaybackCommand> wanted{
+        {0, Verb::rate, 500, 0}, {7, Verb::pause, 0, 0}, {9, Verb::seek, 5 * ms, 0}};
+    EXPECT_EQ(log.commands(), wanted);
+    EXPECT_FALSE(PlaybackLog(wanted).is_open());
+}
+
+}  // namespace
+}  // namespace touchable::test
