@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <string_view>
@@ -53,6 +55,15 @@ Result<std::vector<std::string>> words_of_help(const CLI::App& app, int argc, ch
     return usage_error("help goes with one command at most; there are " + known);
 }
 
+/// A file or folder in place of a command is a clip to play.
+bool is_clip(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2) return false;
+    for (const CLI::App* command : app.get_subcommands({}))
+        if (command->get_name() == argv[1]) return false;
+    std::error_code ignored;
+    return std::string_view(argv[1]) != "help" && std::filesystem::exists(argv[1], ignored);
+}
+
 /// CLI11's words for what is wrong, on one line, with the way to the right ones.
 Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
     std::string message = error.what();
@@ -82,7 +93,12 @@ int run(int argc, char** argv) {
     add_check_command(app, command);
 
     try {
-        if (argc > 1 && std::string_view(argv[1]) == "help") {
+        if (is_clip(app, argc, argv)) {
+            std::vector<std::string> words(argv + 1, argv + argc);
+            words.insert(words.begin(), "play");
+            std::reverse(words.begin(), words.end());  // as CLI11 takes them
+            app.parse(std::move(words));
+        } else if (argc > 1 && std::string_view(argv[1]) == "help") {
             auto asked = words_of_help(app, argc, argv);
             if (!asked.ok()) return fail(asked.error());
             app.parse(std::move(*asked));

@@ -19,7 +19,7 @@
 namespace touchable {
 namespace {
 
-constexpr int smallest_side = 64, largest_side = 8192;
+constexpr int smallest_window = 64, largest_window = 8192;
 
 /// Options as typed.
 struct PlayWords {
@@ -34,7 +34,7 @@ struct PlayWords {
 
 Result<PlayOptions> read_words(const PlayWords& words) {
     PlayOptions options = words.options;
-    const auto size = read_pixel_size("--size", words.size, smallest_side, largest_side);
+    const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
     if (!size.ok()) return size.error();
     options.screen.width = size->width;
     options.screen.height = size->height;
@@ -107,6 +107,21 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     add_overwrite_option(sub, o.existing);
 }
 
+/// What few people need comes last.
+void group_window_options(CLI::App& sub) {
+    const struct {
+        const char* name;
+        std::vector<const char*> options;
+    } groups[] = {
+        {"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
+        {"The window",
+         {"--size", "--fullscreen", "--seconds", "--screenshot", "--at", "--record", "--overwrite"}},
+        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    for (const auto& group : groups)
+        for (const char* option : group.options) sub.get_option(option)->group(group.name);
+}
+
 }  // namespace
 
 void add_play_command(CLI::App& app, Command& command) {
@@ -115,9 +130,12 @@ void add_play_command(CLI::App& app, Command& command) {
     add_clip_options(*sub, words->clip)->required();
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
+    // Of commands that come later the person in the window is the one who gives them.
+    sub->remove_option(sub->get_option("--play"));
     add_window_options(*sub, *words);
     add_filter_options(*sub, words->clip);
     add_builder_options(*sub, words->options.session.builder, {"auto", "cpu", "vulkan", "lazy"});
+    group_window_options(*sub);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
             const auto options = read_words(*words);

@@ -102,6 +102,7 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.at_end = state.at_end;
     facts.speed = static_cast<double>(state.rate) / 1000;
     facts.overlay = name_of(picture.overlay());
+    facts.scale = picture.scale();
     facts.force_on = clip.device().force_is_on();
     facts.pressed_mm = clip.fingers().depth_m() * 1000;
     const auto fingers =

@@ -56,6 +56,7 @@ private:
     void open_other(const std::string& file);
     void keep_picture(const std::string& name);
     void say(std::string words, bool bad = false);
+    void sum_up();
     bool is_due(const WatchedMoment& moment, Clock::time_point now) const;
     Result<void> draw(const WatchedMoment& moment);
     double now_s() const { return seconds_between(begun_, Clock::now()); }
@@ -131,10 +132,23 @@ Result<PlayFigures> PlayWindow::run() {
         if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
     }
     if (options_.screenshot) keep_picture(options_.screenshot->string());
-    figures_.seconds = now_s();
+    sum_up();
     if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
     if (fault_) return *fault_;
     return std::move(figures_);
+}
+
+void PlayWindow::sum_up() {
+    const WatchedFigures session = clip_->session().figures();
+    figures_.seconds = now_s();
+    figures_.painter = picture_->painter();
+    figures_.gpu = device_->facts().name;
+    figures_.builder = session.feed.builder;
+    figures_.ticks = session.ticks.ticks;
+    figures_.late_ticks = session.ticks.late;
+    figures_.frames = session.feed.frames;
+    figures_.late_frames = session.late_frames;
+    figures_.dropped_frames = session.feed.dropped;
 }
 
 /// Nothing is drawn again where nothing has moved.

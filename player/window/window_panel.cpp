@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "player/view/colour_ramp.hpp"
 #include "player/view/finger_marks.hpp"
 
 namespace touchable {
@@ -81,6 +82,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (help_shown) return draw_help(w, h);  // which needs the room
     draw_force(facts, h);
     draw_place(facts, h);
+    if (facts.scale && !shown) draw_scale(*facts.scale, w, h);
     if (shown) draw_side(facts, w, h, asked);
 }
 
@@ -236,6 +238,40 @@ void WindowPanel::draw_help(float width, float height) {
             row(names, what);
         }
         ImGui::EndTable();
+    }
+    ImGui::End();
+}
+
+/// What the surface's colours mean: a ramp with its ends, or a list.
+void WindowPanel::draw_scale(const OverlayScale& scale, float width, float height) {
+    const float m = margin * scale_, wide = 200 * scale_, tall = 12 * scale_;
+    begin_fixed("scale", ImVec2(width - m, height - 2 * m - bar_height * scale_), ImVec2(1, 1), ImVec2(0, 0),
+                ImGuiWindowFlags_NoInputs);
+    ImGui::TextUnformatted((scale.name + (scale.unit.empty() ? "" : ", " + scale.unit)).c_str());
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    for (const OverlayScale::Class& named : scale.classes) {
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        const float side = ImGui::GetFontSize();
+        list.AddRectFilled(at, ImVec2(at.x + side, at.y + side), named.colour, 3 * scale_);
+        ImGui::Dummy(ImVec2(side, side));
+        ImGui::SameLine();
+        ImGui::TextUnformatted(named.words.c_str());
+    }
+    if (scale.classes.empty()) {
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        constexpr int steps = 50;
+        for (int k = 0; k < steps; ++k) {
+            const double share = (k + 0.5) / steps;
+            list.AddRectFilled(ImVec2(at.x + wide * static_cast<float>(k) / steps, at.y),
+                               ImVec2(at.x + wide * static_cast<float>(k + 1) / steps, at.y + tall),
+                               ramp_colour(scale.least_is_light ? 1 - share : share));
+        }
+        ImGui::Dummy(ImVec2(wide, tall));
+        const std::string least = in_words("%.4g", scale.range.least),
+                          most = in_words("%.4g", scale.range.greatest);
+        ImGui::TextDisabled("%s", least.c_str());
+        ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + wide - ImGui::CalcTextSize(most.c_str()).x);
+        ImGui::TextDisabled("%s", most.c_str());
     }
     ImGui::End();
 }

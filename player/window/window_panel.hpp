@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "player/view/overlays.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {
@@ -35,7 +36,8 @@ struct PanelFacts {
     double seconds = 0, clip_seconds = 0;
     bool playing = true, looping = false, at_end = false;
     double speed = 1;
-    std::string overlay;  ///< of the surface's colours
+    std::string overlay;                  ///< of the surface's colours
+    const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip\'s own
     bool force_on = true;
     double pressed_mm = 0;       ///< how deep the finger is meant to be in the surface; below 0 above it
     std::vector<double> forces;  ///< newtons, by finger
@@ -63,6 +65,7 @@ private:
     void draw_place(const PanelFacts& facts, float height);
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_help(float width, float height);
+    void draw_scale(const OverlayScale& scale, float width, float height);
     void draw_message(const PanelFacts& facts, float width);
 
     float scale_;
