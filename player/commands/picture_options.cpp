@@ -7,6 +7,8 @@
 
 #include "player/commands/file_option.hpp"
 #include "player/commands/typed_numbers.hpp"
+#include "player/commands/word_option.hpp"
+#include "player/view/scale_bar.hpp"
 
 namespace touchable {
 namespace {
@@ -41,6 +43,20 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
         ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
     sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
+    add_word_option(
+        sub, "--show", options.show,
+        "coloured by: colour (the clip's), depth, stiffness, friction (static), dynamic-friction, "
+        "height, normals, tiles (which are drawn) or validity",
+        Words<Overlay>{{"colour", Overlay::colour},
+                       {"depth", Overlay::depth},
+                       {"stiffness", Overlay::stiffness},
+                       {"friction", Overlay::static_friction},
+                       {"dynamic-friction", Overlay::dynamic_friction},
+                       {"height", Overlay::height},
+                       {"normals", Overlay::normals},
+                       {"tiles", Overlay::tiles},
+                       {"validity", Overlay::validity}})
+        ->needs(picture);
 }
 
 Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, Existing existing,
@@ -60,19 +76,39 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     if (!painter.ok()) return painter.error();
     order.painter = std::move(*painter);
     order.any_painter = options.painter == "auto";
+    order.show = options.show;
     order.file = std::make_unique<NewFile>(*options.file, existing);
     if (auto usable = order.file->check(); !usable.ok())
         return Error{usable.error().kind, "--picture " + usable.error().message};
     return std::optional<PictureOrder>(std::move(order));
 }
 
+Result<Image> PictureOrder::draw(const HeightField& field, const ViewSurface& surface,
+                                 std::span<const FingerMark> fingers) {
+    const Subject subject = subject_of(field);
+    return make_picture(settings, field.scene(), surface, subject, fingers,
+                        mark_sizes(field.scene(), subject.middle), *painter);
+}
+
+Result<Image> PictureOrder::draw_overlay(const HeightField& field, const FramePair& pair,
+                                         std::span<const FingerMark> fingers) {
+    Overlays overlays;
+    const OverlayPicture& overlay = overlays.paint(show, field, pair);
+    auto surface = painter->surface_of(field, pair, overlay.view());
+    if (!surface.ok()) return surface.error();
+    quieten_light(show, overlay, *surface);
+    auto image = draw(field, *surface, fingers);
+    if (!image.ok()) return image.error();
+    if (auto drawn = draw_scale_bar(overlay.scale, *image); !drawn.ok()) return drawn.error();
+    return image;
+}
+
 Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                                  std::span<const FingerMark> fingers) {
+    if (show != Overlay::colour) return draw_overlay(field, pair, fingers);
     const auto surface = painter->surface_of(field, pair, colour);
     if (!surface.ok()) return surface.error();
-    const Subject subject = subject_of(field);
-    return make_picture(settings, field.scene(), *surface, subject, fingers,
-                        mark_sizes(field.scene(), subject.middle), *painter);
+    return draw(field, *surface, fingers);
 }
 
 Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,

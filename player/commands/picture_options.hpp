@@ -8,6 +8,7 @@
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "player/session/builder_choice.hpp"
+#include "player/view/overlays.hpp"
 #include "player/view/scene_picture.hpp"
 
 namespace CLI {
@@ -23,6 +24,7 @@ struct PictureOptions {
     std::string view = usual_viewpoint;
     std::string painter = "auto";  ///< as in make_painter
     std::string size = "1280x720";
+    Overlay show = Overlay::colour;
 
     bool draws_on_gpu() const { return file && painter != "cpu"; }
 };
@@ -30,7 +32,7 @@ struct PictureOptions {
 /// Refuses a name of a picture that other programs would take for something else than PNG.
 CLI::Validator ends_in_png();
 
-/// Adds --picture FILE, --view, --painter and --picture-size.
+/// Adds --picture FILE, --view, --painter, --picture-size and --show.
 void add_picture_options(CLI::App& sub, PictureOptions& options);
 
 /// What to draw and where to, checked before any work: view and size make sense, the painter is to be had,
@@ -40,15 +42,20 @@ struct PictureOrder {
     PictureSettings settings;
     std::unique_ptr<SurfacePainter> painter;
     bool any_painter = false;  ///< where the GPU fails, the cpu may draw instead
+    Overlay show = Overlay::colour;
 
-    /// Draws the surface of `field`, which was made of `pair`, coloured by `colour` where that is not empty,
-    /// and writes the file.
+    /// Draws the surface of `field`, which was made of `pair`, coloured by what it is to show (`colour`,
+    /// where that is not empty), and writes the file.
     Result<void> deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                          std::span<const FingerMark> fingers);
 
 private:
     Result<Image> draw(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                        std::span<const FingerMark> fingers);
+    Result<Image> draw(const HeightField& field, const ViewSurface& surface,
+                       std::span<const FingerMark> fingers);
+    Result<Image> draw_overlay(const HeightField& field, const FramePair& pair,
+                               std::span<const FingerMark> fingers);
 };
 /// Nothing where no picture is asked for. `gpu` is that of `choice`, and opened only for a painter that needs
 /// it; one that is asked for by name and is not to be had is refused.

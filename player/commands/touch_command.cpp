@@ -195,7 +195,7 @@ void group_options(CLI::App& sub) {
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},
         {"Files", {"--json", "--forces", "--record", "--replay", "--overwrite", "--strict"}},
-        {"A picture", {"--picture", "--picture-at", "--picture-size", "--view"}},
+        {"A picture", {"--picture", "--picture-at", "--picture-size", "--view", "--show"}},
         {"Expert",
          {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness", "--stiffness-slew",
           "--damping", "--passivity", "--start-buried"}}};

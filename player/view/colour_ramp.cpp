@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-
-#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {
 
-// Of the ends, in OKLab: lightness, and hue in degrees, between which it goes by way of green.
-constexpr double dark = 0.26, light = 0.95, blue = 278, yellow = 105;
-constexpr double most_chroma = 0.15;
+// In OKLab: lightness of the ends, and a curve of second order through colour, whose middle control point is
+// green. All of it is within what screens show.
+constexpr double dark = 0.28, light = 0.95;
+constexpr glm::dvec2 blue(0.03, -0.13), green(-0.13, 0), yellow(-0.035, 0.12);
 
 /// Linear light of sRGB's primaries (OKLab: Ottosson 2020).
 glm::dvec3 linear_rgb(double lightness, double a, double b) {
@@ -31,30 +31,13 @@ std::uint32_t byte_of_light(double light_share) {
     return static_cast<std::uint32_t>(255 * srgb + 0.5);
 }
 
-/// With as much colour as screens can show of it, up to `most_chroma`.
-PackedColour in_gamut(double lightness, double hue) {
-    const auto at = [&](double chroma) {
-        return linear_rgb(lightness, chroma * cosine(hue), chroma * sine(hue));
-    };
-    const auto shows = [&](double chroma) {
-        const glm::dvec3 rgb = at(chroma);
-        return std::min({rgb.r, rgb.g, rgb.b}) >= 0 && std::max({rgb.r, rgb.g, rgb.b}) <= 1;
-    };
-    double least = 0, most = most_chroma;
-    if (shows(most)) least = most;
-    for (int k = 0; k < 30; ++k) {
-        const double middle = 0.5 * (least + most);
-        (shows(middle) ? least : most) = middle;
-    }
-    const glm::dvec3 rgb = at(least);
-    return pack_colour(byte_of_light(rgb.r), byte_of_light(rgb.g), byte_of_light(rgb.b));
-}
-
 std::array<PackedColour, 256> make_ramp() {
     std::array<PackedColour, 256> ramp;
     for (std::size_t k = 0; k < ramp.size(); ++k) {
-        const double share = static_cast<double>(k) / 255;
-        ramp[k] = in_gamut(glm::mix(dark, light, share), glm::mix(blue, yellow, share) * pi / 180);
+        const double share = static_cast<double>(k) / 255, rest = 1 - share;
+        const glm::dvec2 ab = rest * rest * blue + 2 * share * rest * green + share * share * yellow;
+        const glm::dvec3 rgb = linear_rgb(glm::mix(dark, light, share), ab.x, ab.y);
+        ramp[k] = pack_colour(byte_of_light(rgb.r), byte_of_light(rgb.g), byte_of_light(rgb.b));
     }
     return ramp;
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -127,6 +128,18 @@ TEST_F(Picture, ShowsTheViewAskedFor) {
     EXPECT_NE(file_contents(file()), usual);
 }
 
+TEST_F(Picture, ShowsWhatTheSurfaceIsMadeOf) {
+    std::set<std::string> pictures;
+    for (const char* what : {"colour", "depth", "stiffness", "friction", "dynamic-friction", "height",
+                             "normals", "tiles", "validity"}) {
+        ASSERT_EQ(draw({"--show", what, "--painter", "cpu", "--picture-size", "96x54"}).code, 0) << what;
+        EXPECT_TRUE(pictures.insert(file_contents(file())).second) << what << " looks like another";
+    }
+    ASSERT_EQ(draw({"--painter", "cpu", "--picture-size", "96x54"}).code, 0);
+    EXPECT_TRUE(pictures.contains(file_contents(file()))) << "colour, where nobody says";
+    EXPECT_EQ(touch({"--show", "depth"}).code, 0);
+}
+
 TEST_F(Picture, OfAFrameNeedsNoFolder) {
     ASSERT_EQ(draw({}).code, 0);
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"clip.mkv", "scene.png"}));
@@ -158,6 +171,8 @@ TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
         "--picture");
     EXPECT_EQ(touch({"--painter", "oils"}).code, 2);
     EXPECT_EQ(run_touchable({"touch", clip(), "--view", "own"}).code, 2);  // of what?
+    EXPECT_EQ(run_touchable({"touch", clip(), "--show", "depth"}).code, 2);
+    expect_refused(touch({"--show", "smell"}), 2, "'smell' is none of colour, depth, stiffness, friction,");
     EXPECT_EQ(run_touchable({"touch", clip(), "--picture-at", "1"}).code, 2);
 }
 

@@ -1,0 +1,194 @@
+#include "player/view/surface_pick.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "shaders/cut_rule.h"
+
+namespace touchable {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// A line of sight as the lattice sees it: (x, y, q), straight there too. Between the planes before and
+/// behind all surfaces, and within the picture.
+struct LatticeWay {
+    glm::dvec3 begin, end;
+    glm::dvec3 at(double s) const { return begin + s * (end - begin); }
+};
+
+/// The part of [t0, t1] where `from` + t `change` is not negative, of both: empty where t0 > t1.
+void keep_positive(double from, double change, double& t0, double& t1) {
+    if (change > 0)
+        t0 = std::max(t0, -from / change);
+    else if (change < 0)
+        t1 = std::min(t1, -from / change);
+    else if (from < 0)
+        t1 = -1;
+}
+
+std::optional<LatticeWay> way_of(const ViewRay& ray, double near, const HeightField& field) {
+    const Camera& camera = field.scene().camera;
+    const double width = field.width() - 1, height = field.height() - 1;
+    // Planar depth k, and x and y times that, along the ray: linear in t.
+    const auto lattice = [&](const glm::dvec3& p) {
+        return glm::dvec3(camera.fx * p.x - camera.cx * p.z, -camera.fy * p.y - camera.cy * p.z, -p.z);
+    };
+    const glm::dvec3 from = lattice(ray.eye), change = lattice(ray.direction);
+    // A range is up to so many times as long as a planar depth.
+    const double longest = std::max({camera.ray_length(0, 0), camera.ray_length(width, 0),
+                                     camera.ray_length(0, height), camera.ray_length(width, height)});
+    const double least = 0.5 * field.nearest_depth_anywhere() / longest,
+                 most = 1.001 * field.scene().depth.far;
+    double t0 = near, t1 = never;
+    keep_positive(from.z - least, change.z, t0, t1);
+    keep_positive(most - from.z, -change.z, t0, t1);
+    keep_positive(from.x, change.x, t0, t1);
+    keep_positive(width * from.z - from.x, width * change.z - change.x, t0, t1);
+    keep_positive(from.y, change.y, t0, t1);
+    keep_positive(height * from.z - from.y, height * change.z - change.y, t0, t1);
+    if (!(t0 <= t1) || !std::isfinite(t1)) return std::nullopt;
+    const auto seen = [&](double t) {
+        const glm::dvec3 p = from + t * change;
+        // Clipped where the picture ends, but for a rounding.
+        return glm::dvec3(std::clamp(p.x / p.z, 0.0, width), std::clamp(p.y / p.z, 0.0, height), 1 / p.z);
+    };
+    return LatticeWay{seen(t0), seen(t1)};
+}
+
+/// Where a way crosses the lines of one family (x, y, or x - y whole), in order.
+class Crossings {
+public:
+    Crossings(double begin, double end)
+        : begin_(begin), change_(end - begin), line_(change_ > 0 ? std::floor(begin) : std::ceil(begin)) {
+        advance();
+    }
+    double next() const { return next_; }
+    void advance() {
+        line_ += change_ > 0 ? 1 : -1;
+        next_ = change_ == 0 ? never : (line_ - begin_) / change_;
+    }
+
+private:
+    double begin_, change_, line_, next_ = never;
+};
+
+/// The triangle that a place of the picture is in.
+struct Triangle {
+    std::array<glm::dvec3, 3> corners;  // (x, y, q)
+    bool cut;
+
+    double q_at(double x, double y) const {
+        const glm::dvec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
+        const double area = a.x * b.y - a.y * b.x, px = x - corners[0].x, py = y - corners[0].y;
+        return corners[0].z + ((px * b.y - py * b.x) * a.z + (a.x * py - a.y * px) * b.z) / area;
+    }
+};
+
+Triangle triangle_at(const HeightField& field, double x, double y) {
+    const auto i = static_cast<int>(std::clamp(std::floor(x), 0.0, field.width() - 2.0)),
+               j = static_cast<int>(std::clamp(std::floor(y), 0.0, field.height() - 2.0));
+    const bool lower = x - i >= y - j;
+    const std::array<std::array<int, 2>, 3> at{
+        {{i, j}, {i + 1, lower ? j : j + 1}, {lower ? i + 1 : i, j + 1}}};
+    const Scene& scene = field.scene();
+    Triangle out{};
+    std::array<float, 3> q;  // as painters have it: 0 where there is no depth
+    for (std::size_t k = 0; k < 3; ++k) {
+        const FieldVertex vertex = field.vertex(at[k][0], at[k][1]);
+        const double depth =
+            planar_depth(scene.camera, scene.depth.semantics, at[k][0], at[k][1], vertex.depth);
+        out.corners[k] = {at[k][0], at[k][1], 1 / depth};
+        q[k] = vertex.valid ? static_cast<float>(1 / depth) : 0.0F;
+    }
+    out.cut = triangle_is_cut(q[0], q[1], q[2]);
+    return out;
+}
+
+/// Where the way goes through a triangle between s0 and s1, within which it has only this one under it.
+/// `front`: it comes from before it.
+struct Meeting {
+    double s;
+    bool front;
+};
+std::optional<Meeting> meeting(const LatticeWay& way, const Triangle& triangle, double s0, double s1) {
+    const auto before = [&](double s) {
+        const glm::dvec3 at = way.at(s);
+        return at.z - triangle.q_at(at.x, at.y);
+    };
+    const double first = before(s0), last = before(s1);
+    if (first == last || (first >= 0) == (last >= 0)) return std::nullopt;
+    return Meeting{s0 + (s1 - s0) * (first / (first - last)), first >= 0};
+}
+
+SurfacePick picked(const HeightField& field, const LatticeWay& way, const Meeting& met, bool drawn,
+                   const ViewRay& ray) {
+    const glm::dvec3 at = way.at(met.s);
+    return {unproject(field.scene().camera, at.x, at.y, 1 / at.z),
+            at.x,
+            at.y,
+            1 / at.z,
+            ray.direction,
+            met.front,
+            drawn};
+}
+
+/// Height that is taken off a pixel's depth, as HeightField blends depths.
+double height_at(const HeightField& field, const FramePair& pair, int x, int y) {
+    const Scene& scene = field.scene();
+    const double per_code = largest_height(scene.height_coding, scene.depth) / scene.height_coding.code_max;
+    const auto of = [&](const SurfaceFrame& frame) {
+        return frame.heights.empty() ? 0.0 : per_code * frame.heights[frame.index(x, y)];
+    };
+    const SurfaceFrame &prev = *pair.prev.frame, &next = *pair.next.frame;
+    if (!(field.blend() > 0)) return of(prev);
+    if (prev.vertices->at(x, y).valid != next.vertices->at(x, y).valid)
+        return of(field.blend() >= 0.5 ? next : prev);
+    return of(prev) + (of(next) - of(prev)) * field.blend();
+}
+
+}  // namespace
+
+ViewRay ray_of(const ViewCamera& camera, double x, double y) {
+    return {camera.eye, glm::normalize(camera.unproject(x, y, 0.5) - camera.eye)};
+}
+
+std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y) {
+    if (field.width() < 2 || field.height() < 2) return std::nullopt;
+    const ViewRay ray = ray_of(camera, x, y);
+    // The near plane is across the middle of sight; unproject(.., 1) lies on it.
+    const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
+    const auto way = way_of(ray, near, field);
+    if (!way) return std::nullopt;
+    Crossings columns(way->begin.x, way->end.x), rows(way->begin.y, way->end.y),
+        diagonals(way->begin.x - way->begin.y, way->end.x - way->end.y);
+    std::optional<SurfacePick> wall;
+    for (double s = 0; s < 1;) {
+        const double next = std::min({1.0, columns.next(), rows.next(), diagonals.next()});
+        for (Crossings* family : {&columns, &rows, &diagonals})
+            if (family->next() <= next) family->advance();
+        const double end = std::max(s, next);
+        const glm::dvec3 middle = way->at(0.5 * (s + end));
+        const Triangle triangle = triangle_at(field, middle.x, middle.y);
+        if (const auto met = meeting(*way, triangle, s, end); met && end > s) {
+            const SurfacePick found = picked(field, *way, *met, !triangle.cut, ray);
+            if (found.drawn) return found;
+            if (!wall) wall = found;
+        }
+        s = end;
+    }
+    return wall;
+}
+
+PixelValues values_at(const HeightField& field, const FramePair& pair, int x, int y) {
+    const FieldVertex vertex = field.vertex(x, y);
+    const double millimetres = field.scene().metres_per_unit * 1000;
+    const double height = vertex.valid ? height_at(field, pair, x, y) : 0;
+    return {vertex.valid, vertex.depth,         vertex.depth * millimetres,
+            height,       height * millimetres, field.properties(x, y, 0, 0)};
+}
+
+}  // namespace touchable

@@ -1,0 +1,320 @@
+// What a surface is coloured by, against plain code that asks the field for every pixel.
+#include "player/view/overlays.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "player/view/colour_ramp.hpp"
+#include "player/view/surface_pick.hpp"
+#include "tests/view/coded_frames.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Lightness and colour of a colour on screens as eyes see them: OKLab, from sRGB.
+glm::dvec3 oklab(PackedColour colour) {
+    glm::dvec3 rgb;
+    for (int k = 0; k < 3; ++k) {
+        const double s = (colour >> (8 * k) & 255U) / 255.0;
+        rgb[k] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    }
+    const double l = std::cbrt(0.4122214708 * rgb.r + 0.5363325363 * rgb.g + 0.0514459929 * rgb.b),
+                 m = std::cbrt(0.2119034982 * rgb.r + 0.6806995451 * rgb.g + 0.1073969566 * rgb.b),
+                 s = std::cbrt(0.0883024619 * rgb.r + 0.2817188376 * rgb.g + 0.6299787005 * rgb.b);
+    return {0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+            1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+            0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
+}
+
+TEST(ColourRamp, GetsLighterEvenlyAndIsNowhereGrey) {
+    const auto& ramp = colour_ramp();
+    const double first = oklab(ramp[0]).x, last = oklab(ramp[255]).x;
+    EXPECT_LT(first, 0.3);
+    EXPECT_GT(last, 0.92);
+    for (std::size_t k = 0; k < ramp.size(); ++k) {
+        const glm::dvec3 here = oklab(ramp[k]);
+        EXPECT_NEAR(here.x, first + (last - first) * static_cast<double>(k) / 255, 0.002) << k;
+        EXPECT_GT(std::hypot(here.y, here.z), 0.055) << k;
+        if (k >= 16) {  // a single byte's step is coarse
+            EXPECT_NEAR(glm::length(here - oklab(ramp[k - 16])), 16 * 0.0029, 0.004) << k;
+        }
+    }
+    EXPECT_LT(oklab(ramp[0]).z, -0.1) << "blue";
+    EXPECT_GT(oklab(ramp[255]).z, 0.1) << "yellow";
+    EXPECT_EQ(ramp_colour(-1), ramp[0]);
+    EXPECT_EQ(ramp_colour(0.5), ramp[128]);
+    EXPECT_EQ(ramp_colour(2), ramp[255]);
+}
+
+/// Two frames with holes, heights, properties, and holes that are soft.
+struct Painted : Codes {
+    explicit Painted(DepthCodingKind kind)
+        : Codes(coding_of(kind, DepthSemantics::range, kind != DepthCodingKind::metric), 77, 41, true) {
+        SplitMix64 random(11);
+        for (SurfaceFrame* frame : {&prev, &next}) {
+            frame->haptic.resize(3 * frame->codes.size());
+            for (auto& byte : frame->haptic) byte = static_cast<std::uint8_t>(random.next());
+        }
+        scene.haptic = {{0.2, 3}, {0.1, 0.9}, {0.3, 1.2}};
+        scene.hole_stiffness = 0.05;
+    }
+    FramePair pair(double blend) const { return {{0, 0, &prev}, {1, 33'000'000, &next}, blend, 0}; }
+};
+
+double value_of(Scalar scalar, const PixelValues& values) {
+    switch (scalar) {
+        case Scalar::depth:
+            return values.depth;
+        case Scalar::stiffness:
+            return values.properties.stiffness;
+        case Scalar::static_friction:
+            return values.properties.static_friction;
+        case Scalar::dynamic_friction:
+            return values.properties.dynamic_friction;
+        default:
+            return values.height;
+    }
+}
+
+void expect_values(Scalar scalar, const HeightField& field, const FramePair& pair) {
+    ScalarRows rows;
+    rows.begin(scalar, field, pair);
+    std::vector<float> row(static_cast<std::size_t>(field.width()));
+    int holes = 0;
+    for (int y = 0; y < field.height(); ++y) {
+        rows.read(y, row.data());
+        for (int x = 0; x < field.width(); ++x) {
+            const float value = row[static_cast<std::size_t>(x)];
+            const PixelValues plain = values_at(field, pair, x, y);
+            ASSERT_EQ(!std::isnan(value), plain.valid) << x << ", " << y;
+            holes += !plain.valid;
+            const double right = value_of(scalar, plain);
+            if (plain.valid) {
+                ASSERT_NEAR(value, right, 2e-6 * std::max(1.0, right)) << x << ", " << y;
+            }
+        }
+    }
+    EXPECT_GT(holes, 20);
+}
+
+constexpr Scalar scalars[] = {Scalar::depth, Scalar::stiffness, Scalar::static_friction,
+                              Scalar::dynamic_friction, Scalar::height};
+
+TEST(ScalarRows, AreWhatTheFieldSaysPixelByPixel) {
+    for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::metric}) {
+        Painted painted(kind);
+        for (const double blend : {0.0, 0.3, 0.7})
+            for (const Scalar scalar : scalars) {
+                SCOPED_TRACE(static_cast<int>(scalar));
+                const FramePair pair = painted.pair(blend);
+                expect_values(scalar, HeightField(painted.scene, pair), pair);
+            }
+    }
+}
+
+TEST(ScalarRows, DoWithoutPlanesAndCodes) {
+    Painted painted(DepthCodingKind::linear);
+    painted.prev.haptic.clear();
+    painted.next.heights.clear();
+    std::vector<double> depths(painted.prev.codes.size(), 1.5);
+    for (std::size_t k = 0; k < depths.size(); k += 7) depths[k] = NAN;
+    painted.next.vertices = std::make_unique<ExactVertices>(77, 41, depths);
+    for (const double blend : {0.0, 0.3, 0.7})
+        for (const Scalar scalar : scalars) {
+            SCOPED_TRACE(static_cast<int>(scalar));
+            const FramePair pair = painted.pair(blend);
+            expect_values(scalar, HeightField(painted.scene, pair), pair);
+        }
+}
+
+glm::ivec3 colour_at(const OverlayPicture& picture, int x, int y) {
+    const PlaneView view = picture.view();
+    return {view.sample(x, y, 0), view.sample(x, y, 1), view.sample(x, y, 2)};
+}
+glm::ivec3 channels(PackedColour colour) {
+    return {colour & 255U, colour >> 8 & 255U, colour >> 16 & 255U};
+}
+
+TEST(Overlays, AColourIsItsValuesPlaceOnTheScale) {
+    const Painted painted(DepthCodingKind::linear);
+    const FramePair pair = painted.pair(0.3);
+    const HeightField field(painted.scene, pair);
+    const double per_mm = 1 / (painted.scene.metres_per_unit * 1000);
+    const struct {
+        Overlay kind;
+        Scalar scalar;
+        double per_unit;
+    } kinds[] = {{Overlay::depth, Scalar::depth, per_mm},
+                 {Overlay::height, Scalar::height, per_mm},
+                 {Overlay::stiffness, Scalar::stiffness, 1000},
+                 {Overlay::static_friction, Scalar::static_friction, 1},
+                 {Overlay::dynamic_friction, Scalar::dynamic_friction, 1}};
+    Overlays overlays;
+    for (const auto& [kind, scalar, per_unit] : kinds) {
+        const OverlayPicture& picture = overlays.paint(kind, field, pair);
+        EXPECT_GT(picture.scale.range.greatest, picture.scale.range.least);
+        for (int y = 0; y < field.height(); ++y)
+            for (int x = 0; x < field.width(); ++x) {
+                const PixelValues plain = values_at(field, pair, x, y);
+                const glm::ivec3 seen = colour_at(picture, x, y);
+                if (!plain.valid) {
+                    ASSERT_EQ(seen, channels(hole_colour(x, y)));
+                    continue;
+                }
+                const double share = picture.scale.share_of(value_of(scalar, plain) / per_unit);
+                const glm::ivec3 off = glm::abs(seen - channels(ramp_colour(share)));
+                ASSERT_LE(std::max({off.r, off.g, off.b}), 2) << picture.scale.name << x << ", " << y;
+            }
+    }
+}
+
+TEST(Overlays, TheScaleOfDepthLeavesOutOutliersAndTheFarPlane) {
+    Painted painted(DepthCodingKind::linear);
+    const DepthCoding& coding = painted.scene.depth;
+    std::vector<double> depths(painted.prev.codes.size());
+    for (std::size_t k = 0; k < depths.size(); ++k)
+        depths[k] = k % 2 == 0 ? coding.far : coding.near * (2 + static_cast<double>(k % 400) / 400);
+    depths[0] = coding.near;
+    painted.prev.heights.clear();
+    painted.prev.vertices = std::make_unique<ExactVertices>(77, 41, depths);
+    const FramePair pair = painted.pair(0);
+    Overlays overlays;
+    const OverlayScale& scale = overlays.paint(Overlay::depth, HeightField(painted.scene, pair), pair).scale;
+    const double unit = painted.scene.metres_per_unit * (scale.unit == "m" ? 1 : 1000);
+    EXPECT_NEAR(scale.range.least, 2 * coding.near * unit, 0.02 * coding.near * unit);
+    EXPECT_NEAR(scale.range.greatest, 3 * coding.near * unit, 0.02 * coding.near * unit);
+}
+
+TEST(Overlays, WhatIsTheSameEverywhereIsOneColour) {
+    Painted painted(DepthCodingKind::linear);
+    painted.prev.haptic.clear();
+    painted.scene.hole_stiffness.reset();
+    const FramePair pair = painted.pair(0);
+    Overlays overlays;
+    const OverlayPicture& picture =
+        overlays.paint(Overlay::stiffness, HeightField(painted.scene, pair), pair);
+    EXPECT_EQ(picture.scale.range, (ValueRange{0.6, 0.6}));
+    for (int x = 0; x < 77; ++x)
+        if (painted.prev.is_valid(x, 20)) {
+            EXPECT_EQ(colour_at(picture, x, 20), channels(ramp_colour(0.5)));
+        }
+}
+
+TEST(Overlays, NormalsOfAPlaneAreThatPlanes) {
+    Painted painted(DepthCodingKind::linear);
+    painted.prev.heights.clear();
+    painted.prev.codes.clear();
+    painted.scene.depth.semantics = DepthSemantics::planar;
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
+    const Camera& camera = painted.scene.camera;
+    std::vector<double> depths;
+    for (int y = 0; y < 41; ++y)
+        for (int x = 0; x < 77; ++x) {
+            const double depth = -1 / glm::dot(normal, glm::dvec3(camera.u(x), camera.v(y), -1));
+            depths.push_back(x < 40 ? depth : 1.5 * depth);  // a step, which is no slope
+        }
+    painted.prev.vertices = std::make_unique<ExactVertices>(77, 41, depths);
+    const FramePair pair = painted.pair(0);
+    Overlays overlays;
+    const OverlayPicture& picture = overlays.paint(Overlay::normals, HeightField(painted.scene, pair), pair);
+    for (int y = 0; y < 41; ++y)
+        for (int x = 0; x < 77; ++x) {
+            const glm::dvec3 seen = (glm::dvec3(colour_at(picture, x, y)) - 127.5) / 127.5;
+            ASSERT_LT(glm::length(seen - normal), 0.01) << x << ", " << y;
+        }
+}
+
+TEST(Overlays, TilesAreThoseThatAreDrawn) {
+    const Painted painted(DepthCodingKind::linear);
+    std::vector<double> depths(77 * 41, 2.0);
+    for (int y = 0; y < 41; ++y)
+        for (int x = 20; x < 77; ++x) depths[static_cast<std::size_t>(y * 77 + x)] = x < 50 ? 3.0 : NAN;
+    SurfaceFrame frame;
+    frame.width = 77;
+    frame.height = 41;
+    frame.vertices = std::make_unique<ExactVertices>(77, 41, depths);
+    const FramePair pair{{0, 0, &frame}, {0, 0, &frame}, 0, 0};
+    const HeightField field(painted.scene, pair);
+    Overlays overlays;
+    const OverlayPicture& picture = overlays.paint(Overlay::tiles, field, pair);
+    const ViewTiles tiles = classify_tiles(77, 41, q_of(field));
+    ASSERT_FALSE(tiles.whole.empty() || tiles.mixed.empty());
+    const auto holds = [](const std::vector<std::uint32_t>& some, std::uint32_t tile) {
+        return std::count(some.begin(), some.end(), tile) > 0;
+    };
+    for (std::uint32_t tile = 0; tile < 15; ++tile) {
+        const int x = static_cast<int>(tile % 5) * 16 + 5, y = static_cast<int>(tile / 5) * 16 + 5;
+        const glm::ivec3 seen = colour_at(picture, x, y);
+        EXPECT_EQ(seen == channels(picture.scale.classes[0].colour), holds(tiles.whole, tile)) << tile;
+        EXPECT_EQ(seen == channels(picture.scale.classes[1].colour), holds(tiles.mixed, tile)) << tile;
+    }
+}
+
+TEST(Overlays, ValidityTellsHolesTheirRimsAndWhatIsInOneFrameAlone) {
+    const Painted painted(DepthCodingKind::linear);
+    for (const double blend : {0.0, 0.3, 0.7}) {
+        const FramePair pair = painted.pair(blend);
+        const HeightField field(painted.scene, pair);
+        Overlays overlays;
+        const OverlayPicture& picture = overlays.paint(Overlay::validity, field, pair);
+        const auto& classes = picture.scale.classes;
+        ASSERT_EQ(classes.size(), blend > 0 ? 3U : 2U);
+        for (int y = 0; y < 41; ++y)
+            for (int x = 0; x < 77; ++x) {
+                bool rim = false;
+                for (int j = std::max(0, y - 1); j <= std::min(40, y + 1); ++j)
+                    for (int i = std::max(0, x - 1); i <= std::min(76, x + 1); ++i)
+                        rim = rim || !field.vertex(i, j).valid;
+                const bool once = blend > 0 && painted.prev.is_valid(x, y) != painted.next.is_valid(x, y);
+                const PackedColour right = !field.vertex(x, y).valid ? hole_colour(x, y)
+                                           : once                    ? classes[2].colour
+                                                                     : classes[rim ? 1 : 0].colour;
+                ASSERT_EQ(colour_at(picture, x, y), channels(right)) << x << ", " << y;
+            }
+    }
+}
+
+TEST(SteadyRange, WidensAtOnceAndNarrowsInSeconds) {
+    const Painted painted(DepthCodingKind::linear);
+    const auto field_at = [&](double seconds, std::uint64_t epoch) {
+        const auto time = static_cast<std::int64_t>(1e9 * seconds);
+        return HeightField(painted.scene, {{0, time, &painted.prev}, {0, time, &painted.prev}, 0, epoch});
+    };
+    SteadyRange range;
+    EXPECT_EQ(range.update({2, 5}, field_at(0, 0)), (ValueRange{2, 5}));
+    EXPECT_EQ(range.update({1, 9}, field_at(0.033, 0)), (ValueRange{1, 9}));
+    EXPECT_EQ(range.update({2, 5}, field_at(0.033, 0)), (ValueRange{1, 9})) << "paused";
+    const ValueRange soon = range.update({2, 5}, field_at(0.233, 0));
+    EXPECT_NEAR(soon.least, 1.1, 1e-9);
+    EXPECT_NEAR(soon.greatest, 8.6, 1e-9);
+    for (int k = 1; k < 300; ++k) range.update({2, 5}, field_at(0.233 + 0.033 * k, 0));
+    EXPECT_NEAR(range.update({2, 5}, field_at(11, 0)).greatest, 5, 0.05);
+    EXPECT_EQ(range.update({3, 4}, field_at(0, 1)), (ValueRange{3, 4})) << "another epoch";
+}
+
+TEST(Overlays, OfDepthAreDrawnWithoutLightAndThoseOfPropertiesInAWeakOne) {
+    const Painted painted(DepthCodingKind::linear);
+    const FramePair pair = painted.pair(0);
+    const HeightField field(painted.scene, pair);
+    Overlays overlays;
+    for (const auto kind : {Overlay::depth, Overlay::stiffness}) {
+        const OverlayPicture& picture = overlays.paint(kind, field, pair);
+        ViewSurface surface = make_view_surface(field, picture.view());
+        const std::vector<PackedColour> lit = surface.colours;
+        quieten_light(kind, picture, surface);
+        for (std::size_t k = 0; k < lit.size(); ++k) {
+            const glm::ivec3 flat(picture.rgb[3 * k], picture.rgb[3 * k + 1], picture.rgb[3 * k + 2]);
+            const glm::ivec3 drawn = channels(surface.colours[k]), in_light = channels(lit[k]);
+            if (kind == Overlay::depth) {
+                ASSERT_EQ(drawn, flat);
+                continue;
+            }
+            for (int c = 0; c < 3; ++c) ASSERT_NEAR(drawn[c], 0.5 * (flat[c] + in_light[c]), 1);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
