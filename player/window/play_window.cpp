@@ -183,7 +183,8 @@ void PlayWindow::take(const InputEvent& event) {
     const bool is_of_panel = layer_->takes_pointer();
     if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
     if (is_of_panel && event.kind != Kind::released) return;
-    pointer_.take(event, clip_->fingers(), clip_->view(), screen_->size().height);
+    const ScreenSize size = screen_->size();
+    pointer_.take(event, clip_->fingers(), clip_->view(), size.width, size.height);
     screen_->hide_pointer(clip_->fingers().pointer().has_value());
 }
 

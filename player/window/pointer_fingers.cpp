@@ -10,8 +10,8 @@
 namespace touchable {
 namespace {
 
-/// How far several fingers are from the pointer, device metres.
-constexpr double spread_m = 0.016;
+/// How far several fingers are from the pointer, of the picture's height.
+constexpr double spread = 0.08;
 
 }  // namespace
 
@@ -26,9 +26,7 @@ double PointerFingers::depth_m() const {
 /// World.
 std::optional<glm::dvec3> PointerFingers::place_of(int finger, const HeightField& field,
                                                    const ViewCamera& camera) {
-    const double pixels_per_metre =
-        distance_ ? camera.focal / *distance_ / workspace_.metres_per_scene_unit : 0;
-    const glm::dvec2 offset = finger_offset(finger, count_, spread_m * pixels_per_metre);
+    const glm::dvec2 offset = finger_offset(finger, count_, spread * camera.height);
     const glm::dvec2 at = *pointer_ + glm::dvec2(offset.x, -offset.y);
     const glm::dvec3 direction = glm::normalize(camera.unproject(at.x, at.y, 0.5) - camera.eye);
     const auto met = pick(field, camera, at.x, at.y);

@@ -13,14 +13,15 @@ constexpr std::chrono::milliseconds double_click(400);
 
 }  // namespace
 
-void PointerInput::take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int height) {
+void PointerInput::take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width,
+                        int height) {
     using Kind = InputEvent::Kind;
     switch (event.kind) {
         case Kind::moved: {
             const glm::dvec2 to(event.x, event.y), moved = to - at_;
             at_ = to;
             fingers.set_pointer(to);
-            drag(moved, fingers, view, height, shift_);
+            drag(moved, fingers, view, width, height);
             break;
         }
         case Kind::pressed:
@@ -51,12 +52,12 @@ void PointerInput::take(const InputEvent& event, PointerFingers& fingers, Window
     }
 }
 
-void PointerInput::drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int height,
-                        bool shift) {
+void PointerInput::drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int width,
+                        int height) {
     if (held_ == "right") fingers.deepen(moved.y * metres_per_pixel);
     if (held_ != "middle") return;
-    if (shift)
-        view.pan(moved.x, moved.y, height);
+    if (shift_)
+        view.pan(moved.x, moved.y, width, height);
     else
         view.turn(-moved.x * degrees_per_pixel, moved.y * degrees_per_pixel);
 }

@@ -16,8 +16,8 @@ class PointerInput {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// An event that no panel takes; of a picture of that height. Keys are not the pointer's.
-    void take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int height);
+    /// An event that no panel takes; of a picture of that size. Keys are not the pointer's.
+    void take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width, int height);
     /// By so many pixels, for whoever has keys alone; from the middle of the picture where it was nowhere.
     void move_by(const glm::dvec2& pixels, int width, int height, PointerFingers& fingers);
     /// The panel has the pointer, or it is nowhere: fingers leave, and nothing is held.
@@ -26,7 +26,7 @@ public:
     std::optional<glm::dvec2> take_double_click();
 
 private:
-    void drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int height, bool shift);
+    void drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int width, int height);
 
     glm::dvec2 at_{0.0};
     std::string held_;  // the button

@@ -29,15 +29,14 @@ void WindowView::turn(double azimuth, double elevation) {
     orbit_.elevation = std::clamp(orbit_.elevation + elevation, -89.0, 89.0);
 }
 
-void WindowView::pan(double x, double y, int height) {
+void WindowView::pan(double x, double y, int width, int height) {
     leave_own();
-    // A pixel at the centre's distance is as long as the picture's height there divided by its pixels.
-    const ViewCamera camera = this->camera(std::max(height, 1), std::max(height, 1));
+    const ViewCamera camera = this->camera(std::max(width, 1), std::max(height, 1));
     const auto middle = camera.project(centre_);
     if (!middle) return;
     const glm::dvec3 moved = centre_ + camera.unproject(middle->x - x, middle->y - y, middle->z) -
                              camera.unproject(middle->x, middle->y, middle->z);
-    if (moved.z < 0) centre_ = moved;
+    set_centre(moved);
 }
 
 void WindowView::near_by(double factor) {
@@ -47,8 +46,12 @@ void WindowView::near_by(double factor) {
 
 void WindowView::look_at(const glm::dvec3& place) {
     leave_own();
+    set_centre(place);
+}
+
+/// The eye stays as far away as it was; zoom counts from the clip's camera.
+void WindowView::set_centre(const glm::dvec3& place) {
     if (!(place.z < 0)) return;
-    // The eye stays as far away as it was; zoom counts from the clip's camera.
     orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * place.z / centre_.z, 0.1, 20.0);
     centre_ = place;
 }

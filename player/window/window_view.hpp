@@ -19,8 +19,8 @@ public:
 
     /// By so many degrees to the right and up.
     void turn(double azimuth, double elevation);
-    /// So many pixels of a picture of that height, along with the pointer.
-    void pan(double x, double y, int height);
+    /// So many pixels of a picture of that size, along with the pointer.
+    void pan(double x, double y, int width, int height);
     /// So many times as near.
     void near_by(double factor);
     /// Round this place from now on, which is the picture's middle then.
@@ -29,6 +29,7 @@ public:
 
 private:
     void leave_own();
+    void set_centre(const glm::dvec3& place);
 
     const Scene& scene_;
     glm::dvec3 home_, centre_;

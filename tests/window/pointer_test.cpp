@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "player/session/clip_workspace.hpp"
 #include "player/view/surface_pick.hpp"
 #include "player/window/pointer_input.hpp"
 #include "tests/view/shown.hpp"
@@ -16,13 +17,13 @@ class Pointer : public ::testing::Test {
 protected:
     void SetUp() override {
         shown_ = shown_scene("globe", 160, 120);
-        workspace_ = {0.0002, {0, 0, -600}};
+        workspace_ = clip_workspace(shown_->scene, shown_->prev);
         device_.emplace(PointerFingers::most, workspace_.to_device({0, 0, 0}));
         ASSERT_TRUE(device_->open().ok());
         fingers_.emplace(*device_, workspace_);
-        view_.emplace(shown_->scene, glm::dvec3(0, 0, -600));
+        view_.emplace(shown_->scene, glm::dvec3(0, 0, -80));
     }
-    void put(double x, double y) { input_.take({.x = x, .y = y}, *fingers_, *view_, 240); }
+    void put(double x, double y) { input_.take({.x = x, .y = y}, *fingers_, *view_, 320, 240); }
     /// World.
     std::array<glm::dvec3, PointerFingers::most> after_a_second() {
         std::array<glm::dvec3, PointerFingers::most> places{};
@@ -48,26 +49,26 @@ TEST_F(Pointer, FingerHoversBeforeWhatIsSeenThere) {
     ASSERT_TRUE(met && met->drawn);
     const glm::dvec3 wanted =
         met->point + met->direction * (PointerFingers::hover_m / workspace_.metres_per_scene_unit);
-    EXPECT_LT(glm::length(after_a_second()[0] - wanted), 0.01);
+    EXPECT_LT(glm::length(after_a_second()[0] - wanted) * workspace_.metres_per_scene_unit, 1e-5);
 }
 
 TEST_F(Pointer, ButtonPressesAndLettingGoLiftsAgain) {
     put(160, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 240);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::press_m);
     const auto met = pick(field(), camera(), 160, 120);
     const double depth = glm::dot(after_a_second()[0] - met->point, met->direction);
-    EXPECT_NEAR(depth, PointerFingers::press_m / workspace_.metres_per_scene_unit, 0.01);
-    input_.take({.kind = InputEvent::Kind::released, .word = "left"}, *fingers_, *view_, 240);
+    EXPECT_NEAR(depth * workspace_.metres_per_scene_unit, PointerFingers::press_m, 1e-5);
+    input_.take({.kind = InputEvent::Kind::released, .word = "left"}, *fingers_, *view_, 320, 240);
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m);
 }
 
 TEST_F(Pointer, WheelDeepensWithinLimits) {
     for (int notch = 0; notch < 100; ++notch)
-        input_.take({.kind = InputEvent::Kind::wheel, .y = 1}, *fingers_, *view_, 240);
+        input_.take({.kind = InputEvent::Kind::wheel, .y = 1}, *fingers_, *view_, 320, 240);
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::deepest_m);
     for (int notch = 0; notch < 100; ++notch)
-        input_.take({.kind = InputEvent::Kind::wheel, .y = -1}, *fingers_, *view_, 240);
+        input_.take({.kind = InputEvent::Kind::wheel, .y = -1}, *fingers_, *view_, 320, 240);
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::highest_m);
 }
 
@@ -88,20 +89,20 @@ TEST_F(Pointer, SeveralFingersStandRoundIt) {
 
 TEST_F(Pointer, LeavesWithTheWindow) {
     put(160, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 240);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
     after_a_second();
-    input_.take({.kind = InputEvent::Kind::left_window}, *fingers_, *view_, 240);
+    input_.take({.kind = InputEvent::Kind::left_window}, *fingers_, *view_, 320, 240);
     EXPECT_LT(glm::length(after_a_second()[0]), 1e-6);
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m) << "nothing is held any more";
 }
 
 TEST_F(Pointer, MiddleButtonTurnsTheViewAndLeavesTheFinger) {
     put(160, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "middle"}, *fingers_, *view_, 240);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "middle"}, *fingers_, *view_, 320, 240);
     put(190, 120);
     EXPECT_FALSE(view_->own());
     EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
-    input_.take({.kind = InputEvent::Kind::released, .word = "middle"}, *fingers_, *view_, 240);
+    input_.take({.kind = InputEvent::Kind::released, .word = "middle"}, *fingers_, *view_, 320, 240);
     put(160, 120);
     EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
 }

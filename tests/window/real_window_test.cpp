@@ -62,7 +62,7 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     EXPECT_EQ(first->height, 400);
     EXPECT_EQ(second->width, 500);
     EXPECT_EQ(second->height, 360);
-    const auto again = run_touchable({"touch", "--replay", (folder / "hand.touch").string(), "--json", "-"});
+    const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
 }

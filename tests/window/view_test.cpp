@@ -28,7 +28,7 @@ TEST(WindowView, IsTheClipsOwnUntilTurnedAndAgainAtHome) {
     view.turn(30, 10);
     EXPECT_FALSE(view.own());
     view.near_by(2);
-    view.pan(10, 10, 480);
+    view.pan(10, 10, 720, 480);
     view.go_home();
     EXPECT_EQ(largest_difference(own.clip_from_world, view.camera(720, 480).clip_from_world), 0);
 }
@@ -49,7 +49,7 @@ TEST(WindowView, PanGoesWithThePointer) {
     WindowView view(scene, {0, 0, -600});
     view.turn(20, 5);
     const auto before = view.camera(720, 480).project({0, 0, -600});
-    view.pan(30, -12, 480);
+    view.pan(30, -12, 720, 480);
     const auto after = view.camera(720, 480).project({0, 0, -600});
     EXPECT_NEAR(after->x - before->x, 30, 0.5);
     EXPECT_NEAR(after->y - before->y, -12, 0.5);
