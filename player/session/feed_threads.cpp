@@ -15,7 +15,7 @@ namespace touchable {
 namespace {
 
 // Decoded frames that wait for the builder: enough to even out slow ones, few enough to keep memory small.
-constexpr std::size_t queue_length = 3;
+constexpr std::ptrdiff_t queue_length = 3;
 // How long the builder waits for the hand to move past a frame before it looks again.
 constexpr std::chrono::milliseconds slot_wait(1);
 
@@ -149,12 +149,18 @@ Result<void> FeedThreads::go_on(std::uint64_t wanted) {
     return feed_.read_from(next.number, next.start_ns);
 }
 
+/// Those before an epoch's first do not count: the loop's way back would have to wait for them otherwise.
+std::ptrdiff_t FeedThreads::frames_waiting() const {
+    return std::count_if(queue_.begin(), queue_.end(),
+                         [](const Queued& queued) { return queued.frame && queued.frame->shown; });
+}
+
 /// Gives the builder what was read once there is room, or waits for news. False once there is no more to do.
 bool FeedThreads::hand_over() {
     std::unique_lock lock(mutex_);
     // What waits here of a camera would only grow old.
-    const std::size_t room = feed_.reader().is_live() ? 1 : queue_length;
-    const auto has_room = [&] { return next_ && queue_.size() < room; };
+    const std::ptrdiff_t room = feed_.reader().is_live() ? 1 : queue_length;
+    const auto has_room = [&] { return next_ && frames_waiting() < room; };
     decoded_all_ = !next_;
     if (decoded_all_) changed_.notify_all();
     if (decoded_all_ && !commands_may_come_) return false;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -72,6 +73,7 @@ private:
     Result<void> follow_commands();
     Result<void> go_to(const MediaMoment& hand);
     Result<void> go_on(std::uint64_t wanted);
+    std::ptrdiff_t frames_waiting() const;
     bool hand_over();
     // Of the thread that builds.
     void build();

@@ -101,8 +101,6 @@ public:
     WatchedColours& colours() { return colours_; }
     /// Any thread, at any time.
     FeedFigures figures() const;
-    /// Whether a filter remembers earlier frames.
-    bool remembers() const { return settles_; }
     /// Of a live source: time 0 of the run, before the thread that reads begins.
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
     /// From any thread: `read_next` waits for no live source any more.
