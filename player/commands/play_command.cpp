@@ -75,6 +75,25 @@ void print(const PlayFigures& figures) {
                 static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
 }
 
+/// No picture and no recording takes the place of what the window shows, by whatever name.
+Result<void> check_files(const PlayOptions& options, const std::optional<std::filesystem::path>& script) {
+    Outputs outputs{{}, options.existing};
+    if (options.record) outputs.files.push_back({"--record", *options.record});
+    if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
+    for (const ScriptedInput& input : options.script)
+        if (const auto* command = std::get_if<WindowCommand>(&input.what))
+            if (command->verb == WindowVerb::screenshot && !command->word.empty())
+                outputs.files.push_back({"a screenshot of --script", command->word});
+    if (outputs.files.empty()) return {};
+    std::vector<NamedFile> inputs;
+    if (script) inputs.push_back({"--script", *script});
+    if (options.session.clip.scene_file) inputs.push_back({"--scene", *options.session.clip.scene_file});
+    const auto reader = options.session.clip.open();
+    if (!reader.ok()) return reader.error();
+    add_inputs(inputs, options.session.clip.file, **reader);
+    return check_outputs(outputs, inputs);
+}
+
 Result<void> run_play(const PlayOptions& options) {
     auto figures = play_in_window(options);
     if (!figures.ok()) return figures.error();
@@ -140,6 +159,7 @@ void add_play_command(CLI::App& app, Command& command) {
         command = [words]() -> Result<void> {
             const auto options = read_words(*words);
             if (!options.ok()) return options.error();
+            if (auto checked = check_files(*options, words->script); !checked.ok()) return checked;
             return run_play(*options);
         };
     });

@@ -14,6 +14,7 @@
 #include "player/window/opened_clip.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/pointer_input.hpp"
+#include "player/window/what_is_seen.hpp"
 #include "player/window/window_panel.hpp"
 
 namespace touchable {
@@ -21,9 +22,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds picture_pause(16);  // from one picture to the next, at least
-constexpr std::chrono::milliseconds idle_pause(200);    // and at most, so that clock and figures go on
+// From the begin of one picture to the next, at least: as often as screens show one, but where drawing takes
+// so long that decoding would suffer.
+constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.75;
+constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
+constexpr double after_input_ms = 300;  // buttons fade
 constexpr double message_s = 4;
+constexpr const char* first_words =
+    "move over the picture, and hold the left button to touch it; ? shows all keys";
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double>(to - from).count();
@@ -54,10 +60,11 @@ private:
     void step(double frames);
     void toggle_loop();
     void open_other(const std::string& file);
-    void keep_picture(const std::string& name);
+    Result<void> keep_picture(const std::filesystem::path& name);
     void say(std::string words, bool bad = false);
     void sum_up();
-    bool is_due(const WatchedMoment& moment, Clock::time_point now) const;
+    double pause_ms() const;
+    bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     Result<void> draw(const WatchedMoment& moment);
     double now_s() const { return seconds_between(begun_, Clock::now()); }
 
@@ -72,13 +79,12 @@ private:
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
-    Clock::time_point begun_, last_picture_, message_at_;
+    Clock::time_point begun_, last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
-    std::int64_t last_tick_ = -1;
+    WhatIsSeen seen_;
     std::string message_;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;
-    std::optional<Error> fault_;  // of what a key asked for and a script cannot go on without
     PlayFigures figures_;
 };
 
@@ -116,25 +122,26 @@ Result<PlayFigures> PlayWindow::run() {
     while (!quit_ && !interrupted()) {
         const WatchedMoment* const moment = clip_->session().look();
         const auto now = Clock::now();
-        if (moment && is_due(*moment, now)) {
+        if (is_due(moment, now)) {
             if (auto drawn = draw(*moment); !drawn.ok()) return drawn.error();
-        } else {
-            const auto since = std::chrono::duration_cast<std::chrono::milliseconds>(now - last_picture_);
-            for (const InputEvent& event : screen_->poll(
-                     std::clamp(picture_pause - since, std::chrono::milliseconds(1), picture_pause)))
-                take(event);
         }
-        for (const InputEvent& event : screen_->poll(std::chrono::milliseconds(0))) take(event);
+        const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
+        const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
+        for (const InputEvent& event : screen_->poll(wait)) take(event);
         take_script();
         for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
         if (!clip_->session().running() && message_.empty())
             if (const auto failure = clip_->session().failure()) say(failure->message, true);
         if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
     }
-    if (options_.screenshot) keep_picture(options_.screenshot->string());
+    Result<void> kept;
+    if (options_.screenshot && !interrupted()) kept = keep_picture(*options_.screenshot);
     sum_up();
     if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
-    if (fault_) return *fault_;
+    if (const auto failure = clip_->session().failure()) return *failure;
+    if (!kept.ok()) return kept.error();
+    if (interrupted())
+        return Error{ErrorKind::interrupted, "interrupted; what was asked for is written, up to there"};
     return std::move(figures_);
 }
 
@@ -152,10 +159,16 @@ void PlayWindow::sum_up() {
 }
 
 /// Nothing is drawn again where nothing has moved.
-bool PlayWindow::is_due(const WatchedMoment& moment, Clock::time_point now) const {
-    const auto since = now - last_picture_;
-    if (since < picture_pause) return false;
-    return moment.tick != last_tick_ || !events_.empty() || since >= idle_pause;
+bool PlayWindow::is_due(const WatchedMoment* moment, Clock::time_point now) const {
+    const double since_ms = 1000 * seconds_between(last_picture_, now);
+    if (!moment || since_ms < pause_ms()) return false;
+    const bool has_input = !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
+    return has_input || since_ms >= idle_pause_ms ||
+           seen_.differs(*moment, clip_->fingers().shown(), clip_->sizes().finger_radius / 50);
+}
+
+double PlayWindow::pause_ms() const {
+    return std::clamp(last_draw_ms_ / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
 
 void PlayWindow::take_script() {
@@ -170,7 +183,8 @@ void PlayWindow::take_script() {
 
 void PlayWindow::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
-    if (!first_event_) first_event_ = Clock::now();
+    last_event_ = Clock::now();
+    if (!first_event_) first_event_ = last_event_;
     events_.push_back(event);
     if (event.kind == Kind::close) quit_ = true;
     if (event.kind == Kind::dropped) open_other(event.word);
@@ -271,7 +285,8 @@ void PlayWindow::take(const WindowCommand& command) {
             fullscreen_ = !fullscreen_;
             return screen_->set_fullscreen(fullscreen_);
         case WindowVerb::screenshot:
-            return keep_picture(command.word);
+            if (auto kept = keep_picture(command.word); !kept.ok()) say(kept.error().message, true);
+            return;
         case WindowVerb::open:
             return open_other(command.word);
         case WindowVerb::quit:
@@ -294,22 +309,16 @@ void PlayWindow::open_other(const std::string& file) {
     screen_->set_title(clip_->name() + " - touchable");
 }
 
-void PlayWindow::keep_picture(const std::string& name) {
+Result<void> PlayWindow::keep_picture(const std::filesystem::path& name) {
     const auto image = read_back(device_, picture_->canvas());
-    if (!image.ok()) {
-        fault_ = image.error();
-        return say(image.error().message, true);
-    }
-    const std::filesystem::path file = name.empty() ? free_name() : std::filesystem::path(name);
+    if (!image.ok()) return image.error();
+    const std::filesystem::path file = name.empty() ? free_name() : name;
     NewFile out(file, options_.existing);
-    auto written = out.check();
-    if (written.ok()) written = write_png(out, image->view());
-    if (written.ok()) written = out.commit();
-    if (!written.ok()) {
-        fault_ = written.error();
-        return say(written.error().message, true);
-    }
+    if (auto usable = out.check(); !usable.ok()) return usable;
+    if (auto written = write_png(out, image->view()); !written.ok()) return written;
+    if (auto done = out.commit(); !done.ok()) return done;
     say("kept as " + file.string());
+    return {};
 }
 
 void PlayWindow::say(std::string words, bool bad) {
@@ -323,8 +332,11 @@ Result<void> PlayWindow::draw(const WatchedMoment& moment) {
     const auto begin = Clock::now();
     const double since = seconds_between(last_picture_, begin);
     last_picture_ = begin;
-    last_tick_ = moment.tick;
-    if (size.width < 1 || size.height < 1) return {};
+    seen_.remember(moment, clip_->fingers().shown());
+    if (size.width < 1 || size.height < 1) {  // minimised
+        events_.clear();
+        return {};
+    }
     if (!message_.empty() && seconds_between(message_at_, begin) > message_s) message_.clear();
 
     const HeightField field(clip_->scene(), moment.held.pair);
@@ -339,7 +351,7 @@ Result<void> PlayWindow::draw(const WatchedMoment& moment) {
     auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
     if (!drawn.ok()) return drawn;
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
-    facts.message = message_;
+    facts.message = message_.empty() && !clip_->fingers().was_pressed() ? first_words : message_;
     facts.message_is_bad = message_is_bad_;
     layer_->begin(size.width, size.height, since, events_);
     events_.clear();

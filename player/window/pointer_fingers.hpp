@@ -29,7 +29,11 @@ public:
     /// The pointer is there, pixels of the picture; nothing: nowhere, and no finger touches.
     void set_pointer(std::optional<glm::dvec2> at) { pointer_ = at; }
     const std::optional<glm::dvec2>& pointer() const { return pointer_; }
-    void press(bool held) { held_ = held; }
+    void press(bool held) {
+        held_ = held;
+        was_pressed_ = was_pressed_ || held;
+    }
+    bool was_pressed() const { return was_pressed_; }  ///< ever
     /// Device metres, into the surface; stays when the button is let go.
     void deepen(double metres);
     /// How deep fingers are meant to be in the surface, device metres; below 0 above it.
@@ -46,7 +50,7 @@ private:
     Workspace workspace_;
     std::optional<glm::dvec2> pointer_;
     int count_ = 1;
-    bool held_ = false;
+    bool held_ = false, was_pressed_ = false;
     double rest_m_ = hover_m;
     std::optional<double> distance_;  // scene units, from the eye to what was met last
 };

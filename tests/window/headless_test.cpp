@@ -116,6 +116,18 @@ TEST(HeadlessWindow, IsRefusedWhereItCouldNotEnd) {
     EXPECT_TRUE(none.one_line_of_error()) << none.err;
 }
 
+TEST(HeadlessWindow, NeverWritesOverWhatItShows) {
+    const TemporaryFolder folder;
+    std::filesystem::copy(globe(), folder / "globe.mkv");
+    const std::string clip = (folder / "globe.mkv").string(), before = file_contents(clip);
+    const std::string other_spelling = (folder / ".").string() + "/globe.mkv";
+    const auto recorded = run_touchable(
+        {"play", clip, "--headless", "--seconds", "0.2", "--record", other_spelling, "--overwrite"});
+    EXPECT_EQ(recorded.code, 2) << recorded.err;
+    EXPECT_TRUE(recorded.one_line_of_error());
+    EXPECT_EQ(file_contents(clip), before);
+}
+
 TEST(HeadlessWindow, ClipAloneIsPlayed) {
     const auto played =
         run_touchable({globe().string(), "--headless", "--seconds", "0.3", "--size", "320x240"});

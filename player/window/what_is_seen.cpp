@@ -1,0 +1,49 @@
+#include "player/window/what_is_seen.hpp"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+namespace touchable {
+namespace {
+
+constexpr double small_newtons = 0.01;
+
+std::size_t shown_of(const WatchedMoment& moment, int count) {
+    return std::min(moment.felt.fingers.size(), static_cast<std::size_t>(count));
+}
+const void* colour_of(const WatchedMoment& moment) {
+    return moment.colour ? moment.colour->plane.data : nullptr;
+}
+
+}  // namespace
+
+bool WhatIsSeen::differs(const WatchedMoment& moment, int count, double small) const {
+    const FramePair& pair = moment.held.pair;
+    if (pair.epoch != epoch_ || pair.prev.number != prev_ || pair.next.number != next_ ||
+        pair.blend != blend_ || colour_of(moment) != colour_ || shown_of(moment, count) != fingers_.size())
+        return true;
+    for (std::size_t k = 0; k < fingers_.size(); ++k) {
+        const WatchedFinger& now = moment.felt.fingers[k];
+        if (glm::distance(now.contact.goal, fingers_[k].goal) > small ||
+            glm::distance(now.contact.proxy, fingers_[k].proxy) > small ||
+            glm::distance(now.force.force, fingers_[k].force) > small_newtons)
+            return true;
+    }
+    return false;
+}
+
+void WhatIsSeen::remember(const WatchedMoment& moment, int count) {
+    const FramePair& pair = moment.held.pair;
+    epoch_ = pair.epoch;
+    prev_ = pair.prev.number;
+    next_ = pair.next.number;
+    blend_ = pair.blend;
+    colour_ = colour_of(moment);
+    fingers_.resize(shown_of(moment, count));
+    for (std::size_t k = 0; k < fingers_.size(); ++k) {
+        const WatchedFinger& now = moment.felt.fingers[k];
+        fingers_[k] = {now.contact.goal, now.contact.proxy, now.force.force};
+    }
+}
+
+}  // namespace touchable
