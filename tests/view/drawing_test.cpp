@@ -26,8 +26,8 @@ std::vector<FingerMark> fingers_on(const Subject& subject, double size) {
         finger.touching = k % 2 == 0;
         finger.force = glm::dvec3(-0.4, 0.5, 1.2) * static_cast<double>(k);
         for (int n = 0; k > 1 && n < 40; ++n)
-            finger.trail.push_back(finger.proxy +
-                                   glm::dvec3(-0.2 * (40 - n), 0.08 * n * (k - 2.5), 0.1) * size);
+            finger.trail.push_back(
+                finger.proxy + glm::dvec3(-0.2 * (40 - n), 0.05 * (40 - n) * std::sin(0.1 * n), 0.1) * size);
     }
     return fingers;
 }
