@@ -7,6 +7,7 @@
 #include "bench/surface/bandwidth.hpp"
 #include "bench/surface/changed_race.hpp"
 #include "bench/surface/codes_race.hpp"
+#include "bench/surface/drawing_race.hpp"
 #include "bench/surface/eye_race.hpp"
 #include "bench/surface/ffmpeg_median.hpp"
 #include "bench/surface/lazy_run.hpp"
@@ -152,6 +153,8 @@ std::vector<BenchCase> surface_cases(bool quick) {
                              return measure(c, quick, *kernels, figures);
                          }});
     }
+    for (BenchCase& c : drawing_cases(quick, [shelf] { return shelf->take(); }))
+        cases.push_back(std::move(c));
     return cases;
 }
 

@@ -34,6 +34,7 @@ struct RasterPush {
     uint pitch;                          // vertices from one row of q and colours to the next
     uint tiles_x;                        // tiles in a row of it
     uint picture_width, picture_height;  // pixels
+    uint picture_pitch;                  // pixels from one row of them to the next
     uint large_capacity;                 // cells the list has room for: all there are
 };
 

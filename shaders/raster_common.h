@@ -29,7 +29,7 @@ vec3 unpacked(uint colour) {
 void plot(int x, int y, float z, vec3 colour) {
     const uvec3 byte = uvec3(colour + 0.5f);
     const uint packed_colour = byte.r | byte.g << 8 | byte.b << 16 | 255u << 24;
-    atomicMax(pixels[uint(y) * push.picture_width + uint(x)],
+    atomicMax(pixels[uint(y) * push.picture_pitch + uint(x)],
               uint64_t(floatBitsToUint(z)) << 32 | uint64_t(packed_colour));
 }
 

@@ -1,5 +1,4 @@
-// What the shaders that fill the picture (view_screen.vert, view_pixels.frag, view_background.frag) and their
-// caller agree on. Compiled as GLSL and as C++.
+// What the shaders that fill the picture (view_screen.vert, view_background.frag) and their caller agree on. Compiled as GLSL and as C++.
 #ifndef TOUCHABLE_SHADERS_VIEW_SCREEN_H
 #define TOUCHABLE_SHADERS_VIEW_SCREEN_H
 
@@ -9,11 +8,6 @@ using uint = unsigned int;
 #endif
 
 #define SCREEN_BACKGROUND 0  // PackedColour of each row of the picture
-#define SCREEN_PIXELS 1      // as shaders/raster.h says
-
-struct ScreenPush {
-    uint width;  // of the picture, pixels
-};
 
 #ifdef __cplusplus
 }  // namespace touchable

@@ -13,14 +13,16 @@ layout(push_constant, std430) uniform Push {
 layout(location = 0) in vec3 normal;
 layout(location = 1) flat in vec3 to_eye;
 layout(location = 2) flat in vec4 light;
+layout(location = 3) in float inside;
 layout(location = 0) out vec4 drawn;
 
 void main() {
     const vec3 unit = normalize(normal);
     const float facing = dot(unit, to_eye);
-    // Near a round silhouette the square of this grows evenly.
+    // Near a frustum's silhouette the square of this grows evenly on the screen.
     const float squared = facing * facing;
-    const float edge = clamp(squared / max(length(vec2(dFdx(squared), dFdy(squared))), 1e-6f), 0.0f, 1.0f);
+    const float slope = max(length(vec2(dFdx(squared), dFdy(squared))), 1e-6f);
+    const float edge = clamp(push.is_ball != 0u ? inside : squared / slope, 0.0f, 1.0f);
     const bool is_veil = push.is_veil != 0u;
     if (is_veil && facing <= 0.0f) discard;
     const float opacity = is_veil ? veil(light.w, facing, push.is_behind != 0u) : 1.0f;

@@ -15,6 +15,7 @@ layout(set = 0, binding = 0, std430) readonly buffer Solids {
 layout(location = 0) out vec3 normal;
 layout(location = 1) flat out vec3 to_eye;
 layout(location = 2) flat out vec4 light;
+layout(location = 3) out float inside;  // of a ball: pixels to its silhouette
 
 const float pi = 3.14159265f;
 
@@ -33,9 +34,11 @@ void main() {
     const vec3 away = cos(turn) * a + sin(turn) * b;
 
     float height, radius;
+    inside = 0.0f;
     if (is_ball) {
-        // Rings are closer to each other at the silhouette, where the surface turns away.
-        const float rise = float(ring) / float(MARKS_BALL_RINGS - 1), angle = 0.5f * pi * rise;
+        // Rings are closer to each other on the screen at the silhouette, where the surface turns away.
+        const float angle = 0.5f * pi * float(ring) / float(MARKS_BALL_RINGS - 1);
+        inside = (0.5f * solid.foot.w / half_pixel + 0.5f) * (1.0f - cos(angle));
         normal = sin(angle) * along + cos(angle) * away;
         height = (solid.foot.w + half_pixel) * sin(angle);
         radius = (solid.foot.w + half_pixel) * cos(angle);

@@ -14,9 +14,10 @@ layout(set = 0, binding = 0, std430) readonly buffer Threads {
 
 layout(location = 0) out float across;  // -1 to 1
 layout(location = 1) out vec3 sideways;
-layout(location = 2) out vec3 to_eye;
-layout(location = 3) flat out vec3 light;
-layout(location = 4) out float pixels;  // radius
+layout(location = 2) out vec3 front;  // where the thread faces the eye
+layout(location = 3) out vec3 to_eye;
+layout(location = 4) flat out vec3 light;
+layout(location = 5) out float pixels;  // radius
 
 bool is_joined(uint at) {
     return points[at].light.w != 0.0f;
@@ -35,9 +36,10 @@ void main() {
     const vec3 back = push.eye.xyz - point;
     const float distance_to_eye = length(back);
     to_eye = back / distance_to_eye;
-    const vec3 turned = cross(points[after].at.xyz - points[before].at.xyz, to_eye);
+    const vec3 onward = points[after].at.xyz - points[before].at.xyz, turned = cross(onward, to_eye);
     const bool is_drawn = is_joined(to) && dot(turned, turned) > 0.0f;
     sideways = is_drawn ? normalize(turned) : vec3(1.0f, 0.0f, 0.0f);
+    front = is_drawn ? normalize(cross(sideways, onward)) : to_eye;
 
     const float pixel = distance_to_eye / push.eye.w;
     const float radius = points[at].at.w + 0.5f * pixel;

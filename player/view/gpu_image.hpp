@@ -10,8 +10,8 @@
 
 namespace touchable {
 
-/// A picture in the GPU's memory: drawn to, read by shaders, copied from, and (but for depth) copied to. A
-/// handle, as GpuBuffer is. Its first content and layout are undefined.
+/// A picture in the GPU's memory: drawn to, read by shaders, copied from and to. A handle, as
+/// GpuBuffer is. Its first content and layout are undefined.
 class GpuImage {
 public:
     GpuImage() = default;

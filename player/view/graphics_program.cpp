@@ -164,7 +164,7 @@ Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
     info.setLayoutCount = 1;
     info.pSetLayouts = &state.set_layout;
-    info.pushConstantRangeCount = 1;
+    info.pushConstantRangeCount = push_bytes > 0;
     info.pPushConstantRanges = &push;
     result = vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout);
     if (result != VK_SUCCESS) return gpu.failed("vkCreatePipelineLayout", result);
@@ -214,8 +214,9 @@ void GraphicsProgram::bind_bytes(GpuCommands& commands, std::span<const std::byt
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, state_->pipeline);
     state_->vulkan->push_descriptors(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, state_->layout, 0,
                                      count, writes.data());
-    vkCmdPushConstants(commands.handle(), state_->layout, both_stages, 0,
-                       static_cast<std::uint32_t>(push.size()), push.data());
+    if (!push.empty())
+        vkCmdPushConstants(commands.handle(), state_->layout, both_stages, 0,
+                           static_cast<std::uint32_t>(push.size()), push.data());
     commands.keep(state_);
 }
 

@@ -71,6 +71,10 @@ public:
         static_assert(std::is_trivially_copyable_v<Push>);
         bind_bytes(commands, std::as_bytes(std::span(&push, 1)), bindings);
     }
+    /// For a program without push constants.
+    void bind(GpuCommands& commands, std::initializer_list<DrawBinding> bindings) const {
+        bind_bytes(commands, {}, bindings);
+    }
 
 private:
     struct State {

@@ -39,7 +39,7 @@ public:
 
         auto commands = GpuCommands::begin(device_, "raster");
         if (!commands.ok()) return commands.error();
-        raster_.record(*commands, *lattice, camera, pixels_, large_);
+        raster_.record(*commands, *lattice, camera, pixels_, camera.width, large_);
         if (seen_.handle() != pixels_.handle()) {
             commands->barrier(GpuStage::compute, GpuStage::transfer);
             commands->copy(pixels_, 0, seen_, 0, bytes);

@@ -6,8 +6,6 @@
 
 #include "player/view/light_picture.hpp"
 #include "shaders/view_background.frag.spv.h"
-#include "shaders/view_pixels.frag.spv.h"
-#include "shaders/view_screen.h"
 #include "shaders/view_screen.vert.spv.h"
 
 namespace touchable {
@@ -18,16 +16,24 @@ bool draws_by_mesh(std::string_view painter, const GpuFacts& facts) {
            (painter == "auto" && (facts.kind != GpuKind::software || !facts.int64_atomics));
 }
 
-Result<GraphicsProgram> screen_program(const GpuDevice& device, const char* name,
-                                       std::span<const std::uint32_t> fragment, std::size_t buffers,
-                                       DrawDepth depth) {
+Result<GraphicsProgram> background_program(const GpuDevice& device) {
     GraphicsLook look;
     look.vertex = view_screen_vert_spv;
-    look.fragment = fragment;
-    look.push_bytes = sizeof(ScreenPush);
-    look.bindings.assign(buffers, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
-    look.depth = depth;
-    return GraphicsProgram::create(device, name, look);
+    look.fragment = view_background_frag_spv;
+    look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+    look.depth = DrawDepth::replaced;
+    return GraphicsProgram::create(device, "background", look);
+}
+
+/// All of an image, from rows of 4 bytes a pixel.
+void record_copy(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image) {
+    VkBufferImageCopy region{};
+    region.bufferRowLength = static_cast<std::uint32_t>(pitch);
+    region.imageSubresource = {image.aspect(), 0, 0, 1};
+    region.imageExtent = {image.extent().width, image.extent().height, 1};
+    vkCmdCopyBufferToImage(commands.handle(), pixels.handle(), image.handle(),
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    commands.keep(pixels.keep_alive());
 }
 
 }  // namespace
@@ -54,12 +60,9 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
         if (!raster.ok()) return raster.error();
         made->raster_ = std::move(*raster);
     }
-    auto background = screen_program(*device, "background", view_background_frag_spv, 1, DrawDepth::replaced);
+    auto background = background_program(*device);
     if (!background.ok()) return background.error();
     made->background_ = std::move(*background);
-    auto pixels = screen_program(*device, "pixels", view_pixels_frag_spv, 2, DrawDepth::replaced);
-    if (!pixels.ok()) return pixels.error();
-    made->pixels_to_picture_ = std::move(*pixels);
     return made;
 }
 
@@ -105,26 +108,31 @@ Result<void> SurfaceDrawing::reserve(const ViewCamera& camera) {
 }
 
 Result<void> SurfaceDrawing::reserve_pixels(const ViewCamera& camera) {
-    const std::size_t bytes =
-        std::size_t{8} * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-    if (bytes > device_->facts().limits.max_storage_buffer_range)
+    const std::size_t pixels = static_cast<std::size_t>(SurfaceRaster::resolve_pitch(camera.width)) *
+                               static_cast<std::size_t>(camera.height);
+    if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
         return Error{ErrorKind::gpu, "a picture of " + std::to_string(camera.width) + "x" +
                                          std::to_string(camera.height) +
                                          " pixels is too large for --painter raster on " +
                                          device_->facts().name + "; mesh draws it"};
-    const std::size_t large_bytes = SurfaceRaster::large_bytes(lattice_.width, lattice_.height);
-    const std::pair<GpuBuffer*, std::size_t> buffers[] = {{&pixels_, bytes}, {&large_, large_bytes}};
-    for (const auto& [buffer, needed] : buffers) {
-        if (*buffer && buffer->bytes() >= needed) continue;
-        auto made = GpuBuffer::create(*device_, buffer == &pixels_ ? "picture pixels" : "large cells", needed,
-                                      GpuMemory::device);
+    const struct {
+        GpuBuffer& buffer;
+        const char* name;
+        std::size_t bytes;
+    } needed[] = {{pixels_, "picture pixels", 8 * pixels},
+                  {colours_, "picture colours", 4 * pixels},
+                  {z_values_, "picture z", 4 * pixels},
+                  {large_, "large cells", SurfaceRaster::large_bytes(lattice_.width, lattice_.height)}};
+    for (const auto& each : needed) {
+        if (each.buffer && each.buffer.bytes() >= each.bytes) continue;
+        auto made = GpuBuffer::create(*device_, each.name, each.bytes, GpuMemory::device);
         if (!made.ok()) return made.error();
-        *buffer = std::move(*made);
+        each.buffer = std::move(*made);
     }
     return {};
 }
 
-/// The surface into packed pixels, if they are not of this surface from here already.
+/// Colours and z of the surface, if they are not of this surface from here already.
 Result<void> SurfaceDrawing::record_raster(GpuCommands& commands, const ViewCamera& camera) {
     if (rastered_ == camera.clip_from_lattice && rastered_width_ == camera.width &&
         rastered_height_ == camera.height)
@@ -132,29 +140,48 @@ Result<void> SurfaceDrawing::record_raster(GpuCommands& commands, const ViewCame
     rastered_.reset();
     if (auto reserved = reserve_pixels(camera); !reserved.ok()) return reserved;
     commands.barrier(GpuStage::compute, GpuStage::transfer);
-    commands.barrier(GpuStage::graphics, GpuStage::transfer);
-    raster_->record(commands, lattice_, camera, pixels_, large_);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    raster_->record(commands, lattice_, camera, pixels_, SurfaceRaster::resolve_pitch(camera.width), large_);
     commands.mark("raster");
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    raster_->record_resolve(commands, camera, pixels_, rows_, colours_, z_values_);
+    commands.barrier(GpuStage::compute, GpuStage::transfer);
+    commands.mark("resolve");
     rastered_ = camera.clip_from_lattice;
     rastered_width_ = camera.width;
     rastered_height_ = camera.height;
     return {};
 }
 
-void SurfaceDrawing::record_surface(GpuCommands& commands, const ViewCamera& camera,
-                                    const GpuImage& target) const {
-    const ScreenPush push{static_cast<std::uint32_t>(camera.width)};
-    begin_drawing(commands, {target, &z_, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE});
-    if (is_shown_ && raster_) {
-        pixels_to_picture_.bind(commands, push, {rows_, pixels_});
-        vkCmdDraw(commands.handle(), 3, 1, 0, 0);
-    } else {
-        background_.bind(commands, push, {rows_});
-        vkCmdDraw(commands.handle(), 3, 1, 0, 0);
-        if (is_shown_) mesh_->draw(commands, lattice_, camera);
+/// What the raster has drawn, into images that are ready for it.
+void SurfaceDrawing::record_copies(GpuCommands& commands, const ViewCamera& camera,
+                                   const GpuImage& target) const {
+    const int pitch = SurfaceRaster::resolve_pitch(camera.width);
+    const struct {
+        const GpuImage& image;
+        const GpuBuffer& pixels;
+        VkImageLayout then;
+    } copies[] = {{target, colours_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
+                  {z_, z_values_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL}};
+    for (const auto& [image, pixels, then] : copies) {
+        record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        record_copy(commands, pixels, pitch, image);
+        record_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
     }
+}
+
+/// Background, and the surface if there is one.
+void SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
+                                 const GpuImage& target) const {
+    commands.barrier(GpuStage::compute, GpuStage::graphics);
+    commands.barrier(GpuStage::compute, GpuStage::indirect);
+    record_transition(commands, target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    record_transition(commands, z_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+    begin_drawing(commands, {target, &z_, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE});
+    background_.bind(commands, {rows_});
+    vkCmdDraw(commands.handle(), 3, 1, 0, 0);
+    if (is_shown_) mesh_->draw(commands, lattice_, camera);
     end_drawing(commands);
-    commands.mark("picture");
 }
 
 Result<void> SurfaceDrawing::draw(GpuCommands& commands, const ViewCamera& camera,
@@ -164,14 +191,15 @@ Result<void> SurfaceDrawing::draw(GpuCommands& commands, const ViewCamera& camer
         target.extent().height != static_cast<std::uint32_t>(camera.height))
         return Error{ErrorKind::internal, "a picture is not of its camera's size"};
     if (auto reserved = reserve(camera); !reserved.ok()) return reserved;
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.barrier(GpuStage::compute, GpuStage::indirect);
-    if (is_shown_ && raster_)
+    if (is_shown_ && raster_) {
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        commands.barrier(GpuStage::compute, GpuStage::indirect);
         if (auto rastered = record_raster(commands, camera); !rastered.ok()) return rastered;
-    commands.barrier(GpuStage::compute, GpuStage::graphics);
-    record_transition(commands, target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    record_transition(commands, z_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-    record_surface(commands, camera, target);
+        record_copies(commands, camera, target);
+    } else {
+        record_mesh(commands, camera, target);
+    }
+    commands.mark("picture");
     if (auto drawn = fingers_.record(commands, fingers, sizes, camera, target, z_); !drawn.ok()) return drawn;
     if (!fingers.empty()) commands.mark("fingers");
     return {};

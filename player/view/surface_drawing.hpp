@@ -52,7 +52,8 @@ private:
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
     Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
-    void record_surface(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+    void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+    void record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
 
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
@@ -60,14 +61,15 @@ private:
     GpuLattices lattices_;
     SurfaceLighting lighting_;
     FingerDrawing fingers_;
-    GraphicsProgram background_, pixels_to_picture_;
+    GraphicsProgram background_;
 
     GpuLattice lattice_;
     bool is_shown_ = false;
     GpuBuffer pixels_, large_;            // of the raster
-    std::optional<glm::dmat4> rastered_;  // clip_from_lattice that the pixels are of
+    GpuBuffer colours_, z_values_;        // what it has drawn, as it is copied into images
+    std::optional<glm::dmat4> rastered_;  // clip_from_lattice that they are of
     int rastered_width_ = 0, rastered_height_ = 0;
-    GpuBuffer rows_;  // background
+    GpuBuffer rows_;  // colours of the background
     int rows_height_ = 0;
     GpuImage z_;
 };

@@ -8,12 +8,14 @@
 #include "shaders/raster.h"
 #include "shaders/raster.spv.h"
 #include "shaders/raster_large.spv.h"
+#include "shaders/resolve.h"
+#include "shaders/resolve.spv.h"
 #include "shaders/tile_lists.h"
 
 namespace touchable {
 
 static_assert(RASTER_TILE == TileGrid::cells);
-static_assert(std::is_trivially_copyable_v<RasterPush> && sizeof(RasterPush) == 92);
+static_assert(std::is_trivially_copyable_v<RasterPush> && sizeof(RasterPush) == 96);
 
 Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
     if (!device.facts().int64_atomics)
@@ -32,6 +34,13 @@ Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
         {sizeof(RasterPush), {storage, storage, storage, storage}, {RASTER_LARGE_LANES, 1, 1}});
     if (!large.ok()) return large.error();
     made.large_ = std::move(*large);
+    auto resolve = GpuProgram::create(device, "resolve", resolve_spv,
+                                      {sizeof(ResolvePush),
+                                       {GpuBindingKind::uniform_texels, storage, storage, storage},
+                                       {RESOLVE_LANES, 1, 1}});
+    if (!resolve.ok()) return resolve.error();
+    made.resolve_ = std::move(*resolve);
+    made.on_cpu_ = device.facts().kind == GpuKind::software;
     return made;
 }
 
@@ -40,7 +49,7 @@ std::size_t SurfaceRaster::large_bytes(int width, int height) {
 }
 
 void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera,
-                           const GpuBuffer& pixels, const GpuBuffer& large) const {
+                           const GpuBuffer& pixels, int pitch, const GpuBuffer& large) const {
     RasterPush push{};
     push.rows = rows_of(camera);
     push.width = static_cast<std::uint32_t>(lattice.width);
@@ -49,9 +58,10 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     push.tiles_x = static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x);
     push.picture_width = static_cast<std::uint32_t>(camera.width);
     push.picture_height = static_cast<std::uint32_t>(camera.height);
+    push.picture_pitch = static_cast<std::uint32_t>(pitch);
     push.large_capacity = push.width * push.height;
 
-    commands.fill(pixels, 0, 0, std::size_t{8} * push.picture_width * push.picture_height);
+    commands.fill(pixels, 0, 0, std::size_t{8} * push.picture_pitch * push.picture_height);
     // No groups yet in x, one in y and z, no cells.
     commands.fill(large, 0, 0, 4);
     commands.fill(large, 1, 4, 8);
@@ -62,6 +72,23 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.dispatch_indirect(large_, push, {lattice.q, lattice.colours, pixels, large}, large);
+}
+
+int SurfaceRaster::resolve_pitch(int width) {
+    return (width + RESOLVE_STEP - 1) / RESOLVE_STEP * RESOLVE_STEP;
+}
+
+void SurfaceRaster::record_resolve(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& pixels,
+                                   const GpuBuffer& background, const GpuBuffer& colours,
+                                   const GpuBuffer& z) const {
+    ResolvePush push{};
+    push.steps = static_cast<std::uint32_t>(resolve_pitch(camera.width) / RESOLVE_STEP);
+    push.height = static_cast<std::uint32_t>(camera.height);
+    // Few lanes that march whole rows on a CPU, many with a step each elsewhere.
+    push.segments = on_cpu_ ? 1 : push.steps;
+    push.segment_steps = on_cpu_ ? push.steps : 1;
+    commands.dispatch(resolve_, push, {pixels, background, colours, z},
+                      {groups_for(push.height * push.segments, RESOLVE_LANES)});
 }
 
 }  // namespace touchable

@@ -16,13 +16,22 @@ public:
     static Result<SurfaceRaster> create(const GpuDevice& device);
 
     /// Records the drawing of a lattice into `pixels`, which are cleared first: 64 bits for each pixel of the
-    /// camera, row-major, as shaders/raster.h says. `large` has `large_bytes` at least.
+    /// camera, row-major, `pitch` from one row to the next, as shaders/raster.h says. `large` has
+    /// `large_bytes` at least.
     void record(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera,
-                const GpuBuffer& pixels, const GpuBuffer& large) const;
+                const GpuBuffer& pixels, int pitch, const GpuBuffer& large) const;
     static std::size_t large_bytes(int width, int height);
 
+    /// Records what comes next, once a barrier is recorded after that: from pixels with rows of
+    /// `resolve_pitch` to their colours (PackedColour) and z, rows as long. `background`: a colour for each
+    /// row.
+    void record_resolve(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& pixels,
+                        const GpuBuffer& background, const GpuBuffer& colours, const GpuBuffer& z) const;
+    static int resolve_pitch(int width);
+
 private:
-    GpuProgram raster_, large_;
+    bool on_cpu_ = false;
+    GpuProgram raster_, large_, resolve_;
 };
 
 }  // namespace touchable

@@ -8,6 +8,7 @@
 
 #include "player/view/scene_picture.hpp"
 #include "player/view/surface_drawing.hpp"
+#include "player/view/upload_pool.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 
@@ -26,8 +27,8 @@ std::vector<FingerMark> fingers_on(const Subject& subject, double size) {
         finger.touching = k % 2 == 0;
         finger.force = glm::dvec3(-0.4, 0.5, 1.2) * static_cast<double>(k);
         for (int n = 0; k > 1 && n < 40; ++n)
-            finger.trail.push_back(finger.proxy +
-                                   glm::dvec3(-0.2 * (40 - n), 0.08 * n * (k - 2.5), 0.1) * size);
+            finger.trail.push_back(
+                finger.proxy + glm::dvec3(-0.2 * (40 - n), 0.05 * (40 - n) * std::sin(0.1 * n), 0.1) * size);
     }
     return fingers;
 }
@@ -150,16 +151,19 @@ TEST_F(Drawing, RepeatsItself) {
         make_view({false, 20, 8, 1, std::nullopt}, shown->scene, subject.middle, 240, 160);
     for (const char* painter : gpu_painters) {
         const auto drawing = must(SurfaceDrawing::create(gpu, painter));
-        const GpuImage target = target_of(240, 160);
-        // All of it in one submission, twice over: the second picture is of the second surface.
+        const GpuImage target = target_of(240, 160), other = target_of(240, 160);
+        // All of it in one submission: what is uploaded for the second surface leaves the first alone.
         auto commands = must(GpuCommands::begin(gpu, "pictures"));
         must(drawing->show(commands, field, shown->pair(), {}, Lighting::lit));
-        must(drawing->draw(commands, camera, {}, sizes, target));
+        must(drawing->draw(commands, camera, {}, sizes, other));
         must(drawing->show(commands, shown->field(0.5), shown->pair(0.5), shown->raw_prev.colour,
                            Lighting::lit));
         must(drawing->draw(commands, camera, {}, sizes, target));
         must(drawing->draw(commands, camera, fingers, sizes, target));
         const Image first = read(std::move(commands), target);
+        const Image before = read(must(GpuCommands::begin(gpu, "before")), other);
+        EXPECT_LE(different(before, cpu_picture(make_view_surface(field, {}), camera, {}, {}), 3), 40U)
+            << painter;
         EXPECT_EQ(first.samples, picture_of(*drawing, camera, fingers, sizes, target).samples) << painter;
         const Image bare = picture_of(*drawing, camera, {}, sizes, target);
         EXPECT_GT(different(first, bare, 3), 100U);
@@ -209,6 +213,23 @@ TEST_F(Drawing, OfNothingIsBackgroundAndFingers) {
         drawing->show_nothing();
         EXPECT_EQ(picture_of(*drawing, camera, {}, sizes, target).samples, expected.samples) << painter;
     }
+}
+
+TEST_F(Drawing, UploadsIntoMemoryThatNobodyReads) {
+    UploadPool pool(gpu);
+    const auto copy_of = must(GpuBuffer::create(*gpu, "copy", 64, GpuMemory::readback));
+    const auto handle_of_next = [&](GpuCommands& commands) {
+        const GpuBuffer buffer = must(pool.take("upload", 64));
+        commands.copy(buffer, 0, copy_of, 0, 64);
+        return buffer.handle();
+    };
+    auto first = must(GpuCommands::begin(gpu, "first")), second = must(GpuCommands::begin(gpu, "second"));
+    const VkBuffer one = handle_of_next(first), two = handle_of_next(second);
+    EXPECT_NE(one, two);
+    must(must(std::move(first).submit()).wait());
+    auto third = must(GpuCommands::begin(gpu, "third"));
+    EXPECT_EQ(handle_of_next(third), one);
+    EXPECT_GE(must(pool.take("larger", 100'000)).bytes(), 100'000U);
 }
 
 TEST_F(Drawing, MapsKeepTheirColours) {

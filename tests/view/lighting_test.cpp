@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "player/view/surface_light.hpp"
@@ -26,6 +27,17 @@ struct Colours {
 
 class SurfaceLight : public GpuTest {
 protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        lattices.emplace(gpu);
+        kernel.emplace(gpu);
+    }
+    void TearDown() override {
+        lattices.reset();
+        kernel.reset();
+        GpuTest::TearDown();
+    }
+
     /// Rows of 4 bytes a vertex, without what lies beyond the width.
     template <class T>
     static std::vector<T> rows_in(const GpuLattice& lattice, const GpuBuffer& buffer) {
@@ -43,13 +55,11 @@ protected:
         std::vector<PackedColour> colours;
     };
     Lit light(const HeightField& field, const FramePair& pair, const PlaneView& colour, Lighting lighting) {
-        GpuLattices lattices(gpu);
-        SurfaceLighting kernel(gpu);
         GpuLattice lattice;
         auto commands = must(GpuCommands::begin(gpu, "light"));
-        must(lattices.record(commands, field, pair, lattice));
-        must(lattices.reserve_colours(lattice));
-        must(kernel.record(commands, field, lattice, colour, lighting));
+        must(lattices->record(commands, field, pair, lattice));
+        must(lattices->reserve_colours(lattice));
+        must(kernel->record(commands, field, lattice, colour, lighting));
         commands.barrier(GpuStage::compute, GpuStage::transfer);
         const auto back = [&](const GpuBuffer& buffer) {
             auto made = must(GpuBuffer::create(*gpu, "back", buffer.bytes(), GpuMemory::readback));
@@ -78,6 +88,9 @@ protected:
         }
         EXPECT_LE(worst, 2) << field.width() << "x" << field.height();
     }
+
+    std::optional<GpuLattices> lattices;
+    std::optional<SurfaceLighting> kernel;
 };
 
 TEST_F(SurfaceLight, AgreesWithItsTwinOnScenes) {

@@ -1,0 +1,242 @@
+#include "bench/surface/drawing_race.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "bench/surface/race.hpp"
+#include "bench/surface/surface_case.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/surface/vulkan_builder.hpp"
+#include "player/view/gpu_painters.hpp"
+#include "player/view/scene_picture.hpp"
+#include "player/view/surface_drawing.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr int picture_width = 1280, picture_height = 720;
+
+/// Two frames in a row, as their clip gives them.
+struct TwoFrames {
+    Scene scene;
+    RawFrame first, second;
+};
+
+Result<TwoFrames> planet_frames() {
+    SceneOptions options;
+    options.properties = true;
+    auto globe = make_scene("globe", options);
+    if (!globe.ok()) return globe.error();
+    return TwoFrames{(*globe)->scene(), (*globe)->frame(0), (*globe)->frame(1)};
+}
+
+Result<TwoFrames> recorded_frames(const std::filesystem::path& clip) {
+    auto reader =
+        open_clip(clip, std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/castel_sr300.json");
+    if (!reader.ok()) return reader.error();
+    TwoFrames frames{(*reader)->scene(), {}, {}};
+    for (RawFrame* frame : {&frames.first, &frames.second}) {
+        auto next = (*reader)->next();
+        if (!next.ok()) return next.error();
+        if (!*next) return Error{ErrorKind::check, clip.string() + " has fewer than two frames"};
+        *frame = std::move(**next);
+    }
+    return frames;
+}
+
+std::vector<FingerMark> five_fingers(const Subject& subject, double size) {
+    std::vector<FingerMark> fingers(5);
+    for (std::size_t k = 0; k < fingers.size(); ++k) {
+        FingerMark& finger = fingers[k];
+        finger.proxy = subject.points[subject.points.size() * (k + 1) / 6];
+        finger.goal = finger.proxy - glm::dvec3(0, 0, 2 * size);
+        finger.touching = true;
+        finger.force = {0.2, 0.3, 1};
+        for (int n = 0; n < 125; ++n)
+            finger.trail.push_back(finger.proxy + glm::dvec3(0.05 * size * (n - 124), 0, 0.2 * size));
+    }
+    return fingers;
+}
+
+/// One surface, two views of it, and pictures of it by one painter after the other.
+class Gallery {
+public:
+    Gallery(TwoFrames frames, std::shared_ptr<GpuDevice> device)
+        : frames_(std::move(frames)), device_(std::move(device)) {}
+
+    Result<void> open(const std::shared_ptr<SurfaceKernels>& kernels) {
+        auto builder = make_vulkan_builder(frames_.scene, kernels, plan_for(device_->facts()));
+        if (!builder.ok()) return builder.error();
+        for (const auto& [raw, frame] : {std::pair{&frames_.first, &prev_}, {&frames_.second, &next_}})
+            if (auto built = (*builder)->build(*raw, *frame); !built.ok()) return built;
+        field_.emplace(frames_.scene, pair());
+        subject_ = subject_of(*field_);
+        sizes_ = mark_sizes(frames_.scene, subject_.middle);
+        fingers_ = five_fingers(subject_, sizes_.finger_radius);
+        for (const double azimuth : {20.0, 20.1})
+            views_.push_back(make_view({false, azimuth, 8, 1, std::nullopt}, frames_.scene, subject_.middle,
+                                       picture_width, picture_height));
+        auto target =
+            GpuImage::create(*device_, "picture", picture_width, picture_height, VK_FORMAT_R8G8B8A8_UNORM);
+        if (!target.ok()) return target.error();
+        target_ = std::move(*target);
+        return {};
+    }
+
+    Result<void> show(SurfaceDrawing& drawing) const {
+        return submit([&](GpuCommands& commands) {
+            return drawing.show(commands, *field_, pair(), frames_.first.colour, Lighting::lit);
+        });
+    }
+    /// From another point than the last time, or the same one.
+    Result<void> draw(SurfaceDrawing& drawing, bool moves) {
+        view_ = moves ? 1 - view_ : view_;
+        return submit([&](GpuCommands& commands) {
+            return drawing.draw(commands, views_[view_], fingers_, sizes_, target_);
+        });
+    }
+    /// As a picture in a file is made; painted once, and put together with a sample a pixel.
+    Result<void> make_surface(SurfacePainter& painter) {
+        auto surface = painter.surface_of(*field_, pair(), frames_.first.colour);
+        if (!surface.ok()) return surface.error();
+        surface_ = std::move(*surface);
+        return {};
+    }
+    Result<void> put_together(SurfacePainter& painter) {
+        auto planes = painter.paint(surface_, views_[view_]);
+        if (!planes.ok()) return planes.error();
+        LightPicture picture = on_background(std::move(*planes));
+        draw_fingers(fingers_, sizes_, views_[view_], picture);
+        picture_ = developed(picture, 1);
+        return {};
+    }
+    Result<void> make_file_picture(SurfacePainter& painter) const {
+        const PictureSettings settings{{false, 20, 8, 1, std::nullopt}, picture_width, picture_height};
+        const auto made =
+            make_picture(settings, frames_.scene, surface_, subject_, fingers_, sizes_, painter);
+        if (!made.ok()) return made.error();
+        return {};
+    }
+
+    /// The target's picture against the one put together on the CPU, from the same view. Edges of fingers
+    /// differ.
+    Result<void> compare(const std::string& painter) const {
+        auto back =
+            GpuBuffer::create(*device_, "picture", 4 * picture_width * picture_height, GpuMemory::readback);
+        if (!back.ok()) return back.error();
+        auto copied = submit([&](GpuCommands& commands) -> Result<void> {
+            record_transition(commands, target_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                              VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+            VkBufferImageCopy region{};
+            region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+            region.imageExtent = {picture_width, picture_height, 1};
+            vkCmdCopyImageToBuffer(commands.handle(), target_.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                   back->handle(), 1, &region);
+            commands.keep(back->keep_alive());
+            return {};
+        });
+        if (!copied.ok()) return copied;
+        const auto bytes = back->mapped<std::uint8_t>();
+        std::size_t different = 0;
+        for (std::size_t k = 0; 3 * k < picture_.samples.size(); ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                if (std::abs(bytes[4 * k + channel] - picture_.samples[3 * k + channel]) > 12) {
+                    ++different;
+                    break;
+                }
+        if (different > picture_.samples.size() / 3 / 100)
+            return Error{ErrorKind::check, std::to_string(different) + " pixels by " + painter +
+                                               " are not as the CPU puts them together"};
+        return {};
+    }
+
+private:
+    FramePair pair() const { return {{0, 0, &prev_}, {1, 33'333'333, &next_}, 0.35}; }
+
+    Result<void> submit(const std::function<Result<void>(GpuCommands&)>& record) const {
+        auto commands = GpuCommands::begin(device_, "picture");
+        if (!commands.ok()) return commands.error();
+        if (auto recorded = record(*commands); !recorded.ok()) return recorded;
+        const auto submission = std::move(*commands).submit();
+        if (!submission.ok()) return submission.error();
+        return submission->wait();
+    }
+
+    TwoFrames frames_;
+    std::shared_ptr<GpuDevice> device_;
+    SurfaceFrame prev_, next_;
+    std::optional<HeightField> field_;
+    Subject subject_;
+    MarkSizes sizes_;
+    std::vector<FingerMark> fingers_;
+    std::vector<ViewCamera> views_;
+    std::size_t view_ = 0;
+    GpuImage target_;
+    ViewSurface surface_;
+    Image picture_;
+};
+
+Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
+                              const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
+    if (!frames.ok()) return frames.error();
+    const auto& device = kernels->device();
+    Gallery gallery(std::move(*frames), device);
+    if (auto opened = gallery.open(kernels); !opened.ok()) return opened;
+    const auto painter = make_raster_painter(device);
+    if (!painter.ok()) return painter.error();
+    std::vector<Racer> racers{
+        {"file_surface", [&] { return gallery.make_surface(**painter); }},
+        {"file_paint", [&] { return gallery.put_together(**painter); }},
+    };
+    std::vector<std::unique_ptr<SurfaceDrawing>> drawings;
+    for (const char* name : {"raster", "mesh"}) {
+        auto made = SurfaceDrawing::create(device, name);
+        if (!made.ok()) return made.error();
+        SurfaceDrawing& drawing = **made;
+        drawings.push_back(std::move(*made));
+        const std::string suffix = drawing.painter() == "raster" ? "" : "_mesh";
+        racers.push_back({"show" + suffix, [&] { return gallery.show(drawing); }});
+        racers.push_back({"draw" + suffix, [&] { return gallery.draw(drawing, true); }});
+        racers.push_back({"draw_fingers" + suffix, [&] { return gallery.draw(drawing, false); }});
+    }
+    for (const auto& drawing : drawings) {
+        for (const auto& done :
+             {gallery.show(*drawing), gallery.draw(*drawing, true), gallery.make_surface(**painter),
+              gallery.put_together(**painter), gallery.compare(std::string(drawing->painter()))})
+            if (!done.ok()) return done;
+    }
+    if (auto raced = race(racers, rounds); !raced.ok()) return raced;
+    std::vector<Racer> files{{"file_picture", [&] { return gallery.make_file_picture(**painter); }}};
+    if (auto raced = race(files, std::max(1, rounds / 10)); !raced.ok()) return raced;
+    racers.push_back(files.front());
+    for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
+    return {};
+}
+
+}  // namespace
+
+std::vector<BenchCase> drawing_cases(
+    bool quick, const std::function<Result<std::shared_ptr<SurfaceKernels>>()>& kernels) {
+    const int rounds = quick ? 10 : 100;
+    const auto with = [kernels, rounds](const std::function<Result<TwoFrames>()>& frames) {
+        return [kernels, rounds, frames](Figures& figures) -> Result<void> {
+            auto taken = kernels();
+            if (!taken.ok()) return taken.error();
+            return measure_pictures(frames(), rounds, *taken, figures);
+        };
+    };
+    std::vector<BenchCase> cases{{"720x480-globe-pictures", with(planet_frames)}};
+    const std::filesystem::path castel = std::filesystem::path(TOUCHABLE_TEST_DATA) / "castel_sr300";
+    if (std::filesystem::exists(castel))
+        cases.push_back({"640x480-castel-pictures", with([castel] { return recorded_frames(castel); })});
+    else
+        std::fprintf(stderr, "case 640x480-castel-pictures is left out: no recording at %s\n",
+                     castel.c_str());
+    return cases;
+}
+
+}  // namespace touchable
