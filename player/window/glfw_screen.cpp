@@ -108,6 +108,11 @@ public:
         }
     }
 
+    void resize(int width, int height) override {
+        const auto [wide, high] = pixels(1, 1);  // of a unit of the window's
+        glfwSetWindowSize(window_, static_cast<int>(width / wide), static_cast<int>(height / high));
+    }
+
     void hide_pointer(bool hidden) override {
         if (hidden == hidden_) return;
         hidden_ = hidden;

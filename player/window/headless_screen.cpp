@@ -24,6 +24,10 @@ public:
     }
     void set_title(const std::string&) override {}
     void set_fullscreen(bool) override {}
+    void resize(int width, int height) override {
+        size_.width = width;
+        size_.height = height;
+    }
     void hide_pointer(bool) override {}
 
 private:

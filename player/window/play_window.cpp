@@ -284,6 +284,8 @@ void PlayWindow::take(const WindowCommand& command) {
         case WindowVerb::fullscreen:
             fullscreen_ = !fullscreen_;
             return screen_->set_fullscreen(fullscreen_);
+        case WindowVerb::size:
+            return screen_->resize(command.width, command.height);
         case WindowVerb::screenshot:
             if (auto kept = keep_picture(command.word); !kept.ok()) say(kept.error().message, true);
             return;

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <optional>
 
 namespace touchable {
 namespace {
 
-enum class Takes { nothing, number, word, perhaps_a_word };
+enum class Takes { nothing, number, word, perhaps_a_word, size };
 
 struct NamedVerb {
     const char* name;
@@ -36,6 +37,7 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"panel", WindowVerb::panel, Takes::nothing},
                                      {"help", WindowVerb::help, Takes::nothing},
                                      {"fullscreen", WindowVerb::fullscreen, Takes::nothing},
+                                     {"size", WindowVerb::size, Takes::size},
                                      {"screenshot", WindowVerb::screenshot, Takes::perhaps_a_word},
                                      {"open", WindowVerb::open, Takes::word},
                                      {"quit", WindowVerb::quit, Takes::nothing}};
@@ -111,6 +113,14 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
     WindowCommand command{named->verb, 0, ""};
     if (named->takes == Takes::nothing) {
         if (!rest.empty()) return usage_error("'" + name + "' takes nothing, and not '" + rest + "'");
+        return command;
+    }
+    if (named->takes == Takes::size) {
+        char more = 0;
+        const int read = std::sscanf(rest.c_str(), "%dx%d%c", &command.width, &command.height, &more);
+        const auto fits = [](int side) { return side >= 64 && side <= 8192; };
+        if (read != 2 || !fits(command.width) || !fits(command.height))
+            return usage_error("'" + words + "': size needs two numbers from 64 to 8192, such as 1280x720");
         return command;
     }
     if (named->takes != Takes::number) {

@@ -30,6 +30,7 @@ enum class WindowVerb {
     panel,        ///< shown or not
     help,         ///< shown or not
     fullscreen,   ///< on or off
+    size,         ///< `width` x `height`: of the window, pixels
     screenshot,   ///< `word`: the file; empty: a new name in the working folder
     open,         ///< `word`: a clip
     quit
@@ -39,6 +40,7 @@ struct WindowCommand {
     WindowVerb verb = WindowVerb::play_pause;
     double number = 0;
     std::string word{};
+    int width = 0, height = 0;
 };
 
 /// A key and what it does.
