@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <cstddef>
+#include <iterator>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/surface/filter_plan.hpp"
@@ -60,6 +62,10 @@ Result<void> SurfaceFeed::go_back(const ReadPlace& place) {
                (frames.epoch == place.epoch && frames.first >= place.next_number);
     };
     std::erase_if(dropped_, never_was);
+    {
+        const std::lock_guard lock(figures_mutex_);
+        figures_.dropped = dropped_frames();
+    }
     return reader_->seek(place.next_number);
 }
 
@@ -92,22 +98,31 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     }
     if (!raw.ok()) return raw.error();
     if (!*raw) return std::optional<FedFrame>();
-    read_ms_.push_back(milliseconds_since(start));
+    keep(read_ms_, milliseconds_since(start));
     FedFrame frame{std::move(**raw)};
     frame.raw.epoch = place_.epoch;
     const std::int64_t number = frame.raw.number;
-    if (number > place_.next_number)
-        dropped_.push_back({place_.epoch, place_.next_number, number - place_.next_number});
+    const std::int64_t dropped = number - place_.next_number;
+    if (dropped > 0) dropped_.push_back({place_.epoch, place_.next_number, dropped});
     place_.next_number = number + 1;
     frame.shown = frame.raw.number >= place_.first_shown;
     const std::lock_guard lock(figures_mutex_);
     figures_.read_ms = read_ms_.back();
-    figures_.dropped = dropped_frames();
+    figures_.dropped += std::max<std::int64_t>(dropped, 0);
     return std::optional(std::move(frame));
 }
 
+/// Who watches may do so for days: then the newer ones alone.
+void SurfaceFeed::keep(std::vector<double>& times_ms, double newest_ms) const {
+    constexpr std::ptrdiff_t most = 65536;  // 36 minutes at 30 frames a second
+    if (eye_ != SurfaceTimeline::Eye::none && std::ssize(times_ms) == most)
+        times_ms.erase(times_ms.begin(), times_ms.begin() + most / 2);
+    times_ms.push_back(newest_ms);
+}
+
 void SurfaceFeed::note_built(const RawFrame& raw) {
-    if (hashed_) hash_.add(raw);
+    if (!hashed_) return;
+    hash_.add(raw);
     if (built_.empty() || built_.back().first + built_.back().count != raw.number)
         built_.push_back({raw.number, 0});
     ++built_.back().count;
@@ -125,7 +140,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     const bool unchanged = !settles_ && newest_ && same_touch_planes(*newest_, raw);
     const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
     if (!done.ok() || !*done) return done;
-    build_ms_.push_back(milliseconds_since(start));
+    keep(build_ms_, milliseconds_since(start));
     note_built(raw);
     if (!frame.shown) return true;
     any_valid_ = any_valid_ || has_valid_pixel(raw.depth, stored_);

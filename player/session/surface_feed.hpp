@@ -120,13 +120,13 @@ public:
     /// The newest epoch that was built, and the end of its newest frame's time on screen.
     MediaMoment end() const { return {built_epoch_, end_ns(), 0}; }
     std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
-    /// Which frames were built, in order; what `planes_hash` is of.
+    /// Which frames were built, in order; what `planes_hash` is of, and empty where there is none.
     const std::vector<FrameRun>& built() const { return built_; }
     /// Which frames were left out, in order.
     const std::vector<DroppedFrames>& dropped() const { return dropped_; }
     bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
-    /// Per frame, milliseconds.
+    /// Per frame, milliseconds; where there is an eye, of the newer ones.
     const std::vector<double>& read_ms() const { return read_ms_; }
     const std::vector<double>& build_ms() const { return build_ms_; }
     std::string planes_hash() const { return hash_.hex(); }
@@ -135,6 +135,7 @@ public:
 
 private:
     Result<void> feed_next();
+    void keep(std::vector<double>& times_ms, double newest_ms) const;
     void note_built(const RawFrame& raw);
     Result<bool> build(const FedFrame& frame);
 
