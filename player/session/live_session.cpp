@@ -65,7 +65,13 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     const bool live_source = feed_.reader().is_live();
     CameraFigures camera(feed_.frames());
     FeedThreads threads(
-        feed_, [&](const RawFrame& raw) { return !live_source && comes_late(raw, scene_, board_.moment()); },
+        feed_,
+        [&](const RawFrame& raw) {
+            const MediaMoment now = board_.moment();
+            // Of a moment that somebody asks for while it runs, no frame can be there before.
+            const bool begins = log_->is_open() && raw.number <= scene_.rate.frame_at(now.start_ns) + 1;
+            return !live_source && !begins && comes_late(raw, scene_, now);
+        },
         clock, [this] { return board_.moment(); });
     HapticLoop loop(scene_, feed_.timeline(), step, port_, log, [&](std::int64_t tick) {
         log_->take(tick);

@@ -26,7 +26,7 @@ struct WatchedMoment {
 struct WatchedFigures {
     FeedFigures feed;
     TickFigures ticks;
-    std::int64_t late_frames = 0;
+    std::int64_t late_frames = 0;  ///< but for the two that an epoch begins with
 };
 
 /// A live session on threads of its own, beside somebody who watches it and tells its clip's clock what to
