@@ -57,6 +57,7 @@ private:
     void take(const WindowCommand& command);
     void ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
     void seek(double seconds);
+    void go_on_seeking(const WatchedMoment* moment);
     void step(double frames);
     void toggle_loop();
     void open_other(const std::string& file);
@@ -82,6 +83,7 @@ private:
     Clock::time_point begun_, last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     WhatIsSeen seen_;
+    std::optional<std::int64_t> wanted_ns_;  // of the clip, to be gone to
     std::string message_;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;
@@ -122,6 +124,7 @@ Result<PlayFigures> PlayWindow::run() {
     while (!quit_ && !interrupted()) {
         const WatchedMoment* const moment = clip_->session().look();
         const auto now = Clock::now();
+        go_on_seeking(moment);
         if (is_due(moment, now)) {
             if (auto drawn = draw(*moment); !drawn.ok()) return drawn.error();
         }
@@ -207,9 +210,16 @@ void PlayWindow::ask(PlaybackVerb verb, std::int64_t first, std::int64_t second)
 }
 
 void PlayWindow::seek(double seconds) {
-    const double last =
-        std::max(0.0, clip_->seconds() - static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-9);
-    ask(PlaybackVerb::seek, static_cast<std::int64_t>(std::clamp(seconds, 0.0, last) * 1e9));
+    const double frame = static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-9;
+    wanted_ns_ =
+        static_cast<std::int64_t>(std::clamp(seconds, 0.0, std::max(0.0, clip_->seconds() - frame)) * 1e9);
+}
+
+/// One after the other: whoever drags the seek bar sees every place that there is time for, and in the end
+/// the last.
+void PlayWindow::go_on_seeking(const WatchedMoment* moment) {
+    if (!wanted_ns_ || !moment || moment->held.pair.epoch != clip_->session().playback().moment.epoch) return;
+    ask(PlaybackVerb::seek, *std::exchange(wanted_ns_, std::nullopt));
 }
 
 void PlayWindow::step(double frames) {
@@ -217,7 +227,7 @@ void PlayWindow::step(double frames) {
     const FrameRate& rate = clip_->scene().rate;
     const std::int64_t now = rate.frame_at(clip_->session().playback().moment.time_ns);
     ask(PlaybackVerb::pause);
-    ask(PlaybackVerb::seek, rate.time_ns(std::max<std::int64_t>(0, now - 1)));
+    wanted_ns_ = rate.time_ns(std::max<std::int64_t>(0, now - 1));
 }
 
 void PlayWindow::toggle_loop() {
@@ -227,7 +237,7 @@ void PlayWindow::toggle_loop() {
 
 void PlayWindow::take(const WindowCommand& command) {
     const PlaybackState state = clip_->session().playback();
-    const double seconds = static_cast<double>(state.moment.time_ns) * 1e-9;
+    const double seconds = static_cast<double>(wanted_ns_.value_or(state.moment.time_ns)) * 1e-9;
     const double speed = static_cast<double>(state.rate) / 1000;
     PointerFingers& fingers = clip_->fingers();
     const ScreenSize size = screen_->size();
@@ -307,6 +317,7 @@ void PlayWindow::open_other(const std::string& file) {
     if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
     clip_ = std::move(*opened);
     picture_->forget();
+    wanted_ns_.reset();
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
 }

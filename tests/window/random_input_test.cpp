@@ -17,7 +17,7 @@ namespace {
 /// Seconds of it; longer by TOUCHABLE_RANDOM_SECONDS.
 double seconds_of_input() {
     const char* const asked = std::getenv("TOUCHABLE_RANDOM_SECONDS");
-    return asked ? std::atof(asked) : 3;
+    return asked ? std::atof(asked) : 2;
 }
 
 class RandomScript {
