@@ -29,7 +29,7 @@ TEST(Usage, HelpAndVersionAreNoErrors) {
 
 TEST(Usage, HelpIsACommandToo) {
     EXPECT_EQ(run_touchable({"help"}).out, run_touchable({}).out);
-    for (const char* command : {"make", "touch", "info", "export", "compare", "plot", "check"}) {
+    for (const char* command : {"make", "play", "touch", "info", "export", "compare", "plot", "check"}) {
         const Outcome run = run_touchable({"help", command});
         EXPECT_EQ(run.code, 0) << run.err;
         EXPECT_EQ(run.out, run_touchable({command, "-h"}).out);
@@ -39,7 +39,7 @@ TEST(Usage, HelpIsACommandToo) {
         const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find("make, touch, info, export, compare, plot, check"), std::string::npos)
+        EXPECT_NE(run.err.find("make, play, touch, info, export, compare, plot, check"), std::string::npos)
             << run.err;
     }
 }
