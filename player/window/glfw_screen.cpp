@@ -108,6 +108,15 @@ public:
         }
     }
 
+    void set_size(int width, int height) override {
+        // Pixels at this display's scale, in the window's own units.
+        const ScreenSize now = size();
+        int units = 1, ignored = 1;
+        glfwGetWindowSize(window_, &units, &ignored);
+        const double unit = now.width > 0 ? now.scale * units / now.width : 1;
+        glfwSetWindowSize(window_, static_cast<int>(width * unit), static_cast<int>(height * unit));
+    }
+
     void hide_pointer(bool hidden) override {
         if (hidden == hidden_) return;
         hidden_ = hidden;
