@@ -1,7 +1,9 @@
 #include "player/commands/play_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -14,6 +16,7 @@
 #include "player/commands/playback_options.hpp"
 #include "player/commands/typed_numbers.hpp"
 #include "player/session/touch_figures.hpp"
+#include "player/window/kept_settings.hpp"
 #include "player/window/play_window.hpp"
 
 namespace touchable {
@@ -28,6 +31,8 @@ struct PlayWords {
     PlaybackTyped playback;
     std::string size = "1280x720";
     std::optional<std::filesystem::path> script;
+    CLI::Option* typed_size = nullptr;
+    std::vector<CLI::Option*> filters{};
     CLI::Option* seconds = nullptr;
     double seconds_value = 0;
 };
@@ -49,6 +54,9 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         if (!script.ok()) return script.error();
         options.script = std::move(*script);
     }
+    options.size_is_stated = words.typed_size->count() > 0;
+    options.filters_are_stated = std::any_of(words.filters.begin(), words.filters.end(),
+                                             [](const CLI::Option* option) { return option->count() > 0; });
     if (words.seconds->count() > 0) options.seconds = words.seconds_value;
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
     if (options.headless && !options.seconds)
@@ -94,16 +102,29 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
     return check_outputs(outputs, inputs);
 }
 
-Result<void> run_play(const PlayOptions& options) {
+/// Settings of this person, where the window is one: what nobody sees is the same for everybody.
+void find_settings(PlayOptions& options) {
+    if (options.settings_file || options.headless) return;
+    auto own = own_settings_file();
+    if (own.ok())
+        options.settings_file = std::move(*own);
+    else
+        std::cerr << "touchable: warning: settings are not kept: " << own.error().message << '\n';
+}
+
+Result<void> run_play(PlayOptions options) {
+    find_settings(options);
     auto figures = play_in_window(options);
     if (!figures.ok()) return figures.error();
     print(*figures);
+    if (!figures->not_kept.empty())
+        std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';
     return {};
 }
 
 void add_window_options(CLI::App& sub, PlayWords& words) {
     PlayOptions& o = words.options;
-    sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
+    words.typed_size = sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
     sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
     sub.add_option("--painter", o.painter,
                    "raster (compute), mesh (triangles), or auto: mesh on a GPU, else raster")
@@ -123,6 +144,8 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                         ->check(CLI::Range(0.1, 1e6));
     add_file_option(sub, "--record", o.record,
                     "keep what it takes to repeat the touch: touchable touch --replay FILE");
+    add_file_option(sub, "--settings", o.settings_file,
+                    "where settings are kept from one window to the next, instead of this person's own file");
     add_overwrite_option(sub, o.existing);
 }
 
@@ -131,12 +154,12 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {
-        {"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
-        {"The window",
-         {"--size", "--fullscreen", "--seconds", "--screenshot", "--at", "--record", "--overwrite"}},
-        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
-        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    } groups[] = {{"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
+                  {"The window",
+                   {"--size", "--fullscreen", "--seconds", "--screenshot", "--at", "--record", "--settings",
+                    "--overwrite"}},
+                  {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+                  {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }
@@ -152,15 +175,15 @@ void add_play_command(CLI::App& app, Command& command) {
     // Of commands that come later the person in the window is the one who gives them.
     sub->remove_option(sub->get_option("--play"));
     add_window_options(*sub, *words);
-    add_filter_options(*sub, words->clip);
+    words->filters = add_filter_options(*sub, words->clip);
     add_builder_options(*sub, words->options.session.builder, {"auto", "cpu", "vulkan", "lazy"});
     group_window_options(*sub);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
-            const auto options = read_words(*words);
+            auto options = read_words(*words);
             if (!options.ok()) return options.error();
             if (auto checked = check_files(*options, words->script); !checked.ok()) return checked;
-            return run_play(*options);
+            return run_play(std::move(*options));
         };
     });
 }

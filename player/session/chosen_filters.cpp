@@ -48,7 +48,8 @@ Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const 
     return MeasuredFrames{survey.measured(), damage};
 }
 
-Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene) {
+Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene,
+                                                    const std::optional<MeasuredFrames>& known) {
     const bool needs_levels =
         scene.filter.terraces != TerraceRemoval::off && scene.filter.levels == DepthLength{};
     const bool needs_noise = scene.filter.temporal && scene.filter.temporal_noise == DepthLength{};
@@ -56,7 +57,7 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
     ChosenFilters chosen{scene.unstated, {}};
     chosen.chosen.terraces = chosen.chosen.terraces || automatic;
     if (!chosen.chosen.any() && !needs_levels && !needs_noise) return std::optional<ChosenFilters>();
-    auto measured = measure_depth(reader, scene);
+    auto measured = known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene);
     if (!measured.ok()) return measured.error();
     choose_filters(measured->depth, scene);
     if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})

@@ -26,7 +26,9 @@ struct ChosenFilters {
     std::string damage{};                   ///< as MeasuredFrames has it
 };
 /// Settles what the scene leaves open (choose_filters), and levels that terrace removal needs. Nothing where
-/// it leaves nothing open: then no frame is read.
-Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene);
+/// it leaves nothing open: then no frame is read. `known`: what the frames said when they were measured
+/// before; nothing: nobody has.
+Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene,
+                                                    const std::optional<MeasuredFrames>& known = {});
 
 }  // namespace touchable

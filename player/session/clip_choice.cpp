@@ -61,7 +61,7 @@ Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour) {
     if (colour == Colour::left_out) (*reader)->leave_out_colour();
     auto scene = applied(choice, (*reader)->scene());
     if (!scene.ok()) return scene.error();
-    auto chosen = settle_filters(*reader, *scene);
+    auto chosen = settle_filters(*reader, *scene, choice.measured);
     if (!chosen.ok()) return chosen.error();
     return OpenClip{std::move(*reader), std::move(*scene), std::move(*chosen)};
 }

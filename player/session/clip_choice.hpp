@@ -35,6 +35,7 @@ struct ClipChoice {
     std::optional<TerraceRemoval> terraces;
     std::optional<TemporalChoice> temporal;
     std::optional<FrameInterpolation> interpolation;
+    std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
 
     /// The clip, from its beginning.

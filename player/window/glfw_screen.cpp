@@ -108,9 +108,13 @@ public:
         }
     }
 
-    void resize(int width, int height) override {
-        const auto [wide, high] = pixels(1, 1);  // of a unit of the window's
-        glfwSetWindowSize(window_, static_cast<int>(width / wide), static_cast<int>(height / high));
+    void set_size(int width, int height) override {
+        // Pixels at this display's scale, in the window's own units.
+        const ScreenSize now = size();
+        int units = 1, ignored = 1;
+        glfwGetWindowSize(window_, &units, &ignored);
+        const double unit = now.width > 0 ? now.scale * units / now.width : 1;
+        glfwSetWindowSize(window_, static_cast<int>(width * unit), static_cast<int>(height * unit));
     }
 
     void hide_pointer(bool hidden) override {

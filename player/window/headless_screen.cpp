@@ -24,10 +24,7 @@ public:
     }
     void set_title(const std::string&) override {}
     void set_fullscreen(bool) override {}
-    void resize(int width, int height) override {
-        size_.width = width;
-        size_.height = height;
-    }
+    void set_size(int width, int height) override { size_ = {width, height, 1}; }
     void hide_pointer(bool) override {}
 
 private:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "player/session/recording.hpp"
 #include "player/session/watched_session.hpp"
 #include "player/view/finger_marks.hpp"
+#include "player/window/felt_settings.hpp"
 #include "player/window/finger_trails.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer_fingers.hpp"
@@ -19,8 +21,14 @@ namespace touchable {
 /// A clip in the window: its session, the pointer that touches it, and from where it is seen.
 class OpenedClip {
 public:
-    /// As `options` say, over `clip`; a recording of it is begun where one is asked for.
-    static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip);
+    /// As `options` say, which outlive it, over `clip` and by these settings; a recording of it is begun
+    /// where one is asked for.
+    static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip,
+                                                    const FeltSettings& felt);
+    /// The same clip by other settings, at the same moment, speed and loop; fingers stay where they are, and
+    /// their forces come by the guard's ramp. The session is another one then. Where the clip does not go
+    /// with them (ErrorKind::usage mostly) the old one goes on.
+    Result<void> change(const FeltSettings& felt);
 
     WatchedSession& session() { return *session_; }
     const WatchedSession& session() const { return *session_; }
@@ -32,6 +40,11 @@ public:
     const Scene& scene() const { return *scene_; }
     const MarkSizes& sizes() const { return sizes_; }
     const std::string& name() const { return name_; }
+    /// Those that it was opened with or changed to; what they make of the clip; and its filters, each with
+    /// the reason.
+    const FeltSettings& felt() const { return felt_; }
+    const std::map<std::string, std::string>& in_effect() const { return in_effect_; }
+    const std::string& filters() const { return filters_; }
     std::int64_t frames() const { return frames_; }  ///< 0 where nobody knows
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
     const PointerDevice& device() const { return *device_; }
@@ -39,8 +52,11 @@ public:
     Result<void> finish();
 
 private:
-    OpenedClip() = default;
-    Result<void> begin(const PlayOptions& options, SessionOptions session);
+    OpenedClip(const PlayOptions& options, const ClipChoice& clip);
+    SessionOptions session_options(const FeltSettings& felt) const;
+    Result<void> begin(const FeltSettings& felt);
+    std::vector<PlaybackCommand> stand_still();
+    void take_over(const TouchSetup& setup, const FeltSettings& felt);
 
     /// `--record`, and the hash that its forces must have again.
     class Record final : public TouchSink {
@@ -50,9 +66,14 @@ private:
         std::unique_ptr<RecordingFile> file;
         ForceHash hash;
     };
-    std::string name_;
+    const PlayOptions& options_;
+    ClipChoice clip_;
+    FeltSettings felt_;
+    std::map<std::string, std::string> in_effect_;
+    std::string name_, filters_;
     std::int64_t frames_ = 0;
     std::shared_ptr<PointerDevice> device_;
+    std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go
     std::optional<Scene> scene_;
     std::unique_ptr<Record> record_;
     std::optional<PointerFingers> fingers_;

@@ -111,6 +111,7 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
         facts.forces.push_back(glm::length(moment.felt.fingers[k].force.force));
     facts.most_newtons = bar_newtons(facts.forces);
     facts.place.lines = place_words(clip, moment, field, camera);
+    facts.felt = {clip.felt().values(), clip.in_effect(), clip.filters()};
     facts.figures = figure_words(clip, picture, moment);
     return facts;
 }

@@ -11,6 +11,7 @@
 #include "player/window/canvas.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/imgui_layer.hpp"
+#include "player/window/kept_settings.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/pointer_input.hpp"
@@ -60,8 +61,13 @@ private:
     void go_on_seeking(const WatchedMoment* moment);
     void step(double frames);
     void toggle_loop();
+    Result<std::unique_ptr<OpenedClip>> open_clip(const ClipChoice& choice);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);
+    void feel(const WindowCommand& command);
+    void feel(const TwoSettings& wanted);
+    void reset();
+    KeptSettings to_keep() const;
     void say(std::string words, bool bad = false);
     void sum_up();
     double pause_ms() const;
@@ -76,6 +82,8 @@ private:
     std::unique_ptr<ImGuiLayer> layer_;
     std::optional<WindowPanel> panel_;
     std::unique_ptr<OpenedClip> clip_;
+    SettingsFile settings_;
+    TwoSettings felt_;
     PointerInput pointer_;
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
@@ -91,10 +99,19 @@ private:
 };
 
 Result<void> PlayWindow::open() {
+    if (options_.settings_file) settings_ = SettingsFile(*options_.settings_file);
+    const KeptSettings& kept = settings_.read();
+    if (!options_.filters_are_stated) felt_ = {kept.a, kept.b};
+    if (!settings_.message().empty()) say(settings_.message(), true);
+    ScreenOptions as_kept = options_.screen;
+    if (!options_.size_is_stated && kept.width > 0) {
+        as_kept.width = kept.width;
+        as_kept.height = kept.height;
+    }
     if (options_.headless) {
-        screen_ = make_headless_screen(options_.screen);
+        screen_ = make_headless_screen(as_kept);
     } else {
-        auto screen = open_glfw_screen(options_.screen);
+        auto screen = open_glfw_screen(as_kept);
         if (!screen.ok()) return screen.error();
         screen_ = std::move(*screen);
     }
@@ -111,9 +128,13 @@ Result<void> PlayWindow::open() {
     if (!layer.ok()) return layer.error();
     layer_ = std::move(*layer);
     panel_.emplace(scale);
-    auto clip = OpenedClip::open(options_, options_.session.clip);
+    panel_->shown = kept.panel;
+    auto clip = open_clip(options_.session.clip);
     if (!clip.ok()) return clip.error();
     clip_ = std::move(*clip);
+    clip_->fingers().set_count(kept.fingers);
+    if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
+        picture_->set_overlay(*overlay);
     screen_->set_title(clip_->name() + " - touchable");
     fullscreen_ = options_.screen.fullscreen;
     return {};
@@ -140,6 +161,7 @@ Result<PlayFigures> PlayWindow::run() {
     Result<void> kept;
     if (options_.screenshot && !interrupted()) kept = keep_picture(*options_.screenshot);
     sum_up();
+    if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
     if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
     if (const auto failure = clip_->session().failure()) return *failure;
     if (!kept.ok()) return kept.error();
@@ -295,16 +317,75 @@ void PlayWindow::take(const WindowCommand& command) {
             fullscreen_ = !fullscreen_;
             return screen_->set_fullscreen(fullscreen_);
         case WindowVerb::size:
-            return screen_->resize(command.width, command.height);
+            return screen_->set_size(command.width, command.height);
         case WindowVerb::screenshot:
             if (auto kept = keep_picture(command.word); !kept.ok()) say(kept.error().message, true);
             return;
         case WindowVerb::open:
             return open_other(command.word);
+        case WindowVerb::feel:
+        case WindowVerb::settings:
+            return feel(command);
+        case WindowVerb::reset:
+            return reset();
         case WindowVerb::quit:
             quit_ = true;
             return;
     }
+}
+
+/// Settings that do not go with the clip are not in effect then; they stay for the next one.
+Result<std::unique_ptr<OpenedClip>> PlayWindow::open_clip(const ClipChoice& choice) {
+    auto opened = OpenedClip::open(options_, choice, felt_.now());
+    if (opened.ok() || felt_.now() == FeltSettings{}) return opened;
+    auto plain = OpenedClip::open(options_, choice, {});
+    if (plain.ok()) say("felt as the clip says: " + opened.error().message, true);
+    return plain;
+}
+
+void PlayWindow::feel(const WindowCommand& command) {
+    TwoSettings wanted = felt_;
+    const std::size_t space = command.word.find(' ');
+    if (command.verb == WindowVerb::settings) {
+        wanted.turn_to(command.word.empty() ? !felt_.b_is_on : command.word == "b");
+    } else if (auto set = wanted.set(command.word.substr(0, space), command.word.substr(space + 1));
+               !set.ok()) {
+        return say(set.error().message, true);
+    }
+    feel(wanted);
+}
+
+void PlayWindow::feel(const TwoSettings& wanted) {
+    if (options_.record)
+        return say("a recording is of one set of settings; change them without --record", true);
+    if (auto changed = clip_->change(wanted.now()); !changed.ok()) return say(changed.error().message, true);
+    felt_ = wanted;
+    picture_->forget();
+    say(felt_.in_words());
+}
+
+void PlayWindow::reset() {
+    feel(TwoSettings());
+    panel_->shown = false;
+    clip_->fingers().set_count(KeptSettings().fingers);
+    picture_->set_overlay(Overlay::colour);
+    if (!fullscreen_) screen_->set_size(options_.screen.width, options_.screen.height);
+}
+
+KeptSettings PlayWindow::to_keep() const {
+    KeptSettings kept = settings_.read();
+    kept.panel = panel_->shown;
+    kept.fingers = clip_->fingers().count();
+    kept.overlay = name_of(picture_->overlay());
+    if (!options_.filters_are_stated) {
+        kept.a = felt_.a;
+        kept.b = felt_.b;
+    }
+    const ScreenSize size = screen_->size();
+    if (options_.size_is_stated || fullscreen_ || size.width < 1) return kept;
+    kept.width = static_cast<int>(std::lround(size.width / size.scale));
+    kept.height = static_cast<int>(std::lround(size.height / size.scale));
+    return kept;
 }
 
 /// The clip that is there goes on where the other one cannot be opened.
@@ -312,9 +393,10 @@ void PlayWindow::open_other(const std::string& file) {
     ClipChoice choice;
     choice.file = file;
     if (options_.record) return say("a recording is of one clip; open another without --record", true);
-    auto opened = OpenedClip::open(options_, choice);
+    auto opened = open_clip(choice);
     if (!opened.ok()) return say(opened.error().message, true);
     if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
+    (*opened)->fingers().set_count(clip_->fingers().count());
     clip_ = std::move(*opened);
     picture_->forget();
     wanted_ns_.reset();
@@ -364,6 +446,8 @@ Result<void> PlayWindow::draw(const WatchedMoment& moment) {
     auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
     if (!drawn.ok()) return drawn;
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
+    facts.felt.b_is_on = felt_.b_is_on;
+    facts.felt.is_fixed = options_.record.has_value();
     facts.message = message_.empty() && !clip_->fingers().was_pressed() ? first_words : message_;
     facts.message_is_bad = message_is_bad_;
     layer_->begin(size.width, size.height, since, events_);

@@ -27,6 +27,9 @@ struct PlayOptions {
     std::optional<double> seconds;  ///< the window closes then
     std::optional<std::filesystem::path> record;
     Existing existing = Existing::keep;
+    std::optional<std::filesystem::path> settings_file;  ///< nothing: nothing is kept
+    bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count
+    bool filters_are_stated = false;  ///< likewise by `session.clip`: kept sets A and B stay as they are
 };
 
 /// The newest of many values: a window may be open for days.
@@ -52,6 +55,7 @@ struct PlayFigures {
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;
     std::string painter, gpu, builder;
+    std::string not_kept;  ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };
 

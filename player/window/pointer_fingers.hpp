@@ -22,6 +22,8 @@ public:
     PointerFingers(PointerDevice& device, const Workspace& workspace)
         : device_(device), workspace_(workspace) {}
 
+    /// Where the device's metres are from now on.
+    void set_workspace(const Workspace& workspace) { workspace_ = workspace; }
     void set_count(int fingers) { count_ = fingers; }
     int count() const { return count_; }
     /// Of them, those that are somewhere.

@@ -34,8 +34,8 @@ public:
     virtual Result<void> present(GpuCommands commands, const GpuImage& canvas) = 0;
     virtual void set_title(const std::string& title) = 0;
     virtual void set_fullscreen(bool on) = 0;
-    /// Pixels; the window system may have it otherwise.
-    virtual void resize(int width, int height) = 0;
+    /// As ScreenOptions has it, of a window that does not fill the screen.
+    virtual void set_size(int width, int height) = 0;
     /// Where a finger is drawn, the pointer is in the way.
     virtual void hide_pointer(bool hidden) = 0;
 };

@@ -1,9 +1,10 @@
 #include "player/window/window_command.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <optional>
+
+#include "player/window/felt_settings.hpp"
 
 namespace touchable {
 namespace {
@@ -40,14 +41,9 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"size", WindowVerb::size, Takes::size},
                                      {"screenshot", WindowVerb::screenshot, Takes::perhaps_a_word},
                                      {"open", WindowVerb::open, Takes::word},
+                                     {"settings", WindowVerb::settings, Takes::perhaps_a_word},
+                                     {"reset", WindowVerb::reset, Takes::nothing},
                                      {"quit", WindowVerb::quit, Takes::nothing}};
-
-std::optional<double> number_of(const std::string& word) {
-    double value = 0;
-    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (failure != std::errc() || end != word.data() + word.size() || !(value == value)) return std::nullopt;
-    return value;
-}
 
 std::string in_words(double number) {
     char words[32];
@@ -83,6 +79,7 @@ std::span<const KeyBinding> key_bindings() {
         {"d", false, point_right, 8, nullptr},
         {"f", false, force, 0, "force off at once, or on again"},
         {"o", false, overlay, 0, "what the surface is coloured by"},
+        {"b", false, settings, 0, "the other settings of what is felt, A or B"},
         {"home", false, home, 0, "back to the clip's own view"},
         {"+", false, nearer, 1.25, "nearer, or farther; so does Ctrl and the wheel"},
         {"=", false, nearer, 1.25, nullptr},
@@ -93,6 +90,7 @@ std::span<const KeyBinding> key_bindings() {
         {"f1", false, help, 0, nullptr},
         {"f11", false, fullscreen, 0, "full screen"},
         {"f12", false, screenshot, 0, "keep a picture of the window"},
+        {"backspace", true, reset, 0, "forget all settings that are kept"},
         {"escape", false, quit, 0, "close"}};
     return bindings;
 }
@@ -104,10 +102,16 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
     const auto* const named =
         std::find_if(std::begin(named_verbs), std::end(named_verbs),
                      [&name](const NamedVerb& candidate) { return name == candidate.name; });
+    if (felt_setting(name)) {
+        FeltSettings tried;
+        if (auto set = tried.set(name, rest); !set.ok()) return set.error();
+        return WindowCommand{WindowVerb::feel, 0, words};
+    }
     if (named == std::end(named_verbs)) {
         std::string known;
         for (const NamedVerb& verb : named_verbs)
             known += (known.empty() ? "" : ", ") + std::string(verb.name);
+        for (const FeltSetting& setting : felt_settings()) known += ", " + std::string(setting.name);
         return usage_error("'" + name + "' is no command of the window; there are " + known);
     }
     WindowCommand command{named->verb, 0, ""};
@@ -124,6 +128,9 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         return command;
     }
     if (named->takes != Takes::number) {
+        if (named->verb == WindowVerb::settings && !rest.empty() && rest != "a" && rest != "b")
+            return usage_error("'" + words +
+                               "': there are settings a and b, and nothing is the other of them");
         if (rest.empty() && named->takes == Takes::word) return usage_error("'" + name + "' needs a name");
         command.word = rest;
         return command;

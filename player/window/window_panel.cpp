@@ -9,6 +9,7 @@
 
 #include "player/view/colour_ramp.hpp"
 #include "player/view/finger_marks.hpp"
+#include "player/window/panel_rows.hpp"
 
 namespace touchable {
 namespace {
@@ -60,6 +61,11 @@ std::string printed(std::string key) {
     return key;
 }
 
+/// Of the bar below, for all that there is to press.
+bool has_room(float width, float scale) {
+    return width > 760 * scale;
+}
+
 bool begin_fixed(const char* name, ImVec2 at, ImVec2 pivot, ImVec2 size, ImGuiWindowFlags more = 0) {
     ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
     if (size.x > 0 || size.y > 0) ImGui::SetNextWindowSize(size, ImGuiCond_Always);
@@ -97,7 +103,7 @@ void WindowPanel::draw_playback(const PanelFacts& facts, float width, float heig
     ImGui::TextUnformatted((clock_words(facts.seconds) + " / " + clock_words(facts.clip_seconds)).c_str());
     ImGui::SameLine();
     const std::string speed = in_words("%g\xC3\x97", facts.speed);
-    const bool roomy = width > 760 * scale_;
+    const bool roomy = has_room(width, scale_);
     const float right = (roomy ? 286 : 96) * scale_;
     ImGui::SetNextItemWidth(std::max(60 * scale_, ImGui::GetContentRegionAvail().x - right));
     float at = dragging_ ? dragged_seconds_ : static_cast<float>(facts.seconds);
@@ -163,34 +169,35 @@ void WindowPanel::draw_place(const PanelFacts& facts, float height) {
     ImGui::End();
 }
 
-void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
-                            std::vector<WindowCommand>& asked) {
-    const float m = margin * scale_, wide = std::min(300 * scale_, width * 0.5F);
-    begin_fixed("panel", ImVec2(width - m, m), ImVec2(1, 0),
-                ImVec2(wide, height - 3 * m - bar_height * scale_));
-    ImGui::TextUnformatted(facts.clip.c_str());
-    ImGui::Separator();
-    auto fingers = static_cast<int>(facts.forces.size());
-    ImGui::TextDisabled("fingers");
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderInt("##fingers", &fingers, 1, 5))
-        asked.push_back({WindowVerb::fingers, static_cast<double>(fingers)});
-    ImGui::TextDisabled("pressed in, mm of the hand");
+/// What the finger and the clip do now. `roomy`: the bar below has room for the rest of it.
+void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, std::vector<WindowCommand>& asked) {
+    draw_label("fingers", scale_);
+    const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
+    const int count = draw_words("fingers", counts, static_cast<int>(facts.forces.size()) - 1, true);
+    if (count >= 0) asked.push_back({WindowVerb::fingers, static_cast<double>(count + 1)});
+    draw_label("pressed in", scale_);
     auto depth = static_cast<float>(facts.pressed_mm);
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##depth", &depth, -6, 12, "%.1f"))
+    if (draw_slider("##depth", depth, -6, 12, in_words("%.1f mm", facts.pressed_mm), scale_))
         asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
-    ImGui::TextDisabled("speed");
+    draw_label("speed", scale_);
     auto speed = static_cast<float>(facts.speed);
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##rate", &speed, 0.1F, 4, "%.2f\xC3\x97", ImGuiSliderFlags_Logarithmic))
+    if (draw_slider("##rate", speed, 0.1F, 4, in_words("%.2f\xC3\x97", facts.speed), scale_,
+                    ImGuiSliderFlags_Logarithmic))
         asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
-    if (ImGui::Button(facts.force_on ? "force off" : "force on")) asked.push_back({WindowVerb::force});
+    if (!roomy) {
+        draw_label("colours", scale_);
+        if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
+            asked.push_back({WindowVerb::overlay});
+    }
+    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
+        asked.push_back({WindowVerb::force});
     ImGui::SameLine();
-    if (ImGui::Button(facts.overlay.c_str())) asked.push_back({WindowVerb::overlay});
-    ImGui::SameLine();
-    if (ImGui::Button("home")) asked.push_back({WindowVerb::home});
-    ImGui::Separator();
+    if (ImGui::Button("clip's own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
+}
+
+/// How the machine keeps up.
+void WindowPanel::draw_curves(const PanelFacts& facts) {
     const struct {
         const char* name;
         const Curve& curve;
@@ -199,14 +206,38 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
                   {"picture, ms", frame_ms_, 50},
                   {"tick, \xC2\xB5s", tick_us_, 50}};
     for (const auto& [name, curve, most] : curves) {
-        ImGui::TextDisabled("%s", name);
-        ImGui::SetNextItemWidth(-1);
+        draw_label(name, scale_);
         ImGui::PlotLines((std::string("##") + name).c_str(), curve.values().data(),
                          static_cast<int>(curve.values().size()), curve.begin(), nullptr, 0, most,
-                         ImVec2(0, 44 * scale_));
+                         ImVec2(ImGui::GetContentRegionAvail().x, 26 * scale_));
     }
-    ImGui::Separator();
-    for (const std::string& line : facts.figures) ImGui::TextWrapped("%s", line.c_str());
+    for (const std::string& line : facts.figures) draw_remark(line);
+}
+
+void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
+                            std::vector<WindowCommand>& asked) {
+    const float m = margin * scale_, wide = side_width(width);
+    ImGui::SetNextWindowPos(ImVec2(width - m, m), ImGuiCond_Always, ImVec2(1, 0));
+    ImGui::SetNextWindowSize(ImVec2(wide, height - 3 * m - bar_height * scale_));
+    // What does not fit is scrolled to.
+    ImGui::Begin("panel", nullptr, fixed_window & ~ImGuiWindowFlags_NoScrollbar);
+    const ImGuiStyle& style = ImGui::GetStyle();
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 2 * scale_));
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale_));
+    const float reset_width = 56 * scale_, room = ImGui::GetContentRegionAvail().x - reset_width;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::PushClipRect(at, ImVec2(at.x + room - style.ItemSpacing.x, at.y + ImGui::GetFrameHeight()), true);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(facts.clip.c_str());
+    ImGui::PopClipRect();
+    ImGui::SameLine(style.WindowPadding.x + room);
+    if (ImGui::Button("reset", ImVec2(-1, 0))) asked.push_back({WindowVerb::reset});
+    draw_finger(facts, has_room(width, scale_), asked);
+    draw_heading("What is felt");
+    felt_.draw(facts.felt, asked);
+    draw_heading("How it goes");
+    draw_curves(facts);
+    ImGui::PopStyleVar(2);
     ImGui::End();
 }
 
@@ -276,16 +307,23 @@ void WindowPanel::draw_scale(const OverlayScale& scale, float width, float heigh
     ImGui::End();
 }
 
+/// Above the middle of what the panel leaves free.
 void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     if (facts.message.empty()) return;
-    begin_fixed("message", ImVec2(width / 2, margin * scale_), ImVec2(0.5F, 0), ImVec2(0, 0),
+    const float m = margin * scale_, from = shown ? 104 * scale_ : 0.0F;
+    const float to = shown ? width - side_width(width) - 2 * m : width;
+    begin_fixed("message", ImVec2((from + to) / 2, m), ImVec2(0.5F, 0), ImVec2(0, 0),
                 ImGuiWindowFlags_NoInputs);
-    ImGui::PushTextWrapPos(width * 0.6F);
+    ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
     const ImVec4 bad(1.0F, 0.62F, 0.45F, 1);
     ImGui::TextColored(facts.message_is_bad ? bad : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
                        facts.message.c_str());
     ImGui::PopTextWrapPos();
     ImGui::End();
+}
+
+float WindowPanel::side_width(float width) const {
+    return std::min(310 * scale_, width * 0.5F);
 }
 
 }  // namespace touchable

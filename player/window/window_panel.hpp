@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "player/view/overlays.hpp"
+#include "player/window/felt_panel.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {
@@ -43,6 +44,7 @@ struct PanelFacts {
     std::vector<double> forces;  ///< newtons, by finger
     double most_newtons = 1;     ///< of the bar
     PlaceFacts place;
+    FeltFacts felt;
     std::vector<std::string> figures;  ///< of the machine, a line each
     std::string message;               ///< of the moment: what a key did, or why a file cannot be opened
     bool message_is_bad = false;
@@ -51,7 +53,7 @@ struct PanelFacts {
 /// Dear ImGui's part of the window. What a person asks of it comes out as commands.
 class WindowPanel {
 public:
-    explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
+    explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)), felt_(scale_) {}
     bool shown = false, help_shown = false;
 
     /// Between ImGuiLayer's `begin` and `draw`.
@@ -64,11 +66,15 @@ private:
     void draw_force(const PanelFacts& facts, float height);
     void draw_place(const PanelFacts& facts, float height);
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
+    void draw_finger(const PanelFacts& facts, bool roomy, std::vector<WindowCommand>& asked);
+    void draw_curves(const PanelFacts& facts);
     void draw_help(float width, float height);
     void draw_scale(const OverlayScale& scale, float width, float height);
     void draw_message(const PanelFacts& facts, float width);
+    float side_width(float width) const;
 
     float scale_;
+    FeltPanel felt_;
     Curve force_{300}, frame_ms_{300}, tick_us_{300};
     float dragged_seconds_ = 0;
     bool dragging_ = false;

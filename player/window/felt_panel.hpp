@@ -1,0 +1,36 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "player/window/felt_settings.hpp"
+#include "player/window/window_command.hpp"
+
+namespace touchable {
+
+/// What the panel shows of the settings of what is felt.
+struct FeltFacts {
+    std::map<std::string, std::string> by_hand, in_effect;  ///< as FeltSettings and `felt_in` have them
+    std::string filters;                                    ///< each filter with its reason, in words
+    bool b_is_on = false;                                   ///< of the two sets
+    bool is_fixed = false;                                  ///< a recording is of one set
+};
+
+/// The panel's part for the settings of what is felt, a row each.
+class FeltPanel {
+public:
+    /// `scale` as in ScreenSize.
+    explicit FeltPanel(float scale) : scale_(scale) {}
+    /// Where Dear ImGui's cursor is.
+    void draw(const FeltFacts& facts, std::vector<WindowCommand>& asked);
+
+private:
+    void draw_number(const FeltSetting& setting, const FeltFacts& facts, std::vector<WindowCommand>& asked);
+
+    float scale_;
+    std::string held_;   // the slider that somebody holds
+    float dragged_ = 0;  // what it says
+};
+
+}  // namespace touchable

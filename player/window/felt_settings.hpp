@@ -1,0 +1,68 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/result.hpp"
+#include "player/session/session_options.hpp"
+#include "player/session/touch_setup.hpp"
+
+namespace touchable {
+
+/// Something that a person can set about what is felt, and what it can be set to.
+struct FeltSetting {
+    const char* name;                ///< as commands and the settings file have it
+    std::vector<const char*> words;  ///< what it can be; empty: a number
+    double least = 0, most = 0;      ///< of a number
+    bool whole = false;              ///< the number is
+    const char* unit = "";           ///< of the number
+    bool filter = false;             ///< one of those that `filters` sets together
+};
+/// "filters" is before the ones that it sets together.
+std::span<const FeltSetting> felt_settings();
+/// Null where there is none of that name.
+const FeltSetting* felt_setting(const std::string& name);
+
+/// What was set by hand, by name and in words. What was not is as the command line and the clip say.
+class FeltSettings {
+public:
+    /// "median", "5". "filters" sets all of them, whatever they were set to one by one. Refused
+    /// (ErrorKind::usage) with what would be right.
+    Result<void> set(const std::string& name, const std::string& value);
+    const std::map<std::string, std::string>& values() const { return values_; }
+    /// "median 5, metric pixel", or that nothing was set.
+    std::string in_words() const;
+    bool operator==(const FeltSettings&) const = default;
+
+private:
+    std::map<std::string, std::string> values_;
+};
+
+/// Two sets of settings to compare, of which one is in effect.
+struct TwoSettings {
+    FeltSettings a;
+    std::optional<FeltSettings> b;  ///< nothing: nobody has looked at it yet
+    bool b_is_on = false;
+
+    const FeltSettings& now() const { return b_is_on ? *b : a; }
+    /// Of those in effect, as FeltSettings has it.
+    Result<void> set(const std::string& name, const std::string& value) {
+        return (b_is_on ? *b : a).set(name, value);
+    }
+    /// Whoever looks at B for the first time finds A without filters.
+    void turn_to(bool to_b);
+    std::string in_words() const { return (b_is_on ? "B: " : "A: ") + now().in_words(); }
+};
+
+/// The options of a run with these settings.
+SessionOptions with_felt(SessionOptions options, const FeltSettings& felt);
+/// Every setting but "filters" as a run has it, by name and in words.
+std::map<std::string, std::string> felt_in(const TouchSetup& setup);
+
+/// The whole of a word; nothing where it is no number.
+std::optional<double> number_of(const std::string& word);
+
+}  // namespace touchable
