@@ -7,7 +7,8 @@
 
 namespace touchable {
 
-Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip) {
+Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip,
+                                                     WindowSound& sound) {
     std::unique_ptr<OpenedClip> made(new OpenedClip);
     made->device_ = std::make_shared<PointerDevice>(PointerFingers::most, glm::dvec3(0.0));
     SessionOptions session = options.session;
@@ -16,11 +17,11 @@ Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options,
     session.fingers = PointerFingers::most;
     session.held_device = made->device_;
     session.recorded = options.record.has_value();
-    if (auto begun = made->begin(options, std::move(session)); !begun.ok()) return begun.error();
+    if (auto begun = made->begin(options, std::move(session), sound); !begun.ok()) return begun.error();
     return made;
 }
 
-Result<void> OpenedClip::begin(const PlayOptions& options, SessionOptions session) {
+Result<void> OpenedClip::begin(const PlayOptions& options, SessionOptions session, WindowSound& sound) {
     auto setup = setup_from_options(session);
     if (!setup.ok()) return setup.error();
     TouchSetup& s = **setup;
@@ -36,7 +37,8 @@ Result<void> OpenedClip::begin(const PlayOptions& options, SessionOptions sessio
     const Subject subject = subject_of(HeightField(*scene_, *first));
     view_.emplace(*scene_, subject.middle);
     sizes_ = mark_sizes(*scene_, subject.middle);
-    std::vector<TouchSink*> sinks;
+    listener_.emplace(sound, scene_->width);
+    std::vector<TouchSink*> sinks{&*listener_};
     if (options.record) {
         auto file = RecordingFile::create(*options.record, PointerFingers::most, options.existing);
         if (!file.ok()) return file.error();

@@ -12,6 +12,7 @@
 #include "player/window/finger_trails.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer_fingers.hpp"
+#include "player/window/touch_listener.hpp"
 #include "player/window/window_view.hpp"
 
 namespace touchable {
@@ -20,7 +21,11 @@ namespace touchable {
 class OpenedClip {
 public:
     /// As `options` say, over `clip`; a recording of it is begun where one is asked for.
-    static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip);
+    /// `sound` outlives it, and hears it from `begin_sound` on.
+    static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip,
+                                                    WindowSound& sound);
+    /// Once no other clip is heard any more.
+    void begin_sound() { listener_->begin(); }
 
     WatchedSession& session() { return *session_; }
     const WatchedSession& session() const { return *session_; }
@@ -40,7 +45,7 @@ public:
 
 private:
     OpenedClip() = default;
-    Result<void> begin(const PlayOptions& options, SessionOptions session);
+    Result<void> begin(const PlayOptions& options, SessionOptions session, WindowSound& sound);
 
     /// `--record`, and the hash that its forces must have again.
     class Record final : public TouchSink {
@@ -55,6 +60,7 @@ private:
     std::shared_ptr<PointerDevice> device_;
     std::optional<Scene> scene_;
     std::unique_ptr<Record> record_;
+    std::optional<TouchListener> listener_;
     std::optional<PointerFingers> fingers_;
     std::optional<WindowView> view_;
     FingerTrails trails_;

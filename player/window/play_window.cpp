@@ -16,6 +16,7 @@
 #include "player/window/pointer_input.hpp"
 #include "player/window/what_is_seen.hpp"
 #include "player/window/window_panel.hpp"
+#include "player/window/window_sound.hpp"
 
 namespace touchable {
 namespace {
@@ -74,6 +75,7 @@ private:
     std::optional<ClipPicture> picture_;
     std::unique_ptr<ImGuiLayer> layer_;
     std::optional<WindowPanel> panel_;
+    std::unique_ptr<WindowSound> sound_;
     std::unique_ptr<OpenedClip> clip_;
     PointerInput pointer_;
     std::vector<InputEvent> events_;  // since the last picture
@@ -109,9 +111,13 @@ Result<void> PlayWindow::open() {
     if (!layer.ok()) return layer.error();
     layer_ = std::move(*layer);
     panel_.emplace(scale);
-    auto clip = OpenedClip::open(options_, options_.session.clip);
+    auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
+    if (!sound.ok()) return sound.error();
+    sound_ = std::move(*sound);
+    auto clip = OpenedClip::open(options_, options_.session.clip, *sound_);
     if (!clip.ok()) return clip.error();
     clip_ = std::move(*clip);
+    clip_->begin_sound();
     screen_->set_title(clip_->name() + " - touchable");
     fullscreen_ = options_.screen.fullscreen;
     return {};
@@ -138,6 +144,7 @@ Result<PlayFigures> PlayWindow::run() {
     if (options_.screenshot && !interrupted()) kept = keep_picture(*options_.screenshot);
     sum_up();
     if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
+    if (auto finished = sound_->finish(); !finished.ok()) return finished.error();
     if (const auto failure = clip_->session().failure()) return *failure;
     if (!kept.ok()) return kept.error();
     if (interrupted())
@@ -262,6 +269,9 @@ void PlayWindow::take(const WindowCommand& command) {
         case WindowVerb::force:
             clip_->device().set_force(!clip_->device().force_is_on());
             return say(clip_->device().force_is_on() ? "force on" : "force off");
+        case WindowVerb::mute:
+            sound_->set_muted(!sound_->is_muted());
+            return say(sound_->state());
         case WindowVerb::overlay: {
             const auto overlay = overlay_after(picture_->overlay(), command.word);
             if (!overlay.ok()) return say(overlay.error().message, true);
@@ -300,10 +310,11 @@ void PlayWindow::open_other(const std::string& file) {
     ClipChoice choice;
     choice.file = file;
     if (options_.record) return say("a recording is of one clip; open another without --record", true);
-    auto opened = OpenedClip::open(options_, choice);
+    auto opened = OpenedClip::open(options_, choice, *sound_);
     if (!opened.ok()) return say(opened.error().message, true);
     if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
     clip_ = std::move(*opened);
+    clip_->begin_sound();
     picture_->forget();
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
@@ -351,6 +362,7 @@ Result<void> PlayWindow::draw(const WatchedMoment& moment) {
     auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
     if (!drawn.ok()) return drawn;
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
+    facts.figures.push_back(sound_->state());
     facts.message = message_.empty() && !clip_->fingers().was_pressed() ? first_words : message_;
     facts.message_is_bad = message_is_bad_;
     layer_->begin(size.width, size.height, since, events_);

@@ -26,6 +26,7 @@ struct PlayOptions {
     double screenshot_s = 3;
     std::optional<double> seconds;  ///< the window closes then
     std::optional<std::filesystem::path> record;
+    std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
     Existing existing = Existing::keep;
 };
 
