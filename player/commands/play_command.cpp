@@ -37,6 +37,27 @@ struct PlayWords {
     double seconds_value = 0;
 };
 
+/// Refuses to write over what is read, or is there already.
+Result<void> check_files(const PlayOptions& options, const PlayWords& words) {
+    std::vector<NamedFile> inputs{{"the clip", options.session.clip.file}};
+    if (words.script) inputs.push_back({"--script", *words.script});
+    Outputs outputs{{}, options.existing};
+    if (options.record) outputs.files.push_back({"--record", *options.record});
+    if (options.sound) outputs.files.push_back({"--sound", *options.sound});
+    if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
+    return check_outputs(outputs, inputs);
+}
+
+/// A WAV file is written, so that its name says so.
+CLI::Validator ends_in_wav() {
+    return {[](std::string& name) {
+                return std::filesystem::path(name).extension() == ".wav"
+                           ? std::string()
+                           : name + " is no name of a WAV file; right would be one that ends in .wav";
+            },
+            ""};
+}
+
 Result<PlayOptions> read_words(const PlayWords& words) {
     PlayOptions options = words.options;
     const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
@@ -62,6 +83,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (options.headless && !options.seconds)
         return usage_error(
             "--headless: nobody can close what nobody sees; --seconds or --screenshot says when it ends");
+    if (auto free = check_files(options, words); !free.ok()) return free.error();
     return options;
 }
 
@@ -146,6 +168,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                     "keep what it takes to repeat the touch: touchable touch --replay FILE");
     add_file_option(sub, "--settings", o.settings_file,
                     "where settings are kept from one window to the next, instead of this person's own file");
+    add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
     add_overwrite_option(sub, o.existing);
 }
 
@@ -156,8 +179,8 @@ void group_window_options(CLI::App& sub) {
         std::vector<const char*> options;
     } groups[] = {{"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
                   {"The window",
-                   {"--size", "--fullscreen", "--seconds", "--screenshot", "--at", "--record", "--settings",
-                    "--overwrite"}},
+                   {"--size", "--fullscreen", "--seconds", "--screenshot", "--at", "--record", "--sound",
+                    "--settings", "--overwrite"}},
                   {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
                   {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)

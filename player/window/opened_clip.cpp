@@ -41,15 +41,16 @@ private:
 
 }  // namespace
 
-OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip)
+OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound)
     : options_(options),
       clip_(clip),
+      sound_(sound),
       device_(std::make_shared<PointerDevice>(PointerFingers::most, glm::dvec3(0.0))),
       held_(std::make_shared<StaysOpen>(device_)) {}
 
 Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip,
-                                                     const FeltSettings& felt) {
-    std::unique_ptr<OpenedClip> made(new OpenedClip(options, clip));
+                                                     const FeltSettings& felt, WindowSound& sound) {
+    std::unique_ptr<OpenedClip> made(new OpenedClip(options, clip, sound));
     if (auto begun = made->begin(felt); !begun.ok()) return begun.error();
     return made;
 }
@@ -89,7 +90,8 @@ Result<void> OpenedClip::begin(const FeltSettings& felt) {
     const Subject subject = subject_of(HeightField(*scene_, *first));
     view_.emplace(*scene_, subject.middle);
     sizes_ = mark_sizes(*scene_, subject.middle);
-    std::vector<TouchSink*> sinks;
+    listener_.emplace(sound_, scene_->width);
+    std::vector<TouchSink*> sinks{&*listener_};
     if (options_.record) {
         auto file = RecordingFile::create(*options_.record, PointerFingers::most, options_.existing);
         if (!file.ok()) return file.error();
@@ -136,7 +138,9 @@ Result<void> OpenedClip::change(const FeltSettings& felt) {
     take_over(**setup, felt);
     fingers_->set_workspace((*setup)->workspace);
     trails_ = FingerTrails();
-    auto started = WatchedSession::start(std::move(*setup), {});
+    listener_.emplace(sound_, scene_->width);
+    listener_->begin();
+    auto started = WatchedSession::start(std::move(*setup), {&*listener_});
     if (!started.ok()) return started.error();
     session_ = std::move(*started);
     return {};

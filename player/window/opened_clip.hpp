@@ -14,6 +14,7 @@
 #include "player/window/finger_trails.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer_fingers.hpp"
+#include "player/window/touch_listener.hpp"
 #include "player/window/window_view.hpp"
 
 namespace touchable {
@@ -22,13 +23,15 @@ namespace touchable {
 class OpenedClip {
 public:
     /// As `options` say, which outlive it, over `clip` and by these settings; a recording of it is begun
-    /// where one is asked for.
+    /// where one is asked for. `sound` outlives it too, and hears it from `begin_sound` on.
     static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip,
-                                                    const FeltSettings& felt);
+                                                    const FeltSettings& felt, WindowSound& sound);
     /// The same clip by other settings, at the same moment, speed and loop; fingers stay where they are, and
     /// their forces come by the guard's ramp. The session is another one then. Where the clip does not go
     /// with them (ErrorKind::usage mostly) the old one goes on.
     Result<void> change(const FeltSettings& felt);
+    /// Once no other clip is heard any more.
+    void begin_sound() { listener_->begin(); }
 
     WatchedSession& session() { return *session_; }
     const WatchedSession& session() const { return *session_; }
@@ -52,7 +55,7 @@ public:
     Result<void> finish();
 
 private:
-    OpenedClip(const PlayOptions& options, const ClipChoice& clip);
+    OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);
     SessionOptions session_options(const FeltSettings& felt) const;
     Result<void> begin(const FeltSettings& felt);
     std::vector<PlaybackCommand> stand_still();
@@ -68,6 +71,7 @@ private:
     };
     const PlayOptions& options_;
     ClipChoice clip_;
+    WindowSound& sound_;
     FeltSettings felt_;
     std::map<std::string, std::string> in_effect_;
     std::string name_, filters_;
@@ -76,6 +80,7 @@ private:
     std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go
     std::optional<Scene> scene_;
     std::unique_ptr<Record> record_;
+    std::optional<TouchListener> listener_;
     std::optional<PointerFingers> fingers_;
     std::optional<WindowView> view_;
     FingerTrails trails_;

@@ -17,6 +17,7 @@
 #include "player/window/pointer_input.hpp"
 #include "player/window/what_is_seen.hpp"
 #include "player/window/window_panel.hpp"
+#include "player/window/window_sound.hpp"
 
 namespace touchable {
 namespace {
@@ -81,6 +82,7 @@ private:
     std::optional<ClipPicture> picture_;
     std::unique_ptr<ImGuiLayer> layer_;
     std::optional<WindowPanel> panel_;
+    std::unique_ptr<WindowSound> sound_;
     std::unique_ptr<OpenedClip> clip_;
     SettingsFile settings_;
     TwoSettings felt_;
@@ -128,6 +130,9 @@ Result<void> PlayWindow::open() {
     if (!layer.ok()) return layer.error();
     layer_ = std::move(*layer);
     panel_.emplace(scale);
+    auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
+    if (!sound.ok()) return sound.error();
+    sound_ = std::move(*sound);
     panel_->shown = kept.panel;
     auto clip = open_clip(options_.session.clip);
     if (!clip.ok()) return clip.error();
@@ -135,6 +140,7 @@ Result<void> PlayWindow::open() {
     clip_->fingers().set_count(kept.fingers);
     if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
         picture_->set_overlay(*overlay);
+    clip_->begin_sound();
     screen_->set_title(clip_->name() + " - touchable");
     fullscreen_ = options_.screen.fullscreen;
     return {};
@@ -163,6 +169,7 @@ Result<PlayFigures> PlayWindow::run() {
     sum_up();
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
     if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
+    if (auto finished = sound_->finish(); !finished.ok()) return finished.error();
     if (const auto failure = clip_->session().failure()) return *failure;
     if (!kept.ok()) return kept.error();
     if (interrupted())
@@ -294,6 +301,9 @@ void PlayWindow::take(const WindowCommand& command) {
         case WindowVerb::force:
             clip_->device().set_force(!clip_->device().force_is_on());
             return say(clip_->device().force_is_on() ? "force on" : "force off");
+        case WindowVerb::mute:
+            sound_->set_muted(!sound_->is_muted());
+            return say(sound_->state());
         case WindowVerb::overlay: {
             const auto overlay = overlay_after(picture_->overlay(), command.word);
             if (!overlay.ok()) return say(overlay.error().message, true);
@@ -336,9 +346,9 @@ void PlayWindow::take(const WindowCommand& command) {
 
 /// Settings that do not go with the clip are not in effect then; they stay for the next one.
 Result<std::unique_ptr<OpenedClip>> PlayWindow::open_clip(const ClipChoice& choice) {
-    auto opened = OpenedClip::open(options_, choice, felt_.now());
+    auto opened = OpenedClip::open(options_, choice, felt_.now(), *sound_);
     if (opened.ok() || felt_.now() == FeltSettings{}) return opened;
-    auto plain = OpenedClip::open(options_, choice, {});
+    auto plain = OpenedClip::open(options_, choice, {}, *sound_);
     if (plain.ok()) say("felt as the clip says: " + opened.error().message, true);
     return plain;
 }
@@ -398,6 +408,7 @@ void PlayWindow::open_other(const std::string& file) {
     if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
     (*opened)->fingers().set_count(clip_->fingers().count());
     clip_ = std::move(*opened);
+    clip_->begin_sound();
     picture_->forget();
     wanted_ns_.reset();
     pointer_ = PointerInput();
@@ -448,6 +459,7 @@ Result<void> PlayWindow::draw(const WatchedMoment& moment) {
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.b_is_on;
     facts.felt.is_fixed = options_.record.has_value();
+    facts.figures.push_back(sound_->state());
     facts.message = message_.empty() && !clip_->fingers().was_pressed() ? first_words : message_;
     facts.message_is_bad = message_is_bad_;
     layer_->begin(size.width, size.height, since, events_);

@@ -26,6 +26,7 @@ struct PlayOptions {
     double screenshot_s = 3;
     std::optional<double> seconds;  ///< the window closes then
     std::optional<std::filesystem::path> record;
+    std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
     Existing existing = Existing::keep;
     std::optional<std::filesystem::path> settings_file;  ///< nothing: nothing is kept
     bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count

@@ -22,6 +22,7 @@ enum class WindowVerb {
     point_right,  ///< `number`: pixels by which the pointer moves, for whoever has keys alone
     point_down,   ///< likewise
     force,        ///< on or off
+    mute,         ///< no sound, or again
     overlay,      ///< `word`: what the surface is coloured by; empty: the next one
     home,         ///< the clip's own view
     turn,         ///< `number`: degrees to the right

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <glm/vec3.hpp>
+
+#include "player/session/touch_session.hpp"
+#include "player/window/window_sound.hpp"
+
+namespace touchable {
+
+/// Hears what the fingers of one session do.
+class TouchListener final : public TouchSink {
+public:
+    /// `sound` outlives it. `width`: of the clip, pixels.
+    TouchListener(WindowSound& sound, int width) : sound_(sound), width_(width) {}
+    /// Until then nothing is heard: one clip at a time, each after the session of the one before has ended.
+    void begin() { begun_.store(true, std::memory_order_release); }
+    Result<void> take(const TouchTick& tick) override;
+
+private:
+    /// Of a finger, the tick before.
+    struct Before {
+        bool touching = false, stuck = false;
+        glm::dvec3 goal{0.0}, force{0.0};
+    };
+    HeardFinger hear(const TouchTick& tick, std::size_t finger);
+
+    WindowSound& sound_;
+    int width_;
+    std::atomic<bool> begun_{false};
+    std::array<Before, HeardTick::most_fingers> before_{};
+    std::int64_t last_tick_ = -1;
+};
+
+}  // namespace touchable

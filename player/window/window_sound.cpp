@@ -1,0 +1,46 @@
+#include "player/window/window_sound.hpp"
+
+#include <algorithm>
+
+namespace touchable {
+namespace {
+
+constexpr std::int64_t longest_gap = 1000;  // ticks: a computer that slept is no sound
+
+}  // namespace
+
+Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
+                                                         const std::optional<std::filesystem::path>& file,
+                                                         Existing existing) {
+    std::unique_ptr<WindowSound> made(new WindowSound);
+    if (file) {
+        auto created = SoundFile::create(*file, existing);
+        if (!created.ok()) return created.error();
+        made->file_ = std::move(*created);
+    }
+    if (loudspeakers) made->output_.emplace(made->ticks_);
+    return made;
+}
+
+void WindowSound::take(HeardTick tick, std::int64_t passed) {
+    tick.muted = is_muted();
+    if (output_) ticks_->push(tick);
+    if (!file_) return;
+    for (std::int64_t k = std::min(passed, longest_gap); k > 1; --k) {
+        kept_.render(going_on(tick), samples_);
+        file_->add(samples_);
+    }
+    kept_.render(tick, samples_);
+    file_->add(samples_);
+}
+
+std::string WindowSound::state() const {
+    if (is_muted()) return "sound off";
+    return output_ ? output_->state() : "no sound without a window";
+}
+
+Result<void> WindowSound::finish() {
+    return file_ ? file_->finish() : Result<void>();
+}
+
+}  // namespace touchable

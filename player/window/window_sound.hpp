@@ -1,0 +1,49 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engine/new_file.hpp"
+#include "engine/result.hpp"
+#include "player/window/heard_ticks.hpp"
+#include "player/window/sound_file.hpp"
+#include "player/window/sound_output.hpp"
+
+namespace touchable {
+
+/// What fingers in the window feel is heard: by loudspeakers, in a file, or both.
+class WindowSound {
+public:
+    /// `file`: what is kept, whether there are loudspeakers or not. Those are opened on a thread of their
+    /// own.
+    static Result<std::unique_ptr<WindowSound>> create(bool loudspeakers,
+                                                       const std::optional<std::filesystem::path>& file,
+                                                       Existing existing);
+
+    /// A session's thread, one at a time. `passed`: ticks since the one before, of which the others are not
+    /// known.
+    void take(HeardTick tick, std::int64_t passed);
+
+    // The window's.
+    void set_muted(bool muted) { muted_.store(muted, std::memory_order_relaxed); }
+    bool is_muted() const { return muted_.load(std::memory_order_relaxed); }
+    /// In a few words, for a person.
+    std::string state() const;
+    /// Completes the file. After the last session's end.
+    Result<void> finish();
+
+private:
+    WindowSound() = default;
+
+    std::atomic<bool> muted_{false};
+    std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>();
+    std::unique_ptr<SoundFile> file_;
+    ContactSound kept_;  // what the file has: of every tick, whatever the loudspeakers do
+    ContactSound::Samples samples_{};
+    std::optional<SoundOutput> output_;
+};
+
+}  // namespace touchable
