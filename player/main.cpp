@@ -35,7 +35,7 @@ int fail(const Error& error) {
 
 /// What the program can do, on one screen.
 Result<void> print_overview(const CLI::App& app) {
-    std::cout << "touchable " << TOUCHABLE_VERSION << ": touch a depth video and feel its forces.\n\n";
+    std::cout << "touchable " << TOUCHABLE_VERSION << ": touch a depth video and feel its forces.\n";
     for (const CLI::App* command : app.get_subcommands({}))
         std::printf("  %-8s%s\n", command->get_name().c_str(), command->get_description().c_str());
     std::cout << "Options of a command: touchable help COMMAND\n";

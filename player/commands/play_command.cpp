@@ -37,14 +37,24 @@ struct PlayWords {
     double seconds_value = 0;
 };
 
-/// Refuses to write over what is read, or is there already.
-Result<void> check_files(const PlayOptions& options, const PlayWords& words) {
-    std::vector<NamedFile> inputs{{"the clip", options.session.clip.file}};
-    if (words.script) inputs.push_back({"--script", *words.script});
+/// No file that is written takes the place of what the window shows or reads, by whatever name, or of one
+/// that is there.
+Result<void> check_files(const PlayOptions& options, const std::optional<std::filesystem::path>& script) {
     Outputs outputs{{}, options.existing};
     if (options.record) outputs.files.push_back({"--record", *options.record});
     if (options.sound) outputs.files.push_back({"--sound", *options.sound});
     if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
+    for (const ScriptedInput& input : options.script)
+        if (const auto* command = std::get_if<WindowCommand>(&input.what))
+            if (command->verb == WindowVerb::screenshot && !command->word.empty())
+                outputs.files.push_back({"a screenshot of --script", command->word});
+    if (outputs.files.empty()) return {};
+    std::vector<NamedFile> inputs;
+    if (script) inputs.push_back({"--script", *script});
+    if (options.session.clip.scene_file) inputs.push_back({"--scene", *options.session.clip.scene_file});
+    const auto reader = options.session.clip.open();
+    if (!reader.ok()) return reader.error();
+    add_inputs(inputs, options.session.clip.file, **reader);
     return check_outputs(outputs, inputs);
 }
 
@@ -83,7 +93,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (options.headless && !options.seconds)
         return usage_error(
             "--headless: nobody can close what nobody sees; --seconds or --screenshot says when it ends");
-    if (auto free = check_files(options, words); !free.ok()) return free.error();
+    if (auto free = check_files(options, words.script); !free.ok()) return free.error();
     return options;
 }
 
@@ -103,25 +113,6 @@ void print(const PlayFigures& figures) {
     std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
                 static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
                 static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
-}
-
-/// No picture and no recording takes the place of what the window shows, by whatever name.
-Result<void> check_files(const PlayOptions& options, const std::optional<std::filesystem::path>& script) {
-    Outputs outputs{{}, options.existing};
-    if (options.record) outputs.files.push_back({"--record", *options.record});
-    if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
-    for (const ScriptedInput& input : options.script)
-        if (const auto* command = std::get_if<WindowCommand>(&input.what))
-            if (command->verb == WindowVerb::screenshot && !command->word.empty())
-                outputs.files.push_back({"a screenshot of --script", command->word});
-    if (outputs.files.empty()) return {};
-    std::vector<NamedFile> inputs;
-    if (script) inputs.push_back({"--script", *script});
-    if (options.session.clip.scene_file) inputs.push_back({"--scene", *options.session.clip.scene_file});
-    const auto reader = options.session.clip.open();
-    if (!reader.ok()) return reader.error();
-    add_inputs(inputs, options.session.clip.file, **reader);
-    return check_outputs(outputs, inputs);
 }
 
 /// Settings of this person, where the window is one: what nobody sees is the same for everybody.
@@ -205,7 +196,6 @@ void add_play_command(CLI::App& app, Command& command) {
         command = [words]() -> Result<void> {
             auto options = read_words(*words);
             if (!options.ok()) return options.error();
-            if (auto checked = check_files(*options, words->script); !checked.ok()) return checked;
             return run_play(std::move(*options));
         };
     });

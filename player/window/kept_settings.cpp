@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_bytes = 1 << 20;
+constexpr std::size_t most_settings_bytes = 1 << 20;
 
 Json to_json(const FeltSettings& felt) {
     Json json = Json::object();
@@ -115,7 +115,7 @@ SettingsFile::SettingsFile(std::filesystem::path file) : file_(std::move(file)) 
     std::error_code failed;
     if (!std::filesystem::exists(file_, failed) && !failed) return;
     const bool is_small = std::filesystem::is_regular_file(file_, failed) &&
-                          std::filesystem::file_size(file_, failed) <= most_bytes;
+                          std::filesystem::file_size(file_, failed) <= most_settings_bytes;
     std::ifstream in(file_, std::ios::binary);
     if (is_small && in) {
         take({std::istreambuf_iterator<char>(in), {}});

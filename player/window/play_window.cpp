@@ -416,6 +416,7 @@ void PlayWindow::open_other(const std::string& file) {
 }
 
 Result<void> PlayWindow::keep_picture(const std::filesystem::path& name) {
+    if (figures_.pictures == 0) return usage_error("there is no picture yet that could be kept");
     const auto image = read_back(device_, picture_->canvas());
     if (!image.ok()) return image.error();
     const std::filesystem::path file = name.empty() ? free_name() : name;

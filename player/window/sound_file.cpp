@@ -8,7 +8,7 @@ namespace touchable {
 namespace {
 
 constexpr std::uint32_t header_bytes = 44, sample_bytes = 4;
-constexpr std::uint32_t most_bytes = 0xFFFFFFFFU - header_bytes - sample_bytes;
+constexpr std::uint32_t most_wav_bytes = 0xFFFFFFFFU - header_bytes - sample_bytes;
 
 void put(std::string& to, std::uint32_t value, int bytes) {
     for (int k = 0; k < bytes; ++k) to += static_cast<char>(value >> (8 * k) & 0xFFU);
@@ -48,7 +48,7 @@ void SoundFile::write_header() {
 
 void SoundFile::add(std::span<const StereoSample> samples) {
     const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
-    if (bytes > most_bytes - bytes_) return;
+    if (bytes > most_wav_bytes - bytes_) return;
     std::string words;
     words.reserve(bytes);
     for (const StereoSample& sample : samples) {
