@@ -44,5 +44,35 @@ TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
     EXPECT_NE(parse_window_command("speed 5").error().message.find("0.1 to 4"), std::string::npos);
 }
 
+TEST(WindowCommand, SetsWhatIsFelt) {
+    const auto median = parse_window_command("median 5");
+    ASSERT_TRUE(median.ok());
+    EXPECT_EQ(median->verb, WindowVerb::feel);
+    EXPECT_EQ(median->word, "median 5");
+    for (const char* words :
+         {"terraces auto", "temporal on", "interpolation hold", "metric pixel", "max-force 5",
+          "max-stiffness 2", "fill-holes 16", "filters off", "settings", "settings b", "reset"})
+        EXPECT_TRUE(parse_window_command(words).ok()) << words;
+    const struct {
+        const char *words, *right;
+    } faults[] = {{"median 4", "0, 3 or 5"},
+                  {"median", "0, 3 or 5"},
+                  {"metric metre", "world, pixel or scaled"},
+                  {"max-force 21", "0.1 to 20 N"},
+                  {"max-force nan", "to 20"},
+                  {"max-stiffness 0", "0.1 to 10 N/mm"},
+                  {"fill-holes 1.5", "whole"},
+                  {"temporal 5", "off or on"},
+                  {"settings c", "a and b"},
+                  {"reset 1", "nothing"}};
+    for (const auto& fault : faults) {
+        const auto read = parse_window_command(fault.words);
+        ASSERT_FALSE(read.ok()) << fault.words;
+        EXPECT_EQ(read.error().kind, ErrorKind::usage);
+        EXPECT_NE(read.error().message.find(fault.right), std::string::npos) << read.error().message;
+    }
+    EXPECT_NE(parse_window_command("jump").error().message.find("median"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -16,6 +16,7 @@ namespace {
 int with_display(const TemporaryFolder& folder, const std::string& words, const std::string& actions) {
     std::ofstream(folder / "run.sh") << R"(
 cd "$1"
+export XDG_CONFIG_HOME="$1/config"
 Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>display 2>xvfb.log & server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for k in $(seq 100); do [[ -s display ]] && break; sleep 0.1; done
@@ -62,6 +63,8 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     EXPECT_EQ(first->height, 400);
     EXPECT_EQ(second->width, 500);
     EXPECT_EQ(second->height, 360);
+    const std::string kept = file_contents(folder / "config/touchable/play.json");
+    EXPECT_NE(kept.find("\"panel\": true"), std::string::npos) << kept;
     const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";

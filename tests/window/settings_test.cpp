@@ -1,0 +1,195 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "player/window/kept_settings.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+FeltSettings felt(std::initializer_list<std::pair<const char*, const char*>> values) {
+    FeltSettings settings;
+    for (const auto& [name, value] : values) EXPECT_TRUE(settings.set(name, value).ok()) << name;
+    return settings;
+}
+
+void put(const fs::path& file, const std::string& words) {
+    std::ofstream(file) << words;
+}
+
+std::string words_in(const fs::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(FeltSettings, FiltersAtOnceTakeThePlaceOfThoseOneByOne) {
+    FeltSettings settings =
+        felt({{"median", "5"}, {"max-force", "2.50"}, {"filters", "off"}, {"temporal", "on"}});
+    EXPECT_EQ(settings.in_words(), "max-force 2.5 N, filters off, temporal on");
+    EXPECT_TRUE(settings.set("filters", "clip").ok());
+    EXPECT_EQ(settings, felt({{"max-force", "2.5"}}));
+    EXPECT_EQ(FeltSettings().in_words(), "as the clip says");
+}
+
+TEST(FeltSettings, MakeTheOptionsOfARun) {
+    SessionOptions typed;
+    typed.clip.median = 3;
+    typed.clip.temporal = TemporalChoice{true, DepthLength{2, 0}};
+    const SessionOptions as_typed = with_felt(typed, {});
+    EXPECT_EQ(as_typed.clip.median, 3);
+    EXPECT_FALSE(as_typed.clip.filters);
+    const SessionOptions off = with_felt(
+        typed, felt({{"filters", "off"}, {"fill-holes", "2"}, {"metric", "pixel"}, {"max-stiffness", "2"}}));
+    EXPECT_FALSE(off.clip.median) << "what the command line says of filters";
+    EXPECT_FALSE(off.clip.temporal);
+    ASSERT_TRUE(off.clip.filters);
+    EXPECT_FALSE(off.clip.filters->unstated.any());
+    EXPECT_EQ(off.clip.fill_holes, 2);
+    EXPECT_EQ(off.metric, TouchMetric::pixel);
+    EXPECT_EQ(off.guard.max_stiffness, 2000);
+    EXPECT_EQ(with_felt(typed, felt({{"filters", "auto"}})).clip.filters->unstated, all_unstated);
+    EXPECT_EQ(with_felt(typed, felt({{"terraces", "auto"}})).clip.terraces, TerraceRemoval::automatic);
+    EXPECT_EQ(with_felt(typed, felt({{"interpolation", "hold"}})).clip.interpolation,
+              FrameInterpolation::hold);
+    EXPECT_EQ(with_felt(typed, felt({{"max-force", "5"}})).guard.max_force, 5);
+}
+
+TEST(TwoSettings, BBeginsAsAWithoutFiltersAndStaysAsItWasLeft) {
+    TwoSettings two;
+    EXPECT_TRUE(two.set("median", "5").ok());
+    EXPECT_TRUE(two.set("metric", "scaled").ok());
+    two.turn_to(true);
+    EXPECT_EQ(two.now(), felt({{"metric", "scaled"}, {"filters", "off"}}));
+    EXPECT_TRUE(two.set("median", "3").ok());
+    two.turn_to(false);
+    EXPECT_EQ(two.now(), felt({{"metric", "scaled"}, {"median", "5"}}));
+    two.turn_to(true);
+    EXPECT_EQ(two.in_words(), "B: metric scaled, filters off, median 3");
+}
+
+TEST(SettingsFile, AreReadAsTheyWereWritten) {
+    const TemporaryFolder folder;
+    const fs::path file = folder / "new/folder/play.json";
+    KeptSettings kept{true, 3, "depth", 900, 700, felt({{"median", "5"}, {"max-force", "2.5"}}), {}};
+    kept.b = felt({{"filters", "off"}, {"fill-holes", "3"}});
+    const SettingsFile none(file);
+    EXPECT_EQ(none.read(), KeptSettings());
+    EXPECT_EQ(none.message(), "");
+    ASSERT_TRUE(none.write(kept).ok());
+    const SettingsFile again(file);
+    EXPECT_EQ(again.read(), kept);
+    EXPECT_EQ(again.message(), "");
+    // A link stays one, and nothing is written that is there already.
+    fs::create_symlink(file, folder / "link.json");
+    const SettingsFile link(folder / "link.json");
+    const auto written = fs::last_write_time(file);
+    EXPECT_TRUE(link.write(kept).ok());
+    EXPECT_EQ(fs::last_write_time(file), written);
+    kept.fingers = 1;
+    EXPECT_TRUE(link.write(kept).ok());
+    EXPECT_TRUE(fs::is_symlink(folder / "link.json"));
+    EXPECT_EQ(SettingsFile(file).read().fingers, 1);
+}
+
+TEST(SettingsFile, WhatIsUnknownOrWrongIsSaidOnceAndIgnored) {
+    const TemporaryFolder folder;
+    const fs::path file = folder / "play.json";
+    put(file, R"({"panel": true, "sparkle": 1, "fingers": 9, "window": [10, 10], "overlay": "night",
+                  "a": {"median": 4, "metric": "pixel", "taste": [[]]}, "b": 3})");
+    const SettingsFile read(file);
+    KeptSettings right;
+    right.panel = true;
+    right.a = felt({{"metric", "pixel"}});
+    right.b.emplace();
+    EXPECT_EQ(read.read(), right);
+    for (const char* word :
+         {"'sparkle' is unknown", "1 to 5", "[320, 200]", "night", "0, 3 or 5", "'taste'", "object"})
+        EXPECT_NE(read.message().find(word), std::string::npos) << word << " in " << read.message();
+    ASSERT_TRUE(read.write(read.read()).ok());
+    EXPECT_EQ(SettingsFile(file).message(), "");
+}
+
+TEST(SettingsFile, ThatIsBrokenIsSetAside) {
+    const TemporaryFolder folder;
+    const fs::path file = folder / "play.json";
+    for (const char* words : {"", "{\"panel\": tr", "[1]", "\xff\xfe"}) {
+        put(file, words);
+        const SettingsFile read(file);
+        EXPECT_EQ(read.read(), KeptSettings());
+        EXPECT_NE(read.message().find("play.json.broken"), std::string::npos) << read.message();
+        EXPECT_FALSE(fs::exists(file));
+        EXPECT_EQ(words_in(folder / "play.json.broken"), words);
+        ASSERT_TRUE(read.write(KeptSettings()).ok());
+        EXPECT_EQ(SettingsFile(file).message(), "");
+    }
+}
+
+TEST(SettingsFile, ThatIsNoneOrCannotBeWrittenIsLeftAlone) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "play.json");
+    const SettingsFile is_folder(folder / "play.json");
+    EXPECT_NE(is_folder.message().find("left alone"), std::string::npos);
+    KeptSettings kept;
+    kept.fingers = 2;
+    EXPECT_TRUE(is_folder.write(kept).ok());
+    EXPECT_TRUE(fs::is_directory(folder / "play.json"));
+    put(folder / "file", "x");
+    const SettingsFile nowhere(folder / "file/touchable/play.json");
+    const auto written = nowhere.write(kept);
+    ASSERT_FALSE(written.ok());
+    EXPECT_NE(written.error().message.find("touchable"), std::string::npos) << written.error().message;
+    if (geteuid() == 0) return;  // who may write everywhere
+    fs::create_directory(folder / "locked");
+    put(folder / "locked/play.json", "{\"fingers\": 4}");
+    fs::permissions(folder / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+    const SettingsFile locked(folder / "locked/play.json");
+    EXPECT_FALSE(locked.write(kept).ok());
+    EXPECT_EQ(SettingsFile(folder / "locked/play.json").read().fingers, 4);
+    fs::permissions(folder / "locked", fs::perms::owner_all);
+}
+
+/// The environment as it was, once this is gone.
+class Variable {
+public:
+    Variable(const char* name, const char* value) : name_(name) {
+        if (const char* was = std::getenv(name)) was_ = was;
+        if (value)
+            setenv(name, value, 1);
+        else
+            unsetenv(name);
+    }
+    ~Variable() {
+        if (was_)
+            setenv(name_, was_->c_str(), 1);
+        else
+            unsetenv(name_);
+    }
+    Variable(const Variable&) = delete;
+    Variable& operator=(const Variable&) = delete;
+
+private:
+    const char* name_;
+    std::optional<std::string> was_;
+};
+
+TEST(SettingsFile, OfAPersonIsWhereConfigurationIs) {
+    const Variable home("HOME", "/home/ada");
+    {
+        const Variable config("XDG_CONFIG_HOME", "/etc/ada");
+        EXPECT_EQ(*own_settings_file(), "/etc/ada/touchable/play.json");
+    }
+    const Variable relative("XDG_CONFIG_HOME", "ada");
+    EXPECT_EQ(*own_settings_file(), "/home/ada/.config/touchable/play.json");
+    const Variable nobody("HOME", nullptr);
+    EXPECT_FALSE(own_settings_file().ok());
+}
+
+}  // namespace
+}  // namespace touchable::test
