@@ -122,11 +122,12 @@ TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {
 }
 
 TEST(HeadlessWindow, SettingsChangeWhatIsFeltWhereTheClipStands) {
-    const std::string touch = "0 seek 0.4\n0 play-pause\n0.1 move 160 110\n0.1 press left\n";
-    const Shot plain = shot_of(touch, "0.9");
+    const std::string touch = "0.1 move 160 110\n0.1 press left\n";
+    const Shot plain = shot_of(still(), touch, "0.9");
     // A and B have a force each; A, of 0.2 N, is in effect in the end.
     const Shot other = shot_of(
-        touch + "0.2 max-force 0.2\n0.3 settings b\n0.4 max-force 10\n0.4 key b\n0.5 median 5\n", "0.9");
+        still(), touch + "0.2 max-force 0.2\n0.3 settings b\n0.4 max-force 10\n0.4 key b\n0.5 median 5\n",
+        "0.9");
     EXPECT_GT(differences(plain.image, other.image, 12, 30, 40, 100), 100) << "the bar is as high as before";
     // The clip stands still where it stood: the surface beside finger and words is the same.
     EXPECT_LT(differences(plain.image, other.image, 100, 150, 220, 170), 20);
@@ -135,20 +136,20 @@ TEST(HeadlessWindow, SettingsChangeWhatIsFeltWhereTheClipStands) {
 TEST(HeadlessWindow, KeepsSettingsWhereItIsToldTo) {
     const TemporaryFolder folder;
     const std::string file = (folder / "play.json").string();
-    shot_of("0 median 3\n0 key b\n0 metric pixel\n0 key 2\n0 overlay depth\n0 panel\n", "0.1",
+    shot_of(still(), "0 median 3\n0 key b\n0 metric pixel\n0 key 2\n0 overlay depth\n0 panel\n", "0.1",
             {"--settings", file});
     const std::string kept = file_contents(folder / "play.json");
     for (const char* words : {"\"fingers\": 2", "\"median\": 3", "\"metric\": \"pixel\"",
                               "\"filters\": \"off\"", "\"overlay\": \"depth\"", "\"panel\": true"})
         EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
     EXPECT_EQ(kept.find("window"), std::string::npos) << "the size was stated";
-    shot_of("0 reset\n", "0.1", {"--settings", file});
+    shot_of(still(), "0 reset\n", "0.1", {"--settings", file});
     EXPECT_EQ(file_contents(folder / "play.json").find("median"), std::string::npos);
 }
 
 TEST(HeadlessWindow, RecordingIsOfOneSetOfSettings) {
     const TemporaryFolder folder;
-    shot_of("0 move 160 110\n0.1 max-force 0.1\n0.2 key b\n", "0.3",
+    shot_of(still(), "0 move 160 110\n0.1 max-force 0.1\n0.2 key b\n", "0.3",
             {"--record", (folder / "hand.touch").string()});
     const auto again = run_touchable({"touch", "--replay", (folder / "hand.touch").string()});
     EXPECT_EQ(again.code, 0) << again.err;

@@ -21,7 +21,7 @@ Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>display 2>xvfb.log & ser
 trap 'kill $server 2>/dev/null' EXIT
 for k in $(seq 100); do [[ -s display ]] && break; sleep 0.1; done
 [[ -s display ]] || exit 99
-export DISPLAY=:$(cat display)
+export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config
 ")" << TOUCHABLE_PROGRAM << "\" " << words
                                      << R"( >out 2>err & program=$!
 timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
