@@ -1,0 +1,54 @@
+#include "player/window/playback_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace touchable {
+
+Result<void> PlaybackControl::play_or_pause() {
+    const PlaybackState state = clip_->session().playback();
+    if (!state.at_end) return ask(state.playing ? PlaybackVerb::pause : PlaybackVerb::play);
+    seek_to(0);
+    return ask(PlaybackVerb::play);
+}
+
+void PlaybackControl::seek_to(double seconds) {
+    const double frame = static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-9;
+    const double last = std::max(0.0, clip_->seconds() - frame);
+    wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds, 0.0, last) * 1e9);
+}
+
+void PlaybackControl::seek_by(double seconds) {
+    const std::int64_t from = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
+    seek_to(static_cast<double>(from) * 1e-9 + seconds);
+}
+
+Result<void> PlaybackControl::step(double frames) {
+    if (frames > 0) return ask(PlaybackVerb::step);
+    const FrameRate& rate = clip_->scene().rate;
+    const std::int64_t now = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
+    wanted_ns_ = rate.time_ns(std::max<std::int64_t>(0, rate.frame_at(now) - 1));
+    return ask(PlaybackVerb::pause);
+}
+
+Result<void> PlaybackControl::set_speed(double times) {
+    return ask(PlaybackVerb::rate, std::lround(std::clamp(times, slowest, fastest) * 1000));
+}
+
+Result<void> PlaybackControl::change_speed(double factor) {
+    return set_speed(factor * static_cast<double>(clip_->session().playback().rate) / 1000);
+}
+
+Result<void> PlaybackControl::toggle_loop() {
+    if (clip_->session().playback().loops) return ask(PlaybackVerb::unloop);
+    return ask(PlaybackVerb::loop, 0, static_cast<std::int64_t>(clip_->seconds() * 1e9));
+}
+
+Result<void> PlaybackControl::go_on(const WatchedMoment* moment) {
+    if (!wanted_ns_ || !moment || moment->held.pair.epoch != clip_->session().playback().moment.epoch)
+        return {};
+    return ask(PlaybackVerb::seek, *std::exchange(wanted_ns_, std::nullopt));
+}
+
+}  // namespace touchable

@@ -1,0 +1,238 @@
+#include "player/window/window_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "player/session/interrupt.hpp"
+#include "player/view/surface_pick.hpp"
+#include "player/window/panel_facts.hpp"
+
+namespace touchable {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// From the begin of one picture to the next, at least: as often as screens show one, but where drawing takes
+// so long that decoding would suffer.
+constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.75;
+constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
+constexpr double after_input_ms = 300;  // buttons fade
+constexpr double message_s = 4;
+constexpr const char* first_words =
+    "move over the picture, and hold the left button to touch it; ? shows all keys";
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+}
+
+}  // namespace
+
+Result<void> WindowLoop::open() {
+    if (options_.settings_file) settings_ = SettingsFile(*options_.settings_file);
+    const KeptSettings& kept = settings_.read();
+    if (!options_.filters_are_stated) felt_ = {kept.a, kept.b};
+    if (!settings_.message().empty()) say(settings_.message(), true);
+    if (auto opened = open_screen(kept); !opened.ok()) return opened;
+    if (auto opened = open_parts(); !opened.ok()) return opened;
+    auto clip = open_clip(options_.session.clip);
+    if (!clip.ok()) return clip.error();
+    clip_ = std::move(*clip);
+    playback_.emplace(*clip_);
+    clip_->begin_sound();
+    clip_->fingers().set_count(kept.fingers);
+    panel_->shown = kept.panel;
+    if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
+        picture_->set_overlay(*overlay);
+    screen_->set_title(clip_->name() + " - touchable");
+    return {};
+}
+
+Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
+    ScreenOptions wanted = options_.screen;
+    if (!options_.size_is_stated && kept.width > 0) {
+        wanted.width = kept.width;
+        wanted.height = kept.height;
+    }
+    fullscreen_ = wanted.fullscreen;
+    if (options_.headless) {
+        screen_ = make_headless_screen(wanted);
+    } else {
+        auto screen = open_glfw_screen(wanted);
+        if (!screen.ok()) return screen.error();
+        screen_ = std::move(*screen);
+    }
+    auto device = GpuDevice::open(
+        {.request = options_.session.builder.gpu, .window_extensions = screen_->extensions()});
+    if (!device.ok()) return device.error();
+    device_ = std::move(*device);
+    return screen_->attach(device_);
+}
+
+/// What draws, and what sounds.
+Result<void> WindowLoop::open_parts() {
+    auto picture = ClipPicture::create(device_, options_.painter);
+    if (!picture.ok()) return picture.error();
+    picture_.emplace(std::move(*picture));
+    const double scale = screen_->size().scale;
+    auto layer = ImGuiLayer::create(device_, scale);
+    if (!layer.ok()) return layer.error();
+    layer_ = std::move(*layer);
+    panel_.emplace(scale);
+    auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
+    if (!sound.ok()) return sound.error();
+    sound_ = std::move(*sound);
+    return {};
+}
+
+Result<PlayFigures> WindowLoop::run() {
+    begun_ = last_picture_ = Clock::now();
+    while (!quit_ && !interrupted()) {
+        const WatchedMoment* const moment = clip_->session().look();
+        const auto now = Clock::now();
+        say(playback_->go_on(moment));
+        if (is_due(moment, now)) {
+            if (auto drawn = draw(*moment); !drawn.ok()) return drawn.error();
+        }
+        const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
+        const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
+        for (const InputEvent& event : screen_->poll(wait)) take(event);
+        take_script();
+        for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
+        if (!clip_->session().running() && message_.empty())
+            if (const auto failure = clip_->session().failure()) say(failure->message, true);
+        if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
+    }
+    Result<void> kept;
+    if (options_.screenshot && !interrupted()) kept = keep_picture(*options_.screenshot);
+    sum_up();
+    if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
+    if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
+    if (auto finished = sound_->finish(); !finished.ok()) return finished.error();
+    if (const auto failure = clip_->session().failure()) return *failure;
+    if (!kept.ok()) return kept.error();
+    if (interrupted())
+        return Error{ErrorKind::interrupted, "interrupted; what was asked for is written, up to there"};
+    return std::move(figures_);
+}
+
+void WindowLoop::sum_up() {
+    const WatchedFigures session = clip_->session().figures();
+    figures_.seconds = now_s();
+    figures_.painter = picture_->painter();
+    figures_.gpu = device_->facts().name;
+    figures_.builder = session.feed.builder;
+    figures_.ticks = session.ticks.ticks;
+    figures_.late_ticks = session.ticks.late;
+    figures_.frames = session.feed.frames;
+    figures_.late_frames = session.late_frames;
+    figures_.dropped_frames = session.feed.dropped;
+}
+
+/// Nothing is drawn again where nothing has moved.
+bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) const {
+    const double since_ms = 1000 * seconds_between(last_picture_, now);
+    if (!moment || since_ms < pause_ms()) return false;
+    const bool has_input = !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
+    return has_input || since_ms >= idle_pause_ms ||
+           seen_.differs(*moment, clip_->fingers().shown(), clip_->sizes().finger_radius / 50);
+}
+
+double WindowLoop::pause_ms() const {
+    return std::clamp(last_draw_ms_ / share_of_drawing, picture_pause_ms, slowest_pause_ms);
+}
+
+void WindowLoop::take_script() {
+    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s()) {
+        const auto& what = options_.script[scripted_++].what;
+        if (const auto* event = std::get_if<InputEvent>(&what))
+            take(*event);
+        else
+            take(std::get<WindowCommand>(what));
+    }
+}
+
+void WindowLoop::take(const InputEvent& event) {
+    using Kind = InputEvent::Kind;
+    last_event_ = Clock::now();
+    if (!first_event_) first_event_ = last_event_;
+    events_.push_back(event);
+    if (event.kind == Kind::close) quit_ = true;
+    if (event.kind == Kind::dropped) open_other(event.word);
+    if (event.kind == Kind::key && !layer_->takes_keys()) {
+        for (const KeyBinding& binding : key_bindings())
+            if (event.word == binding.key && event.shift == binding.shift)
+                return take(WindowCommand{binding.verb, binding.number, ""});
+        return;
+    }
+    const bool is_of_panel = layer_->takes_pointer();
+    if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
+    if (is_of_panel && event.kind != Kind::released) return;
+    const ScreenSize size = screen_->size();
+    pointer_.take(event, clip_->fingers(), clip_->view(), size.width, size.height);
+    screen_->hide_pointer(clip_->fingers().pointer().has_value());
+}
+
+void WindowLoop::say(const Result<void>& done) {
+    if (!done.ok()) say(done.error().message, true);
+}
+
+void WindowLoop::say(std::string words, bool bad) {
+    message_ = std::move(words);
+    message_is_bad_ = bad;
+    message_at_ = Clock::now();
+}
+
+Result<void> WindowLoop::draw(const WatchedMoment& moment) {
+    const ScreenSize size = screen_->size();
+    const auto begin = Clock::now();
+    const double since = seconds_between(last_picture_, begin);
+    last_picture_ = begin;
+    seen_.remember(moment, clip_->fingers().shown());
+    if (size.width < 1 || size.height < 1) {  // minimised
+        events_.clear();
+        return {};
+    }
+    if (!message_.empty() && seconds_between(message_at_, begin) > message_s) message_.clear();
+
+    const HeightField field(clip_->scene(), moment.held.pair);
+    const ViewCamera camera = clip_->view().camera(size.width, size.height);
+    if (const auto at = pointer_.take_double_click())
+        if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
+    clip_->fingers().intend(field, camera);
+
+    auto commands = GpuCommands::begin(device_, "window");
+    if (!commands.ok()) return commands.error();
+    const auto marks = clip_->trails().marks(moment.felt, clip_->fingers().shown(), field);
+    auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
+    if (!drawn.ok()) return drawn;
+    PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
+    facts.felt.b_is_on = felt_.b_is_on;
+    facts.felt.is_fixed = options_.record.has_value();
+    facts.figures.push_back(sound_->state());
+    facts.message = message_.empty() && !clip_->fingers().was_pressed() ? first_words : message_;
+    facts.message_is_bad = message_is_bad_;
+    layer_->begin(size.width, size.height, since, events_);
+    events_.clear();
+    panel_->draw(facts, size.width, size.height, asked_);
+    drawn = layer_->draw(*commands, picture_->canvas());
+    if (!drawn.ok()) return drawn;
+    if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;
+
+    const auto end = Clock::now();
+    last_draw_ms_ = seconds_between(begin, end) * 1000;
+    panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
+    ++figures_.pictures;
+    figures_.draw_ms.add(last_draw_ms_);
+    if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);
+    first_event_.reset();
+    return {};
+}
+
+Result<PlayFigures> play_in_window(const PlayOptions& options) {
+    WindowLoop window(options);
+    if (auto opened = window.open(); !opened.ok()) return opened.error();
+    return window.run();
+}
+
+}  // namespace touchable

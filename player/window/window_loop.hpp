@@ -1,0 +1,84 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "player/window/clip_picture.hpp"
+#include "player/window/imgui_layer.hpp"
+#include "player/window/kept_settings.hpp"
+#include "player/window/opened_clip.hpp"
+#include "player/window/play_window.hpp"
+#include "player/window/playback_control.hpp"
+#include "player/window/pointer_input.hpp"
+#include "player/window/what_is_seen.hpp"
+#include "player/window/window_panel.hpp"
+#include "player/window/window_sound.hpp"
+
+namespace touchable {
+
+/// The window of `touchable play`: its parts, and the loop that drives them.
+class WindowLoop {
+public:
+    explicit WindowLoop(const PlayOptions& options) : options_(options) {}
+
+    Result<void> open();
+    Result<PlayFigures> run();
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    Result<void> open_screen(const KeptSettings& kept);
+    Result<void> open_parts();
+    void take_script();
+    void take(const InputEvent& event);
+    void take(const WindowCommand& command);
+    void take_of_time(const WindowCommand& command);
+    void take_of_view(const WindowCommand& command);
+    void take_of_fingers(const WindowCommand& command);
+    void take_of_window(const WindowCommand& command);
+    void set_overlay(const std::string& name);
+    Result<std::unique_ptr<OpenedClip>> open_clip(const ClipChoice& choice);
+    void open_other(const std::string& file);
+    Result<void> keep_picture(const std::filesystem::path& name);
+    void feel(const WindowCommand& command);
+    void feel(const TwoSettings& wanted);
+    void reset();
+    KeptSettings to_keep() const;
+    void say(std::string words, bool bad = false);
+    /// What was refused.
+    void say(const Result<void>& done);
+    void sum_up();
+    double pause_ms() const;
+    bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
+    Result<void> draw(const WatchedMoment& moment);
+    double now_s() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
+
+    const PlayOptions& options_;
+    std::unique_ptr<Screen> screen_;
+    std::shared_ptr<GpuDevice> device_;
+    std::optional<ClipPicture> picture_;
+    std::unique_ptr<ImGuiLayer> layer_;
+    std::optional<WindowPanel> panel_;
+    std::unique_ptr<WindowSound> sound_;
+    std::unique_ptr<OpenedClip> clip_;
+    std::optional<PlaybackControl> playback_;
+    SettingsFile settings_;
+    TwoSettings felt_;
+    PointerInput pointer_;
+    std::vector<InputEvent> events_;  // since the last picture
+    std::vector<WindowCommand> asked_;
+    std::size_t scripted_ = 0;
+    Clock::time_point begun_, last_picture_, last_event_, message_at_;
+    std::optional<Clock::time_point> first_event_;  // not in a picture yet
+    WhatIsSeen seen_;
+    std::string message_;
+    bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
+    double last_draw_ms_ = 0;
+    PlayFigures figures_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "player/window/canvas.hpp"
+#include "player/window/panel_facts.hpp"
+#include "player/window/window_loop.hpp"
+
+// What commands do to the window.
+
+namespace touchable {
+namespace {
+
+/// Of a picture that nobody gave a name.
+std::filesystem::path free_name() {
+    for (int number = 1;; ++number) {
+        std::filesystem::path file = "touchable-" + std::to_string(number) + ".png";
+        std::error_code ignored;
+        if (!std::filesystem::exists(file, ignored)) return file;
+    }
+}
+
+}  // namespace
+
+void WindowLoop::take(const WindowCommand& command) {
+    switch (command.verb) {
+        case WindowVerb::play_pause:
+        case WindowVerb::seek_by:
+        case WindowVerb::seek_to:
+        case WindowVerb::step:
+        case WindowVerb::faster:
+        case WindowVerb::speed:
+        case WindowVerb::loop:
+            return take_of_time(command);
+        case WindowVerb::home:
+        case WindowVerb::turn:
+        case WindowVerb::tilt:
+        case WindowVerb::nearer:
+            return take_of_view(command);
+        case WindowVerb::fingers:
+        case WindowVerb::deeper:
+        case WindowVerb::point_right:
+        case WindowVerb::point_down:
+        case WindowVerb::force:
+            return take_of_fingers(command);
+        case WindowVerb::feel:
+        case WindowVerb::settings:
+            return feel(command);
+        default:
+            return take_of_window(command);
+    }
+}
+
+void WindowLoop::take_of_time(const WindowCommand& command) {
+    switch (command.verb) {
+        case WindowVerb::play_pause:
+            return say(playback_->play_or_pause());
+        case WindowVerb::seek_by:
+            return playback_->seek_by(command.number);
+        case WindowVerb::seek_to:
+            return playback_->seek_to(command.number);
+        case WindowVerb::step:
+            return say(playback_->step(command.number));
+        case WindowVerb::faster:
+            return say(playback_->change_speed(command.number));
+        case WindowVerb::speed:
+            return say(playback_->set_speed(command.number));
+        default:
+            return say(playback_->toggle_loop());
+    }
+}
+
+void WindowLoop::take_of_view(const WindowCommand& command) {
+    WindowView& view = clip_->view();
+    if (command.verb == WindowVerb::home) view.go_home();
+    if (command.verb == WindowVerb::turn) view.turn(command.number, 0);
+    if (command.verb == WindowVerb::tilt) view.turn(0, command.number);
+    if (command.verb == WindowVerb::nearer) view.near_by(command.number);
+}
+
+void WindowLoop::take_of_fingers(const WindowCommand& command) {
+    PointerFingers& fingers = clip_->fingers();
+    const ScreenSize size = screen_->size();
+    switch (command.verb) {
+        case WindowVerb::fingers:
+            return fingers.set_count(static_cast<int>(command.number));
+        case WindowVerb::deeper:
+            return fingers.deepen(command.number / 1000);
+        case WindowVerb::point_right:
+            return pointer_.move_by({command.number, 0}, size.width, size.height, fingers);
+        case WindowVerb::point_down:
+            return pointer_.move_by({0, command.number}, size.width, size.height, fingers);
+        default:
+            clip_->device().set_force(!clip_->device().force_is_on());
+            return say(clip_->device().force_is_on() ? "force on" : "force off");
+    }
+}
+
+void WindowLoop::take_of_window(const WindowCommand& command) {
+    switch (command.verb) {
+        case WindowVerb::overlay:
+            return set_overlay(command.word);
+        case WindowVerb::mute:
+            sound_->set_muted(!sound_->is_muted());
+            return say(sound_->state());
+        case WindowVerb::panel:
+            panel_->shown = !panel_->shown;
+            return;
+        case WindowVerb::help:
+            panel_->help_shown = !panel_->help_shown;
+            return;
+        case WindowVerb::fullscreen:
+            fullscreen_ = !fullscreen_;
+            return screen_->set_fullscreen(fullscreen_);
+        case WindowVerb::size:
+            return screen_->set_size(command.width, command.height);
+        case WindowVerb::screenshot:
+            return say(keep_picture(command.word));
+        case WindowVerb::open:
+            return open_other(command.word);
+        case WindowVerb::reset:
+            return reset();
+        default:
+            quit_ = true;
+    }
+}
+
+void WindowLoop::set_overlay(const std::string& name) {
+    const auto overlay = overlay_after(picture_->overlay(), name);
+    if (!overlay.ok()) return say(overlay.error().message, true);
+    picture_->set_overlay(*overlay);
+}
+
+/// Settings that do not go with the clip are not in effect then; they stay for the next one.
+Result<std::unique_ptr<OpenedClip>> WindowLoop::open_clip(const ClipChoice& choice) {
+    auto opened = OpenedClip::open(options_, choice, felt_.now(), *sound_);
+    if (opened.ok() || felt_.now() == FeltSettings{}) return opened;
+    auto plain = OpenedClip::open(options_, choice, {}, *sound_);
+    if (plain.ok()) say("felt as the clip says: " + opened.error().message, true);
+    return plain;
+}
+
+void WindowLoop::feel(const WindowCommand& command) {
+    TwoSettings wanted = felt_;
+    const std::size_t space = command.word.find(' ');
+    if (command.verb == WindowVerb::settings) {
+        wanted.turn_to(command.word.empty() ? !felt_.b_is_on : command.word == "b");
+    } else if (auto set = wanted.set(command.word.substr(0, space), command.word.substr(space + 1));
+               !set.ok()) {
+        return say(set.error().message, true);
+    }
+    feel(wanted);
+}
+
+void WindowLoop::feel(const TwoSettings& wanted) {
+    if (options_.record)
+        return say("a recording is of one set of settings; change them without --record", true);
+    if (auto changed = clip_->change(wanted.now()); !changed.ok()) return say(changed.error().message, true);
+    felt_ = wanted;
+    picture_->forget();
+    say(felt_.in_words());
+}
+
+void WindowLoop::reset() {
+    feel(TwoSettings());
+    panel_->shown = false;
+    clip_->fingers().set_count(KeptSettings().fingers);
+    picture_->set_overlay(Overlay::colour);
+    if (!fullscreen_) screen_->set_size(options_.screen.width, options_.screen.height);
+}
+
+KeptSettings WindowLoop::to_keep() const {
+    KeptSettings kept = settings_.read();
+    kept.panel = panel_->shown;
+    kept.fingers = clip_->fingers().count();
+    kept.overlay = name_of(picture_->overlay());
+    if (!options_.filters_are_stated) {
+        kept.a = felt_.a;
+        kept.b = felt_.b;
+    }
+    const ScreenSize size = screen_->size();
+    if (options_.size_is_stated || fullscreen_ || size.width < 1) return kept;
+    kept.width = static_cast<int>(std::lround(size.width / size.scale));
+    kept.height = static_cast<int>(std::lround(size.height / size.scale));
+    return kept;
+}
+
+/// The clip that is there goes on where the other one cannot be opened.
+void WindowLoop::open_other(const std::string& file) {
+    ClipChoice choice;
+    choice.file = file;
+    if (options_.record) return say("a recording is of one clip; open another without --record", true);
+    auto opened = open_clip(choice);
+    if (!opened.ok()) return say(opened.error().message, true);
+    if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
+    (*opened)->fingers().set_count(clip_->fingers().count());
+    clip_ = std::move(*opened);
+    clip_->begin_sound();
+    picture_->forget();
+    playback_.emplace(*clip_);
+    pointer_ = PointerInput();
+    screen_->set_title(clip_->name() + " - touchable");
+}
+
+Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {
+    if (figures_.pictures == 0) return usage_error("there is no picture yet that could be kept");
+    const auto image = read_back(device_, picture_->canvas());
+    if (!image.ok()) return image.error();
+    const std::filesystem::path file = name.empty() ? free_name() : name;
+    NewFile out(file, options_.existing);
+    if (auto usable = out.check(); !usable.ok()) return usable;
+    if (auto written = write_png(out, image->view()); !written.ok()) return written;
+    if (auto done = out.commit(); !done.ok()) return done;
+    say("kept as " + file.string());
+    return {};
+}
+
+}  // namespace touchable
