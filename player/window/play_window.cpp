@@ -67,6 +67,7 @@ private:
     Result<void> keep_picture(const std::filesystem::path& name);
     void feel(const WindowCommand& command);
     void feel(const TwoSettings& wanted);
+    void go_on_feeling();
     void reset();
     KeptSettings to_keep() const;
     void say(std::string words, bool bad = false);
@@ -86,6 +87,8 @@ private:
     std::unique_ptr<OpenedClip> clip_;
     SettingsFile settings_;
     TwoSettings felt_;
+    std::optional<TwoSettings> wanted_felt_;  // to be changed to
+    std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
     PointerInput pointer_;
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
@@ -160,6 +163,7 @@ Result<PlayFigures> PlayWindow::run() {
         for (const InputEvent& event : screen_->poll(wait)) take(event);
         take_script();
         for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
+        go_on_feeling();
         if (!clip_->session().running() && message_.empty())
             if (const auto failure = clip_->session().failure()) say(failure->message, true);
         if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
@@ -354,10 +358,10 @@ Result<std::unique_ptr<OpenedClip>> PlayWindow::open_clip(const ClipChoice& choi
 }
 
 void PlayWindow::feel(const WindowCommand& command) {
-    TwoSettings wanted = felt_;
+    TwoSettings wanted = wanted_felt_.value_or(felt_);
     const std::size_t space = command.word.find(' ');
     if (command.verb == WindowVerb::settings) {
-        wanted.turn_to(command.word.empty() ? !felt_.b_is_on : command.word == "b");
+        wanted.turn_to(command.word.empty() ? !wanted.b_is_on : command.word == "b");
     } else if (auto set = wanted.set(command.word.substr(0, space), command.word.substr(space + 1));
                !set.ok()) {
         return say(set.error().message, true);
@@ -368,8 +372,18 @@ void PlayWindow::feel(const WindowCommand& command) {
 void PlayWindow::feel(const TwoSettings& wanted) {
     if (options_.record)
         return say("a recording is of one set of settings; change them without --record", true);
+    wanted_felt_ = wanted;
+}
+
+/// One after the other: whoever holds a key sees and feels each that there is time for, and in the end the
+/// last.
+void PlayWindow::go_on_feeling() {
+    const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
+    if (!wanted_felt_ || !was_seen) return;
+    const TwoSettings wanted = *std::exchange(wanted_felt_, std::nullopt);
     if (auto changed = clip_->change(wanted.now()); !changed.ok()) return say(changed.error().message, true);
     felt_ = wanted;
+    changed_at_ = figures_.pictures;
     picture_->forget();
     say(felt_.in_words());
 }
@@ -388,8 +402,9 @@ KeptSettings PlayWindow::to_keep() const {
     kept.fingers = clip_->fingers().count();
     kept.overlay = name_of(picture_->overlay());
     if (!options_.filters_are_stated) {
-        kept.a = felt_.a;
-        kept.b = felt_.b;
+        const TwoSettings felt = wanted_felt_.value_or(felt_);
+        kept.a = felt.a;
+        kept.b = felt.b;
     }
     const ScreenSize size = screen_->size();
     if (options_.size_is_stated || fullscreen_ || size.width < 1) return kept;
