@@ -86,34 +86,46 @@ Result<void> WindowLoop::open_parts() {
 }
 
 Result<PlayFigures> WindowLoop::run() {
-    begun_ = last_picture_ = Clock::now();
-    while (!quit_ && !interrupted()) {
-        const WatchedMoment* const moment = clip_->session().look();
-        const auto now = Clock::now();
-        say(playback_->go_on(moment));
-        if (is_due(moment, now)) {
-            if (auto drawn = draw(*moment); !drawn.ok()) return drawn.error();
-        }
-        const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
-        const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
-        for (const InputEvent& event : screen_->poll(wait)) take(event);
-        take_script();
-        for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
-        if (!clip_->session().running() && message_.empty())
-            if (const auto failure = clip_->session().failure()) say(failure->message, true);
-        if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
-    }
+    last_picture_ = Clock::now();
+    Result<void> ended;
+    while (ended.ok() && !quit_ && !interrupted()) ended = turn();
     Result<void> kept;
-    if (options_.screenshot && !interrupted()) kept = keep_picture(*options_.screenshot);
+    if (ended.ok() && options_.screenshot && !interrupted()) kept = keep_picture(*options_.screenshot);
+    // Whatever ended it: what was touched until then is kept.
     sum_up();
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
-    if (auto finished = clip_->finish(); !finished.ok()) return finished.error();
-    if (auto finished = sound_->finish(); !finished.ok()) return finished.error();
+    const Result<void> recorded = clip_->finish(), heard = sound_->finish();
+    for (const Result<void>* done : {&ended, &recorded, &heard, &kept})
+        if (!done->ok()) return done->error();
     if (const auto failure = clip_->session().failure()) return *failure;
-    if (!kept.ok()) return kept.error();
     if (interrupted())
         return Error{ErrorKind::interrupted, "interrupted; what was asked for is written, up to there"};
     return std::move(figures_);
+}
+
+/// Draws where something is to be seen, takes what has come, and does it.
+Result<void> WindowLoop::turn() {
+    const WatchedMoment* const moment = clip_->session().look();
+    say(playback_->go_on(moment));
+    if (is_due(moment, Clock::now()))
+        if (auto drawn = draw(*moment); !drawn.ok()) return drawn;
+    const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
+    const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
+    for (const InputEvent& event : screen_->poll(wait)) take(event);
+    if (begun_) take_script();
+    for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
+    go_on_feeling();
+    if (!clip_->session().running()) {
+        if (const auto failure = clip_->session().failure(); failure && message_.empty())
+            say(failure->message, true);
+        if (!begun_) quit_ = true;  // there will be no picture
+    }
+    if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
+    return {};
+}
+
+double WindowLoop::now_s() const {
+    return begun_ ? seconds_between(*begun_, Clock::now()) : 0;
 }
 
 void WindowLoop::sum_up() {
@@ -222,6 +234,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const auto end = Clock::now();
     last_draw_ms_ = seconds_between(begin, end) * 1000;
     panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
+    if (!begun_) begun_ = end;
     ++figures_.pictures;
     figures_.draw_ms.add(last_draw_ms_);
     if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);

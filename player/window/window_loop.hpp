@@ -33,6 +33,7 @@ private:
 
     Result<void> open_screen(const KeptSettings& kept);
     Result<void> open_parts();
+    Result<void> turn();
     void take_script();
     void take(const InputEvent& event);
     void take(const WindowCommand& command);
@@ -46,6 +47,7 @@ private:
     Result<void> keep_picture(const std::filesystem::path& name);
     void feel(const WindowCommand& command);
     void feel(const TwoSettings& wanted);
+    void go_on_feeling();
     void reset();
     KeptSettings to_keep() const;
     void say(std::string words, bool bad = false);
@@ -55,7 +57,7 @@ private:
     double pause_ms() const;
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     Result<void> draw(const WatchedMoment& moment);
-    double now_s() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
+    double now_s() const;
 
     const PlayOptions& options_;
     std::unique_ptr<Screen> screen_;
@@ -68,11 +70,14 @@ private:
     std::optional<PlaybackControl> playback_;
     SettingsFile settings_;
     TwoSettings felt_;
+    std::optional<TwoSettings> wanted_felt_;  // to be changed to
+    std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
     PointerInput pointer_;
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
-    Clock::time_point begun_, last_picture_, last_event_, message_at_;
+    std::optional<Clock::time_point> begun_;  // with the first picture
+    Clock::time_point last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     WhatIsSeen seen_;
     std::string message_;

@@ -142,10 +142,10 @@ Result<std::unique_ptr<OpenedClip>> WindowLoop::open_clip(const ClipChoice& choi
 }
 
 void WindowLoop::feel(const WindowCommand& command) {
-    TwoSettings wanted = felt_;
+    TwoSettings wanted = wanted_felt_.value_or(felt_);
     const std::size_t space = command.word.find(' ');
     if (command.verb == WindowVerb::settings) {
-        wanted.turn_to(command.word.empty() ? !felt_.b_is_on : command.word == "b");
+        wanted.turn_to(command.word.empty() ? !wanted.b_is_on : command.word == "b");
     } else if (auto set = wanted.set(command.word.substr(0, space), command.word.substr(space + 1));
                !set.ok()) {
         return say(set.error().message, true);
@@ -156,8 +156,18 @@ void WindowLoop::feel(const WindowCommand& command) {
 void WindowLoop::feel(const TwoSettings& wanted) {
     if (options_.record)
         return say("a recording is of one set of settings; change them without --record", true);
-    if (auto changed = clip_->change(wanted.now()); !changed.ok()) return say(changed.error().message, true);
+    wanted_felt_ = wanted;
+}
+
+/// One after the other: whoever holds a key sees and feels each that there is time for, and in the end the
+/// last.
+void WindowLoop::go_on_feeling() {
+    const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
+    if (!wanted_felt_ || !was_seen) return;
+    const TwoSettings wanted = *std::exchange(wanted_felt_, std::nullopt);
+    if (auto changed = clip_->change(wanted.now()); !changed.ok()) return say(changed);
     felt_ = wanted;
+    changed_at_ = figures_.pictures;
     picture_->forget();
     say(felt_.in_words());
 }
@@ -176,8 +186,9 @@ KeptSettings WindowLoop::to_keep() const {
     kept.fingers = clip_->fingers().count();
     kept.overlay = name_of(picture_->overlay());
     if (!options_.filters_are_stated) {
-        kept.a = felt_.a;
-        kept.b = felt_.b;
+        const TwoSettings felt = wanted_felt_.value_or(felt_);
+        kept.a = felt.a;
+        kept.b = felt.b;
     }
     const ScreenSize size = screen_->size();
     if (options_.size_is_stated || fullscreen_ || size.width < 1) return kept;

@@ -26,7 +26,7 @@ protected:
     /// Commands take effect with a tick.
     template <class Condition>
     bool comes_true(const Condition& condition) {
-        for (int k = 0; k < 2000; ++k) {
+        for (int k = 0; k < 5000; ++k) {
             if (condition()) return true;
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
@@ -100,7 +100,7 @@ TEST_F(ChangedClip, FingerStaysPressedInAndIsFeltAgain) {
     ASSERT_TRUE(change("metric", "pixel").ok());
     ASSERT_TRUE(comes_true([&] { return glm::length(felt().goal) > 0; }));
     // It is on its way in still; had it gone away, it would come from the camera.
-    EXPECT_LT(glm::length(felt().goal - before), 0.05 * glm::length(before));
+    EXPECT_LT(glm::length(felt().goal - before), 0.2 * glm::length(before));
     EXPECT_TRUE(comes_true(presses));
 }
 
