@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "player/session/interrupt.hpp"
@@ -95,7 +96,7 @@ Result<PlayFigures> WindowLoop::run() {
     sum_up();
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
-    for (const Result<void>* done : {&ended, &recorded, &heard, &kept})
+    for (const auto* done : std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &kept})
         if (!done->ok()) return done->error();
     if (const auto failure = clip_->session().failure()) return *failure;
     if (interrupted())
