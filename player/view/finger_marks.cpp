@@ -89,6 +89,7 @@ void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, 
     const double radius = sizes.finger_radius;
     for (std::size_t k = 0; k < fingers.size(); ++k) {
         const FingerMark& finger = fingers[k];
+        if (!finger.shown) continue;
         const glm::vec3 light = light_of(finger_colour(k)), white(1.0F);
         shapes.shadows.push_back({finger.proxy, 2.6 * radius});
         shape_thread(finger, radius, light, shapes.threads);
@@ -104,7 +105,7 @@ void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, 
         add_arrow(shapes.solids, from, from + arrow, 0.34 * radius, {glm::mix(light, white, 0.35F), 1});
     }
     for (std::size_t k = 0; k < fingers.size(); ++k)
-        if (fingers[k].touching)
+        if (fingers[k].shown && fingers[k].touching)
             add_ball(shapes.veils, fingers[k].goal, 0.8 * radius,
                      {glm::mix(light_of(finger_colour(k)), glm::vec3(1.0F), 0.3F), 0.8F});
 }

@@ -19,7 +19,8 @@ namespace touchable {
 struct FingerMark {
     glm::dvec3 goal{0.0}, proxy{0.0}, force{0.0};
     bool touching = false;
-    std::vector<glm::dvec3> trail;  ///< where the proxy went, oldest first, as points of the surface drawn
+    std::vector<glm::dvec3> trail{};  ///< where the proxy went, oldest first, as points of the surface drawn
+    bool shown = true;                ///< false: not drawn; the others keep their numbers' colours
 };
 
 /// The colour of a finger, by its number.

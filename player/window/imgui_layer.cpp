@@ -3,6 +3,7 @@
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
 
+#include <set>
 #include <utility>
 
 #include "player/window/theme.hpp"
@@ -171,7 +172,19 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
     io.DeltaTime = static_cast<float>(seconds > 1e-4 ? seconds : 1e-4);
-    for (const InputEvent& event : events) tell(io, event);
+    // ImGui sees what a button is when a picture begins: of a short click each half gets a picture.
+    std::vector<InputEvent> now = std::exchange(later_, {});
+    now.insert(now.end(), events.begin(), events.end());
+    std::set<std::string> pressed;
+    for (const InputEvent& event : now) {
+        const bool is_let_go = event.kind == InputEvent::Kind::released && pressed.contains(event.word);
+        if (is_let_go || !later_.empty()) {
+            later_.push_back(event);
+            continue;
+        }
+        if (event.kind == InputEvent::Kind::pressed) pressed.insert(event.word);
+        tell(io, event);
+    }
     ImGui_ImplVulkan_NewFrame();
     ImGui::NewFrame();
 }
@@ -213,8 +226,8 @@ Result<void> ImGuiLayer::draw(GpuCommands& commands, const GpuImage& canvas) {
     return {};
 }
 
-bool ImGuiLayer::takes_pointer() const {
-    return ImGui::GetIO().WantCaptureMouse;
+bool ImGuiLayer::holds_pointer() const {
+    return ImGui::IsAnyItemActive();
 }
 
 bool ImGuiLayer::takes_keys() const {

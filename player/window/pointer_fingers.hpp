@@ -2,6 +2,7 @@
 
 #include <glm/vec2.hpp>
 #include <optional>
+#include <span>
 
 #include "device/pointer_device.hpp"
 #include "device/workspace.hpp"
@@ -41,12 +42,14 @@ public:
     /// How deep fingers are meant to be in the surface, device metres; below 0 above it.
     double depth_m() const;
 
-    /// Once a picture: tells the device where the fingers are meant to be over what `camera` shows of
-    /// `field`.
-    void intend(const HeightField& field, const ViewCamera& camera);
+    /// Once a picture: tells the device where the fingers are meant to be over what `camera` shows of `field`. `goals`:
+    /// where they are, world. What is not there to be seen, a hole, is not pressed into. A finger that presses on
+    /// nothing goes over what is in its way: first towards the eye, then across.
+    void intend(const HeightField& field, const ViewCamera& camera, std::span<const glm::dvec3> goals);
 
 private:
-    std::optional<glm::dvec3> place_of(int finger, const HeightField& field, const ViewCamera& camera);
+    std::optional<glm::dvec3> place_of(int finger, const HeightField& field, const ViewCamera& camera,
+                                       const glm::dvec3* goal);
 
     PointerDevice& device_;
     Workspace workspace_;

@@ -22,6 +22,8 @@ public:
     void move_by(const glm::dvec2& pixels, int width, int height, PointerFingers& fingers);
     /// The panel has the pointer, or it is nowhere: fingers leave, and nothing is held.
     void leave(PointerFingers& fingers);
+    /// Whether a button is held that was pressed over the picture.
+    bool holds() const { return !held_.empty(); }
     /// Where it clicked twice with the middle button, once.
     std::optional<glm::dvec2> take_double_click();
 

@@ -23,6 +23,8 @@ constexpr double message_s = 4;
 constexpr const char* first_words =
     "move over the picture, and hold the left button to touch it; ? shows all keys";
 
+constexpr const char* end_words = "the end: Space plays it again, L repeats it";
+
 double seconds_between(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double>(to - from).count();
 }
@@ -172,13 +174,19 @@ void WindowLoop::take(const InputEvent& event) {
     events_.push_back(event);
     if (event.kind == Kind::close) quit_ = true;
     if (event.kind == Kind::dropped) open_other(event.word);
+    if (event.kind == Kind::key && event.word == "escape" && panel_->help_shown) {
+        panel_->help_shown = false;
+        return;
+    }
     if (event.kind == Kind::key && !layer_->takes_keys()) {
         for (const KeyBinding& binding : key_bindings())
             if (event.word == binding.key && event.shift == binding.shift)
                 return take(WindowCommand{binding.verb, binding.number, ""});
         return;
     }
-    const bool is_of_panel = layer_->takes_pointer();
+    if (event.kind == Kind::moved) pointer_at_ = {event.x, event.y};
+    const bool is_of_panel =
+        layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));
     if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
     if (is_of_panel && event.kind != Kind::released) return;
     const ScreenSize size = screen_->size();
@@ -212,7 +220,9 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const ViewCamera camera = clip_->view().camera(size.width, size.height);
     if (const auto at = pointer_.take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
-    clip_->fingers().intend(field, camera);
+    std::vector<glm::dvec3> goals;
+    for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
+    clip_->fingers().intend(field, camera, goals);
 
     auto commands = GpuCommands::begin(device_, "window");
     if (!commands.ok()) return commands.error();
@@ -223,11 +233,17 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     facts.felt.b_is_on = felt_.b_is_on;
     facts.felt.is_fixed = options_.record.has_value();
     facts.figures.push_back(sound_->state());
-    facts.message = message_.empty() && !clip_->fingers().was_pressed() ? first_words : message_;
+    facts.message = message_;
+    if (message_.empty() && facts.at_end) facts.message = end_words;
+    if (message_.empty() && !clip_->fingers().was_pressed()) facts.message = first_words;
     facts.message_is_bad = message_is_bad_;
     layer_->begin(size.width, size.height, since, events_);
     events_.clear();
     panel_->draw(facts, size.width, size.height, asked_);
+    // A box of words has its size one picture later.
+    if (facts.place.lines.size() != place_lines_ || facts.message != shown_message_) last_event_ = begin;
+    place_lines_ = facts.place.lines.size();
+    shown_message_ = facts.message;
     drawn = layer_->draw(*commands, picture_->canvas());
     if (!drawn.ok()) return drawn;
     if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;

@@ -73,6 +73,7 @@ private:
     std::optional<TwoSettings> wanted_felt_;  // to be changed to
     std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
     PointerInput pointer_;
+    glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
@@ -80,7 +81,8 @@ private:
     Clock::time_point last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     WhatIsSeen seen_;
-    std::string message_;
+    std::string message_, shown_message_;
+    std::size_t place_lines_ = 0;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;
     PlayFigures figures_;

@@ -75,6 +75,18 @@ bool begin_fixed(const char* name, ImVec2 at, ImVec2 pivot, ImVec2 size, ImGuiWi
 
 }  // namespace
 
+void WindowPanel::note_box() {
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    boxes_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+}
+
+bool WindowPanel::covers(double x, double y) const {
+    return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) {
+        return x >= static_cast<double>(box.x0) && x < static_cast<double>(box.x1) &&
+               y >= static_cast<double>(box.y0) && y < static_cast<double>(box.y1);
+    });
+}
+
 void WindowPanel::remember(const PanelFacts& facts, double frame_ms, double tick_us) {
     force_.add(facts.forces.empty() ? 0 : *std::max_element(facts.forces.begin(), facts.forces.end()));
     frame_ms_.add(frame_ms);
@@ -83,12 +95,13 @@ void WindowPanel::remember(const PanelFacts& facts, double frame_ms, double tick
 
 void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
+    boxes_.clear();
     draw_playback(facts, w, h, asked);
-    draw_message(facts, w);
+    if (!help_shown) draw_message(facts, w);
     if (help_shown) return draw_help(w, h);  // which needs the room
     draw_force(facts, h);
     draw_place(facts, h);
-    if (facts.scale && !shown) draw_scale(*facts.scale, w, h);
+    if (facts.scale && (!shown || has_room(w, scale_))) draw_scale(*facts.scale, w, h);
     if (shown) draw_side(facts, w, h, asked);
 }
 
@@ -96,11 +109,15 @@ void WindowPanel::draw_playback(const PanelFacts& facts, float width, float heig
                                 std::vector<WindowCommand>& asked) {
     const float m = margin * scale_, side = 30 * scale_;
     begin_fixed("playback", ImVec2(m, height - m), ImVec2(0, 1), ImVec2(width - 2 * m, bar_height * scale_));
+    note_box();
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(8 * scale_, (side - ImGui::GetFontSize()) / 2));
     if (play_button(facts.playing && !facts.at_end, side)) asked.push_back({WindowVerb::play_pause});
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted((clock_words(facts.seconds) + " / " + clock_words(facts.clip_seconds)).c_str());
+    const std::string frame = in_words(" frame %lld", static_cast<long long>(facts.frame));
+    ImGui::TextUnformatted((clock_words(facts.seconds) +
+                            (facts.playing && !facts.at_end ? " / " + clock_words(facts.clip_seconds) : frame))
+                               .c_str());
     ImGui::SameLine();
     const std::string speed = in_words("%g\xC3\x97", facts.speed);
     const bool roomy = has_room(width, scale_);

@@ -58,6 +58,8 @@ public:
 
     /// Between ImGuiLayer's `begin` and `draw`.
     void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
+    /// Whether something that can be pressed was there in the last picture.
+    bool covers(double x, double y) const;
     /// Once a picture, whether it is drawn or not.
     void remember(const PanelFacts& facts, double frame_ms, double tick_us);
 
@@ -73,7 +75,13 @@ private:
     void draw_message(const PanelFacts& facts, float width);
     float side_width(float width) const;
 
+    struct Box {
+        float x0, y0, x1, y1;
+    };
+    void note_box();
+
     float scale_;
+    std::vector<Box> boxes_;  // of what can be pressed
     FeltPanel felt_;
     Curve force_{300}, frame_ms_{300}, tick_us_{300};
     float dragged_seconds_ = 0;
