@@ -84,7 +84,7 @@ void WindowPanel::remember(const PanelFacts& facts, double frame_ms, double tick
 void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     draw_playback(facts, w, h, asked);
-    draw_message(facts, w);
+    if (!help_shown || facts.message_is_bad) draw_message(facts, w);
     if (help_shown) return draw_help(w, h);  // which needs the room
     draw_force(facts, h);
     draw_place(facts, h);
@@ -245,7 +245,8 @@ void WindowPanel::draw_help(float width, float height) {
     begin_fixed("help", ImVec2(width / 2, height / 2 - bar_height * scale_ / 2), ImVec2(0.5F, 0.5F),
                 ImVec2(0, 0), ImGuiWindowFlags_NoInputs);
     // All of it also in a small window.
-    ImGui::SetWindowFontScale(std::clamp(height / (560 * scale_), 0.6F, 1.0F));
+    ImGui::SetWindowFontScale(std::clamp(height / (540 * scale_), 0.6F, 1.0F));
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, ImVec2(6 * scale_, 1 * scale_));
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         const auto row = [](const std::string& key, const char* what) {
             ImGui::TableNextRow();
@@ -270,6 +271,7 @@ void WindowPanel::draw_help(float width, float height) {
         }
         ImGui::EndTable();
     }
+    ImGui::PopStyleVar();
     ImGui::End();
 }
 
