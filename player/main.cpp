@@ -60,8 +60,10 @@ bool is_clip(const CLI::App& app, int argc, char** argv) {
     if (argc < 2) return false;
     for (const CLI::App* command : app.get_subcommands({}))
         if (command->get_name() == argv[1]) return false;
+    const std::string_view word = argv[1];
     std::error_code ignored;
-    return std::string_view(argv[1]) != "help" && std::filesystem::exists(argv[1], ignored);
+    const bool looks_like_a_file = word.find_first_of("./") != std::string_view::npos && word[0] != '-';
+    return word != "help" && (looks_like_a_file || std::filesystem::exists(word, ignored));
 }
 
 /// CLI11's words for what is wrong, on one line, with the way to the right ones.

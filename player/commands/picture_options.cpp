@@ -23,6 +23,16 @@ std::string fault_of_name(const std::string& name) {
     return ending == ".png" ? "" : "'" + name + "' does not end in .png; a picture is a PNG file";
 }
 
+Words<Overlay> words_of_overlays() {
+    Words<Overlay> words;
+    Overlay overlay = Overlay::colour;
+    do {
+        words.emplace_back(name_of(overlay), overlay);
+        overlay = overlay_after(overlay, "").value();
+    } while (overlay != Overlay::colour);
+    return words;
+}
+
 }  // namespace
 
 CLI::Validator ends_in_png() {
@@ -47,15 +57,7 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
         sub, "--show", options.show,
         "coloured by: colour (the clip's), depth, stiffness, friction (static), dynamic-friction, "
         "height, normals, tiles (which are drawn) or validity",
-        Words<Overlay>{{"colour", Overlay::colour},
-                       {"depth", Overlay::depth},
-                       {"stiffness", Overlay::stiffness},
-                       {"friction", Overlay::static_friction},
-                       {"dynamic-friction", Overlay::dynamic_friction},
-                       {"height", Overlay::height},
-                       {"normals", Overlay::normals},
-                       {"tiles", Overlay::tiles},
-                       {"validity", Overlay::validity}})
+        words_of_overlays())
         ->needs(picture);
 }
 

@@ -154,7 +154,8 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
         ->check(CLI::Range(0.1, 1e6))
         ->capture_default_str();
     words.seconds = sub.add_option("--seconds", words.seconds_value, "close the window after so long")
-                        ->check(CLI::Range(0.1, 1e6));
+                        ->check(CLI::Range(0.1, 1e6))
+                        ->excludes("--at");
     add_file_option(sub, "--record", o.record,
                     "keep what it takes to repeat the touch: touchable touch --replay FILE");
     add_file_option(sub, "--settings", o.settings_file,
@@ -190,7 +191,7 @@ void add_play_command(CLI::App& app, Command& command) {
     sub->remove_option(sub->get_option("--play"));
     add_window_options(*sub, *words);
     words->filters = add_filter_options(*sub, words->clip);
-    add_builder_options(*sub, words->options.session.builder, {"auto", "cpu", "vulkan", "lazy"});
+    add_builder_options(*sub, words->options.session.builder, {"auto", "cpu", "vulkan"});
     group_window_options(*sub);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {

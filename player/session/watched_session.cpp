@@ -1,5 +1,7 @@
 #include "player/session/watched_session.hpp"
 
+#include <algorithm>
+
 #include <exception>
 #include <new>
 #include <utility>
@@ -100,7 +102,11 @@ PlaybackState WatchedSession::playback() const {
     PlaybackState now = live_->playback();
     const std::int64_t end_ns = clip_end_ns_.value_or(live_->clip_end_ns());
     const FrameRate& rate = setup_->scene.rate;
-    if (end_ns > 0 && !now.loops) now.at_end = now.moment.time_ns >= rate.time_ns(rate.frame_at(end_ns) - 1);
+    if (end_ns <= 0 || now.loops) return now;
+    // The clock goes on; the clip stands still.
+    const std::int64_t last_ns = rate.time_ns(rate.frame_at(end_ns) - 1);
+    now.at_end = now.moment.time_ns >= last_ns;
+    now.moment.time_ns = std::min(now.moment.time_ns, last_ns);
     return now;
 }
 

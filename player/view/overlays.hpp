@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/frame/plane_view.hpp"
+#include "engine/result.hpp"
 #include "player/view/cpu_lattice.hpp"
 #include "player/view/scalar_rows.hpp"
 #include "player/view/steady_range.hpp"
@@ -25,6 +26,12 @@ enum class Overlay {
     tiles,    ///< which tiles are drawn whole, in part, not at all
     validity  ///< where there is no depth, and what is next to that
 };
+
+/// As options and scripts call it.
+std::string name_of(Overlay overlay);
+/// Of that name; after `now` where there is none, and from the last to the first. Refused (ErrorKind::usage)
+/// with the right names.
+Result<Overlay> overlay_after(Overlay now, const std::string& name);
 
 /// What colours mean: a scale from `least` to `greatest` of colour_ramp, or a few classes.
 struct OverlayScale {

@@ -10,10 +10,10 @@ namespace touchable {
 namespace {
 
 constexpr std::int64_t trail_ticks = 500;
-constexpr double longest_gap = 0.05;  // of a trail from one picture to the next, of the clip's width
+constexpr double farthest_apart = 0.05;  // of a trail from one picture to the next, of the clip's width
 
-/// Whether a finger is on its way from or to where it touches nothing, before the clip's camera: so near to that it
-/// would be in the way of all else.
+/// Whether a finger is on its way from or to where it touches nothing, before the clip's camera: so near to
+/// that it would be in the way of all else.
 bool is_away(const Contact& contact, const FieldProbe& probe) {
     if (contact.touching) return false;
     if (!(contact.goal.z < 0)) return true;
@@ -29,7 +29,7 @@ std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, 
     const FieldProbe probe(field);
     trails_.resize(shown);
     std::vector<FingerMark> marks;
-    const double gap = longest_gap * field.width();
+    const double gap = farthest_apart * field.width();
     for (std::size_t k = 0; k < shown; ++k) {
         const Contact& contact = tick.fingers[k].contact;
         std::deque<Place>& trail = trails_[k];
@@ -42,7 +42,8 @@ std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, 
         else
             trail.push_back({tick.tick, {contact.pixel_x, contact.pixel_y}});
         while (!trail.empty() && trail.front().tick + trail_ticks < tick.tick) trail.pop_front();
-        FingerMark mark{contact.goal, contact.proxy, tick.fingers[k].force.force, contact.touching, {}, !away};
+        FingerMark mark{contact.goal, contact.proxy, tick.fingers[k].force.force, contact.touching,
+                        {},           !away};
         for (const Place& place : trail)
             if (const auto depth = probe.depth_under(place.pixel.x, place.pixel.y))
                 mark.trail.push_back(probe.unproject(place.pixel.x, place.pixel.y, *depth));

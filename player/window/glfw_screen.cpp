@@ -169,7 +169,8 @@ private:
             of(window).add({.kind = action == GLFW_RELEASE ? Kind::key_released : Kind::key,
                             .word = name,
                             .control = (held & GLFW_MOD_CONTROL) != 0,
-                            .shift = (held & GLFW_MOD_SHIFT) != 0});
+                            .shift = (held & GLFW_MOD_SHIFT) != 0,
+                            .repeated = action == GLFW_REPEAT});
         });
         glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
             of(window).add(

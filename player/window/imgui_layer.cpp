@@ -55,9 +55,6 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;
-        case Kind::text:
-            io.AddInputCharactersUTF8(event.word.c_str());
-            break;
         case Kind::resized:
         case Kind::dropped:
         case Kind::close:
@@ -228,10 +225,6 @@ Result<void> ImGuiLayer::draw(GpuCommands& commands, const GpuImage& canvas) {
 
 bool ImGuiLayer::holds_pointer() const {
     return ImGui::IsAnyItemActive();
-}
-
-bool ImGuiLayer::takes_keys() const {
-    return ImGui::GetIO().WantTextInput;
 }
 
 }  // namespace touchable

@@ -30,9 +30,8 @@ public:
     /// Records it over `canvas`, which is in VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL before and in
     /// VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL after.
     Result<void> draw(GpuCommands& commands, const GpuImage& canvas);
-    /// Whether something of the panel is being pressed or dragged, or the keyboard is the panel's at the moment.
+    /// Whether something of the panel is being pressed or dragged at the moment.
     bool holds_pointer() const;
-    bool takes_keys() const;
 
 private:
     explicit ImGuiLayer(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
@@ -47,7 +46,8 @@ private:
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkRenderPass pass_ = VK_NULL_HANDLE;
     VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
-    std::vector<InputEvent> later_;  // what came after a button that was let go in the picture it was pressed in
+    std::vector<InputEvent>
+        later_;  // what came after a button that was let go in the picture it was pressed in
     std::shared_ptr<const void> canvas_;  // what the framebuffer is of
 };
 

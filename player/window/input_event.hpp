@@ -14,7 +14,6 @@ struct InputEvent {
         wheel,     ///< turned by y notches, away from the person is positive
         key,  ///< `word`: a letter, digit or sign, or space, left, right, up, down, home, tab, escape, ...
         key_released,  ///< likewise
-        text,          ///< `word`: what was typed, UTF-8
         resized,       ///< the picture is now x by y pixels
         dropped,       ///< `word`: a file or folder that was dropped on the window
         left_window,   ///< the pointer is nowhere, or the window is no longer looked at
@@ -24,6 +23,7 @@ struct InputEvent {
     double x = 0, y = 0;
     std::string word{};
     bool control = false, shift = false;  ///< held at that moment
+    bool repeated = false;                ///< a key that is still held
 };
 
 }  // namespace touchable

@@ -135,13 +135,17 @@ Result<void> OpenedClip::change(const FeltSettings& felt) {
         return setup.error();
     }
     session_->stop();
+    const FeltSettings before = felt_;
     take_over(**setup, felt);
     fingers_->set_workspace((*setup)->workspace);
     trails_ = FingerTrails();
     listener_.emplace(sound_, scene_->width);
     listener_->begin();
     auto started = WatchedSession::start(std::move(*setup), {&*listener_});
-    if (!started.ok()) return started.error();
+    if (!started.ok()) {
+        felt_ = before;
+        return started.error();
+    }
     session_ = std::move(*started);
     return {};
 }

@@ -10,19 +10,6 @@
 namespace touchable {
 namespace {
 
-constexpr struct {
-    Overlay overlay;
-    const char* name;
-} overlay_names[] = {{Overlay::colour, "colour"},
-                     {Overlay::depth, "depth"},
-                     {Overlay::stiffness, "stiffness"},
-                     {Overlay::static_friction, "friction"},
-                     {Overlay::dynamic_friction, "dynamic-friction"},
-                     {Overlay::height, "height"},
-                     {Overlay::normals, "normals"},
-                     {Overlay::tiles, "tiles"},
-                     {Overlay::validity, "validity"}};
-
 template <class... Values>
 std::string words_of(const char* format, Values... values) {
     char words[200];
@@ -36,7 +23,8 @@ std::vector<std::string> place_words(const OpenedClip& clip, const WatchedMoment
     const auto& pointer = clip.fingers().pointer();
     if (!pointer) return {};
     const auto met = pick(field, camera, pointer->x, pointer->y);
-    if (!met || !met->drawn) return {"hole"};
+    if (!met) return {};
+    if (!met->drawn) return {"hole"};
     const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
     const PixelValues values = values_at(field, moment.held.pair, x, y);
     std::vector<std::string> lines{words_of("pixel %d, %d", x, y)};
@@ -73,28 +61,12 @@ double bar_newtons(const std::vector<double>& forces) {
 
 }  // namespace
 
-std::string name_of(Overlay overlay) {
-    for (const auto& named : overlay_names)
-        if (named.overlay == overlay) return named.name;
-    return "";
-}
-
-Result<Overlay> overlay_after(Overlay now, const std::string& name) {
-    std::string known;
-    for (std::size_t k = 0; k < std::size(overlay_names); ++k) {
-        if (name.empty() && overlay_names[k].overlay == now)
-            return overlay_names[(k + 1) % std::size(overlay_names)].overlay;
-        if (name == overlay_names[k].name) return overlay_names[k].overlay;
-        known += (known.empty() ? "" : ", ") + std::string(overlay_names[k].name);
-    }
-    return usage_error("there is no overlay '" + name + "'; there are " + known);
-}
-
 PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const WatchedMoment& moment,
                        const HeightField& field, const ViewCamera& camera) {
     const PlaybackState state = clip.session().playback();
     PanelFacts facts;
     facts.clip = clip.name();
+    facts.frame = moment.held.pair.prev.number;
     facts.seconds = std::min(static_cast<double>(state.moment.time_ns) * 1e-9, clip.seconds());
     facts.clip_seconds = clip.seconds();
     facts.playing = state.playing;

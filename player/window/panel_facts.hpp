@@ -10,8 +10,4 @@ namespace touchable {
 PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const WatchedMoment& moment,
                        const HeightField& field, const ViewCamera& camera);
 
-/// The overlay of that name, or after `now` where there is none. Refused with the right names.
-Result<Overlay> overlay_after(Overlay now, const std::string& name);
-std::string name_of(Overlay overlay);
-
 }  // namespace touchable

@@ -15,7 +15,9 @@ Result<void> PlaybackControl::play_or_pause() {
 
 void PlaybackControl::seek_to(double seconds) {
     const double frame = static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-9;
-    const double last = std::max(0.0, clip_->seconds() - frame);
+    // Of a clip whose length nobody knows yet, any moment.
+    const double last =
+        clip_->frames() > 0 ? clip_->seconds() - frame : 1e-9 * static_cast<double>(latest_moment_ns);
     wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds, 0.0, last) * 1e9);
 }
 
@@ -25,7 +27,7 @@ void PlaybackControl::seek_by(double seconds) {
 }
 
 Result<void> PlaybackControl::step(double frames) {
-    if (frames > 0) return ask(PlaybackVerb::step);
+    if (frames > 0) return clip_->session().playback().at_end ? Result<void>{} : ask(PlaybackVerb::step);
     const FrameRate& rate = clip_->scene().rate;
     const std::int64_t now = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
     wanted_ns_ = rate.time_ns(std::max<std::int64_t>(0, rate.frame_at(now) - 1));
@@ -42,6 +44,8 @@ Result<void> PlaybackControl::change_speed(double factor) {
 
 Result<void> PlaybackControl::toggle_loop() {
     if (clip_->session().playback().loops) return ask(PlaybackVerb::unloop);
+    if (clip_->frames() == 0)
+        return usage_error("the clip does not say how long it is: there is no end to loop at");
     return ask(PlaybackVerb::loop, 0, static_cast<std::int64_t>(clip_->seconds() * 1e9));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "device/finger_circle.hpp"
 #include "player/view/surface_pick.hpp"
@@ -16,6 +17,11 @@ constexpr double spread = 0.08;
 constexpr double step_m = 0.003;
 
 }  // namespace
+
+void PointerFingers::set_pointer(std::optional<glm::dvec2> at) {
+    pointer_ = at;
+    if (!at) device_.intend({}, glm::dvec3(0.0));  // now, not with the next picture
+}
 
 void PointerFingers::deepen(double metres) {
     rest_m_ = std::clamp(rest_m_ + metres, highest_m, deepest_m);
@@ -47,14 +53,15 @@ std::optional<glm::dvec3> PointerFingers::place_of(int finger, const HeightField
 
 void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
                             std::span<const glm::dvec3> goals) {
-    std::array<glm::dvec3, most> places{};
-    std::size_t count = 0;
-    for (int finger = 0; pointer_ && finger < count_; ++finger) {
+    std::array<glm::dvec3, most> places;
+    places.fill(glm::dvec3(std::numeric_limits<double>::quiet_NaN()));  // changes nothing for its finger
+    for (int finger = 0; finger < shown(); ++finger) {
         const auto k = static_cast<std::size_t>(finger);
         const auto place = place_of(finger, field, camera, k < goals.size() ? &goals[k] : nullptr);
-        if (place) places[count++] = workspace_.to_device(*place);
+        if (place) places[k] = workspace_.to_device(*place);
     }
-    device_.intend(std::span(places).first(count), workspace_.to_device(camera.eye));
+    device_.intend(std::span(places).first(static_cast<std::size_t>(shown())),
+                   workspace_.to_device(camera.eye));
 }
 
 }  // namespace touchable

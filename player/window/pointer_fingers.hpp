@@ -30,7 +30,7 @@ public:
     /// Of them, those that are somewhere.
     int shown() const { return pointer_ ? count_ : 0; }
     /// The pointer is there, pixels of the picture; nothing: nowhere, and no finger touches.
-    void set_pointer(std::optional<glm::dvec2> at) { pointer_ = at; }
+    void set_pointer(std::optional<glm::dvec2> at);
     const std::optional<glm::dvec2>& pointer() const { return pointer_; }
     void press(bool held) {
         held_ = held;
@@ -42,10 +42,10 @@ public:
     /// How deep fingers are meant to be in the surface, device metres; below 0 above it.
     double depth_m() const;
 
-    /// Once a picture: tells the device where the fingers are meant to be over what `camera` shows of `field`. `goals`:
-    /// where they are, world. What is not there to be seen, a hole, is not pressed into. A finger that presses on
-    /// nothing goes over what is in its way: first towards the eye, then across.
-    void intend(const HeightField& field, const ViewCamera& camera, std::span<const glm::dvec3> goals);
+    /// Once a picture: tells the device where the fingers are meant to be over what `camera` shows of
+    /// `field`. `goals`: where they are, world. What is not there to be seen, a hole, is not pressed into. A
+    /// finger that presses on nothing goes over what is in its way: first towards the eye, then across.
+    void intend(const HeightField& field, const ViewCamera& camera, std::span<const glm::dvec3> goals = {});
 
 private:
     std::optional<glm::dvec3> place_of(int finger, const HeightField& field, const ViewCamera& camera,

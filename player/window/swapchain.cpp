@@ -130,6 +130,7 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
     images_ = all_of<VkImage>([&](std::uint32_t* count, VkImage* to) {
         return vkGetSwapchainImagesKHR(gpu.device, chain_, count, to);
     });
+    if (images_.empty()) return Error{ErrorKind::gpu, gpu.facts.name + " has no pictures for this window"};
     outdated_ = false;
     return true;
 }
@@ -137,10 +138,11 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
 /// False where the chain has to be made anew first.
 Result<bool> Swapchain::acquire(std::uint32_t& index) {
     VulkanDevice& gpu = *device_->vulkan();
-    constexpr std::uint64_t patience_ns = 1'000'000'000;
+    constexpr std::uint64_t patience_ns = 100'000'000;
     VkResult result =
         vkAcquireNextImageKHR(gpu.device, chain_, patience_ns, VK_NULL_HANDLE, acquired_, &index);
-    if (result == VK_ERROR_OUT_OF_DATE_KHR) return false;
+    // A window that is covered may have no picture free: this one is not shown then.
+    if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY) return false;
     if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
     if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR)
         return gpu.failed("vkAcquireNextImageKHR", result);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "player/view/overlays.hpp"
 #include "player/window/felt_settings.hpp"
 
 namespace touchable {
@@ -97,6 +98,20 @@ std::span<const KeyBinding> key_bindings() {
     return bindings;
 }
 
+bool goes_by_steps(WindowVerb verb) {
+    switch (verb) {
+        case WindowVerb::seek_by:
+        case WindowVerb::step:
+        case WindowVerb::deeper:
+        case WindowVerb::point_right:
+        case WindowVerb::point_down:
+        case WindowVerb::nearer:
+            return true;
+        default:
+            return false;
+    }
+}
+
 Result<WindowCommand> parse_window_command(const std::string& words) {
     const std::size_t space = std::min(words.find(' '), words.size());
     const std::string name = words.substr(0, space);
@@ -122,10 +137,13 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         return command;
     }
     if (named->takes == Takes::size) {
-        char more = 0;
-        const int read = std::sscanf(rest.c_str(), "%dx%d%c", &command.width, &command.height, &more);
+        const std::size_t cross = std::min(rest.find('x'), rest.size());
+        const auto width = number_of(rest.substr(0, cross));
+        const auto height = number_of(rest.substr(std::min(rest.size(), cross + 1)));
+        command.width = static_cast<int>(std::clamp(width.value_or(0), 0.0, 1e5));
+        command.height = static_cast<int>(std::clamp(height.value_or(0), 0.0, 1e5));
         const auto fits = [](int side) { return side >= 64 && side <= 8192; };
-        if (read != 2 || !fits(command.width) || !fits(command.height))
+        if (!fits(command.width) || !fits(command.height))
             return usage_error("'" + words + "': size needs two numbers from 64 to 8192, such as 1280x720");
         return command;
     }
@@ -133,6 +151,8 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         if (named->verb == WindowVerb::settings && !rest.empty() && rest != "a" && rest != "b")
             return usage_error("'" + words +
                                "': there are settings a and b, and nothing is the other of them");
+        if (named->verb == WindowVerb::overlay)
+            if (const auto known = overlay_after(Overlay::colour, rest); !known.ok()) return known.error();
         if (rest.empty() && named->takes == Takes::word) return usage_error("'" + name + "' needs a name");
         command.word = rest;
         return command;

@@ -57,6 +57,9 @@ struct KeyBinding {
 };
 std::span<const KeyBinding> key_bindings();
 
+/// Whether a key that is held does it again and again: what goes on by steps, never what switches.
+bool goes_by_steps(WindowVerb verb);
+
 /// "seek 10", "speed 0.5", "overlay depth" and so on. Refused (ErrorKind::usage) with what would be right.
 Result<WindowCommand> parse_window_command(const std::string& words);
 

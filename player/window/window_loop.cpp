@@ -93,7 +93,10 @@ Result<PlayFigures> WindowLoop::run() {
     Result<void> ended;
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
     Result<void> kept;
-    if (ended.ok() && options_.screenshot && !interrupted()) kept = keep_picture(*options_.screenshot);
+    if (ended.ok() && options_.screenshot && !interrupted()) {
+        if (const WatchedMoment* const last = clip_->session().look()) ended = draw(*last);
+        if (ended.ok()) kept = keep_picture(*options_.screenshot);
+    }
     // Whatever ended it: what was touched until then is kept.
     sum_up();
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
@@ -178,9 +181,10 @@ void WindowLoop::take(const InputEvent& event) {
         panel_->help_shown = false;
         return;
     }
-    if (event.kind == Kind::key && !layer_->takes_keys()) {
+    if (event.kind == Kind::key) {
         for (const KeyBinding& binding : key_bindings())
-            if (event.word == binding.key && event.shift == binding.shift)
+            if (event.word == binding.key && event.shift == binding.shift &&
+                (!event.repeated || goes_by_steps(binding.verb)))
                 return take(WindowCommand{binding.verb, binding.number, ""});
         return;
     }
@@ -188,9 +192,9 @@ void WindowLoop::take(const InputEvent& event) {
     const bool is_of_panel =
         layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));
     if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
-    if (is_of_panel && event.kind != Kind::released) return;
     const ScreenSize size = screen_->size();
-    pointer_.take(event, clip_->fingers(), clip_->view(), size.width, size.height);
+    if (!is_of_panel || event.kind == Kind::released)
+        pointer_.take(event, clip_->fingers(), clip_->view(), size.width, size.height);
     screen_->hide_pointer(clip_->fingers().pointer().has_value());
 }
 
@@ -226,7 +230,9 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
 
     auto commands = GpuCommands::begin(device_, "window");
     if (!commands.ok()) return commands.error();
-    const auto marks = clip_->trails().marks(moment.felt, clip_->fingers().shown(), field);
+    // What a session felt last is not felt any more once it has ended.
+    const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
+    const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
     auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
     if (!drawn.ok()) return drawn;
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);

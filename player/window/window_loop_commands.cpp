@@ -24,6 +24,7 @@ std::filesystem::path free_name() {
 }  // namespace
 
 void WindowLoop::take(const WindowCommand& command) {
+    last_event_ = Clock::now();
     switch (command.verb) {
         case WindowVerb::play_pause:
         case WindowVerb::seek_by:
@@ -206,6 +207,8 @@ void WindowLoop::open_other(const std::string& file) {
     if (!opened.ok()) return say(opened.error().message, true);
     if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
     (*opened)->fingers().set_count(clip_->fingers().count());
+    // Who has stopped all force has stopped it for every clip.
+    (*opened)->device().set_force(clip_->device().force_is_on());
     clip_ = std::move(*opened);
     clip_->begin_sound();
     picture_->forget();

@@ -97,7 +97,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     boxes_.clear();
     draw_playback(facts, w, h, asked);
-    if (!help_shown) draw_message(facts, w);
+    if (!help_shown || facts.message_is_bad) draw_message(facts, w);
     if (help_shown) return draw_help(w, h);  // which needs the room
     draw_force(facts, h);
     draw_place(facts, h);
@@ -115,9 +115,10 @@ void WindowPanel::draw_playback(const PanelFacts& facts, float width, float heig
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
     const std::string frame = in_words(" frame %lld", static_cast<long long>(facts.frame));
-    ImGui::TextUnformatted((clock_words(facts.seconds) +
-                            (facts.playing && !facts.at_end ? " / " + clock_words(facts.clip_seconds) : frame))
-                               .c_str());
+    ImGui::TextUnformatted(
+        (clock_words(facts.seconds) +
+         (facts.playing && !facts.at_end ? " / " + clock_words(facts.clip_seconds) : frame))
+            .c_str());
     ImGui::SameLine();
     const std::string speed = in_words("%g\xC3\x97", facts.speed);
     const bool roomy = has_room(width, scale_);
@@ -125,7 +126,7 @@ void WindowPanel::draw_playback(const PanelFacts& facts, float width, float heig
     ImGui::SetNextItemWidth(std::max(60 * scale_, ImGui::GetContentRegionAvail().x - right));
     float at = dragging_ ? dragged_seconds_ : static_cast<float>(facts.seconds);
     const auto end = static_cast<float>(std::max(facts.clip_seconds, 0.001));
-    if (ImGui::SliderFloat("##seek", &at, 0, end, "")) {
+    if (ImGui::SliderFloat("##seek", &at, 0, end, "", ImGuiSliderFlags_NoInput)) {
         dragged_seconds_ = at;
         asked.push_back({WindowVerb::seek_to, static_cast<double>(std::clamp(at, 0.0F, end))});
     }
@@ -238,6 +239,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::SetNextWindowSize(ImVec2(wide, height - 3 * m - bar_height * scale_));
     // What does not fit is scrolled to.
     ImGui::Begin("panel", nullptr, fixed_window & ~ImGuiWindowFlags_NoScrollbar);
+    note_box();
     const ImGuiStyle& style = ImGui::GetStyle();
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 2 * scale_));
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale_));
@@ -262,7 +264,8 @@ void WindowPanel::draw_help(float width, float height) {
     begin_fixed("help", ImVec2(width / 2, height / 2 - bar_height * scale_ / 2), ImVec2(0.5F, 0.5F),
                 ImVec2(0, 0), ImGuiWindowFlags_NoInputs);
     // All of it also in a small window.
-    ImGui::SetWindowFontScale(std::clamp(height / (560 * scale_), 0.6F, 1.0F));
+    ImGui::SetWindowFontScale(std::clamp(height / (540 * scale_), 0.6F, 1.0F));
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, ImVec2(6 * scale_, 1 * scale_));
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         const auto row = [](const std::string& key, const char* what) {
             ImGui::TableNextRow();
@@ -287,14 +290,16 @@ void WindowPanel::draw_help(float width, float height) {
         }
         ImGui::EndTable();
     }
+    ImGui::PopStyleVar();
     ImGui::End();
 }
 
 /// What the surface's colours mean: a ramp with its ends, or a list.
 void WindowPanel::draw_scale(const OverlayScale& scale, float width, float height) {
     const float m = margin * scale_, wide = 200 * scale_, tall = 12 * scale_;
-    begin_fixed("scale", ImVec2(width - m, height - 2 * m - bar_height * scale_), ImVec2(1, 1), ImVec2(0, 0),
-                ImGuiWindowFlags_NoInputs);
+    const float right = shown ? side_width(width) + 2 * m : m;
+    begin_fixed("scale", ImVec2(width - right, height - 2 * m - bar_height * scale_), ImVec2(1, 1),
+                ImVec2(0, 0), ImGuiWindowFlags_NoInputs);
     ImGui::TextUnformatted((scale.name + (scale.unit.empty() ? "" : ", " + scale.unit)).c_str());
     ImDrawList& list = *ImGui::GetWindowDrawList();
     for (const OverlayScale::Class& named : scale.classes) {

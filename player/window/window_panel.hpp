@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -35,10 +36,11 @@ struct PlaceFacts {
 struct PanelFacts {
     std::string clip;  ///< its name
     double seconds = 0, clip_seconds = 0;
+    std::int64_t frame = 0;
     bool playing = true, looping = false, at_end = false;
     double speed = 1;
     std::string overlay;                  ///< of the surface's colours
-    const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip\'s own
+    const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip's own
     bool force_on = true;
     double pressed_mm = 0;       ///< how deep the finger is meant to be in the surface; below 0 above it
     std::vector<double> forces;  ///< newtons, by finger

@@ -40,7 +40,12 @@ Result<std::optional<InputEvent>> read_input(const std::string& line) {
     if (name == "key") {
         event.kind = Kind::key;
         if (!(words >> event.word) || !ends(words)) return usage_error("key needs the name of one key");
-        return std::optional(event);
+        std::string known;
+        for (const KeyBinding& binding : key_bindings()) {
+            if (event.word == binding.key) return std::optional(event);
+            if (!binding.shift) known += std::string(known.empty() ? "" : " ") + binding.key;
+        }
+        return usage_error("no key " + event.word + " does anything; there are " + known);
     }
     if (name == "drop") {
         event.kind = Kind::dropped;

@@ -87,6 +87,34 @@ TEST_F(Pointer, SeveralFingersStandRoundIt) {
     EXPECT_LT(glm::length(places[3]), 1e-6) << "a finger that is not there is at the clip's camera";
 }
 
+TEST_F(Pointer, HoversOverWhatIsInItsWay) {
+    put(20, 20);  // the background, far behind the globe
+    auto places = after_a_second();
+    ASSERT_GT(-places[0].z, 100);
+    put(160, 120);
+    for (int tick = 0; tick < 1000; ++tick) {
+        if (tick % 16 == 0) fingers_->intend(field(), camera(), places);
+        ASSERT_TRUE(device_->read_positions(places));
+        for (auto& place : places) place = workspace_.to_scene(place);
+        const auto seen = camera().project(places[0]);
+        ASSERT_TRUE(seen);
+        const auto surface = pick(field(), camera(), seen->x, seen->y);
+        ASSERT_TRUE(surface);
+        ASSERT_LT(-places[0].z, -surface->point.z + 1e-6) << "it is inside at tick " << tick;
+    }
+    EXPECT_LT(-places[0].z, 80) << "it never came";
+}
+
+TEST_F(Pointer, WhatIsNotThereIsNotPressed) {
+    put(160, 120);
+    after_a_second();
+    put(-200, 120);  // beside the picture of the clip
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    const auto met = pick(field(), camera(), -200, 120);
+    ASSERT_FALSE(met && met->drawn);
+    EXPECT_LT(glm::length(after_a_second()[0]), 120) << "it went to where nothing is";
+}
+
 TEST_F(Pointer, LeavesWithTheWindow) {
     put(160, 120);
     input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);

@@ -43,6 +43,8 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
                   {"0 dance\n", "line 1", "no command"},
                   {"nan key a\n", "line 1", "a time"},
                   {"-1 key a\n", "line 1", "a time"},
+                  {"0 key esc\n", "line 1", "escape"},
+                  {"0 overlay heat\n", "line 1", "stiffness"},
                   {"0 drop\n", "line 1", "a file or folder"}};
     for (const auto& fault : faults) {
         const auto read = read_words(fault.words);
