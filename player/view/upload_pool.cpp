@@ -1,7 +1,6 @@
 #include "player/view/upload_pool.hpp"
 
 #include <algorithm>
-#include <atomic>
 
 namespace touchable {
 namespace {
@@ -9,6 +8,7 @@ namespace {
 /// Takes after which a buffer that nobody asked for again goes.
 constexpr std::uint64_t idle_takes = 200;
 
+/// The question's own handle is let go after it, which sees what another thread did before it let go of its.
 bool is_unused(const GpuBuffer& buffer) {
     return buffer.keep_alive().use_count() <= 2;  // the pool's handle, and this question's
 }
@@ -20,8 +20,6 @@ Result<GpuBuffer> UploadPool::take(const std::string& name, std::size_t bytes) {
     const std::size_t most = std::max<std::size_t>(4 * bytes, 4096);
     for (Slot& slot : slots_)
         if (slot.buffer.bytes() >= bytes && slot.buffer.bytes() <= most && is_unused(slot.buffer)) {
-            // What another thread did with it before it let go is done.
-            std::atomic_thread_fence(std::memory_order_acquire);
             slot.taken = takes_;
             return slot.buffer;
         }

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 // From the begin of one picture to the next, at least: as often as screens show one, but where drawing takes
 // so long that decoding would suffer.
-constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.75;
+constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95;
 constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
 constexpr double after_input_ms = 300;  // buttons fade
 constexpr double message_s = 4;
