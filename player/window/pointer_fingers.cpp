@@ -55,7 +55,7 @@ void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
                             std::span<const glm::dvec3> goals) {
     std::array<glm::dvec3, most> places;
     places.fill(glm::dvec3(std::numeric_limits<double>::quiet_NaN()));  // changes nothing for its finger
-    for (int finger = 0; finger < shown(); ++finger) {
+    for (int finger = 0; pointer_ && finger < count_; ++finger) {
         const auto k = static_cast<std::size_t>(finger);
         const auto place = place_of(finger, field, camera, k < goals.size() ? &goals[k] : nullptr);
         if (place) places[k] = workspace_.to_device(*place);

@@ -27,8 +27,9 @@ public:
     void set_workspace(const Workspace& workspace) { workspace_ = workspace; }
     void set_count(int fingers) { count_ = fingers; }
     int count() const { return count_; }
-    /// Of them, those that are somewhere.
-    int shown() const { return pointer_ ? count_ : 0; }
+    /// Of them, those that are meant somewhere: none before the pointer was over something for the first
+    /// time.
+    int shown() const { return pointer_ && distance_ ? count_ : 0; }
     /// The pointer is there, pixels of the picture; nothing: nowhere, and no finger touches.
     void set_pointer(std::optional<glm::dvec2> at);
     const std::optional<glm::dvec2>& pointer() const { return pointer_; }

@@ -195,7 +195,7 @@ void WindowLoop::take(const InputEvent& event) {
     const ScreenSize size = screen_->size();
     if (!is_of_panel || event.kind == Kind::released)
         pointer_.take(event, clip_->fingers(), clip_->view(), size.width, size.height);
-    screen_->hide_pointer(clip_->fingers().pointer().has_value());
+    screen_->hide_pointer(clip_->fingers().shown() > 0);
 }
 
 void WindowLoop::say(const Result<void>& done) {
