@@ -48,13 +48,25 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
         if (const auto* command = std::get_if<WindowCommand>(&input.what))
             if (command->verb == WindowVerb::screenshot && !command->word.empty())
                 outputs.files.push_back({"a screenshot of --script", command->word});
-    if (outputs.files.empty()) return {};
+    // Settings are there from the last time; they may stand in place of nothing else.
+    Outputs kept{outputs.files, Existing::replace};
+    if (options.settings_file) kept.files.push_back({"--settings", *options.settings_file});
+    if (kept.files.empty()) return {};
     std::vector<NamedFile> inputs;
+    for (const ScriptedInput& input : options.script) {
+        const auto* const event = std::get_if<InputEvent>(&input.what);
+        const auto* const command = std::get_if<WindowCommand>(&input.what);
+        if (event && event->kind == InputEvent::Kind::dropped)
+            inputs.push_back({"what --script drops", event->word});
+        if (command && command->verb == WindowVerb::open)
+            inputs.push_back({"what --script opens", command->word});
+    }
     if (script) inputs.push_back({"--script", *script});
     if (options.session.clip.scene_file) inputs.push_back({"--scene", *options.session.clip.scene_file});
     const auto reader = options.session.clip.open();
     if (!reader.ok()) return reader.error();
     add_inputs(inputs, options.session.clip.file, **reader);
+    if (auto free = check_outputs(kept, inputs); !free.ok()) return free;
     return check_outputs(outputs, inputs);
 }
 

@@ -116,8 +116,9 @@ SettingsFile::SettingsFile(std::filesystem::path file) : file_(std::move(file)) 
     if (!std::filesystem::exists(file_, failed) && !failed) return;
     const bool is_small = std::filesystem::is_regular_file(file_, failed) &&
                           std::filesystem::file_size(file_, failed) <= most_settings_bytes;
-    std::ifstream in(file_, std::ios::binary);
-    if (is_small && in) {
+    std::ifstream in;
+    if (is_small) in.open(file_, std::ios::binary);  // of what is no file, reading may have no end
+    if (in.is_open()) {
         take({std::istreambuf_iterator<char>(in), {}});
         return;
     }

@@ -1,6 +1,7 @@
 #include "player/window/window_command.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -153,14 +154,18 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
                                "': there are settings a and b, and nothing is the other of them");
         if (named->verb == WindowVerb::overlay)
             if (const auto known = overlay_after(Overlay::colour, rest); !known.ok()) return known.error();
+        if (named->verb == WindowVerb::screenshot && !rest.empty() && !rest.ends_with(".png"))
+            return usage_error("'" + words + "': a picture's name ends in .png");
         if (rest.empty() && named->takes == Takes::word) return usage_error("'" + name + "' needs a name");
         command.word = rest;
         return command;
     }
     const auto number = number_of(rest);
-    if (!number || *number < named->least || *number > named->most)
-        return usage_error("'" + words + "': " + name + " needs a number from " + in_words(named->least) +
-                           " to " + in_words(named->most));
+    const bool is_whole = named->verb == WindowVerb::fingers || named->verb == WindowVerb::step;
+    if (!number || (is_whole && *number != std::floor(*number)) || *number < named->least ||
+        *number > named->most)
+        return usage_error("'" + words + "': " + name + " needs a " + (is_whole ? "whole " : "") +
+                           "number from " + in_words(named->least) + " to " + in_words(named->most));
     command.number = *number;
     return command;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <iostream>
 #include <utility>
 
+#include "engine/printable.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/view/surface_pick.hpp"
 #include "player/window/panel_facts.hpp"
@@ -203,6 +205,8 @@ void WindowLoop::say(const Result<void>& done) {
 }
 
 void WindowLoop::say(std::string words, bool bad) {
+    // Who sees no window is told what went wrong all the same.
+    if (bad && options_.headless) std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
     message_ = std::move(words);
     message_is_bad_ = bad;
     message_at_ = Clock::now();

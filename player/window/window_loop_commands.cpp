@@ -193,8 +193,9 @@ KeptSettings WindowLoop::to_keep() const {
     }
     const ScreenSize size = screen_->size();
     if (options_.size_is_stated || fullscreen_ || size.width < 1) return kept;
-    kept.width = static_cast<int>(std::lround(size.width / size.scale));
-    kept.height = static_cast<int>(std::lround(size.height / size.scale));
+    kept.width = std::max(static_cast<int>(std::lround(size.width / size.scale)), SettingsFile::least_width);
+    kept.height =
+        std::max(static_cast<int>(std::lround(size.height / size.scale)), SettingsFile::least_height);
     return kept;
 }
 

@@ -79,8 +79,11 @@ Result<ScriptedInput> read_line(const std::string& line) {
 }  // namespace
 
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file) {
-    std::ifstream in(file);
-    if (!in) return input_error("--script " + file.string() + ": cannot be read");
+    std::error_code ignored;
+    std::ifstream in;
+    // What is no file may have no end, and nothing to read yet.
+    if (std::filesystem::is_regular_file(file, ignored)) in.open(file);
+    if (!in.is_open()) return input_error("--script " + file.string() + ": cannot be read");
     std::vector<ScriptedInput> inputs;
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {

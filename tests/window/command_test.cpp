@@ -33,9 +33,9 @@ TEST(WindowCommand, IsReadWithItsNumber) {
 }
 
 TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
-    for (const char* words :
-         {"jump 3", "", "seek", "seek x", "seek nan", "seek -1", "speed 5", "step 2", "fingers 6",
-          "size 10x10", "size 640", "size 640x480x2", "home 3", "open", "deeper 1 2"}) {
+    for (const char* words : {"jump 3", "", "seek", "seek x", "seek nan", "seek -1", "speed 5", "step 2",
+                              "fingers 6", "fingers 2.5", "step 0.5", "screenshot a.mkv", "size 10x10",
+                              "size 640", "size 640x480x2", "home 3", "open", "deeper 1 2"}) {
         const auto read = parse_window_command(words);
         ASSERT_FALSE(read.ok()) << words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);

@@ -118,6 +118,7 @@ TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {
     const Shot shot = shot_of(still(), "0.1 drop nowhere.mkv\n0.2 move 160 110\n", "0.7");
     const Shot without = shot_of(still(), "0.2 move 160 110\n", "0.7");
     EXPECT_GT(differences(shot.image, without.image, 60, 0, 260, 60), 100) << "no message";
+    EXPECT_NE(shot.outcome.err.find("nowhere.mkv"), std::string::npos) << "nobody sees that message";
     EXPECT_EQ(differences(shot.image, without.image, 220, 100, 310, 160), 0);
 }
 
@@ -181,6 +182,15 @@ TEST(HeadlessWindow, NeverWritesOverWhatItShows) {
         {"play", clip, "--headless", "--seconds", "0.2", "--record", other_spelling, "--overwrite"});
     EXPECT_EQ(recorded.code, 2) << recorded.err;
     EXPECT_TRUE(recorded.one_line_of_error());
+    const auto kept =
+        run_touchable({"play", clip, "--headless", "--seconds", "0.2", "--settings", other_spelling});
+    EXPECT_EQ(kept.code, 2) << kept.err;
+    std::ofstream(folder / "script") << "0 open " << clip << "\n0 screenshot " << (folder / "a.png").string()
+                                     << "\n";
+    std::filesystem::create_symlink(clip, folder / "a.png");
+    const auto drawn = run_touchable({"play", still().string(), "--headless", "--seconds", "0.2", "--script",
+                                      (folder / "script").string(), "--overwrite"});
+    EXPECT_EQ(drawn.code, 2) << drawn.err;
     EXPECT_EQ(file_contents(clip), before);
 }
 
