@@ -123,11 +123,7 @@ Result<void> WindowLoop::turn() {
     if (begun_) take_script();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     go_on_feeling();
-    if (!clip_->session().running()) {
-        if (const auto failure = clip_->session().failure(); failure && message_.empty())
-            say(failure->message, true);
-        if (!begun_) quit_ = true;  // there will be no picture
-    }
+    if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
     if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
     return {};
 }
@@ -239,25 +235,43 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
     auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
     if (!drawn.ok()) return drawn;
+    const PanelFacts facts = words_of(moment, field, camera);
+    layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
+    panel_->draw(facts, size.width, size.height, asked_);
+    drawn = layer_->draw(*commands, picture_->canvas());
+    if (!drawn.ok()) return drawn;
+    if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;
+
+    note_picture(facts, begin);
+    return {};
+}
+
+/// All that is shown in words, bars and curves.
+PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& field,
+                                const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.b_is_on;
     facts.felt.is_fixed = options_.record.has_value();
     facts.figures.push_back(sound_->state());
     facts.message = message_;
-    if (message_.empty() && facts.at_end) facts.message = end_words;
-    if (message_.empty() && !clip_->fingers().was_pressed()) facts.message = first_words;
     facts.message_is_bad = message_is_bad_;
-    layer_->begin(size.width, size.height, since, events_);
-    events_.clear();
-    panel_->draw(facts, size.width, size.height, asked_);
+    const auto failure = clip_->session().running() ? std::nullopt : clip_->session().failure();
+    if (!message_.empty()) return facts;
+    facts.message_is_bad = failure.has_value();
+    if (failure)
+        facts.message = failure->message;
+    else if (!clip_->fingers().was_pressed())
+        facts.message = first_words;
+    else if (facts.at_end)
+        facts.message = end_words;
+    return facts;
+}
+
+void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) {
     // A box of words has its size one picture later.
     if (facts.place.lines.size() != place_lines_ || facts.message != shown_message_) last_event_ = begin;
     place_lines_ = facts.place.lines.size();
     shown_message_ = facts.message;
-    drawn = layer_->draw(*commands, picture_->canvas());
-    if (!drawn.ok()) return drawn;
-    if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;
-
     const auto end = Clock::now();
     last_draw_ms_ = seconds_between(begin, end) * 1000;
     panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
@@ -266,7 +280,6 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     figures_.draw_ms.add(last_draw_ms_);
     if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);
     first_event_.reset();
-    return {};
 }
 
 Result<PlayFigures> play_in_window(const PlayOptions& options) {

@@ -57,6 +57,8 @@ private:
     double pause_ms() const;
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     Result<void> draw(const WatchedMoment& moment);
+    PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
+    void note_picture(const PanelFacts& facts, Clock::time_point begin);
     double now_s() const;
 
     const PlayOptions& options_;
@@ -71,6 +73,7 @@ private:
     SettingsFile settings_;
     TwoSettings felt_;
     std::optional<TwoSettings> wanted_felt_;  // to be changed to
+    bool felt_by_hand_ = false;               // in this window
     std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};

@@ -133,12 +133,14 @@ void WindowLoop::set_overlay(const std::string& name) {
     picture_->set_overlay(*overlay);
 }
 
-/// Settings that do not go with the clip are not in effect then; they stay for the next one.
+/// Settings that do not go with the clip are not in effect then; they stay kept for the next window.
 Result<std::unique_ptr<OpenedClip>> WindowLoop::open_clip(const ClipChoice& choice) {
     auto opened = OpenedClip::open(options_, choice, felt_.now(), *sound_);
     if (opened.ok() || felt_.now() == FeltSettings{}) return opened;
     auto plain = OpenedClip::open(options_, choice, {}, *sound_);
-    if (plain.ok()) say("felt as the clip says: " + opened.error().message, true);
+    if (!plain.ok()) return plain;
+    say("felt as the clip says: " + opened.error().message, true);
+    felt_ = {};
     return plain;
 }
 
@@ -158,6 +160,7 @@ void WindowLoop::feel(const TwoSettings& wanted) {
     if (options_.record)
         return say("a recording is of one set of settings; change them without --record", true);
     wanted_felt_ = wanted;
+    felt_by_hand_ = true;
 }
 
 /// One after the other: whoever holds a key sees and feels each that there is time for, and in the end the
@@ -186,7 +189,7 @@ KeptSettings WindowLoop::to_keep() const {
     kept.panel = panel_->shown;
     kept.fingers = clip_->fingers().count();
     kept.overlay = name_of(picture_->overlay());
-    if (!options_.filters_are_stated) {
+    if (!options_.filters_are_stated && felt_by_hand_) {
         const TwoSettings felt = wanted_felt_.value_or(felt_);
         kept.a = felt.a;
         kept.b = felt.b;
