@@ -36,10 +36,16 @@ void main() {
     const vec3 back = push.eye.xyz - point;
     const float distance_to_eye = length(back);
     to_eye = back / distance_to_eye;
-    const vec3 onward = points[after].at.xyz - points[before].at.xyz, turned = cross(onward, to_eye);
-    const bool is_drawn = is_joined(to) && dot(turned, turned) > 0.0f;
-    sideways = is_drawn ? normalize(turned) : vec3(1.0f, 0.0f, 0.0f);
-    front = is_drawn ? normalize(cross(sideways, onward)) : to_eye;
+    // Of the stretch, so that both its ends say the same of whether it is drawn.
+    const vec3 stretch = points[to].at.xyz - points[from].at.xyz;
+    const bool is_drawn = is_joined(to) && dot(stretch, stretch) > 0.0f;
+    // A thread that lies doubled has no direction where it turns.
+    const vec3 through = points[after].at.xyz - points[before].at.xyz;
+    const vec3 onward = dot(through, through) > 0.0f ? through : stretch;
+    const vec3 turned = cross(onward, to_eye);
+    const bool has_side = is_drawn && dot(turned, turned) > 0.0f;
+    sideways = has_side ? normalize(turned) : vec3(1.0f, 0.0f, 0.0f);
+    front = has_side ? normalize(cross(sideways, onward)) : to_eye;
 
     const float pixel = distance_to_eye / push.eye.w;
     const float radius = points[at].at.w + 0.5f * pixel;

@@ -29,6 +29,11 @@ std::vector<FingerMark> fingers_on(const Subject& subject, double size) {
         for (int n = 0; k > 1 && n < 40; ++n)
             finger.trail.push_back(
                 finger.proxy + glm::dvec3(-0.2 * (40 - n), 0.05 * (40 - n) * std::sin(0.1 * n), 0.1) * size);
+        // One that rests leaves the same point again.
+        if (finger.trail.size() > 20)
+            finger.trail.insert(finger.trail.begin() + 20, 3, glm::dvec3(finger.trail[20]));
+        if (!finger.trail.empty())
+            finger.trail.insert(finger.trail.end(), 3, glm::dvec3(finger.trail.back()));
     }
     return fingers;
 }
