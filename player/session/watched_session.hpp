@@ -60,6 +60,8 @@ public:
 
     // Any thread.
     PlaybackState playback() const;
+    /// The clip's clock, as every tick has met it.
+    PlaybackClock clock() const { return {setup_->scene.rate, log_}; }
     WatchedFigures figures() const;
 
     // After the end.

@@ -4,13 +4,10 @@
 #include <cstdint>
 #include <span>
 
+#include "engine/media/sound_track.hpp"
 #include "player/window/heard_tick.hpp"
 
 namespace touchable {
-
-struct StereoSample {
-    float left = 0, right = 0;
-};
 
 /// A sound that begins at once, softly, and fades: a sine with an envelope.
 class FadingTone {

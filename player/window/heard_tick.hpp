@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace touchable {
 
@@ -18,10 +19,19 @@ struct HeardFinger {
     float side = 0;       ///< place in the picture, -1 left to 1 right
 };
 
+/// Where the clip's own sound is.
+struct HeardClip {
+    bool plays = false;
+    std::int64_t at_ns = 0;  ///< of the clip's time
+    std::uint64_t epoch = 0;
+    float speed = 1;
+};
+
 /// What is heard of a millisecond.
 struct HeardTick {
     static constexpr int most_fingers = 10;
     std::array<HeardFinger, most_fingers> fingers{};
+    HeardClip clip;
     bool muted = false;
 };
 

@@ -17,7 +17,7 @@ HeardTick HeardTicks::next(std::uint64_t wanted) {
     const std::uint64_t end = pushed_.load(std::memory_order_acquire);
     if (at == end) {
         if (++bridged_ <= longest_bridge) return going_on(last_);
-        return HeardTick{{}, last_.muted};
+        return HeardTick{{}, {}, last_.muted};
     }
     HeardTick tick = ticks_[at++ % ticks_.size()];
     while (end - at > wanted + slack) tick = merged(tick, ticks_[at++ % ticks_.size()]);
@@ -32,7 +32,7 @@ void HeardTicks::fill(std::span<StereoSample> samples) {
     begun_ = true;
     for (std::size_t k = 0; k < samples.size(); ++k) {
         if (played_ == samples_.size()) {
-            sound_.render(next((samples.size() - k) / samples_.size()), samples_);
+            sound_.render(next((samples.size() - k) / samples_.size()), *clip_, samples_);
             played_ = 0;
         }
         samples[k] = samples_[played_++];

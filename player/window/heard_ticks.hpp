@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 
-#include "player/window/contact_sound.hpp"
+#include "player/window/heard_sound.hpp"
 
 namespace touchable {
 
@@ -15,6 +17,7 @@ namespace touchable {
 /// is ahead, the last one goes on for a little, and then fades.
 class HeardTicks {
 public:
+    explicit HeardTicks(std::shared_ptr<ClipSound> clip) : clip_(std::move(clip)) {}
     /// The session's thread. What finds no room is not heard.
     void push(const HeardTick& tick);
     /// The device's thread: the next samples. What came before the first call is not heard.
@@ -32,7 +35,8 @@ private:
     alignas(64) std::atomic<std::uint64_t> pushed_{0};
     alignas(64) std::atomic<std::uint64_t> popped_{0};
     // The device's.
-    alignas(64) ContactSound sound_;
+    alignas(64) HeardSound sound_;
+    std::shared_ptr<ClipSound> clip_;
     ContactSound::Samples samples_{};
     std::size_t played_ = ContactSound::samples_per_tick;  // of `samples_`
     HeardTick last_;

@@ -123,6 +123,11 @@ std::vector<PlaybackCommand> OpenedClip::stand_still() {
     return again;
 }
 
+void OpenedClip::begin_sound() {
+    sound_.open_clip(session_->setup().clip.file);
+    listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
+}
+
 Result<void> OpenedClip::change(const FeltSettings& felt) {
     if (felt == felt_) return {};
     SessionOptions session = session_options(felt);
@@ -140,13 +145,13 @@ Result<void> OpenedClip::change(const FeltSettings& felt) {
     fingers_->set_workspace((*setup)->workspace);
     trails_ = FingerTrails();
     listener_.emplace(sound_, scene_->width);
-    listener_->begin();
     auto started = WatchedSession::start(std::move(*setup), {&*listener_});
     if (!started.ok()) {
         felt_ = before;
         return started.error();
     }
     session_ = std::move(*started);
+    begin_sound();
     return {};
 }
 

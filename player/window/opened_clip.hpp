@@ -31,7 +31,7 @@ public:
     /// with them (ErrorKind::usage mostly) the old one goes on.
     Result<void> change(const FeltSettings& felt);
     /// Once no other clip is heard any more.
-    void begin_sound() { listener_->begin(); }
+    void begin_sound();
 
     WatchedSession& session() { return *session_; }
     const WatchedSession& session() const { return *session_; }

@@ -46,13 +46,21 @@ HeardFinger TouchListener::hear(const TouchTick& tick, std::size_t finger) {
     return heard;
 }
 
+HeardClip TouchListener::hear_clip(std::int64_t tick) {
+    const PlaybackState state = clock_->state_at(tick);
+    return {state.playing && state.moment.time_ns < end_ns_, state.moment.time_ns, state.moment.epoch,
+            static_cast<float>(static_cast<double>(state.rate) / 1000)};
+}
+
 Result<void> TouchListener::take(const TouchTick& tick) {
     HeardTick heard;
     const std::size_t fingers = std::min(tick.contacts.size(), heard.fingers.size());
     for (std::size_t k = 0; k < fingers; ++k) heard.fingers[k] = hear(tick, k);
     const std::int64_t passed = tick.tick - last_tick_;
     last_tick_ = tick.tick;
-    if (begun_.load(std::memory_order_acquire)) sound_.take(heard, passed);
+    if (!begun_.load(std::memory_order_acquire)) return {};
+    heard.clip = hear_clip(tick.tick);
+    sound_.take(heard, passed);
     return {};
 }
 

@@ -27,15 +27,16 @@ void WindowSound::take(HeardTick tick, std::int64_t passed) {
     if (output_) ticks_->push(tick);
     if (!file_) return;
     for (std::int64_t k = std::min(passed, longest_gap); k > 1; --k) {
-        kept_.render(going_on(tick), samples_);
+        kept_.render(going_on(tick), *clip_, samples_);
         file_->add(samples_);
     }
-    kept_.render(tick, samples_);
+    kept_.render(tick, *clip_, samples_);
     file_->add(samples_);
 }
 
 std::string WindowSound::state() const {
     if (is_muted()) return "sound off";
+    if (std::string fault = clip_->fault(); !fault.empty()) return fault;
     return output_ ? output_->state() : "no sound without a window";
 }
 

@@ -14,7 +14,8 @@
 
 namespace touchable {
 
-/// What fingers in the window feel is heard: by loudspeakers, in a file, or both.
+/// What fingers in the window feel is heard, beside the clip's own sound: by loudspeakers, in a file, or
+/// both.
 class WindowSound {
 public:
     /// `file`: what is kept, whether there are loudspeakers or not. Those are opened on a thread of their
@@ -28,6 +29,8 @@ public:
     void take(HeardTick tick, std::int64_t passed);
 
     // The window's.
+    /// The clip's own sound, if it has any, is that of this file from now on.
+    void open_clip(const std::filesystem::path& file) { clip_->open(file); }
     void set_muted(bool muted) { muted_.store(muted, std::memory_order_relaxed); }
     bool is_muted() const { return muted_.load(std::memory_order_relaxed); }
     /// In a few words, for a person.
@@ -39,9 +42,10 @@ private:
     WindowSound() = default;
 
     std::atomic<bool> muted_{false};
-    std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>();
+    std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
+    std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::unique_ptr<SoundFile> file_;
-    ContactSound kept_;  // what the file has: of every tick, whatever the loudspeakers do
+    HeardSound kept_;  // what the file has: of every tick, whatever the loudspeakers do
     ContactSound::Samples samples_{};
     std::optional<SoundOutput> output_;
 };

@@ -194,7 +194,7 @@ TEST(ContactSound, IsFiniteAndWithinItsLimitForWhateverComes) {
 
 TEST(ContactSound, AllocatesNothing) {
     ContactSound sound;
-    HeardTicks ticks;
+    HeardTicks ticks(std::make_shared<ClipSound>());
     ContactSound::Samples samples{};
     const std::size_t before = allocations();
     sound.render(tick_of(meeting(0.1F)), samples);
@@ -216,7 +216,7 @@ Sound filled(HeardTicks& ticks, int blocks) {
 }
 
 TEST(HeardTicks, AreHeardOneByOneWhereNobodyLags) {
-    HeardTicks ticks;
+    HeardTicks ticks(std::make_shared<ClipSound>());
     filled(ticks, 1);
     Sound heard;
     for (int block = 0; block < 5; ++block) {
@@ -234,14 +234,14 @@ TEST(HeardTicks, AreHeardOneByOneWhereNobodyLags) {
 }
 
 TEST(HeardTicks, AreMergedWhereTheDeviceLags) {
-    HeardTicks ticks;
+    HeardTicks ticks(std::make_shared<ClipSound>());
     filled(ticks, 1);
     for (int k = 0; k < 200; ++k) ticks.push(k == 20 ? tick_of(meeting(0.2F)) : HeardTick());
     EXPECT_GT(largest(filled(ticks, 1)), 0.05) << "the tap is lost, or comes too late";
 }
 
 TEST(HeardTicks, FadeWhereTheyRunDry) {
-    HeardTicks ticks;
+    HeardTicks ticks(std::make_shared<ClipSound>());
     filled(ticks, 1);
     for (int k = 0; k < 10; ++k) ticks.push(tick_of(sliding(2, 0.1F)));
     const Sound heard = filled(ticks, 30);
@@ -254,7 +254,7 @@ TEST(HeardTicks, FadeWhereTheyRunDry) {
 }
 
 TEST(HeardTicks, FromBeforeTheDeviceWasThereAreNotHeard) {
-    HeardTicks ticks;
+    HeardTicks ticks(std::make_shared<ClipSound>());
     for (int k = 0; k < 500; ++k) ticks.push(tick_of(meeting(0.2F)));
     EXPECT_EQ(largest(filled(ticks, 3)), 0);
 }

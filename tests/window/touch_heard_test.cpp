@@ -1,6 +1,7 @@
 // What is heard of a finger on a surface: from the pointer to the file and to the loudspeakers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include "player/window/pointer_fingers.hpp"
 #include "player/window/touch_listener.hpp"
 #include "player/window/window_view.hpp"
+#include "tests/media/sounding_clip.hpp"
 #include "tests/player/program.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/view/shown.hpp"
@@ -81,7 +83,7 @@ protected:
         ASSERT_TRUE(sound.ok());
         sound_ = std::move(*sound);
         listener_.emplace(*sound_, scene.width);
-        listener_->begin();
+        listener_->begin(PlaybackClock(scene.rate), 0);
     }
     std::filesystem::path file() const { return folder_ / "heard.wav"; }
     void go_on(int ticks) {
@@ -165,6 +167,22 @@ TEST(Sound, OfTheWindowIsKept) {
     const auto again = run_touchable(words);
     EXPECT_EQ(again.code, 2);
     EXPECT_NE(again.err.find("--overwrite"), std::string::npos) << again.err;
+}
+
+TEST(Sound, OfTheClipIsKeptWithItsTouch) {
+    const TemporaryFolder folder;
+    const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "60"}).code, 0);
+    std::vector<StereoSample> sound = tone(480, 1.8);
+    std::fill_n(sound.begin(), 24'000, StereoSample{});  // for half a second it is silent
+    write_sounding_clip(folder / "sounding.mkv", sound, clip);
+    const auto played = run_touchable({"play", (folder / "sounding.mkv").string(), "--headless", "--size",
+                                       "160x120", "--seconds", "1.2", "--sound", wav});
+    ASSERT_EQ(played.code, 0) << played.err;
+    const Wav heard(wav);
+    ASSERT_GT(heard.milliseconds(), 1000U);
+    EXPECT_EQ(heard.loudness(0, 300), 0);
+    EXPECT_GT(heard.loudness(700, 1000), 0.3);
 }
 
 /// ALSA as those lines configure it.

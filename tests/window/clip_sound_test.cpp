@@ -1,0 +1,146 @@
+// The clip's own sound in the window: at the clip's moments, whatever is done to its time.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "player/window/heard_sound.hpp"
+#include "tests/media/sounding_clip.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+namespace {
+
+class ClipHeard : public ::testing::Test {
+protected:
+    void SetUp() override { begin(tone(480, 3)); }
+    void begin(std::vector<StereoSample> sound) {
+        sound_ = std::move(sound);
+        const auto file = folder_ / (std::to_string(++files_) + ".mkv");
+        write_sounding_clip(file, sound_);
+        clip_.open(file);
+        wait_for(0);
+    }
+    /// Until a second and a half from there has been decoded.
+    void wait_for(double seconds) {
+        std::vector<StereoSample> samples(72'000);
+        for (int k = 0; k < 10'000; ++k) {
+            if (clip_.read(static_cast<std::int64_t>(seconds * SoundTrack::rate) - 1, samples)) return;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        FAIL() << "nothing is decoded at " << seconds << " s";
+    }
+    /// Ticks from a moment on, at a speed.
+    std::vector<StereoSample> hear(double from_s, int ticks, float speed = 1, std::uint64_t epoch = 0) {
+        std::vector<StereoSample> heard;
+        ContactSound::Samples samples{};
+        for (int k = 0; k < ticks; ++k) {
+            HeardTick tick;
+            tick.clip = {true, static_cast<std::int64_t>(1e9 * from_s + 1e6 * speed * k), epoch, speed};
+            voice_.render(tick, clip_, samples);
+            heard.insert(heard.end(), samples.begin(), samples.end());
+        }
+        return heard;
+    }
+    std::vector<StereoSample> hear_nothing(int ticks) {
+        std::vector<StereoSample> heard;
+        ContactSound::Samples samples{};
+        for (int k = 0; k < ticks; ++k) {
+            voice_.render(HeardTick{}, clip_, samples);
+            heard.insert(heard.end(), samples.begin(), samples.end());
+        }
+        return heard;
+    }
+    static int zero_crossings(const std::vector<StereoSample>& heard) {
+        int count = 0;
+        for (std::size_t k = 1; k < heard.size(); ++k)
+            if ((heard[k - 1].left < 0) != (heard[k].left < 0)) ++count;
+        return count;
+    }
+    static double largest_step(const std::vector<StereoSample>& heard) {
+        double most = 0;
+        for (std::size_t k = 1; k < heard.size(); ++k)
+            most = std::max<double>(most, std::abs(heard[k].left - heard[k - 1].left));
+        return most;
+    }
+
+    TemporaryFolder folder_;
+    int files_ = 0;
+    std::vector<StereoSample> sound_;
+    ClipSound clip_;
+    HeardSound voice_;
+};
+
+TEST_F(ClipHeard, IsTheTracksOwnAtItsOwnSpeed) {
+    wait_for(0.2);
+    const auto heard = hear(0.5, 200);
+    for (std::size_t k = 48; k < heard.size(); ++k) {  // after it has risen
+        ASSERT_NEAR(heard[k].left, sound_[24'000 + k].left, 1e-5) << k;
+        ASSERT_NEAR(heard[k].right, sound_[24'000 + k].right, 1e-5) << k;
+    }
+}
+
+TEST_F(ClipHeard, IsHigherWhereTheClipIsFaster) {
+    wait_for(0.2);
+    const int once = zero_crossings(hear(0.5, 200));
+    EXPECT_NEAR(zero_crossings(hear(0.5, 200, 2, 1)), 2 * once, 3);
+    EXPECT_NEAR(zero_crossings(hear(0.5, 200, 0.5F, 2)), once / 2, 3);
+}
+
+TEST_F(ClipHeard, HasNoJumpsWhereTheClipJumpsPausesAndEnds) {
+    wait_for(0.2);
+    const double step = 1.3 * largest_step(sound_);
+    auto heard = hear(0.5, 50);
+    for (const auto& part :
+         {hear(1.0012, 50, 1, 1), hear_nothing(20), hear(0.2507, 50, 1, 1), hear(0.9, 50, 1, 1)})
+        heard.insert(heard.end(), part.begin(), part.end());
+    EXPECT_LT(largest_step(heard), step + 0.5 / 48);
+}
+
+TEST_F(ClipHeard, IsSilentWhileNothingPlays) {
+    hear(0.5, 50);
+    hear_nothing(2);
+    for (const StereoSample& sample : hear_nothing(50)) ASSERT_EQ(sample.left, 0);
+}
+
+TEST_F(ClipHeard, FollowsTicksThatComeTooFast) {
+    // A hundredth of a percent is what clocks differ by; a tenth is far more.
+    wait_for(0.1);
+    std::vector<StereoSample> heard;
+    ContactSound::Samples samples{};
+    HeardTick tick;
+    for (int k = 0; k < 1000; ++k) {
+        tick.clip = {true, static_cast<std::int64_t>(200'000'000 + 1'001'000.0 * k), 0, 1};
+        voice_.render(tick, clip_, samples);
+        heard.insert(heard.end(), samples.begin(), samples.end());
+    }
+    EXPECT_LT(largest_step(heard), 1.1 * largest_step(sound_));
+    EXPECT_GT(zero_crossings(heard), 2 * 480 - 3);
+}
+
+TEST_F(ClipHeard, OfAnotherFileIsAnother) {
+    hear(0.1, 20);
+    begin(tone(960, 1));
+    hear_nothing(2);
+    const auto heard = hear(0, 100);
+    EXPECT_NEAR(zero_crossings(heard), 192, 4);
+    clip_.open(folder_ / "missing.mkv");
+    hear_nothing(2);
+    for (const StereoSample& sample : hear(0, 50)) ASSERT_EQ(sample.left, 0);
+    EXPECT_EQ(clip_.fault(), "");
+}
+
+TEST_F(ClipHeard, IsFoundWhereverTheClipGoes) {
+    begin(tone(480, 20));
+    for (const double moment : {15.0, 3.0, 19.5, 0.0, 7.77}) wait_for(moment);
+    wait_for(7.77);
+    const auto heard = hear(7.77, 20);
+    for (std::size_t k = 48; k < heard.size(); ++k)
+        ASSERT_NEAR(heard[k].left, sound_[372'960 + k].left, 1e-4) << k;
+}
+
+}  // namespace
+}  // namespace touchable::test
