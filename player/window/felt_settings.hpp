@@ -55,6 +55,7 @@ struct TwoSettings {
     /// Whoever looks at B for the first time finds A without filters.
     void turn_to(bool to_b);
     std::string in_words() const { return (b_is_on ? "B: " : "A: ") + now().in_words(); }
+    bool operator==(const TwoSettings&) const = default;
 };
 
 /// The options of a run with these settings.
