@@ -121,18 +121,21 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     return {};
 }
 
-/// What leads another session to that state of the clip, from a begin on.
-std::vector<PlaybackCommand> OpenedClip::commands_to(const PlaybackState& state,
-                                                     std::int64_t begin_ns) const {
-    const std::int64_t last_ns = frames_ > 0 ? scene_->rate.time_ns(frames_) - 1 : latest_moment_ns;
-    std::vector<PlaybackCommand> commands{{0, PlaybackVerb::rate, state.rate, 0},
-                                          {0, PlaybackVerb::seek, std::min(begin_ns, last_ns), 0}};
-    if (state.loops) commands.push_back({0, PlaybackVerb::loop, state.loop_begin_ns, state.loop_end_ns});
-    if (!state.playing) commands.push_back({0, PlaybackVerb::pause, 0, 0});
+/// Where the clip will be, as it plays, once its first frames have been read there: `reading_ns` from now.
+std::vector<PlaybackCommand> OpenedClip::choose_begin(Change& change, std::int64_t reading_ns) const {
+    const FrameRate& rate = scene_->rate;
+    const PlaybackState now = change.state = session_->playback();
+    std::int64_t begin_ns = now.moment.time_ns;
+    if (now.playing && !now.at_end) begin_ns += reading_ns / 1000 * now.rate;
+    if (now.loops && now.playing) begin_ns = std::min(begin_ns, now.loop_end_ns - 1000 * now.rate);
+    change.begin_ns = std::min(begin_ns, frames_ > 0 ? rate.time_ns(frames_) - 1 : latest_moment_ns);
+    std::vector<PlaybackCommand> commands{{0, PlaybackVerb::rate, now.rate, 0},
+                                          {0, PlaybackVerb::seek, change.begin_ns, 0}};
+    if (now.loops) commands.push_back({0, PlaybackVerb::loop, now.loop_begin_ns, now.loop_end_ns});
+    if (!now.playing) commands.push_back({0, PlaybackVerb::pause, 0, 0});
     return commands;
 }
 
-/// Where the clip plays, the change begins a little later than now: by then its first frames are there.
 Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
                                                const std::stop_token& given_up) const {
     using Clock = std::chrono::steady_clock;
@@ -144,11 +147,7 @@ Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
     session.workspace = workspace_;
     session.late_playback = [&] {
         chosen_at = Clock::now();
-        const PlaybackState now = change.state = session_->playback();
-        change.begin_ns = now.moment.time_ns;
-        if (now.playing && !now.at_end) change.begin_ns += reading_ns_ / 1000 * now.rate;
-        if (now.loops && change.begin_ns >= now.loop_end_ns) change.begin_ns = now.loop_begin_ns;
-        return commands_to(now, change.begin_ns);
+        return choose_begin(change, reading_ns_);
     };
     // A finger that was inside stays there: how the surface is felt is new, and the ramp is for that.
     session.start_buried = true;
@@ -156,7 +155,24 @@ Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
     if (!setup.ok()) return setup.error();
     change.setup = std::move(*setup);
     change.reading_ns = std::chrono::nanoseconds(Clock::now() - chosen_at).count();
+    if (is_left_behind(change)) {
+        // Once more, now that it is known how long that takes; for the clip it is a seek from there.
+        auto& playback = change.setup->settings.playback;
+        std::vector<PlaybackCommand> commands = choose_begin(change, change.reading_ns * 5 / 4);
+        commands.insert(commands.begin(), playback[1]);
+        playback = std::move(commands);
+        const auto begin =
+            change.setup->feed->pair_at(PlaybackClock(change.setup->scene.rate, playback).at(0));
+        if (!begin.ok()) return begin.error();
+    }
     return change;
+}
+
+/// The clip has played on beyond its begin by more than an eye would miss.
+bool OpenedClip::is_left_behind(const Change& change) const {
+    constexpr std::int64_t bearable_ns = 100'000'000;
+    const PlaybackState now = session_->playback();
+    return goes_on_to(change, now) && now.moment.time_ns > change.begin_ns + bearable_ns;
 }
 
 /// Nobody has led the clip elsewhere meanwhile.
@@ -180,7 +196,7 @@ Result<void> OpenedClip::take(Change change) {
     if (auto started = start_session(std::move(change.setup)); !started.ok()) return started;
     begin_sound();
     ended_ = before;
-    constexpr std::int64_t least_ns = 20'000'000, most_ns = 500'000'000;
+    constexpr std::int64_t least_ns = 20'000'000, most_ns = 3'000'000'000;
     reading_ns_ = std::clamp(change.reading_ns, least_ns, most_ns);
     take_over(session_->setup(), change.felt);
     trails_ = FingerTrails();

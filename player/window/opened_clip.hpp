@@ -81,7 +81,8 @@ private:
     SessionOptions session_options(const FeltSettings& felt) const;
     Result<void> make_ready(const FeltSettings& felt, const std::stop_token& given_up);
     bool goes_on_to(const Change& change, const PlaybackState& now) const;
-    std::vector<PlaybackCommand> commands_to(const PlaybackState& state, std::int64_t begin_ns) const;
+    std::vector<PlaybackCommand> choose_begin(Change& change, std::int64_t reading_ns) const;
+    bool is_left_behind(const Change& change) const;
     void take_over(const TouchSetup& setup, const FeltSettings& felt);
     Result<void> start_session(std::unique_ptr<TouchSetup> setup);
     void lead_from(const Change& change, const PlaybackState& to);

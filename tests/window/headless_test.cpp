@@ -125,6 +125,20 @@ TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {
     EXPECT_EQ(differences(shot.image, without.image, 220, 100, 310, 160), 0);
 }
 
+TEST(HeadlessWindow, OtherClipTakesThePlaceOfTheOldOneAndIsNotWaitedForInTheEnd) {
+    const Shot before = shot_of(globe(), "0 key space\n0 seek 0.5\n", "0.8");
+    const Shot other = shot_of(globe(), "0 drop " + still().string() + "\n", "0.8");
+    const Shot same = shot_of(still(), "", "0.8");
+    EXPECT_GT(differences(before.image, other.image, 100, 60, 220, 180), 100);
+    EXPECT_LT(differences(same.image, other.image, 100, 60, 220, 180), 20);
+    const TemporaryFolder folder;
+    std::ofstream(folder / "script") << "0.1 drop " << globe().string() << "\n0.1 key b\n0.1 quit\n";
+    const auto closed = run_touchable({"play", still().string(), "--headless", "--size", "320x240",
+                                       "--script", (folder / "script").string(), "--seconds", "20"});
+    EXPECT_EQ(closed.code, 0) << closed.err;
+    EXPECT_EQ(closed.err, "");
+}
+
 TEST(HeadlessWindow, SettingsChangeWhatIsFeltWhereTheClipStands) {
     const std::string touch = "0.1 move 160 110\n0.1 press left\n";
     const Shot plain = shot_of(still(), touch, "0.9");
