@@ -48,13 +48,13 @@ Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create 
 
 }  // namespace
 
-Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& options,
-                                                         const TouchSetup& setup) {
+Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& options, const TouchSetup& setup,
+                                                         std::optional<std::int64_t> ticks) {
     if (options.record && is_standard_output(*options.record))
         return usage_error("--record -: a recording does not go to standard output; give it a file's name");
     if (auto free = check_outputs(outputs_of(options), inputs_of(options, setup)); !free.ok())
         return free.error();
-    std::unique_ptr<TouchOutputs> out(new TouchOutputs(setup));
+    std::unique_ptr<TouchOutputs> out(new TouchOutputs);
     const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing); };
     if (auto opened = open_if(options.forces, out->forces_, forces); !opened.ok()) return opened.error();
     const auto record = [&](const auto& path) {
@@ -65,8 +65,8 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     if (auto opened = open_if(options.json, out->json_, json); !opened.ok()) return opened.error();
     auto order = order_picture(options.picture, options.existing, setup.builder, *setup.gpu);
     if (!order.ok()) return order.error();
-    if (*order)
-        out->picture_.emplace(std::move(**order), options.picture_tick.value_or(usual_picture_tick(setup)));
+    const std::int64_t usual = ticks ? *ticks * 6 / 10 : usual_picture_tick(setup);
+    if (*order) out->picture_.emplace(std::move(**order), options.picture_tick.value_or(usual));
     return out;
 }
 
@@ -82,13 +82,20 @@ const SurfacePainter* TouchOutputs::painter() const {
     return picture_ ? &picture_->painter() : nullptr;
 }
 
-Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const TouchFigures& figures) {
+Result<void> TouchOutputs::end_part(const TouchSetup& setup) {
+    if (!picture_ || is_drawn_ || !picture_->is_reached()) return {};
+    is_drawn_ = true;
+    return picture_->finish(setup, false);
+}
+
+Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const std::string& force_hash,
+                                  const TouchSetup& setup) {
     if (forces_)
         if (auto done = forces_->finish(); !done.ok()) return done;
     if (record_) {
-        nlohmann::ordered_json facts = recorded_facts(setup_);
-        facts["force_hash"] = figures.force_hash();
-        if (auto done = record_->finish(facts, setup_.settings.playback); !done.ok()) return done;
+        nlohmann::ordered_json facts = recorded_facts(setup);
+        facts["force_hash"] = force_hash;
+        if (auto done = record_->finish(facts, setup.settings.playback); !done.ok()) return done;
     }
     if (json_) {
         const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // names need not be UTF-8
@@ -96,7 +103,8 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const To
             return written;
         if (auto done = json_->finish(); !done.ok()) return done;
     }
-    return picture_ ? picture_->finish(setup_, report.value("interrupted", false)) : Result<void>{};
+    if (!picture_ || is_drawn_) return {};
+    return picture_->finish(setup, report.value("interrupted", false));
 }
 
 }  // namespace touchable

@@ -20,26 +20,30 @@ namespace touchable {
 class TouchOutputs {
 public:
     /// Refuses names that are also inputs' or each other's, and files that are there already and may not be
-    /// replaced. `setup` outlives this.
-    static Result<std::unique_ptr<TouchOutputs>> open(const TouchOptions& options, const TouchSetup& setup);
+    /// replaced. `ticks`: of all parts, where that is known.
+    static Result<std::unique_ptr<TouchOutputs>> open(const TouchOptions& options, const TouchSetup& setup,
+                                                      std::optional<std::int64_t> ticks);
 
     /// Those that want to know of every tick.
     std::vector<TouchSink*> sinks();
     /// Of the picture; nullptr where none is asked for.
     const SurfacePainter* painter() const;
-    /// After the run: completes every file.
-    Result<void> finish(const nlohmann::ordered_json& report, const TouchFigures& figures);
+    /// After a part that is not the last: draws the picture, where its moment was in it.
+    Result<void> end_part(const TouchSetup& setup);
+    /// After the run, or its last part, which was that of `setup`: completes every file.
+    Result<void> finish(const nlohmann::ordered_json& report, const std::string& force_hash,
+                        const TouchSetup& setup);
     /// What else there is to say of them after the table; may be empty.
     std::string remark() const { return picture_ ? picture_->line() : std::string(); }
 
 private:
-    explicit TouchOutputs(const TouchSetup& setup) : setup_(setup) {}
+    TouchOutputs() = default;
 
-    const TouchSetup& setup_;
     std::unique_ptr<ForcesFile> forces_;
     std::unique_ptr<RecordingFile> record_;
     std::unique_ptr<OutputFile> json_;
     std::optional<TouchPicture> picture_;
+    bool is_drawn_ = false;  // the picture
 };
 
 }  // namespace touchable

@@ -17,6 +17,7 @@ public:
     /// `tick`: the moment; the first tick that is not before it, where some are skipped.
     TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
     Result<void> take(const TouchTick& tick) override;
+    bool is_reached() const { return reached_; }  ///< the moment
     const SurfacePainter& painter() const { return *order_.painter; }
     /// Draws. Where the run ended before the moment: its last tick, if it was `cut_short`, else refused
     /// (ErrorKind::usage).

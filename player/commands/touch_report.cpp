@@ -124,8 +124,27 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     return report;
 }
 
+Json join_reports(const std::vector<Json>& parts, const TouchFigures& all) {
+    Json report{{"format", 1}, {"clip", parts.front().at("clip")}, {"fingers", parts.front().at("fingers")}};
+    report.update(all.to_json());
+    std::vector<std::string> warnings;
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        for (const auto& warning : parts[k].at("warnings"))
+            warnings.push_back("part " + std::to_string(k + 1) + ": " + warning.get<std::string>());
+    report["warnings"] = warnings;
+    report["parts"] = parts;
+    return report;
+}
+
 std::string report_to_text(const Json& r) {
     std::string text;
+    if (r.contains("parts")) {
+        const std::size_t parts = r["parts"].size();
+        for (std::size_t k = 0; k < parts; ++k)
+            text += "part " + std::to_string(k + 1) + " of " + std::to_string(parts) + '\n' +
+                    report_to_text(r["parts"][k]);
+        return text;
+    }
     auto line = [&text](const char* name, const std::string& value) {
         std::string label = name;
         label.resize(22, ' ');
@@ -152,8 +171,8 @@ std::string report_to_text(const Json& r) {
     const auto builder = r["builder"].get<std::string>();
     line("surface", "built " + what_it_builds(builder) + " (" + builder + " builder, " +
                         r["device_name"].get<std::string>() + ")" + (why.empty() ? "" : ": " + why));
-    line("fingers", count("fingers") + ", " + r["hand"].get<std::string>() +
-                        (r.contains("device") ? " with " + r["device"].get<std::string>() : ""));
+    const auto hand = r["hand"].get<std::string>(), device = r.value("device", hand);
+    line("fingers", count("fingers") + ", " + hand + (device == hand ? "" : " with " + device));
     line("scale", number(1 / r["device_metres_per_metre"].get<double>(),
                          "the hand moves 1 m over %.3g m of the scene"));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "player/session/live_session.hpp"
 #include "player/session/touch_figures.hpp"
@@ -15,7 +16,10 @@ namespace touchable {
 /// not rename.
 nlohmann::ordered_json make_report(const TouchSetup& setup, const TouchFigures& figures,
                                    const LiveFacts* live, const SurfacePainter* painter);
-/// The same as lines for a person.
+/// Of a replay of several parts: what `all` figures say of them together, and in "parts" the report of each.
+nlohmann::ordered_json join_reports(const std::vector<nlohmann::ordered_json>& parts,
+                                    const TouchFigures& all);
+/// The same as lines for a person; of several parts each after the other.
 std::string report_to_text(const nlohmann::ordered_json& report);
 
 }  // namespace touchable

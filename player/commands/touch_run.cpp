@@ -51,12 +51,42 @@ Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* con
     return LiveFacts{};
 }
 
-Result<std::optional<Recording>> read_replayed(const TouchOptions& options) {
-    if (!options.replay) return std::optional<Recording>();
-    auto read = read_recording(*options.replay);
-    if (!read.ok()) return read.error();
-    return std::optional(std::move(*read));
+/// The parts of what is replayed; none of any other run.
+Result<Recording> read_replayed(const TouchOptions& options) {
+    return options.replay ? read_recording(*options.replay) : Result<Recording>(Recording());
 }
+
+/// Gives the ticks of a later part on as those of one run with the parts before.
+class OneRun final : public TouchSink {
+public:
+    OneRun(std::int64_t ticks_before, std::vector<TouchSink*> sinks)
+        : before_(ticks_before), sinks_(std::move(sinks)) {}
+    Result<void> take(const TouchTick& tick) override {
+        TouchTick later = tick;
+        later.tick += before_;
+        later.time_ns += before_ * tick_ns;
+        for (TouchSink* sink : sinks_)
+            if (auto taken = sink->take(later); !taken.ok()) return taken;
+        return {};
+    }
+
+private:
+    std::int64_t before_;
+    std::vector<TouchSink*> sinks_;
+};
+
+std::int64_t ticks_of(const RecordedPart& part) {
+    return part.ticks.back().time_ns / tick_ns + 1;
+}
+
+/// What there is to say of the run's parts; of any other run than a replay, of its only one.
+struct Told {
+    std::vector<nlohmann::ordered_json> reports;
+    std::vector<ReplayedPart> replayed;
+    TouchFigures all;
+    LiveFacts live;          // of the last
+    std::int64_t ticks = 0;  // of those before, in time
+};
 
 /// Of a run that ended too early and whose files are complete nevertheless.
 Result<void> ended_early(const LiveFacts& facts) {
@@ -79,38 +109,79 @@ Result<void> strictly(const TouchOptions& options, const nlohmann::ordered_json&
     return Error{ErrorKind::check, "--strict: " + all};
 }
 
+/// Runs the only part, or the one of a recording.
+Result<void> run_part(const TouchOptions& options, const RecordedPart* part, TouchSetup& s,
+                      TouchOutputs& outputs, Told& told) {
+    TouchFigures figures;
+    std::vector<TouchSink*> of_all = outputs.sinks();
+    of_all.push_back(&told.all);
+    OneRun one_run(told.ticks, std::move(of_all));
+    std::vector<TouchSink*> sinks{&one_run};
+    std::optional<ReplayCheck> check;
+    if (part) sinks.push_back(&check.emplace(*part));
+    if (part) sinks.push_back(&figures);
+    const bool live = runs_live(s, options);
+    const auto ran = run_session(s, live, sinks);
+    if (!ran.ok()) return ran.error();
+    told.live = *ran;
+    told.reports.push_back(
+        make_report(s, part ? figures : told.all, live ? &*ran : nullptr, outputs.painter()));
+    if (!part) return {};
+    told.replayed.push_back(compare_replay(*part, *check, figures.force_hash(), s));
+    told.all.end_part();
+    told.ticks += ticks_of(*part);
+    return {};
+}
+
+/// One after the other, in the memory of one. The first is set up already; the last stays.
+Result<void> run_parts(const TouchOptions& options, const Recording& recording,
+                       std::unique_ptr<TouchSetup>& setup, TouchOutputs& outputs, Told& told) {
+    if (recording.empty()) return run_part(options, nullptr, *setup, outputs, told);
+    for (const RecordedPart& part : recording) {
+        if (&part != &recording.front()) {
+            if (auto ended = outputs.end_part(*setup); !ended.ok()) return ended;
+            const auto gpu = setup->gpu;
+            setup.reset();
+            auto next = setup_from_recording(part, *options.replay, options.session, gpu);
+            if (!next.ok()) return next.error();
+            setup = std::move(*next);
+        }
+        if (auto ran = run_part(options, &part, *setup, outputs, told); !ran.ok()) return ran;
+    }
+    return {};
+}
+
 /// `at_work`: what memory is needed for, once that is known.
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
     auto checked = check_gpu_options(options.session.builder, options.picture.draws_on_gpu());
     if (!checked.ok()) return checked;
-    auto recording = read_replayed(options);
+    const auto recording = read_replayed(options);
     if (!recording.ok()) return recording.error();
-    auto setup = *recording ? setup_from_recording(**recording, *options.replay, options.session)
-                            : setup_from_options(options.session);
-    if (!setup.ok()) return setup.error();
-    TouchSetup& s = **setup;
-    at_work = frames_in_words(s.scene) + ", or for a run of that length";
-    auto outputs = TouchOutputs::open(options, s);
+    const bool replays = !recording->empty();
+    auto first = replays ? setup_from_recording(recording->front(), *options.replay, options.session)
+                         : setup_from_options(options.session);
+    if (!first.ok()) return first.error();
+    std::unique_ptr<TouchSetup> setup = std::move(*first);
+    at_work = frames_in_words(setup->scene) + ", or for a run of that length";
+    std::optional<std::int64_t> ticks = setup->ticks();
+    if (recording->size() > 1) {
+        ticks = 0;
+        for (const RecordedPart& part : *recording) *ticks += ticks_of(part);
+    }
+    auto outputs = TouchOutputs::open(options, *setup, ticks);
     if (!outputs.ok()) return outputs.error();
 
-    TouchFigures figures;
-    std::vector<TouchSink*> sinks = (*outputs)->sinks();
-    sinks.push_back(&figures);
-    std::optional<ReplayCheck> check;
-    if (*recording) sinks.push_back(&check.emplace(**recording));
-    const bool live = runs_live(s, options);
-    const auto ran = run_session(s, live, sinks);
-    if (!ran.ok()) return ran.error();
-
-    const auto report = make_report(s, figures, live ? &*ran : nullptr, (*outputs)->painter());
+    Told told;
+    if (auto ran = run_parts(options, *recording, setup, **outputs, told); !ran.ok()) return ran;
+    const auto report = told.reports.size() > 1 ? join_reports(told.reports, told.all) : told.reports.front();
     // Files first: whoever reads the table may go away half-way.
-    const auto done = (*outputs)->finish(report, figures);
+    const auto done = (*outputs)->finish(report, told.all.force_hash(), *setup);
     std::ostream& words = stream_of_words(options);
     words << report_to_text(report) << (*outputs)->remark();
     if (!done.ok()) return done;
-    if (auto whole = ended_early(*ran); !whole.ok()) return whole;
-    if (!*recording) return strictly(options, report);
-    const auto same = judge_replay(**recording, *check, figures.force_hash(), s);
+    if (auto whole = ended_early(told.live); !whole.ok()) return whole;
+    if (!replays) return strictly(options, report);
+    const auto same = judge_replay(told.replayed, told.all.force_hash());
     if (!same.ok()) return same.error();
     words << *same;
     return strictly(options, report);

@@ -24,13 +24,14 @@ std::size_t bytes_of(const RawFrame& frame) {
 
 }  // namespace
 
-Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene) {
+Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
+                                     const std::stop_token& given_up) {
     DepthSurvey survey(scene);
     std::vector<RawFrame> seen;
     std::size_t bytes = 0;
     std::string damage;
     while (!survey.enough()) {
-        if (interrupted()) return interrupted_error();
+        if (interrupted() || given_up.stop_requested()) return interrupted_error();
         const auto frame = reader->next();
         if (!frame.ok() && bytes == 0) return frame.error();
         if (!frame.ok()) damage = frame.error().message;
@@ -49,7 +50,8 @@ Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const 
 }
 
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene,
-                                                    const std::optional<MeasuredFrames>& known) {
+                                                    const std::optional<MeasuredFrames>& known,
+                                                    const std::stop_token& given_up) {
     const bool needs_levels =
         scene.filter.terraces != TerraceRemoval::off && scene.filter.levels == DepthLength{};
     const bool needs_noise = scene.filter.temporal && scene.filter.temporal_noise == DepthLength{};
@@ -57,7 +59,7 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
     ChosenFilters chosen{scene.unstated, {}};
     chosen.chosen.terraces = chosen.chosen.terraces || automatic;
     if (!chosen.chosen.any() && !needs_levels && !needs_noise) return std::optional<ChosenFilters>();
-    auto measured = known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene);
+    auto measured = known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene, given_up);
     if (!measured.ok()) return measured.error();
     choose_filters(measured->depth, scene);
     if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "engine/media/clip.hpp"
@@ -16,8 +17,10 @@ struct MeasuredFrames {
     std::optional<MeasuredDepth> depth;  ///< nothing: no pixel is valid
     std::string damage;                  ///< why they ended early; empty: they did not
 };
-/// Needs a reader at the beginning, and leaves one that is there again.
-Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene);
+/// Needs a reader at the beginning, and leaves one that is there again. An error of kind interrupted once it
+/// was `given_up`.
+Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
+                                     const std::stop_token& given_up = {});
 
 /// Filters that were chosen by what was measured.
 struct ChosenFilters {
@@ -29,6 +32,7 @@ struct ChosenFilters {
 /// it leaves nothing open: then no frame is read. `known`: what the frames said when they were measured
 /// before; nothing: nobody has.
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene,
-                                                    const std::optional<MeasuredFrames>& known = {});
+                                                    const std::optional<MeasuredFrames>& known = {},
+                                                    const std::stop_token& given_up = {});
 
 }  // namespace touchable

@@ -55,13 +55,13 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open() const {
     return make_replay_camera(std::move(*reader), *as_camera);
 }
 
-Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour) {
+Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up) {
     auto reader = choice.open();
     if (!reader.ok()) return reader.error();
     if (colour == Colour::left_out) (*reader)->leave_out_colour();
     auto scene = applied(choice, (*reader)->scene());
     if (!scene.ok()) return scene.error();
-    auto chosen = settle_filters(*reader, *scene, choice.measured);
+    auto chosen = settle_filters(*reader, *scene, choice.measured, given_up);
     if (!chosen.ok()) return chosen.error();
     return OpenClip{std::move(*reader), std::move(*scene), std::move(*chosen)};
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "engine/media/clip.hpp"
@@ -49,7 +50,8 @@ struct OpenClip {
 };
 enum class Colour { wanted, left_out };
 /// The clip at its beginning; colour that nobody looks at is not decoded. Refused (ErrorKind::usage) where
-/// what is wanted does not go with the clip.
-Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour);
+/// what is wanted does not go with the clip. Between two frames it looks whether it was `given_up`, an error
+/// of kind interrupted.
+Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up = {});
 
 }  // namespace touchable

@@ -1,5 +1,6 @@
 #include "player/session/recording.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <fstream>
 
@@ -11,7 +12,7 @@ namespace {
 
 // Layout: magic, version u32, fingers u32, ticks..., commands..., number of commands u64, facts (JSON), size
 // of the facts u64, number of ticks u64, XXH64 of all before it u64. Format 1 has neither commands nor
-// epochs.
+// epochs. A recording of several parts is those one after the other, each whole; their facts number them.
 constexpr std::string_view magic = "TOUCHREC";
 constexpr std::size_t head_size = 16, tail_size = 24, finger_size = 52, command_size = 28;
 constexpr std::size_t tick_size(std::uint64_t version) {
@@ -96,65 +97,133 @@ Result<std::string> read_whole(const std::filesystem::path& file) {
     return bytes;
 }
 
+/// What stands at the head of a part.
+struct PartHead {
+    std::uint64_t version = 0, fingers = 0;
+    bool operator==(const PartHead&) const = default;
+};
+PartHead head_of(std::string_view bytes) {
+    Bytes head(bytes.substr(magic.size()));
+    const std::uint64_t version = head.integer(4);
+    return {version, head.integer(4)};
+}
+
+/// Where the things of a part are, from the file's beginning.
+struct PartPlace {
+    std::size_t begin = 0, facts = 0, end = 0;
+    std::uint64_t ticks = 0, commands = 0;
+};
+
+/// The part that ends where `bytes` do, by the sizes that it ends with; nothing where they cannot be.
+std::optional<PartPlace> last_part(std::string_view bytes, const PartHead& head) {
+    if (bytes.size() < head_size + tail_size) return std::nullopt;
+    Bytes tail(bytes.substr(bytes.size() - tail_size));
+    const std::uint64_t facts_size = tail.integer(8), ticks = tail.integer(8);
+    std::uint64_t room = bytes.size() - head_size - tail_size;
+    const std::uint64_t count_size = head.version == 1 ? 0 : 8;
+    if (facts_size > room || count_size > room - facts_size) return std::nullopt;
+    room -= facts_size + count_size;
+    const std::size_t facts_at = bytes.size() - tail_size - facts_size;
+    const std::uint64_t commands =
+        head.version == 1 ? 0 : Bytes(bytes.substr(facts_at - count_size)).integer(8);
+    const std::uint64_t tick_bytes = tick_size(head.version) + finger_size * head.fingers;
+    if (commands > room / command_size || ticks > (room - commands * command_size) / tick_bytes)
+        return std::nullopt;
+    const std::size_t begin = room - commands * command_size - ticks * tick_bytes;
+    return PartPlace{begin, facts_at, bytes.size(), ticks, commands};
+}
+
+/// The parts in their order; nothing where the bytes are not made of whole ones, each as its hash says.
+std::optional<std::vector<PartPlace>> find_parts(std::string_view bytes, const PartHead& head) {
+    std::vector<PartPlace> parts;
+    for (std::size_t end = bytes.size(); end > 0; end = parts.back().begin) {
+        const auto part = last_part(bytes.substr(0, end), head);
+        if (!part) return std::nullopt;
+        const std::string_view own = bytes.substr(part->begin, end - part->begin);
+        ByteHash hash;
+        hash.add(own.data(), own.size() - 8);
+        if (!own.starts_with(magic) || head_of(own) != head ||
+            Bytes(own.substr(own.size() - 8)).integer(8) != hash.value())
+            return std::nullopt;
+        parts.push_back(*part);
+    }
+    std::reverse(parts.begin(), parts.end());
+    return parts;
+}
+
+constexpr const char* damaged_words = "is damaged or cut short; it cannot be replayed";
+
+/// Whether the facts say that it is part `number` of so many: a file that was cut between two is not whole.
+bool is_in_its_place(const nlohmann::ordered_json& facts, std::size_t number, std::size_t parts) {
+    const bool numbered = facts.contains("part");
+    return numbered == (number > 1) && (!numbered || facts["part"] == number) &&
+           facts.contains("goes_on") == (number < parts);
+}
+
+/// An error with the reason alone.
+Result<RecordedPart> read_part(std::string_view bytes, const PartHead& head, const PartPlace& place) {
+    RecordedPart part;
+    part.fingers = static_cast<int>(head.fingers);
+    Bytes body(bytes.substr(place.begin + head_size));
+    for (std::uint64_t k = 0; k < place.ticks; ++k)
+        part.ticks.push_back(read_tick(body, head.version, head.fingers));
+    for (std::uint64_t k = 0; k < place.commands; ++k) part.playback.push_back(read_command(body));
+    const std::string_view facts = bytes.substr(place.facts, place.end - tail_size - place.facts);
+    try {
+        (void)checked_json::parse(facts);
+    } catch (const checked_json::Refusal& reason) {
+        return input_error(std::string(damaged_words) + ": its facts, " + reason.message);
+    }
+    part.facts = nlohmann::ordered_json::parse(facts, nullptr, false);
+    if (!part.facts.is_object()) return input_error(damaged_words);
+    if (const std::string fault = fault_of(part.ticks); !fault.empty()) return input_error(fault);
+    if (auto valid = validate(part.playback); !valid.ok()) return valid.error();
+    // A loop is run through turn by turn.
+    if (!part.playback.empty() && part.ticks.back().time_ns > latest_moment_ns)
+        return input_error("its last tick is later than 1e6 s");
+    return part;
+}
+
 }  // namespace
 
 Result<Recording> read_recording(const std::filesystem::path& file) {
     const auto whole = read_whole(file);
     if (!whole.ok()) return whole.error();
     const std::string_view bytes = *whole;
-    auto refuse = [&file](const std::string& why) {
-        return input_error("recording " + file.string() + ": " + why);
-    };
-
-    if (bytes.size() < head_size || !bytes.starts_with(magic)) return refuse("is not a recording of a touch");
-    Bytes head(bytes.substr(magic.size()));
-    const std::uint64_t version = head.integer(4), fingers = head.integer(4);
-    if (version > recording_format_version)
-        return refuse("has format version " + std::to_string(version) + "; this program reads up to " +
-                      std::to_string(recording_format_version));
-    const std::string damaged = "is damaged or cut short; it cannot be replayed";
-    if (version < 1 || fingers < 1 || fingers > most_fingers || bytes.size() < head_size + tail_size)
-        return refuse(damaged);
-    Bytes tail(bytes.substr(bytes.size() - tail_size));
-    const std::uint64_t facts_size = tail.integer(8), ticks = tail.integer(8), hash = tail.integer(8);
-    ByteHash found;
-    found.add(bytes.data(), bytes.size() - 8);
-    if (hash != found.value()) return refuse(damaged);
-    const std::uint64_t tick_bytes = tick_size(version) + finger_size * fingers;
-    const std::uint64_t room = bytes.size() - head_size - tail_size;
-    const std::uint64_t count_size = version == 1 ? 0 : 8;
-    if (facts_size > room || count_size > room - facts_size) return refuse(damaged);
-    const std::size_t facts_at = bytes.size() - tail_size - facts_size;
-    const std::uint64_t commands = version == 1 ? 0 : Bytes(bytes.substr(facts_at - count_size)).integer(8);
-    const std::uint64_t left = room - facts_size - count_size;
-    if (commands > left / command_size || ticks > left / tick_bytes ||
-        ticks * tick_bytes + commands * command_size != left)
-        return refuse(damaged);
+    const std::string name = "recording " + file.string();
+    if (bytes.size() < head_size || !bytes.starts_with(magic))
+        return input_error(name + ": is not a recording of a touch");
+    const PartHead head = head_of(bytes);
+    if (head.version > recording_format_version)
+        return input_error(name + ": has format version " + std::to_string(head.version) +
+                           "; this program reads up to " + std::to_string(recording_format_version));
+    if (head.version < 1 || head.fingers < 1 || head.fingers > most_fingers)
+        return input_error(name + ": " + damaged_words);
+    const auto places = find_parts(bytes, head);
+    if (!places) return input_error(name + ": " + damaged_words);
 
     Recording recording;
-    recording.fingers = static_cast<int>(fingers);
-    Bytes body(bytes.substr(head_size));
-    for (std::uint64_t k = 0; k < ticks; ++k)
-        recording.ticks.push_back(read_tick(body, version, static_cast<std::size_t>(fingers)));
-    for (std::uint64_t k = 0; k < commands; ++k) recording.playback.push_back(read_command(body));
-    const std::string_view facts = bytes.substr(facts_at, facts_size);
-    try {
-        (void)checked_json::parse(facts);
-    } catch (const checked_json::Refusal& reason) {
-        return refuse(damaged + ": its facts, " + reason.message);
+    std::int64_t all_ns = 0;  // of several parts
+    for (const PartPlace& place : *places) {
+        const std::size_t number = recording.size() + 1;
+        const std::string part_name =
+            name + (places->size() > 1 ? ", part " + std::to_string(number) : std::string());
+        auto part = read_part(bytes, head, place);
+        if (!part.ok()) return input_error(part_name + ": " + part.error().message);
+        if (!is_in_its_place(part->facts, number, places->size()))
+            return input_error(name + ": " + damaged_words + ": a part is missing");
+        const std::int64_t first_ns = part->ticks.front().time_ns, last_ns = part->ticks.back().time_ns;
+        if (places->size() > 1 && (first_ns < 0 || last_ns > latest_moment_ns - all_ns))
+            return input_error(part_name + ": its ticks are not within 0 and 1e6 s of the first part's");
+        if (places->size() > 1) all_ns += last_ns;
+        part->name = part_name;
+        recording.push_back(std::move(*part));
     }
-    recording.facts = nlohmann::ordered_json::parse(facts, nullptr, false);
-    if (!recording.facts.is_object()) return refuse(damaged);
-    if (const std::string fault = fault_of(recording.ticks); !fault.empty()) return refuse(fault);
-    if (auto valid = validate(recording.playback); !valid.ok()) return refuse(valid.error().message);
-    // A loop is run through turn by turn.
-    if (!recording.playback.empty() && recording.ticks.back().time_ns > latest_moment_ns)
-        return refuse("its last tick is later than 1e6 s");
     return recording;
 }
 
 Result<void> RecordingFile::write(const std::string& bytes) {
-    hash_.add(bytes.data(), bytes.size());
+    hash_->add(bytes.data(), bytes.size());
     return file_->write(bytes);
 }
 
@@ -162,15 +231,26 @@ Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesyst
                                                              Existing existing) {
     auto opened = OutputFile::create("--record", file, existing);
     if (!opened.ok()) return opened.error();
-    std::unique_ptr<RecordingFile> out(new RecordingFile(std::move(*opened)));
-    std::string head(magic);
-    put(head, recording_format_version, 4);
-    put(head, static_cast<std::uint64_t>(fingers), 4);
-    if (auto written = out->write(head); !written.ok()) return written.error();
+    std::unique_ptr<RecordingFile> out(new RecordingFile(std::move(*opened), fingers));
+    if (auto begun = out->begin_part(); !begun.ok()) return begun.error();
     return out;
 }
 
+Result<void> RecordingFile::begin_part() {
+    ++part_;
+    hash_.emplace();
+    ticks_ = 0;
+    std::string head(magic);
+    put(head, recording_format_version, 4);
+    put(head, static_cast<std::uint64_t>(fingers_), 4);
+    return write(head);
+}
+
 Result<void> RecordingFile::take(const TouchTick& tick) {
+    if (ended_) {
+        if (auto written = write_end(true); !written.ok()) return written;
+        if (auto begun = begin_part(); !begun.ok()) return begun;
+    }
     bytes_.clear();
     for (const std::int64_t value : {tick.time_ns, tick.pair.prev.number, tick.pair.next.number})
         put(bytes_, static_cast<std::uint64_t>(value), 8);
@@ -185,27 +265,40 @@ Result<void> RecordingFile::take(const TouchTick& tick) {
     return write(bytes_);
 }
 
-Result<void> RecordingFile::finish(const nlohmann::ordered_json& facts,
-                                   const std::vector<PlaybackCommand>& playback) {
+void RecordingFile::end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback) {
+    if (ended_ || ticks_ == 0) return;
+    ended_ = Ended{std::move(facts), std::move(playback)};
+}
+
+Result<void> RecordingFile::finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback) {
+    if (!ended_) ended_ = Ended{std::move(facts), std::move(playback)};
+    if (auto written = write_end(false); !written.ok()) return written;
+    return file_->finish();
+}
+
+Result<void> RecordingFile::write_end(bool goes_on) {
     std::string tail;
-    for (const PlaybackCommand& command : playback) {
+    for (const PlaybackCommand& command : ended_->playback) {
         put(tail, static_cast<std::uint64_t>(command.tick), 8);
         put(tail, static_cast<std::uint64_t>(command.verb), 4);
         for (const std::int64_t value : {command.first, command.second})
             put(tail, static_cast<std::uint64_t>(value), 8);
     }
-    put(tail, playback.size(), 8);
+    put(tail, ended_->playback.size(), 8);
+    if (part_ > 1) ended_->facts["part"] = part_;
+    if (goes_on) ended_->facts["goes_on"] = true;
     // Names of files need not be UTF-8; JSON must.
-    const std::string text = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    const std::string text =
+        ended_->facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     const std::uint64_t facts_size = text.size();
     tail += text;
     put(tail, facts_size, 8);
     put(tail, ticks_, 8);
     if (auto written = write(tail); !written.ok()) return written;
     std::string hash;
-    put(hash, hash_.value(), 8);
-    if (auto written = write(hash); !written.ok()) return written;
-    return file_->finish();
+    put(hash, hash_->value(), 8);
+    ended_.reset();
+    return file_->write(hash);
 }
 
 }  // namespace touchable

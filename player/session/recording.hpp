@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,7 +31,8 @@ struct RecordedTick {
 /// All that a run needs to be repeated: what was set (`facts`: clip, scene, fingers, settings, hashes), and
 /// what happened tick by tick. On disk (docs/recording.md): little-endian ticks and commands, the facts as
 /// JSON, sizes, and an XXH64 of it all, so that a file cut short or changed is refused.
-struct Recording {
+struct RecordedPart {
+    std::string name;  ///< as messages call it: "recording FILE", with its number where there are more
     nlohmann::ordered_json facts;
     int fingers = 0;
     std::vector<RecordedTick> ticks;
@@ -39,26 +41,41 @@ struct Recording {
     /// The rules of force it was made under (haptics_cpu/force_rules.hpp), once the facts have been read.
     int rules() const { return facts.value("rules", 1); }
 };
-/// Refuses what is not a recording, is damaged, or is of a newer version.
+/// One part or more, each a run by settings of its own, one after the other. All have as many fingers.
+using Recording = std::vector<RecordedPart>;
+/// Refuses what is not a recording, is damaged, is not whole, or is of a newer version.
 Result<Recording> read_recording(const std::filesystem::path& file);
 
-/// `--record FILE`.
+/// `--record FILE`. A part has ended once it is said to; what comes after it is another one. A part without
+/// ticks is left out, unless there is no other.
 class RecordingFile final : public TouchSink {
 public:
     static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers,
                                                          Existing existing);
     Result<void> take(const TouchTick& tick) override;
-    /// Adds the clock's commands and the facts, and gives the file its name; without this nothing is left
-    /// behind.
-    Result<void> finish(const nlohmann::ordered_json& facts, const std::vector<PlaybackCommand>& playback);
+    /// Of the ticks since the last part: the facts, and the clock's commands.
+    void end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
+    /// Ends the last part, and gives the file its name; without this nothing is left behind.
+    Result<void> finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
 
 private:
-    explicit RecordingFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
+    RecordingFile(std::unique_ptr<OutputFile> file, int fingers)
+        : file_(std::move(file)), fingers_(fingers) {}
+    Result<void> begin_part();
+    Result<void> write_end(bool goes_on);
     Result<void> write(const std::string& bytes);
 
+    /// What is still to be written of a part: whether another follows shows with that one's first tick.
+    struct Ended {
+        nlohmann::ordered_json facts;
+        std::vector<PlaybackCommand> playback;
+    };
     std::unique_ptr<OutputFile> file_;
-    ByteHash hash_;  // of what is written
-    std::uint64_t ticks_ = 0;
+    int fingers_;
+    int part_ = 0;                  // its number, from 1 on; none has begun yet
+    std::optional<ByteHash> hash_;  // of what is written of the part
+    std::uint64_t ticks_ = 0;       // likewise
+    std::optional<Ended> ended_;
     std::string bytes_;  // of one tick
 };
 

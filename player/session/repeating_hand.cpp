@@ -18,6 +18,24 @@ std::size_t options_colon(std::string_view description) {
     return equals == std::string_view::npos ? equals : description.rfind(':', equals);
 }
 
+double scale_of(const RecordedPart& part) {
+    const auto& facts = part.facts;
+    return facts.contains("S") && facts["S"].is_number() ? facts["S"].get<double>() : 0;
+}
+
+/// The ticks of all parts, each after the one before.
+RecordedPart in_one(Recording recording) {
+    RecordedPart all = std::move(recording.front());
+    for (std::size_t k = 1; k < recording.size(); ++k) {
+        const std::int64_t begin_ns = (all.ticks.back().time_ns / tick_ns + 1) * tick_ns;
+        for (RecordedTick& tick : recording[k].ticks) {
+            tick.time_ns += begin_ns;
+            all.ticks.push_back(std::move(tick));
+        }
+    }
+    return all;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& hand) {
@@ -31,15 +49,19 @@ Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& ha
     if (!given.ok()) return given.error();
     auto recording = read_recording(file);
     if (!recording.ok()) return recording.error();
-    const auto& facts = recording->facts;
-    const double metres = facts.contains("S") && facts["S"].is_number() ? facts["S"].get<double>() : 0;
-    if (!(metres > 0))
-        return input_error("recording " + file +
-                           ": does not say above 0 how far a device moves per scene unit (S)");
+    const double metres = scale_of(recording->front());
+    for (const RecordedPart& part : *recording) {
+        if (!(scale_of(part) > 0))
+            return input_error(part.name +
+                               ": does not say above 0 how far a device moves per scene unit (S)");
+        if (scale_of(part) != metres)
+            return input_error(part.name + ": a device moves otherwise per scene unit (S) than in part 1");
+    }
+    RecordedPart whole = in_one(std::move(*recording));
     std::optional<double> deepest;
     if (given->given("depth")) deepest = given->number("depth") * 0.001;
     return std::unique_ptr<RepeatingHand>(
-        new RepeatingHand(std::move(file), std::move(*recording), metres, GoalWatch(metres, deepest)));
+        new RepeatingHand(std::move(file), std::move(whole), metres, GoalWatch(metres, deepest)));
 }
 
 void RepeatingHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) {

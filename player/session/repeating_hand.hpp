@@ -27,14 +27,15 @@ public:
     double metres_per_scene_unit() const { return metres_per_scene_unit_; }
 
 private:
-    RepeatingHand(std::string file, Recording recording, double metres_per_scene_unit, const GoalWatch& watch)
+    RepeatingHand(std::string file, RecordedPart recording, double metres_per_scene_unit,
+                  const GoalWatch& watch)
         : file_(std::move(file)),
           recording_(std::move(recording)),
           metres_per_scene_unit_(metres_per_scene_unit),
           watch_(watch) {}
 
     std::string file_;
-    Recording recording_;
+    RecordedPart recording_;  // all parts as one
     double metres_per_scene_unit_;
     GoalWatch watch_;
     std::size_t at_ = 0;  // the recorded tick whose goals were given last

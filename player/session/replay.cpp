@@ -26,7 +26,7 @@ std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
 /// A live session reads ahead of its hand as far as its builder gets, so that its replay reads fewer frames:
 /// what was recorded says of how many its hash is. A live recording of a version that did not say tells
 /// nothing.
-bool has_other_frames(const Recording& recording, const TouchSetup& setup) {
+bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
     const auto recorded = recording.facts.at("planes_hash").get<std::string>();
     const auto built = built_frames(recording.facts);
     if (!built) return !setup.live && recorded != setup.feed->planes_hash();
@@ -76,23 +76,35 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
     return {};
 }
 
-Result<std::string> judge_replay(const Recording& recording, const ReplayCheck& check,
-                                 const std::string& force_hash, const TouchSetup& setup) {
-    if (recording.rules() != force_rules)
-        return input_error("replay is not comparable: made under rules " + std::to_string(recording.rules()) +
-                           " of force, this program has rules " + std::to_string(force_rules) +
-                           "; what was asked for is written, with its forces");
-    const auto recorded = recording.facts.at("force_hash").get<std::string>();
-    const bool others = has_other_frames(recording, setup);
-    if (!check.difference() && recorded == force_hash)
-        return "replay: every force is as recorded, to the bit (" + force_hash + ")\n" +
-               (others ? "note: the clip's frames are not the recorded ones; they differ where no finger "
-                         "felt it\n"
-                       : "");
-    const std::string what =
-        check.difference().value_or("force_hash " + force_hash + ", recorded " + recorded);
-    return Error{ErrorKind::check, "replay differs first at " + what +
-                                       (others ? "; the clip's frames are not the recorded ones" : "")};
+ReplayedPart compare_replay(const RecordedPart& recorded, const ReplayCheck& check,
+                            const std::string& force_hash, const TouchSetup& setup) {
+    ReplayedPart part{recorded.rules(), check.difference(), has_other_frames(recorded, setup)};
+    const auto hash = recorded.facts.at("force_hash").get<std::string>();
+    if (!part.difference && hash != force_hash)
+        part.difference = "force_hash " + force_hash + ", recorded " + hash;
+    return part;
+}
+
+Result<std::string> judge_replay(std::span<const ReplayedPart> parts, const std::string& force_hash) {
+    bool others = false;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const ReplayedPart& part = parts[k];
+        if (part.rules != force_rules)
+            return input_error("replay is not comparable: made under rules " + std::to_string(part.rules) +
+                               " of force, this program has rules " + std::to_string(force_rules) +
+                               "; what was asked for is written, with its forces");
+        others = others || part.has_other_frames;
+        const std::string where = parts.size() > 1 ? "part " + std::to_string(k + 1) + ", " : "";
+        if (part.difference)
+            return Error{ErrorKind::check,
+                         "replay differs first at " + where + *part.difference +
+                             (part.has_other_frames ? "; the clip's frames are not the recorded ones" : "")};
+    }
+    const std::string all = parts.size() > 1 ? " in all " + std::to_string(parts.size()) + " parts" : "";
+    return "replay: every force is as recorded, to the bit" + all + " (" + force_hash + ")\n" +
+           (others ? "note: the clip's frames are not the recorded ones; they differ where no finger "
+                     "felt it\n"
+                   : "");
 }
 
 }  // namespace touchable

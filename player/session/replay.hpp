@@ -16,7 +16,7 @@ namespace touchable {
 /// `--replay FILE`: the recorded goals as a hand.
 class ReplayHand final : public Hand {
 public:
-    explicit ReplayHand(const Recording& recording) : recording_(recording) {}
+    explicit ReplayHand(const RecordedPart& recording) : recording_(recording) {}
     int fingers() const override { return recording_.fingers; }
     void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
     std::optional<std::int64_t> ticks() const override {
@@ -24,28 +24,36 @@ public:
     }
 
 private:
-    const Recording& recording_;
+    const RecordedPart& recording_;
 };
 
 /// Compares each tick with the recorded one, bit for bit, and remembers the first difference.
 class ReplayCheck final : public TouchSink {
 public:
-    explicit ReplayCheck(const Recording& recording) : recording_(recording) {}
+    explicit ReplayCheck(const RecordedPart& recording) : recording_(recording) {}
     Result<void> take(const TouchTick& tick) override;
     /// What differs first: tick, finger, and both values; nothing where all is the same.
     const std::optional<std::string>& difference() const { return difference_; }
 
 private:
-    const Recording& recording_;
+    const RecordedPart& recording_;
     std::size_t next_ = 0;  // the tick that comes, by its place in the recording
     std::optional<std::string> difference_;
 };
 
+/// What the replay of a part came to.
+struct ReplayedPart {
+    int rules = 0;                          ///< of force, that it was recorded under
+    std::optional<std::string> difference;  ///< what differs first
+    bool has_other_frames = false;          ///< than those recorded
+};
+ReplayedPart compare_replay(const RecordedPart& recorded, const ReplayCheck& check,
+                            const std::string& force_hash, const TouchSetup& setup);
+
 /// After a replay: an error of kind input where the recording was made under other rules of force, so that
-/// there is nothing to compare; of kind check where something differs, which says what first, and whether the
-/// clip's frames are others than those recorded. Else what there is to say: a clip may have changed where no
-/// finger went.
-Result<std::string> judge_replay(const Recording& recording, const ReplayCheck& check,
-                                 const std::string& force_hash, const TouchSetup& setup);
+/// there is nothing to compare; of kind check where something differs, which says what first and in which
+/// part, and whether the clip's frames are others than those recorded. Else what there is to say: a clip may
+/// have changed where no finger went. `force_hash`: of all parts.
+Result<std::string> judge_replay(std::span<const ReplayedPart> parts, const std::string& force_hash);
 
 }  // namespace touchable

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "device/haptic_device.hpp"
+#include "device/workspace.hpp"
 #include "engine/result.hpp"
 #include "haptics_cpu/guard_settings.hpp"
 #include "haptics_cpu/touch_solver.hpp"
@@ -22,7 +25,9 @@ struct SessionOptions {
     std::string hand = "wander";  ///< as make_hand reads it
     int fingers = 1;
     std::vector<PlaybackCommand> playback;  ///< what is asked of the clip's clock; `validate` passes them
-    std::optional<std::int64_t> ticks;      ///< nothing: the hand's length, or the clip's and at least 3 s
+    /// In place of `playback`, asked for once all but the first frames is there; nothing: `playback` it is.
+    std::function<std::vector<PlaybackCommand>()> late_playback;
+    std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
     BuilderChoice builder{.name = "auto"};
     TouchMetric metric = TouchMetric::world;
     double stribeck_speed = 0;  ///< m/s; 0: friction does not depend on speed
@@ -34,7 +39,11 @@ struct SessionOptions {
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     /// Live: a device whose handles are the fingers, and no hand; it is opened when the session begins.
     std::shared_ptr<HapticDevice> held_device;
+    /// Where that device is; nothing: where the clip's first frame puts it.
+    std::optional<Workspace> workspace;
     bool watched = false;  ///< live: somebody looks at what the hand holds, and wants its colour
+    /// Whoever waits for the setup may want it no more: it is then an error of kind interrupted, soon.
+    std::stop_token given_up{};
 };
 
 /// Refuses (ErrorKind::usage) what no run can be made of, whatever the clip, in the options' names.

@@ -8,6 +8,7 @@
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/surface/filter_plan.hpp"
+#include "player/session/interrupt.hpp"
 
 namespace touchable {
 
@@ -205,6 +206,7 @@ Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     };
     // The reader's oldest frame follows it before each build, so that a slot is free however far time jumps.
     while (!ended_ && !is_there()) {
+        if (given_up_.stop_requested()) return interrupted_error();
         timeline_.pair_at(moment, pair);
         if (auto fed = feed_next(); !fed.ok()) return fed.error();
     }

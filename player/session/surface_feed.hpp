@@ -5,7 +5,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/frame/surface_timeline.hpp"
@@ -75,6 +77,9 @@ public:
         return pair_of(0, 0, prev, next, blend);
     }
 
+    /// Once it is requested, `pair_at` waits for no frame any more: an error of kind interrupted.
+    void stop_at(std::stop_token given_up) { given_up_ = std::move(given_up); }
+
     // The parts, for a thread each (FeedThreads).
     /// What is read from now on is of this epoch: from the frame at its start on (the clip's last where that
     /// is beyond), and where a filter remembers from the warm-up before. By the thread that
@@ -139,6 +144,7 @@ private:
     void note_built(const RawFrame& raw);
     Result<bool> build(const FedFrame& frame);
 
+    std::stop_token given_up_;
     std::unique_ptr<ClipReader> reader_;
     std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;

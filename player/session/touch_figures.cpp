@@ -97,14 +97,26 @@ nlohmann::ordered_json TouchFigures::late_histogram() const {
     return histogram;
 }
 
-nlohmann::ordered_json TouchFigures::energy_mj() const {
-    EnergyFigures all;
+EnergyFigures TouchFigures::energy() const {
+    EnergyFigures all = energy_before_;
     for (const EnergyFigures& finger : energy_) {
         all.created += finger.created;
         all.bound += finger.bound;
         all.surface += finger.surface;
         all.work += finger.work;
     }
+    return all;
+}
+
+void TouchFigures::end_part() {
+    energy_before_ = energy();
+    energy_.clear();
+    limited_.clear();
+    in_hole_.clear();
+}
+
+nlohmann::ordered_json TouchFigures::energy_mj() const {
+    const EnergyFigures all = energy();
     return {{"created", 1000 * all.created},
             {"zoh_bound", 1000 * all.bound},
             {"surface", 1000 * all.surface},

@@ -20,6 +20,8 @@ nlohmann::ordered_json to_json(const Spread& spread);
 class TouchFigures final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override;
+    /// What comes is another run, by another guard: nothing goes on in a row.
+    void end_part();
 
     std::int64_t ticks() const { return ticks_; }
     Spread tick_us() const { return spread_of(tick_us_); }
@@ -35,6 +37,7 @@ public:
     nlohmann::ordered_json to_json() const;
 
 private:
+    EnergyFigures energy() const;  // of all fingers
     nlohmann::ordered_json energy_mj() const;
     nlohmann::ordered_json hole_contact() const;
 
@@ -52,6 +55,7 @@ private:
     std::int64_t limited_in_hole_ticks_ = 0;             // of these, at the device's force
     std::vector<std::int64_t> in_hole_;                  // as limited_
     std::vector<EnergyFigures> energy_;                  // of each finger, up to the newest tick
+    EnergyFigures energy_before_;                        // of all fingers, in the parts before
     std::vector<double> tick_us_, late_us_;
     ForceHash hash_;
 };

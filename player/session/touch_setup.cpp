@@ -57,7 +57,7 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     setup.scene = std::move(clip.scene);
     setup.notes = clip.reader->notes();
     setup.filters = std::move(clip.chosen);
-    setup.gpu = std::make_unique<RunGpu>(options.builder.gpu);
+    if (!setup.gpu) setup.gpu = std::make_shared<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
     auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();
@@ -65,6 +65,7 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(*builder), setup.scene,
                                                setup.warm_up_frames, eye);
     if (!options.recorded) setup.feed->leave_out_hash();
+    setup.feed->stop_at(options.given_up);
     return {};
 }
 
@@ -101,12 +102,16 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
 }
 
 /// A hand over the frame that it begins with, and where it stands there. The scale is that of the clip's
-/// first frame, wherever it begins.
+/// first frame, wherever it begins, unless that is known.
 Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
-    const auto first = setup.feed->pair_at(0);
-    if (!first.ok()) return first.error();
-    setup.workspace = clip_workspace(setup.scene, *first->prev.frame);
-    setup.hand_words = setup.held_device ? setup.held_device->name() : options.hand;
+    if (options.workspace) {
+        setup.workspace = *options.workspace;
+    } else {
+        const auto first = setup.feed->pair_at(0);
+        if (!first.ok()) return first.error();
+        setup.workspace = clip_workspace(setup.scene, *first->prev.frame);
+    }
+    setup.hand_words = setup.held_device ? "a person's hand" : options.hand;
     const auto begin = setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0));
     if (!begin.ok()) return begin.error();
     if (setup.held_device) {
@@ -181,9 +186,11 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
 
     if (auto taken = take_held_device(*setup, options); !taken.ok()) return taken.error();
     if (auto read = repeat_hand(*setup, options); !read.ok()) return read.error();
-    auto clip = open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out);
+    auto clip =
+        open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out, options.given_up);
     if (!clip.ok()) return clip.error();
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
+    if (options.late_playback) setup->settings.playback = options.late_playback();
     if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();
     if (auto checked = check_playback(*setup, options); !checked.ok()) return checked.error();
     if (auto held = hold_device(*setup, options); !held.ok()) return held.error();
@@ -229,17 +236,17 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const s
 
 /// Ticks at the times that were recorded, and of a live run with the frames they found: that was a matter of
 /// the moment, and the recording knows.
-void follow(const Recording& recording, TouchSetup& setup) {
-    setup.settings.time_of_tick = [&recording](std::int64_t tick) {
-        const auto last = static_cast<std::int64_t>(recording.ticks.size()) - 1;
-        return recording.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
+void follow(const RecordedPart& part, TouchSetup& setup) {
+    setup.settings.time_of_tick = [&part](std::int64_t tick) {
+        const auto last = static_cast<std::int64_t>(part.ticks.size()) - 1;
+        return part.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
     };
-    setup.settings.playback = recording.playback;
+    setup.settings.playback = part.playback;
     if (!setup.live) return;
-    const PlaybackClock clock(setup.scene.rate, recording.playback);
-    setup.settings.pair_of_tick = [&recording, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
+    const PlaybackClock clock(setup.scene.rate, part.playback);
+    setup.settings.pair_of_tick = [&part, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
                                    now = clock](std::int64_t tick) mutable -> Result<FramePair> {
-        const RecordedTick& recorded = recording.ticks[static_cast<std::size_t>(tick)];
+        const RecordedTick& recorded = part.ticks[static_cast<std::size_t>(tick)];
         if (recorded.epoch > now.at(recorded.time_ns / tick_ns).epoch)
             return input_error("tick " + std::to_string(tick) + " is of epoch " +
                                std::to_string(recorded.epoch) + ", which no command has begun by then");
@@ -251,12 +258,14 @@ void follow(const Recording& recording, TouchSetup& setup) {
 
 }  // namespace
 
-Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& recording,
+Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& part,
                                                          const std::filesystem::path& file,
-                                                         const SessionOptions& options) {
+                                                         const SessionOptions& options,
+                                                         std::shared_ptr<RunGpu> gpu) {
     auto setup = std::make_unique<TouchSetup>();
-    setup->settings.fingers = recording.fingers;
-    const auto scene = read_recorded_facts(recording.facts, "recording " + file.string(), *setup);
+    setup->gpu = std::move(gpu);
+    setup->settings.fingers = part.fingers;
+    const auto scene = read_recorded_facts(part.facts, part.name, *setup);
     if (!scene.ok()) return scene.error();
     auto clip = open_recorded(*setup, *scene, file, options.clip);
     if (!clip.ok()) return clip.error();
@@ -264,8 +273,8 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& record
     as_recorded.recorded = true;
     if (auto made = make_feed(*setup, std::move(*clip), as_recorded); !made.ok()) return made.error();
     setup->feed->leave_out(setup->dropped);
-    setup->hand = std::make_unique<ReplayHand>(recording);
-    follow(recording, *setup);
+    setup->hand = std::make_unique<ReplayHand>(part);
+    follow(part, *setup);
     if (auto made = make_solver(*setup); !made.ok()) return made.error();
     return setup;
 }

@@ -24,7 +24,7 @@ struct TouchSetup {
     std::optional<ChosenFilters> filters;  ///< nothing: all were stated
     BuilderChoice builder;                 ///< not auto any more
     std::string builder_why;  ///< why auto, or another than was asked for; empty: it was asked for by name
-    std::unique_ptr<RunGpu> gpu;  ///< of builder and picture
+    std::shared_ptr<RunGpu> gpu;  ///< of builder and picture
     std::unique_ptr<SurfaceFeed> feed;
     std::string hand_words;                     ///< as on the command line
     std::unique_ptr<Hand> hand;                 ///< nothing: a person holds `held_device`
@@ -47,10 +47,12 @@ struct TouchSetup {
 };
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);
-/// The run of `recording`, which was read from `file` and outlives the setup: by `options.builder`, and over
-/// the clip and scene file of `options.clip` where they are given.
-Result<std::unique_ptr<TouchSetup>> setup_from_recording(const Recording& recording,
+/// The run of `part`, whose recording was read from `file` and which outlives the setup: by
+/// `options.builder`, and over the clip and scene file of `options.clip` where they are given. `gpu`: that of
+/// the part before; nothing: its own.
+Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& part,
                                                          const std::filesystem::path& file,
-                                                         const SessionOptions& options);
+                                                         const SessionOptions& options,
+                                                         std::shared_ptr<RunGpu> gpu = nullptr);
 
 }  // namespace touchable

@@ -80,7 +80,6 @@ void FeltPanel::draw_number(const FeltSetting& setting, const FeltFacts& facts,
 }
 
 void FeltPanel::draw(const FeltFacts& facts, std::vector<WindowCommand>& asked) {
-    ImGui::BeginDisabled(facts.is_fixed);
     draw_label("settings", scale_);
     if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
         asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
@@ -97,9 +96,7 @@ void FeltPanel::draw(const FeltFacts& facts, std::vector<WindowCommand>& asked) 
         else
             draw_choice(setting, facts, asked);
     }
-    ImGui::EndDisabled();
     draw_filters(facts.filters);
-    if (facts.is_fixed) draw_remark("A recording is of one set of settings.");
 }
 
 }  // namespace touchable

@@ -14,7 +14,6 @@ struct FeltFacts {
     std::map<std::string, std::string> by_hand, in_effect;  ///< as FeltSettings and `felt_in` have them
     std::string filters;                                    ///< each filter with its reason, in words
     bool b_is_on = false;                                   ///< of the two sets
-    bool is_fixed = false;                                  ///< a recording is of one set
 };
 
 /// The panel's part for the settings of what is felt, a row each.

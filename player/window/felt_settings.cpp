@@ -7,30 +7,18 @@
 #include <string_view>
 #include <utility>
 
+#include "device/pointer_device.hpp"
+
 namespace touchable {
 namespace {
 
-/// As many as an option of the command line takes.
+/// As FilterSettings has it.
 constexpr int most_passes = 16;
-/// Of the pointer as a device: it can exert no more than 20 N and 10 N/mm.
-constexpr double most_newtons = 20, most_newtons_per_mm = 10;
 
 std::string short_number(double number) {
     char words[32];
     std::snprintf(words, sizeof words, "%.4g", number);
     return words;
-}
-
-const char* word_of(TerraceRemoval terraces) {
-    switch (terraces) {
-        case TerraceRemoval::off:
-            return "off";
-        case TerraceRemoval::on:
-            return "on";
-        case TerraceRemoval::automatic:
-            break;
-    }
-    return "auto";
 }
 
 /// What the setting can be, for whoever meant something else.
@@ -61,32 +49,123 @@ std::optional<std::string> settled(const FeltSetting& setting, const std::string
     return short_number(*number);
 }
 
-/// `value` was settled before.
-void apply(const std::string& name, const std::string& value, SessionOptions& options) {
-    ClipChoice& clip = options.clip;
-    const auto number = [&value] { return number_of(value).value_or(0); };
-    if (name == "metric")
-        for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled})
-            if (name_of(metric) == value) options.metric = metric;
-    if (name == "interpolation")
-        clip.interpolation = value == "hold" ? FrameInterpolation::hold : FrameInterpolation::linear;
-    if (name == "max-force") options.guard.max_force = number();
-    if (name == "max-stiffness") options.guard.max_stiffness = number() * 1000;
-    if (name == "median") clip.median = static_cast<int>(number());
-    if (name == "fill-holes") clip.fill_holes = static_cast<int>(number());
-    if (name == "terraces")
-        for (const auto terraces : {TerraceRemoval::off, TerraceRemoval::on, TerraceRemoval::automatic})
-            if (word_of(terraces) == value) clip.terraces = terraces;
-    if (name == "temporal") clip.temporal = TemporalChoice{value == "on", std::nullopt};
+/// Words for the values of something, in both directions.
+template <class Value>
+struct WordOf {
+    const char* word;
+    Value value;
+};
+constexpr WordOf<TouchMetric> metrics[] = {
+    {"world", TouchMetric::world}, {"pixel", TouchMetric::pixel}, {"scaled", TouchMetric::scaled}};
+constexpr WordOf<FrameInterpolation> interpolations[] = {{"hold", FrameInterpolation::hold},
+                                                         {"linear", FrameInterpolation::linear}};
+constexpr WordOf<TerraceRemoval> terrace_words[] = {
+    {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
+constexpr WordOf<bool> off_and_on[] = {{"off", false}, {"on", true}};
+
+template <class Value, std::size_t count>
+std::vector<const char*> words_of(const WordOf<Value> (&all)[count]) {
+    std::vector<const char*> words;
+    for (const auto& one : all) words.push_back(one.word);
+    return words;
+}
+template <class Value, std::size_t count>
+Value value_of(const WordOf<Value> (&all)[count], const std::string& word) {
+    for (const auto& one : all)
+        if (word == one.word) return one.value;
+    return all[0].value;
+}
+template <class Value, std::size_t count>
+std::string word_for(const WordOf<Value> (&all)[count], Value value) {
+    for (const auto& one : all)
+        if (value == one.value) return one.word;
+    return "";
+}
+
+int whole(const std::string& value) {
+    return static_cast<int>(number_of(value).value_or(0));
 }
 
 /// All filters at once, in place of what the command line says of them.
-void apply_filters(const std::string& value, ClipChoice& clip) {
+void apply_filters(const std::string& value, SessionOptions& options) {
+    ClipChoice& clip = options.clip;
     clip.median.reset();
     clip.fill_holes.reset();
     clip.terraces.reset();
     clip.temporal.reset();
     clip.filters = value == "off" ? FiltersChoice{} : FiltersChoice{{}, all_unstated};
+}
+
+using Options = SessionOptions;
+
+std::vector<FeltSetting> force_settings() {
+    // Of the pointer as a device, which exerts no more.
+    const DeviceLimits most = PointerSettings{}.limits;
+    return {
+        {.name = "metric",
+         .words = words_of(metrics),
+         .apply = [](const std::string& value, Options& o) { o.metric = value_of(metrics, value); },
+         .in_effect = [](const TouchSetup& s) { return word_for(metrics, s.settings.touch.metric); }},
+        {.name = "interpolation",
+         .words = words_of(interpolations),
+         .apply = [](const std::string& value,
+                     Options& o) { o.clip.interpolation = value_of(interpolations, value); },
+         .in_effect = [](const TouchSetup& s) { return word_for(interpolations, s.scene.interpolation); }},
+        {.name = "max-force",
+         .words = {},
+         .least = 0.1,
+         .most = most.max_force,
+         .unit = "N",
+         .apply = [](const std::string& value,
+                     Options& o) { o.guard.max_force = number_of(value).value_or(0); },
+         .in_effect = [](const TouchSetup& s) { return short_number(s.settings.guard.max_force); }},
+        {.name = "max-stiffness",
+         .words = {},
+         .least = 0.1,
+         .most = most.max_stiffness / 1000,
+         .unit = "N/mm",
+         .apply = [](const std::string& value,
+                     Options& o) { o.guard.max_stiffness = number_of(value).value_or(0) * 1000; },
+         .in_effect =
+             [](const TouchSetup& s) { return short_number(s.settings.guard.max_stiffness / 1000); }}};
+}
+
+std::vector<FeltSetting> filter_settings() {
+    return {
+        {.name = "filters", .words = {"clip", "auto", "off"}, .apply = apply_filters},
+        {.name = "median",
+         .words = {"0", "3", "5"},
+         .filter = true,
+         .apply = [](const std::string& value, Options& o) { o.clip.median = whole(value); },
+         .in_effect = [](const TouchSetup& s) { return std::to_string(s.scene.filter.median); }},
+        {.name = "fill-holes",
+         .words = {},
+         .most = most_passes,
+         .whole = true,
+         .unit = "passes",
+         .filter = true,
+         .apply = [](const std::string& value, Options& o) { o.clip.fill_holes = whole(value); },
+         .in_effect = [](const TouchSetup& s) { return std::to_string(s.scene.filter.fill_holes); }},
+        {.name = "terraces",
+         .words = words_of(terrace_words),
+         .filter = true,
+         .apply = [](const std::string& value,
+                     Options& o) { o.clip.terraces = value_of(terrace_words, value); },
+         .in_effect = [](const TouchSetup& s) { return word_for(terrace_words, s.scene.filter.terraces); }},
+        {.name = "temporal",
+         .words = words_of(off_and_on),
+         .filter = true,
+         .apply =
+             [](const std::string& value, Options& o) {
+                 o.clip.temporal = TemporalChoice{value_of(off_and_on, value), std::nullopt};
+             },
+         .in_effect = [](const TouchSetup& s) { return word_for(off_and_on, s.scene.filter.temporal); }}};
+}
+
+std::vector<FeltSetting> all_settings() {
+    std::vector<FeltSetting> all = force_settings();
+    for (FeltSetting& filter : filter_settings()) all.push_back(std::move(filter));
+    return all;
 }
 
 }  // namespace
@@ -99,21 +178,7 @@ std::optional<double> number_of(const std::string& word) {
 }
 
 std::span<const FeltSetting> felt_settings() {
-    static const std::vector<FeltSetting> settings{
-        {.name = "metric", .words = {"world", "pixel", "scaled"}},
-        {.name = "interpolation", .words = {"hold", "linear"}},
-        {.name = "max-force", .words = {}, .least = 0.1, .most = most_newtons, .unit = "N"},
-        {.name = "max-stiffness", .words = {}, .least = 0.1, .most = most_newtons_per_mm, .unit = "N/mm"},
-        {.name = "filters", .words = {"clip", "auto", "off"}},
-        {.name = "median", .words = {"0", "3", "5"}, .filter = true},
-        {.name = "fill-holes",
-         .words = {},
-         .most = most_passes,
-         .whole = true,
-         .unit = "passes",
-         .filter = true},
-        {.name = "terraces", .words = {"off", "on", "auto"}, .filter = true},
-        {.name = "temporal", .words = {"off", "on"}, .filter = true}};
+    static const std::vector<FeltSetting> settings = all_settings();
     return settings;
 }
 
@@ -163,25 +228,17 @@ void TwoSettings::turn_to(bool to_b) {
 }
 
 SessionOptions with_felt(SessionOptions options, const FeltSettings& felt) {
-    const auto& values = felt.values();
-    if (const auto filters = values.find("filters"); filters != values.end())
-        apply_filters(filters->second, options.clip);
-    for (const auto& [name, value] : values) apply(name, value, options);
+    for (const FeltSetting& setting : felt_settings())
+        if (const auto value = felt.values().find(setting.name); value != felt.values().end())
+            setting.apply(value->second, options);
     return options;
 }
 
 std::map<std::string, std::string> felt_in(const TouchSetup& setup) {
-    const FilterSettings& filter = setup.scene.filter;
-    const GuardSettings& guard = setup.settings.guard;
-    const bool holds = setup.scene.interpolation == FrameInterpolation::hold;
-    return {{"metric", std::string(name_of(setup.settings.touch.metric))},
-            {"interpolation", holds ? "hold" : "linear"},
-            {"max-force", short_number(guard.max_force)},
-            {"max-stiffness", short_number(guard.max_stiffness / 1000)},
-            {"median", std::to_string(filter.median)},
-            {"fill-holes", std::to_string(filter.fill_holes)},
-            {"terraces", word_of(filter.terraces)},
-            {"temporal", filter.temporal ? "on" : "off"}};
+    std::map<std::string, std::string> values;
+    for (const FeltSetting& setting : felt_settings())
+        if (setting.in_effect) values[setting.name] = setting.in_effect(setup);
+    return values;
 }
 
 }  // namespace touchable

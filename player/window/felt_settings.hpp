@@ -20,8 +20,12 @@ struct FeltSetting {
     bool whole = false;              ///< the number is
     const char* unit = "";           ///< of the number
     bool filter = false;             ///< one of those that `filters` sets together
+    /// What the value, which is one that it can be, does to the options of a run.
+    void (*apply)(const std::string& value, SessionOptions& options) = nullptr;
+    /// What a run has it at; null: nothing by itself, as "filters".
+    std::string (*in_effect)(const TouchSetup& setup) = nullptr;
 };
-/// "filters" is before the ones that it sets together.
+/// The one table of them. "filters" is before the ones that it sets together.
 std::span<const FeltSetting> felt_settings();
 /// Null where there is none of that name.
 const FeltSetting* felt_setting(const std::string& name);
@@ -55,6 +59,7 @@ struct TwoSettings {
     /// Whoever looks at B for the first time finds A without filters.
     void turn_to(bool to_b);
     std::string in_words() const { return (b_is_on ? "B: " : "A: ") + now().in_words(); }
+    bool operator==(const TwoSettings&) const = default;
 };
 
 /// The options of a run with these settings.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "player/session/filter_words.hpp"
@@ -49,9 +48,10 @@ OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, Windo
       held_(std::make_shared<StaysOpen>(device_)) {}
 
 Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip,
-                                                     const FeltSettings& felt, WindowSound& sound) {
+                                                     const FeltSettings& felt, WindowSound& sound,
+                                                     const std::stop_token& given_up) {
     std::unique_ptr<OpenedClip> made(new OpenedClip(options, clip, sound));
-    if (auto begun = made->begin(felt); !begun.ok()) return begun.error();
+    if (auto ready = made->make_ready(felt, given_up); !ready.ok()) return ready.error();
     return made;
 }
 
@@ -65,62 +65,45 @@ SessionOptions OpenedClip::session_options(const FeltSettings& felt) const {
     return with_felt(std::move(session), felt);
 }
 
-/// What a setup says of the clip by these settings. No session is running.
+/// What a setup says of the clip by these settings.
 void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
     scene_ = setup.scene;
     felt_ = felt;
     in_effect_ = felt_in(setup);
     filters_ = filters_in_words(setup.scene, setup.filters);
     if (setup.filters) clip_.measured = MeasuredFrames{setup.filters->measured, setup.filters->damage};
-    // No surface is before the clip's camera.
-    device_->set_refuge(setup.workspace.to_device({0, 0, 0}));
 }
 
-Result<void> OpenedClip::begin(const FeltSettings& felt) {
-    auto setup = setup_from_options(session_options(felt));
+Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_token& given_up) {
+    SessionOptions session = session_options(felt);
+    session.given_up = given_up;
+    auto setup = setup_from_options(session);
     if (!setup.ok()) return setup.error();
     TouchSetup& s = **setup;
     name_ = s.clip.file.filename().empty() ? s.clip.file.parent_path().filename().string()
                                            : s.clip.file.filename().string();
     frames_ = s.feed->reader().frame_count().value_or(0);
     take_over(s, felt);
-    fingers_.emplace(*device_, s.workspace);
+    workspace_ = s.workspace;
+    // No surface is before the clip's camera.
+    device_->set_refuge(workspace_.to_device({0, 0, 0}));
+    fingers_.emplace(*device_, workspace_);
     const auto first = s.feed->pair_at(PlaybackClock(s.scene.rate, s.settings.playback).at(0));
     if (!first.ok()) return first.error();
     const Subject subject = subject_of(HeightField(*scene_, *first));
     view_.emplace(*scene_, subject.middle);
     sizes_ = mark_sizes(*scene_, subject.middle);
-    listener_.emplace(sound_, scene_->width);
-    std::vector<TouchSink*> sinks{&*listener_};
+    ready_ = std::move(*setup);
+    return {};
+}
+
+Result<void> OpenedClip::begin() {
     if (options_.record) {
         auto file = RecordingFile::create(*options_.record, PointerFingers::most, options_.existing);
         if (!file.ok()) return file.error();
         record_ = std::make_unique<Record>(std::move(*file));
-        sinks.push_back(record_.get());
     }
-    auto started = WatchedSession::start(std::move(*setup), std::move(sinks));
-    if (!started.ok()) return started.error();
-    session_ = std::move(*started);
-    return {};
-}
-
-/// Stops the clip where it is, and gives what leads another session to that moment, to go on from there.
-std::vector<PlaybackCommand> OpenedClip::stand_still() {
-    using namespace std::chrono_literals;
-    PlaybackState was = session_->playback();
-    const bool played = was.playing;
-    if (played && session_->ask(PlaybackVerb::pause).ok())
-        for (int k = 0; k < 50 && was.playing && session_->running(); ++k) {
-            std::this_thread::sleep_for(1ms);
-            was = session_->playback();
-        }
-    const FrameRate& rate = scene_->rate;
-    const std::int64_t last_ns = frames_ > 0 ? rate.time_ns(frames_) - 1 : latest_moment_ns;
-    std::vector<PlaybackCommand> again{{0, PlaybackVerb::rate, was.rate, 0},
-                                       {0, PlaybackVerb::seek, std::min(was.moment.time_ns, last_ns), 0}};
-    if (was.loops) again.push_back({0, PlaybackVerb::loop, was.loop_begin_ns, was.loop_end_ns});
-    if (!played) again.push_back({0, PlaybackVerb::pause, 0, 0});
-    return again;
+    return start_session(std::move(ready_));
 }
 
 void OpenedClip::begin_sound() {
@@ -128,45 +111,141 @@ void OpenedClip::begin_sound() {
     listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
 }
 
-Result<void> OpenedClip::change(const FeltSettings& felt) {
-    if (felt == felt_) return {};
-    SessionOptions session = session_options(felt);
-    session.playback = stand_still();
-    // A finger that was inside stays there: how the surface is felt is new, and the ramp is for that.
-    session.start_buried = true;
-    auto setup = setup_from_options(session);
-    if (!setup.ok()) {
-        if (session.playback.back().verb != PlaybackVerb::pause) (void)session_->ask(PlaybackVerb::play);
-        return setup.error();
-    }
-    session_->stop();
-    const FeltSettings before = felt_;
-    take_over(**setup, felt);
-    fingers_->set_workspace((*setup)->workspace);
-    trails_ = FingerTrails();
+Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     listener_.emplace(sound_, scene_->width);
-    auto started = WatchedSession::start(std::move(*setup), {&*listener_});
-    if (!started.ok()) {
-        felt_ = before;
-        return started.error();
-    }
+    std::vector<TouchSink*> sinks{&*listener_};
+    if (record_) sinks.push_back(record_.get());
+    auto started = WatchedSession::start(std::move(setup), std::move(sinks));
+    if (!started.ok()) return started.error();
     session_ = std::move(*started);
-    begin_sound();
     return {};
 }
 
+/// Where the clip will be, as it plays, once its first frames have been read there: `reading_ns` from now.
+std::vector<PlaybackCommand> OpenedClip::choose_begin(Change& change, std::int64_t reading_ns) const {
+    const FrameRate& rate = scene_->rate;
+    const PlaybackState now = change.state = session_->playback();
+    std::int64_t begin_ns = now.moment.time_ns;
+    if (now.playing && !now.at_end) begin_ns += reading_ns / 1000 * now.rate;
+    if (now.loops && now.playing) begin_ns = std::min(begin_ns, now.loop_end_ns - 1000 * now.rate);
+    change.begin_ns = std::min(begin_ns, frames_ > 0 ? rate.time_ns(frames_) - 1 : latest_moment_ns);
+    std::vector<PlaybackCommand> commands{{0, PlaybackVerb::rate, now.rate, 0},
+                                          {0, PlaybackVerb::seek, change.begin_ns, 0}};
+    if (now.loops) commands.push_back({0, PlaybackVerb::loop, now.loop_begin_ns, now.loop_end_ns});
+    if (!now.playing) commands.push_back({0, PlaybackVerb::pause, 0, 0});
+    return commands;
+}
+
+Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
+                                               const std::stop_token& given_up) const {
+    using Clock = std::chrono::steady_clock;
+    Change change;
+    change.felt = felt;
+    Clock::time_point chosen_at;
+    SessionOptions session = session_options(felt);
+    session.given_up = given_up;
+    session.workspace = workspace_;
+    session.late_playback = [&] {
+        chosen_at = Clock::now();
+        return choose_begin(change, reading_ns_);
+    };
+    // A finger that was inside stays there: how the surface is felt is new, and the ramp is for that.
+    session.start_buried = true;
+    auto setup = setup_from_options(session);
+    if (!setup.ok()) return setup.error();
+    change.setup = std::move(*setup);
+    change.reading_ns = std::chrono::nanoseconds(Clock::now() - chosen_at).count();
+    if (is_left_behind(change)) {
+        // Once more, now that it is known how long that takes; for the clip it is a seek from there.
+        auto& playback = change.setup->settings.playback;
+        std::vector<PlaybackCommand> commands = choose_begin(change, change.reading_ns * 5 / 4);
+        commands.insert(commands.begin(), playback[1]);
+        playback = std::move(commands);
+        const auto begin =
+            change.setup->feed->pair_at(PlaybackClock(change.setup->scene.rate, playback).at(0));
+        if (!begin.ok()) return begin.error();
+    }
+    return change;
+}
+
+/// The clip has played on beyond its begin by more than an eye would miss.
+bool OpenedClip::is_left_behind(const Change& change) const {
+    constexpr std::int64_t bearable_ns = 100'000'000;
+    const PlaybackState now = session_->playback();
+    return goes_on_to(change, now) && now.moment.time_ns > change.begin_ns + bearable_ns;
+}
+
+/// Nobody has led the clip elsewhere meanwhile.
+bool OpenedClip::goes_on_to(const Change& change, const PlaybackState& now) const {
+    return now.moment.epoch == change.state.moment.epoch && now.playing && change.state.playing &&
+           now.rate == change.state.rate && now.loops == change.state.loops;
+}
+
+bool OpenedClip::has_come_to(const Change& change) const {
+    const PlaybackState now = session_->playback();
+    return !session_->running() || !goes_on_to(change, now) || now.at_end ||
+           now.moment.time_ns >= change.begin_ns;
+}
+
+Result<void> OpenedClip::take(Change change) {
+    const PlaybackState now = session_->playback();
+    session_->stop();
+    const WatchedFigures before = figures();
+    if (record_) record_->file->end_part(facts_of_part(), session_->setup().settings.playback);
+    if (record_) record_->hash.emplace();
+    if (auto started = start_session(std::move(change.setup)); !started.ok()) return started;
+    begin_sound();
+    ended_ = before;
+    constexpr std::int64_t least_ns = 20'000'000, most_ns = 3'000'000'000;
+    reading_ns_ = std::clamp(change.reading_ns, least_ns, most_ns);
+    take_over(session_->setup(), change.felt);
+    trails_ = FingerTrails();
+    if (!goes_on_to(change, now)) lead_from(change, now);
+    return {};
+}
+
+/// What is refused has become impossible with the change.
+void OpenedClip::lead_from(const Change& change, const PlaybackState& to) {
+    const PlaybackState& from = change.state;
+    const bool other_loop = from.loops != to.loops || from.loop_begin_ns != to.loop_begin_ns ||
+                            from.loop_end_ns != to.loop_end_ns;
+    const auto ask = [this](PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0) {
+        (void)session_->ask(verb, first, second);
+    };
+    if (to.rate != from.rate) ask(PlaybackVerb::rate, to.rate);
+    if (other_loop && from.loops) ask(PlaybackVerb::unloop);
+    if (to.moment.time_ns != change.begin_ns) ask(PlaybackVerb::seek, to.moment.time_ns);
+    if (other_loop && to.loops) ask(PlaybackVerb::loop, to.loop_begin_ns, to.loop_end_ns);
+    if (to.playing != from.playing) ask(to.playing ? PlaybackVerb::play : PlaybackVerb::pause);
+}
+
+WatchedFigures OpenedClip::figures() const {
+    if (!session_) return ended_;
+    WatchedFigures all = session_->figures();
+    all.feed.frames += ended_.feed.frames;
+    all.feed.dropped += ended_.feed.dropped;
+    all.ticks.ticks += ended_.ticks.ticks;
+    all.ticks.late += ended_.ticks.late;
+    all.ticks.skipped += ended_.ticks.skipped;
+    all.late_frames += ended_.late_frames;
+    return all;
+}
+
 Result<void> OpenedClip::Record::take(const TouchTick& tick) {
-    for (const GuardedForce& force : tick.forces) hash.add(force.force);
+    for (const GuardedForce& force : tick.forces) hash->add(force.force);
     return file->take(tick);
+}
+
+nlohmann::ordered_json OpenedClip::facts_of_part() const {
+    nlohmann::ordered_json facts = recorded_facts(session_->setup());
+    facts["force_hash"] = record_->hash->hex();
+    return facts;
 }
 
 Result<void> OpenedClip::finish() {
     session_->stop();
     if (!record_) return {};
-    const TouchSetup& setup = session_->setup();
-    nlohmann::ordered_json facts = recorded_facts(setup);
-    facts["force_hash"] = record_->hash.hex();
-    return record_->file->finish(facts, setup.settings.playback);
+    return record_->file->finish(facts_of_part(), session_->setup().settings.playback);
 }
 
 }  // namespace touchable

@@ -2,7 +2,9 @@
 
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "device/pointer_device.hpp"
@@ -22,16 +24,34 @@ namespace touchable {
 /// A clip in the window: its session, the pointer that touches it, and from where it is seen.
 class OpenedClip {
 public:
-    /// As `options` say, which outlive it, over `clip` and by these settings; a recording of it is begun
-    /// where one is asked for. `sound` outlives it too, and hears it from `begin_sound` on.
+    /// As `options` say, which outlive it, over `clip` and by these settings; ready to be begun. `sound`
+    /// outlives it too. Takes long; on any thread. Once it was `given_up`, an error of kind interrupted.
     static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip,
-                                                    const FeltSettings& felt, WindowSound& sound);
-    /// The same clip by other settings, at the same moment, speed and loop; fingers stay where they are, and
-    /// their forces come by the guard's ramp. The session is another one then. Where the clip does not go
-    /// with them (ErrorKind::usage mostly) the old one goes on.
-    Result<void> change(const FeltSettings& felt);
+                                                    const FeltSettings& felt, WindowSound& sound,
+                                                    const std::stop_token& given_up = {});
+    /// Begins its session, and a recording of it where one is asked for. Once, when no other clip runs any
+    /// more.
+    Result<void> begin();
     /// Once no other clip is heard any more.
     void begin_sound();
+
+    /// The same clip by other settings, ready to be changed to.
+    struct Change {
+        FeltSettings felt;
+        std::unique_ptr<TouchSetup> setup;
+        PlaybackState state;          // that the clip was in when its begin was chosen
+        std::int64_t begin_ns = 0;    // of the clip, where it begins
+        std::int64_t reading_ns = 0;  // how long its first frames took
+    };
+    /// Takes long; on any thread, while the session goes on and is not changed. Refused mostly
+    /// (ErrorKind::usage) where the clip does not go with the settings.
+    Result<Change> prepare(const FeltSettings& felt, const std::stop_token& given_up = {}) const;
+    /// Whether the clip, as it plays, has come to where the change begins, or will not.
+    bool has_come_to(const Change& change) const;
+    /// Ends the session, and begins another one by those settings at the moment, speed and loop of now.
+    /// Fingers stay where they are, and their forces come by the guard's ramp. In a recording it is another
+    /// part.
+    Result<void> take(Change change);
 
     WatchedSession& session() { return *session_; }
     const WatchedSession& session() const { return *session_; }
@@ -51,23 +71,30 @@ public:
     std::int64_t frames() const { return frames_; }  ///< 0 where nobody knows
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
     const PointerDevice& device() const { return *device_; }
+    /// Of all its sessions.
+    WatchedFigures figures() const;
     /// Ends the session, and completes its recording.
     Result<void> finish();
 
 private:
     OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);
     SessionOptions session_options(const FeltSettings& felt) const;
-    Result<void> begin(const FeltSettings& felt);
-    std::vector<PlaybackCommand> stand_still();
+    Result<void> make_ready(const FeltSettings& felt, const std::stop_token& given_up);
+    bool goes_on_to(const Change& change, const PlaybackState& now) const;
+    std::vector<PlaybackCommand> choose_begin(Change& change, std::int64_t reading_ns) const;
+    bool is_left_behind(const Change& change) const;
     void take_over(const TouchSetup& setup, const FeltSettings& felt);
+    Result<void> start_session(std::unique_ptr<TouchSetup> setup);
+    void lead_from(const Change& change, const PlaybackState& to);
+    nlohmann::ordered_json facts_of_part() const;
 
-    /// `--record`, and the hash that its forces must have again.
+    /// `--record`, and the hash that the forces of a part must have again.
     class Record final : public TouchSink {
     public:
-        explicit Record(std::unique_ptr<RecordingFile> to) : file(std::move(to)) {}
+        explicit Record(std::unique_ptr<RecordingFile> to) : file(std::move(to)) { hash.emplace(); }
         Result<void> take(const TouchTick& tick) override;
         std::unique_ptr<RecordingFile> file;
-        ForceHash hash;
+        std::optional<ForceHash> hash;
     };
     const PlayOptions& options_;
     ClipChoice clip_;
@@ -79,12 +106,16 @@ private:
     std::shared_ptr<PointerDevice> device_;
     std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go
     std::optional<Scene> scene_;
+    Workspace workspace_;  // the same for all settings, so that they compare
     std::unique_ptr<Record> record_;
     std::optional<TouchListener> listener_;
     std::optional<PointerFingers> fingers_;
     std::optional<WindowView> view_;
     FingerTrails trails_;
     MarkSizes sizes_{};
+    std::unique_ptr<TouchSetup> ready_;        // until it is begun
+    WatchedFigures ended_;                     // of the sessions before
+    std::int64_t reading_ns_ = 60'000'000;     // of the clip's first frames after a change, as far as known
     std::unique_ptr<WatchedSession> session_;  // ends before what it works on
 };
 

@@ -23,8 +23,6 @@ public:
     PointerFingers(PointerDevice& device, const Workspace& workspace)
         : device_(device), workspace_(workspace) {}
 
-    /// Where the device's metres are from now on.
-    void set_workspace(const Workspace& workspace) { workspace_ = workspace; }
     void set_count(int fingers) { count_ = fingers; }
     int count() const { return count_; }
     /// Of them, those that are meant somewhere: none before the pointer was over something for the first

@@ -38,18 +38,17 @@ Result<void> WindowLoop::open() {
     const KeptSettings& kept = settings_.read();
     if (!options_.filters_are_stated) felt_ = {kept.a, kept.b};
     if (!settings_.message().empty()) say(settings_.message(), true);
+    auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
+    if (!sound.ok()) return sound.error();
+    sound_ = std::move(*sound);
+    ask_for_clip(options_.session.clip);
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
     if (auto opened = open_parts(); !opened.ok()) return opened;
-    auto clip = open_clip(options_.session.clip);
-    if (!clip.ok()) return clip.error();
-    clip_ = std::move(*clip);
-    playback_.emplace(*clip_);
-    clip_->begin_sound();
+    if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
         picture_->set_overlay(*overlay);
-    screen_->set_title(clip_->name() + " - touchable");
     return {};
 }
 
@@ -74,7 +73,7 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
     return screen_->attach(device_);
 }
 
-/// What draws, and what sounds.
+/// What draws.
 Result<void> WindowLoop::open_parts() {
     auto picture = ClipPicture::create(device_, options_.painter);
     if (!picture.ok()) return picture.error();
@@ -84,30 +83,33 @@ Result<void> WindowLoop::open_parts() {
     if (!layer.ok()) return layer.error();
     layer_ = std::move(*layer);
     panel_.emplace(scale);
-    auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
-    if (!sound.ok()) return sound.error();
-    sound_ = std::move(*sound);
     return {};
 }
 
 Result<PlayFigures> WindowLoop::run() {
     last_picture_ = Clock::now();
     Result<void> ended;
+    const Error by_a_person{ErrorKind::interrupted,
+                            "interrupted; what was asked for is written, up to there"};
+    if (!clip_) {  // closed while the first one was opened
+        if (interrupted()) return by_a_person;
+        return std::move(figures_);
+    }
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
     Result<void> kept;
     if (ended.ok() && options_.screenshot && !interrupted()) {
         if (const WatchedMoment* const last = clip_->session().look()) ended = draw(*last);
         if (ended.ok()) kept = keep_picture(*options_.screenshot);
     }
+    opening_.give_up();
     // Whatever ended it: what was touched until then is kept.
-    sum_up();
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
+    sum_up();
     for (const auto* done : std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &kept})
         if (!done->ok()) return done->error();
     if (const auto failure = clip_->session().failure()) return *failure;
-    if (interrupted())
-        return Error{ErrorKind::interrupted, "interrupted; what was asked for is written, up to there"};
+    if (interrupted()) return by_a_person;
     return std::move(figures_);
 }
 
@@ -122,7 +124,7 @@ Result<void> WindowLoop::turn() {
     for (const InputEvent& event : screen_->poll(wait)) take(event);
     if (begun_) take_script();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
-    go_on_feeling();
+    go_on_opening();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
     if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
     return {};
@@ -133,16 +135,21 @@ double WindowLoop::now_s() const {
 }
 
 void WindowLoop::sum_up() {
-    const WatchedFigures session = clip_->session().figures();
     figures_.seconds = now_s();
     figures_.painter = picture_->painter();
     figures_.gpu = device_->facts().name;
-    figures_.builder = session.feed.builder;
-    figures_.ticks = session.ticks.ticks;
-    figures_.late_ticks = session.ticks.late;
-    figures_.frames = session.feed.frames;
-    figures_.late_frames = session.late_frames;
-    figures_.dropped_frames = session.feed.dropped;
+    count_session();
+}
+
+/// Of all clips that were there.
+void WindowLoop::count_session() {
+    const WatchedFigures sessions = clip_->figures();
+    figures_.builder = sessions.feed.builder;
+    figures_.ticks += sessions.ticks.ticks;
+    figures_.late_ticks += sessions.ticks.late;
+    figures_.frames += sessions.feed.frames;
+    figures_.late_frames += sessions.late_frames;
+    figures_.dropped_frames += sessions.feed.dropped;
 }
 
 /// Nothing is drawn again where nothing has moved.
@@ -251,11 +258,15 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.b_is_on;
-    facts.felt.is_fixed = options_.record.has_value();
     facts.figures.push_back(sound_->state());
     facts.message = message_;
     facts.message_is_bad = message_is_bad_;
     const auto failure = clip_->session().running() ? std::nullopt : clip_->session().failure();
+    if (message_.empty() && !words_of_opening().empty()) {
+        facts.message = words_of_opening();
+        facts.message_is_bad = false;
+        return facts;
+    }
     if (!message_.empty()) return facts;
     facts.message_is_bad = failure.has_value();
     if (failure)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/kept_settings.hpp"
@@ -42,18 +43,31 @@ private:
     void take_of_fingers(const WindowCommand& command);
     void take_of_window(const WindowCommand& command);
     void set_overlay(const std::string& name);
-    Result<std::unique_ptr<OpenedClip>> open_clip(const ClipChoice& choice);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);
     void feel(const WindowCommand& command);
     void feel(const TwoSettings& wanted);
-    void go_on_feeling();
+    /// What was made ready on a thread of its own: another clip, or a change of the one that is there.
+    struct Ready {
+        std::unique_ptr<OpenedClip> clip;
+        std::optional<OpenedClip::Change> change{};
+        TwoSettings felt;      // to be in effect then
+        std::string remark{};  // that something is not as it was wanted
+    };
+    void ask_for_clip(const ClipChoice& choice);
+    void ask_for_change(const TwoSettings& wanted);
+    Result<void> wait_for_clip();
+    void go_on_opening();
+    Result<void> take(Ready& ready);
+    Result<void> show(std::unique_ptr<OpenedClip> clip);
+    std::string words_of_opening() const;
     void reset();
     KeptSettings to_keep() const;
     void say(std::string words, bool bad = false);
     /// What was refused.
     void say(const Result<void>& done);
     void sum_up();
+    void count_session();
     double pause_ms() const;
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     Result<void> draw(const WatchedMoment& moment);
@@ -73,6 +87,7 @@ private:
     SettingsFile settings_;
     TwoSettings felt_;
     std::optional<TwoSettings> wanted_felt_;  // to be changed to
+    std::optional<TwoSettings> asked_felt_;   // that `opening_` makes ready
     bool felt_by_hand_ = false;               // in this window
     std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
     PointerInput pointer_;
@@ -89,6 +104,8 @@ private:
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;
     PlayFigures figures_;
+    std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
+    ClipOpening<Ready> opening_;  // ends before what it works on
 };
 
 }  // namespace touchable

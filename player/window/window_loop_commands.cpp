@@ -133,17 +133,6 @@ void WindowLoop::set_overlay(const std::string& name) {
     picture_->set_overlay(*overlay);
 }
 
-/// Settings that do not go with the clip are not in effect then; they stay kept for the next window.
-Result<std::unique_ptr<OpenedClip>> WindowLoop::open_clip(const ClipChoice& choice) {
-    auto opened = OpenedClip::open(options_, choice, felt_.now(), *sound_);
-    if (opened.ok() || felt_.now() == FeltSettings{}) return opened;
-    auto plain = OpenedClip::open(options_, choice, {}, *sound_);
-    if (!plain.ok()) return plain;
-    say("felt as the clip says: " + opened.error().message, true);
-    felt_ = {};
-    return plain;
-}
-
 void WindowLoop::feel(const WindowCommand& command) {
     TwoSettings wanted = wanted_felt_.value_or(felt_);
     const std::size_t space = command.word.find(' ');
@@ -157,23 +146,8 @@ void WindowLoop::feel(const WindowCommand& command) {
 }
 
 void WindowLoop::feel(const TwoSettings& wanted) {
-    if (options_.record)
-        return say("a recording is of one set of settings; change them without --record", true);
     wanted_felt_ = wanted;
     felt_by_hand_ = true;
-}
-
-/// One after the other: whoever holds a key sees and feels each that there is time for, and in the end the
-/// last.
-void WindowLoop::go_on_feeling() {
-    const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
-    if (!wanted_felt_ || !was_seen) return;
-    const TwoSettings wanted = *std::exchange(wanted_felt_, std::nullopt);
-    if (auto changed = clip_->change(wanted.now()); !changed.ok()) return say(changed);
-    felt_ = wanted;
-    changed_at_ = figures_.pictures;
-    picture_->forget();
-    say(felt_.in_words());
 }
 
 void WindowLoop::reset() {
@@ -200,25 +174,6 @@ KeptSettings WindowLoop::to_keep() const {
     kept.height =
         std::max(static_cast<int>(std::lround(size.height / size.scale)), SettingsFile::least_height);
     return kept;
-}
-
-/// The clip that is there goes on where the other one cannot be opened.
-void WindowLoop::open_other(const std::string& file) {
-    ClipChoice choice;
-    choice.file = file;
-    if (options_.record) return say("a recording is of one clip; open another without --record", true);
-    auto opened = open_clip(choice);
-    if (!opened.ok()) return say(opened.error().message, true);
-    if (auto finished = clip_->finish(); !finished.ok()) say(finished.error().message, true);
-    (*opened)->fingers().set_count(clip_->fingers().count());
-    // Who has stopped all force has stopped it for every clip.
-    (*opened)->device().set_force(clip_->device().force_is_on());
-    clip_ = std::move(*opened);
-    clip_->begin_sound();
-    picture_->forget();
-    playback_.emplace(*clip_);
-    pointer_ = PointerInput();
-    screen_->set_title(clip_->name() + " - touchable");
 }
 
 Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {

@@ -80,8 +80,10 @@ void expect_same_bits(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
-    const auto recording = read(bytes_);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    const auto whole = read(bytes_);
+    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    ASSERT_EQ(whole->size(), 1U);
+    const RecordedPart* const recording = &whole->front();
     EXPECT_EQ(recording->fingers, 2);
     EXPECT_EQ(nlohmann::json(recording->facts), nlohmann::json(facts_));
     EXPECT_EQ(recording->playback, playback_);
@@ -179,6 +181,71 @@ TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
         RecordingBytes other(bytes_);
         other.set_facts(text);
         expect_refused(other.bytes(), "damaged");
+    }
+}
+
+/// A recording of three parts of 2, 1 and 1 ticks; between the last two one that got none.
+class PartsOfARecording : public RecordingFormat {
+protected:
+    PartsOfARecording() {
+        auto recording = RecordingFile::create(file(), 2, Existing::replace);
+        EXPECT_TRUE(recording.ok());
+        take(**recording, 0);
+        take(**recording, 1);
+        (*recording)->end_part({{"name", "first"}}, playback_);
+        take(**recording, 0);
+        (*recording)->end_part({{"name", "second"}}, {});
+        (*recording)->end_part({{"name", "none"}}, playback_);
+        take(**recording, 2);
+        EXPECT_TRUE((*recording)->finish({{"name", "third"}}, {}).ok());
+        bytes_ = file_contents(file());
+        for (std::size_t at = bytes_.find("TOUCHREC"); at != std::string::npos;
+             at = bytes_.find("TOUCHREC", at + 1))
+            begins_.push_back(at);
+        begins_.push_back(bytes_.size());
+    }
+    void take(RecordingFile& recording, std::size_t k) const {
+        EXPECT_TRUE(recording
+                        .take({static_cast<std::int64_t>(k), times_[k], pair_, 0, goals_[k], contacts_,
+                               forces_[k], 0.001})
+                        .ok());
+    }
+    std::string part(std::size_t k) const { return bytes_.substr(begins_[k], begins_[k + 1] - begins_[k]); }
+
+    std::vector<std::size_t> begins_;
+};
+
+TEST_F(PartsOfARecording, AreReadInTheirOrder) {
+    const auto recording = read(bytes_);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_EQ(recording->size(), 3U);
+    const std::vector<std::size_t> ticks{2, 1, 1};
+    for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ((*recording)[k].ticks.size(), ticks[k]);
+        EXPECT_TRUE((*recording)[k].name.ends_with("other.rec, part " + std::to_string(k + 1)));
+    }
+    EXPECT_EQ((*recording)[0].playback, playback_);
+    EXPECT_EQ((*recording)[2].ticks[0].time_ns, times_[2]);
+    EXPECT_EQ((*recording)[1].facts,
+              nlohmann::ordered_json({{"name", "second"}, {"part", 2}, {"goes_on", true}}));
+    EXPECT_EQ((*recording)[2].facts, nlohmann::ordered_json({{"name", "third"}, {"part", 3}}));
+    // Each is whole by itself, as documented: the bytes of a recording of one part but for its facts.
+    const RecordingBytes third(part(2));
+    EXPECT_EQ(third.ticks(), 1U);
+    EXPECT_EQ(third.integer(third.time_at(0), 8), 241'000'000U);
+}
+
+TEST_F(PartsOfARecording, AreRefusedWhereOneIsMissingOrDamaged) {
+    EXPECT_TRUE(read(part(0) + part(1) + part(2)).ok()) << "as it was";
+    for (const std::string& bytes :
+         {part(0), part(1), part(2), part(0) + part(1), part(1) + part(2), part(0) + part(2),
+          part(1) + part(0) + part(2), part(0) + part(0) + part(1) + part(2)})
+        expect_refused(bytes, "a part is missing");
+    for (std::size_t at = 0; at < bytes_.size(); at += 3) {
+        std::string damaged = bytes_;
+        damaged[at] = static_cast<char>(damaged[at] ^ 4);
+        ASSERT_FALSE(read(damaged).ok()) << "byte " << at;
+        ASSERT_FALSE(read(bytes_.substr(0, at)).ok()) << at << " bytes";
     }
 }
 

@@ -1,6 +1,7 @@
 // The window without a window: what it shows, and what is felt in it, by the program as a person starts it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -8,7 +9,9 @@
 
 #include "engine/media/image_file.hpp"
 #include "player/session/recording.hpp"
+#include "player/session/repeating_hand.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/recording_bytes.hpp"
 
 namespace touchable::test {
 namespace {
@@ -122,6 +125,20 @@ TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {
     EXPECT_EQ(differences(shot.image, without.image, 220, 100, 310, 160), 0);
 }
 
+TEST(HeadlessWindow, OtherClipTakesThePlaceOfTheOldOneAndIsNotWaitedForInTheEnd) {
+    const Shot before = shot_of(globe(), "0 key space\n0 seek 0.5\n", "0.8");
+    const Shot other = shot_of(globe(), "0 drop " + still().string() + "\n", "0.8");
+    const Shot same = shot_of(still(), "", "0.8");
+    EXPECT_GT(differences(before.image, other.image, 100, 60, 220, 180), 100);
+    EXPECT_LT(differences(same.image, other.image, 100, 60, 220, 180), 20);
+    const TemporaryFolder folder;
+    std::ofstream(folder / "script") << "0.1 drop " << globe().string() << "\n0.1 key b\n0.1 quit\n";
+    const auto closed = run_touchable({"play", still().string(), "--headless", "--size", "320x240",
+                                       "--script", (folder / "script").string(), "--seconds", "20"});
+    EXPECT_EQ(closed.code, 0) << closed.err;
+    EXPECT_EQ(closed.err, "");
+}
+
 TEST(HeadlessWindow, SettingsChangeWhatIsFeltWhereTheClipStands) {
     const std::string touch = "0.1 move 160 110\n0.1 press left\n";
     const Shot plain = shot_of(still(), touch, "0.9");
@@ -153,15 +170,49 @@ TEST(HeadlessWindow, KeepsSettingsWhereItIsToldTo) {
     EXPECT_EQ(kept_after("0 reset\n").find("median"), std::string::npos);
 }
 
-TEST(HeadlessWindow, RecordingIsOfOneSetOfSettings) {
+TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
     const TemporaryFolder folder;
-    shot_of(still(), "0 move 160 110\n0.1 max-force 0.1\n0.2 key b\n", "0.3",
-            {"--record", (folder / "hand.touch").string()});
-    const auto again = run_touchable({"touch", "--replay", (folder / "hand.touch").string()});
-    EXPECT_EQ(again.code, 0) << again.err;
-    const auto recording = read_recording(folder / "hand.touch");
+    const std::string record = (folder / "hand.touch").string();
+    shot_of(globe(),
+            "0 move 160 110\n0 press left\n0.2 key b\n0.5 max-force 0.4\n0.8 seek 0.1\n0.9 key b\n1.2 key "
+            "space\n",
+            "1.4", {"--record", record});
+    const auto recording = read_recording(record);
     ASSERT_TRUE(recording.ok()) << recording.error().message;
-    EXPECT_EQ(recording->facts.at("guard").at("max_force"), 10);
+    ASSERT_GT(recording->size(), 2U);
+    EXPECT_EQ(recording->front().facts.at("guard").at("max_force"), 10);
+    double least = 10;
+    for (const RecordedPart& part : *recording) {
+        EXPECT_EQ(part.facts.at("S"), recording->front().facts.at("S"));
+        least = std::min(least, part.facts.at("guard").at("max_force").get<double>());
+    }
+    EXPECT_EQ(least, 0.4);
+    const auto again = run_touchable({"touch", "--replay", record, "--json", "-"});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_NE(again.err.find("as recorded, to the bit"), std::string::npos) << again.err;
+    const auto report = nlohmann::json::parse(again.out);
+    EXPECT_GT(report.at("contact_ticks"), 100) << "nothing was touched";
+    EXPECT_EQ(report.at("parts").size(), recording->size());
+
+    // A recording that was cut between its parts, and one whose last part another program made.
+    const std::string whole = file_contents(record);
+    const std::size_t last = whole.rfind("TOUCHREC");
+    std::ofstream(record, std::ios::binary) << whole.substr(0, last);
+    const auto cut = run_touchable({"touch", "--replay", record});
+    EXPECT_EQ(cut.code, 3);
+    EXPECT_TRUE(cut.one_line_of_error()) << cut.err;
+    RecordingBytes other(whole.substr(last));
+    other.set_real(other.force_at(other.ticks() / 2, 0), 0.125);
+    std::ofstream(record, std::ios::binary) << whole.substr(0, last) << other.bytes();
+    const auto differs = run_touchable({"touch", "--replay", record});
+    EXPECT_EQ(differs.code, 6);
+    EXPECT_NE(differs.err.find("part " + std::to_string(recording->size()) + ", tick"), std::string::npos)
+        << differs.err;
+    std::int64_t ms = 0;
+    for (const RecordedPart& part : *recording) ms += part.ticks.back().time_ns / 1'000'000 + 1;
+    const auto hand = RepeatingHand::read("rec:" + record);
+    ASSERT_TRUE(hand.ok()) << hand.error().message;
+    EXPECT_EQ((*hand)->ticks(), ms) << "all parts one after the other";
 }
 
 TEST(HeadlessWindow, IsRefusedWhereItCouldNotEnd) {

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <fstream>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <thread>
 
+#include "engine/scene/scene_file.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/player/program.hpp"
 
@@ -21,6 +23,7 @@ protected:
         auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
         ASSERT_TRUE(opened.ok()) << opened.error().message;
         clip_ = std::move(*opened);
+        ASSERT_TRUE(clip_->begin().ok());
     }
     PlaybackState now() const { return clip_->session().playback(); }
     /// Commands take effect with a tick.
@@ -35,7 +38,10 @@ protected:
     Result<void> change(const char* name, const char* value) {
         FeltSettings felt = clip_->felt();
         if (auto set = felt.set(name, value); !set.ok()) return set;
-        return clip_->change(felt);
+        auto change = clip_->prepare(felt);
+        if (!change.ok()) return change.error();
+        EXPECT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
+        return clip_->take(std::move(*change));
     }
 
     const TemporaryFolder folder_;
@@ -69,6 +75,57 @@ TEST_F(ChangedClip, GoesOnWhereItWasAsItWas) {
     EXPECT_LT(now().moment.time_ns, moment + 400'000'000);
     EXPECT_EQ(clip_->in_effect().at("metric"), "pixel");
     EXPECT_EQ(clip_->in_effect().at("median"), "5");
+}
+
+TEST_F(ChangedClip, GoesWhereItWasLedMeanwhile) {
+    ASSERT_TRUE(comes_true([this] { return now().moment.time_ns > 0; }));
+    auto change = clip_->prepare(clip_->felt());
+    ASSERT_TRUE(change.ok()) << change.error().message;
+    WatchedSession& before = clip_->session();
+    ASSERT_TRUE(before.ask(PlaybackVerb::rate, 700).ok());
+    ASSERT_TRUE(before.ask(PlaybackVerb::seek, 1'200'000'000).ok());
+    ASSERT_TRUE(before.ask(PlaybackVerb::loop, 1'000'000'000, 1'400'000'000).ok());
+    ASSERT_TRUE(before.ask(PlaybackVerb::pause).ok());
+    ASSERT_TRUE(comes_true([this] { return !now().playing; }));
+    EXPECT_TRUE(clip_->has_come_to(*change)) << "it never will";
+    ASSERT_TRUE(clip_->take(std::move(*change)).ok());
+    ASSERT_TRUE(comes_true([this] { return !now().playing; }));
+    EXPECT_EQ(now().moment.time_ns, 1'200'000'000);
+    EXPECT_EQ(now().rate, 700);
+    EXPECT_EQ(now().loop_begin_ns, 1'000'000'000);
+}
+
+TEST_F(ChangedClip, CountsTheTicksOfAllItsSessions) {
+    ASSERT_TRUE(comes_true([this] { return clip_->figures().ticks.ticks > 20; }));
+    const std::int64_t before = clip_->figures().ticks.ticks;
+    ASSERT_TRUE(change("metric", "pixel").ok());
+    EXPECT_GE(clip_->figures().ticks.ticks, before);
+    EXPECT_LT(clip_->session().figures().ticks.ticks, clip_->figures().ticks.ticks);
+}
+
+TEST_F(ChangedClip, IsTouchedAtTheScaleThatItWasOpenedWith) {
+    const std::string file = (folder_ / "noise.mkv").string();
+    ASSERT_EQ(run_touchable({"make", "noise", file, "--size", "64x48", "--frames", "3"}).code, 0);
+    Scene scene = open_clip(file).value()->scene();
+    scene.device_metres_per_unit.reset();  // so that the first frame decides, as it was filtered
+    std::ofstream(folder_ / "scene.json") << scene_to_json(scene);
+    ClipChoice noise;
+    noise.file = file;
+    noise.scene_file = folder_ / "scene.json";
+    const auto scale = [](const TouchSetup& setup) { return setup.settings.touch.metres_per_scene_unit; };
+    auto opened = OpenedClip::open(options_, noise, {}, *sound_);
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    ASSERT_TRUE((*opened)->begin().ok());
+    FeltSettings smooth;
+    ASSERT_TRUE(smooth.set("median", "5").ok());
+    auto anew = OpenedClip::open(options_, noise, smooth, *sound_);
+    ASSERT_TRUE(anew.ok());
+    ASSERT_TRUE((*anew)->begin().ok());
+    const double first = scale((*opened)->session().setup());
+    ASSERT_NE(scale((*anew)->session().setup()), first) << "nothing is tested";
+    const auto changed = (*opened)->prepare(smooth);
+    ASSERT_TRUE(changed.ok()) << changed.error().message;
+    EXPECT_EQ(scale(*changed->setup), first);
 }
 
 TEST_F(ChangedClip, KeepsItsSessionWhereItDoesNotGoWithTheSettings) {

@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "player/session/interrupt.hpp"
+#include "player/window/window_loop.hpp"
+
+// Clips, and other settings of one: made ready on a thread of their own, while the clip that is there goes
+// on.
+
+namespace touchable {
+namespace {
+
+constexpr double opening_is_quick_s = 0.2;  // nobody needs to be told of it
+
+}  // namespace
+
+/// Settings that do not go with the clip are not in effect then; they stay kept for the next window.
+void WindowLoop::ask_for_clip(const ClipChoice& choice) {
+    std::string name = choice.file.filename().string();
+    if (name.empty()) name = choice.file.string();
+    opening_.ask("opening " + name,
+                 [this, choice, felt = felt_](const std::stop_token& given_up) -> Result<Ready> {
+                     auto opened = OpenedClip::open(options_, choice, felt.now(), *sound_, given_up);
+                     if (opened.ok()) return Ready{.clip = std::move(*opened), .felt = felt};
+                     if (felt.now() == FeltSettings{} || given_up.stop_requested()) return opened.error();
+                     auto plain = OpenedClip::open(options_, choice, {}, *sound_, given_up);
+                     if (!plain.ok()) return plain.error();
+                     return Ready{.clip = std::move(*plain),
+                                  .felt = {},
+                                  .remark = "felt as the clip says: " + opened.error().message};
+                 });
+}
+
+void WindowLoop::open_other(const std::string& file) {
+    if (options_.record) return say("a recording is of one clip; open another without --record", true);
+    ClipChoice choice;
+    choice.file = file;
+    message_.clear();
+    ready_.reset();
+    ask_for_clip(choice);
+}
+
+void WindowLoop::ask_for_change(const TwoSettings& wanted) {
+    opening_.ask("changing to " + wanted.in_words(),
+                 [clip = clip_.get(), wanted](const std::stop_token& given_up) -> Result<Ready> {
+                     auto change = clip->prepare(wanted.now(), given_up);
+                     if (!change.ok()) return change.error();
+                     return Ready{.clip = nullptr, .change = std::move(*change), .felt = wanted};
+                 });
+}
+
+/// One after the other: whoever holds a key sees and feels each that there is time for, and in the end the
+/// last. The clip that is there goes on where another one cannot be opened, or it does not go with settings.
+void WindowLoop::go_on_opening() {
+    if (auto made = opening_.take()) {
+        if (made->ok())
+            ready_ = std::move(**made);
+        else
+            say(made->error().message, true);
+        // Of settings that are refused.
+        if (!made->ok() && wanted_felt_ == asked_felt_) wanted_felt_.reset();
+        asked_felt_.reset();
+    }
+    if (ready_ && (ready_->clip || clip_->has_come_to(*ready_->change))) {
+        Ready ready = *std::exchange(ready_, std::nullopt);
+        say(take(ready));
+    }
+    const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
+    if (!wanted_felt_ || !was_seen || ready_ || opening_.is_busy()) return;
+    if (wanted_felt_->now() == clip_->felt()) {
+        felt_ = *std::exchange(wanted_felt_, std::nullopt);
+        return say(felt_.in_words());
+    }
+    asked_felt_ = wanted_felt_;
+    ask_for_change(*wanted_felt_);
+}
+
+Result<void> WindowLoop::take(Ready& ready) {
+    changed_at_ = figures_.pictures;
+    felt_ = ready.felt;
+    if (ready.clip) {
+        if (auto shown = show(std::move(ready.clip)); !shown.ok()) return shown;
+        if (!ready.remark.empty()) say(std::move(ready.remark), true);
+        return {};
+    }
+    if (wanted_felt_ == ready.felt) wanted_felt_.reset();
+    if (auto changed = clip_->take(std::move(*ready.change)); !changed.ok()) return changed;
+    picture_->forget();
+    say(felt_.in_words());
+    return {};
+}
+
+/// In place of the one that is there, if one is.
+Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
+    if (clip_) {
+        if (auto finished = clip_->finish(); !finished.ok()) say(finished);
+        count_session();
+        clip->fingers().set_count(clip_->fingers().count());
+        // Who has stopped all force has stopped it for every clip.
+        clip->device().set_force(clip_->device().force_is_on());
+    }
+    if (auto begun = clip->begin(); !begun.ok()) return begun;
+    clip_ = std::move(clip);
+    clip_->begin_sound();
+    picture_->forget();
+    playback_.emplace(*clip_);
+    pointer_ = PointerInput();
+    screen_->set_title(clip_->name() + " - touchable");
+    return {};
+}
+
+/// The first one. Whoever closes the window meanwhile has closed it.
+Result<void> WindowLoop::wait_for_clip() {
+    screen_->set_title(opening_.words() + " ... - touchable");
+    while (!clip_ && !quit_ && !interrupted()) {
+        for (const InputEvent& event : screen_->poll(std::chrono::milliseconds(2)))
+            if (event.kind == InputEvent::Kind::close ||
+                (event.kind == InputEvent::Kind::key && event.word == "escape"))
+                quit_ = true;
+        auto made = opening_.take();
+        if (!made) continue;
+        if (!made->ok()) return made->error();
+        if (auto taken = take(**made); !taken.ok()) return taken;
+    }
+    return {};
+}
+
+std::string WindowLoop::words_of_opening() const {
+    return opening_.seconds() > opening_is_quick_s ? opening_.words() + " ..." : std::string();
+}
+
+}  // namespace touchable

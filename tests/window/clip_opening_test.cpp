@@ -1,0 +1,89 @@
+#include "player/window/clip_opening.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+
+namespace touchable::test {
+namespace {
+
+using Opening = ClipOpening<int>;
+
+Opening::Make at_once(int value) {
+    return [value](const std::stop_token&) -> Result<int> { return value; };
+}
+/// Until it is given up, which it says.
+Opening::Make never(std::atomic<int>& begun, std::atomic<int>& given_up) {
+    return [&begun, &given_up](const std::stop_token& token) -> Result<int> {
+        ++begun;
+        while (!token.stop_requested()) std::this_thread::yield();
+        ++given_up;
+        return input_error("given up");
+    };
+}
+
+std::optional<Result<int>> wait_for(Opening& opening) {
+    for (int k = 0; k < 5000; ++k) {
+        if (auto made = opening.take()) return made;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return std::nullopt;
+}
+
+TEST(ClipOpening, GivesWhatWasAskedForOnce) {
+    Opening opening;
+    EXPECT_FALSE(opening.is_busy());
+    EXPECT_EQ(opening.words(), "");
+    opening.ask("opening seven", at_once(7));
+    EXPECT_EQ(opening.words(), "opening seven");
+    const auto made = wait_for(opening);
+    ASSERT_TRUE(made && made->ok());
+    EXPECT_EQ(**made, 7);
+    EXPECT_FALSE(opening.is_busy());
+    EXPECT_FALSE(opening.take());
+}
+
+TEST(ClipOpening, LaterWishTakesThePlaceOfTheOnesBefore) {
+    std::atomic<int> begun{0}, given_up{0}, skipped{0};
+    Opening opening;
+    opening.ask("the first", never(begun, given_up));
+    while (begun == 0) std::this_thread::yield();
+    opening.ask("the second", never(skipped, skipped));
+    opening.ask("the third", at_once(3));
+    EXPECT_EQ(opening.words(), "the third");
+    const auto made = wait_for(opening);
+    ASSERT_TRUE(made && made->ok());
+    EXPECT_EQ(**made, 3);
+    EXPECT_EQ(given_up, 1);
+    EXPECT_EQ(skipped, 0) << "nobody wanted it any more when its turn had come";
+}
+
+TEST(ClipOpening, EndsWhileSomethingIsOnItsWay) {
+    std::atomic<int> begun{0}, given_up{0};
+    {
+        Opening opening;
+        opening.ask("a long work", never(begun, given_up));
+        while (begun == 0) std::this_thread::yield();
+        opening.ask("another", never(begun, given_up));
+    }
+    EXPECT_EQ(begun, 1);
+    EXPECT_EQ(given_up, 1);
+}
+
+TEST(ClipOpening, WhatIsThrownIsAnError) {
+    Opening opening;
+    opening.ask("opening a.mkv", [](const std::stop_token&) -> Result<int> { throw std::bad_alloc(); });
+    auto made = wait_for(opening);
+    ASSERT_TRUE(made && !made->ok());
+    EXPECT_EQ(made->error().message, "opening a.mkv: memory does not suffice");
+    opening.ask("opening b.mkv",
+                [](const std::stop_token&) -> Result<int> { throw std::runtime_error("no such thing"); });
+    made = wait_for(opening);
+    ASSERT_TRUE(made && !made->ok());
+    EXPECT_EQ(made->error().kind, ErrorKind::internal);
+}
+
+}  // namespace
+}  // namespace touchable::test
