@@ -38,6 +38,7 @@ void WindowLoop::open_other(const std::string& file) {
     choice.file = file;
     message_.clear();
     ready_.reset();
+    asked_felt_.reset();  // given up, and asked for again once the clip is there
     ask_for_clip(choice);
 }
 
