@@ -61,27 +61,33 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
     fullscreen_ = wanted.fullscreen;
     if (options_.headless) {
         screen_ = make_headless_screen(wanted);
-    } else {
-        auto screen = open_glfw_screen(wanted);
-        if (!screen.ok()) return screen.error();
-        screen_ = std::move(*screen);
+        return {};
     }
-    auto device = GpuDevice::open(
-        {.request = options_.session.builder.gpu, .window_extensions = screen_->extensions()});
+    auto screen = open_glfw_screen(wanted);
+    if (!screen.ok()) return screen.error();
+    screen_ = std::move(*screen);
+    return {};
+}
+
+/// What nobody sees needs no GPU, unless somebody asks for one.
+Result<std::unique_ptr<WindowGraphics>> WindowLoop::open_graphics() {
+    const BuilderChoice& builder = options_.session.builder;
+    if (options_.headless && options_.painter == "cpu") return make_cpu_graphics();
+    auto device = GpuDevice::open({.request = builder.gpu, .window_extensions = screen_->extensions()});
+    if (!device.ok() && options_.headless && options_.painter == "auto" && !builder.names_gpu())
+        return make_cpu_graphics();
     if (!device.ok()) return device.error();
-    device_ = std::move(*device);
-    return screen_->attach(device_);
+    if (auto attached = screen_->attach(*device); !attached.ok()) return attached.error();
+    return make_gpu_graphics(std::move(*device), options_.painter, *screen_);
 }
 
 /// What draws.
 Result<void> WindowLoop::open_parts() {
-    auto picture = ClipPicture::create(device_, options_.painter);
-    if (!picture.ok()) return picture.error();
-    picture_.emplace(std::move(*picture));
     const double scale = screen_->size().scale;
-    auto layer = ImGuiLayer::create(device_, scale);
-    if (!layer.ok()) return layer.error();
-    layer_ = std::move(*layer);
+    layer_.emplace(scale);
+    auto graphics = open_graphics();
+    if (!graphics.ok()) return graphics.error();
+    picture_.emplace(std::move(*graphics));
     panel_.emplace(scale);
     return {};
 }
@@ -136,8 +142,8 @@ double WindowLoop::now_s() const {
 
 void WindowLoop::sum_up() {
     figures_.seconds = now_s();
-    figures_.painter = picture_->painter();
-    figures_.gpu = device_->facts().name;
+    figures_.painter = picture_->graphics().painter();
+    figures_.gpu = picture_->graphics().gpu();
     count_session();
 }
 
@@ -235,19 +241,17 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
     clip_->fingers().intend(field, camera, goals);
 
-    auto commands = GpuCommands::begin(device_, "window");
-    if (!commands.ok()) return commands.error();
+    WindowGraphics& graphics = picture_->graphics();
+    if (auto begun = graphics.begin(); !begun.ok()) return begun;
     // What a session felt last is not felt any more once it has ended.
     const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
     const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
-    auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
-    if (!drawn.ok()) return drawn;
+    if (auto drawn = picture_->draw(moment, field, camera, marks, clip_->sizes()); !drawn.ok()) return drawn;
     const PanelFacts facts = words_of(moment, field, camera);
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
     panel_->draw(facts, size.width, size.height, asked_);
-    drawn = layer_->draw(*commands, picture_->canvas());
-    if (!drawn.ok()) return drawn;
-    if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;
+    layer_->end();
+    if (auto shown = graphics.finish(); !shown.ok()) return shown;
 
     note_picture(facts, begin);
     return {};

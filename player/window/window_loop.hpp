@@ -33,6 +33,7 @@ private:
     using Clock = std::chrono::steady_clock;
 
     Result<void> open_screen(const KeptSettings& kept);
+    Result<std::unique_ptr<WindowGraphics>> open_graphics();
     Result<void> open_parts();
     Result<void> turn();
     void take_script();
@@ -77,9 +78,8 @@ private:
 
     const PlayOptions& options_;
     std::unique_ptr<Screen> screen_;
-    std::shared_ptr<GpuDevice> device_;
+    std::optional<ImGuiLayer> layer_;
     std::optional<ClipPicture> picture_;
-    std::unique_ptr<ImGuiLayer> layer_;
     std::optional<WindowPanel> panel_;
     std::unique_ptr<WindowSound> sound_;
     std::unique_ptr<OpenedClip> clip_;

@@ -3,7 +3,6 @@
 #include <string>
 #include <utility>
 
-#include "player/window/canvas.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -178,7 +177,7 @@ KeptSettings WindowLoop::to_keep() const {
 
 Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {
     if (figures_.pictures == 0) return usage_error("there is no picture yet that could be kept");
-    const auto image = read_back(device_, picture_->canvas());
+    const auto image = picture_->graphics().picture();
     if (!image.ok()) return image.error();
     const std::filesystem::path file = name.empty() ? free_name() : name;
     NewFile out(file, options_.existing);
