@@ -14,12 +14,15 @@ namespace touchable {
 /// The picture of what a hand is at: surface and fingers.
 class ClipPicture {
 public:
-    explicit ClipPicture(std::unique_ptr<WindowGraphics> graphics) : graphics_(std::move(graphics)) {}
-
     /// Between `begin` and `finish` of the graphics. The surface is made anew only where frames, blend or
     /// overlay are others than before; the moment stays as it is until the picture is finished.
     Result<void> draw(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera,
                       std::span<const FingerMark> fingers, const MarkSizes& sizes);
+    /// Other graphics from now on; none: nothing is drawn until there are others. Those before end first.
+    void use(std::unique_ptr<WindowGraphics> graphics) {
+        graphics_ = std::move(graphics);
+        shown_.reset();
+    }
     WindowGraphics& graphics() { return *graphics_; }
     const WindowGraphics& graphics() const { return *graphics_; }
     Overlay overlay() const { return overlay_; }

@@ -8,6 +8,7 @@ class CpuGraphics final : public WindowGraphics {
 public:
     std::string_view painter() const override { return "cpu"; }
     std::string gpu() const override { return {}; }
+    bool is_lost() const override { return false; }
 
     Result<void> begin() override { return {}; }
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,

@@ -33,6 +33,7 @@ public:
 
     std::string_view painter() const override { return drawing_ ? drawing_->painter() : "cpu"; }
     std::string gpu() const override { return device_->facts().name; }
+    bool is_lost() const override { return device_->lost(); }
 
     Result<void> begin() override {
         auto commands = GpuCommands::begin(device_, "window");

@@ -15,11 +15,26 @@ Result<std::unique_ptr<ImGuiVulkan>> ImGuiVulkan::create(std::shared_ptr<GpuDevi
 }
 
 ImGuiVulkan::~ImGuiVulkan() {
+    if (!device_->comes_to_rest()) {
+        leave();
+        return;
+    }
     const VkDevice device = device_->vulkan()->device;
     if (is_started_) ImGui_ImplVulkan_Shutdown();
     if (framebuffer_) vkDestroyFramebuffer(device, framebuffer_, nullptr);
     if (pass_) vkDestroyRenderPass(device, pass_, nullptr);
     if (pool_) vkDestroyDescriptorPool(device, pool_, nullptr);
+}
+
+/// To a GPU that hangs; ImGui knows nothing of it from now on.
+void ImGuiVulkan::leave() {
+    leave_for_good(device_->vulkan());
+    if (!is_started_) return;
+    ImGuiIO& io = ImGui::GetIO();
+    leave_for_good({io.BackendRendererUserData, [](const void*) {}});
+    io.BackendRendererUserData = nullptr;
+    io.BackendRendererName = nullptr;
+    io.BackendFlags &= ~ImGuiBackendFlags_RendererHasVtxOffset;
 }
 
 Result<void> ImGuiVulkan::make_pass() {

@@ -11,7 +11,7 @@
 namespace touchable {
 
 /// Draws what ImGui has laid out, over a canvas (VK_FORMAT_R8G8B8A8_UNORM). One at a time, with an ImGuiLayer
-/// that outlives it.
+/// that outlives it. What a GPU that hangs may still use of it stays in memory.
 class ImGuiVulkan {
 public:
     static Result<std::unique_ptr<ImGuiVulkan>> create(std::shared_ptr<GpuDevice> device);
@@ -25,6 +25,7 @@ public:
 
 private:
     explicit ImGuiVulkan(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+    void leave();
     Result<void> make_pass();
     Result<void> start();
     Result<void> upload_fonts();

@@ -19,7 +19,8 @@ struct PlayOptions {
     SessionOptions session;
     ScreenOptions screen;
     bool headless = false;
-    std::string painter = "auto";  ///< auto, cpu, raster or mesh
+    std::shared_ptr<RunGpu> gpu{};  ///< that draws; nothing: the window opens one
+    std::string painter = "auto";   ///< auto, cpu, raster or mesh
     std::vector<ScriptedInput> script;
     std::optional<std::filesystem::path>
         screenshot;  ///< of what the window shows at `screenshot_s`, the last thing done

@@ -21,6 +21,8 @@ public:
     virtual ~WindowGraphics() = default;
     virtual std::string_view painter() const = 0;  ///< cpu, raster or mesh
     virtual std::string gpu() const = 0;           ///< that it draws on; empty: none
+    /// That GPU, or what it shows by, is lost: nothing more can be drawn by these graphics.
+    virtual bool is_lost() const = 0;
 
     virtual Result<void> begin() = 0;
     /// As SurfaceDrawing::show.
