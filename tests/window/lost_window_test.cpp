@@ -55,8 +55,8 @@ protected:
     /// Of the hand, as its recording has it.
     double last_tick_s() const {
         const auto recording = read_recording(folder_ / "hand.touch");
-        if (!recording.ok() || recording->ticks.empty()) return 0;
-        return 1e-9 * static_cast<double>(recording->ticks.back().time_ns);
+        if (!recording.ok() || recording->empty() || recording->back().ticks.empty()) return 0;
+        return 1e-9 * static_cast<double>(recording->back().ticks.back().time_ns);
     }
 
     const TemporaryFolder folder_;
