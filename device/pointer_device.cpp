@@ -123,11 +123,6 @@ void PointerDevice::intend(std::span<const glm::dvec3> places, const glm::dvec3&
     intents_.write(meant_);
 }
 
-void PointerDevice::lift(int finger) {
-    meant_[static_cast<std::size_t>(finger)].place.reset();
-    intents_.write(meant_);
-}
-
 std::span<const glm::dvec3> PointerDevice::forces() {
     const Written& newest = written_.read();
     const bool lives = works() && newest.opening == opening_.load(std::memory_order_acquire) &&

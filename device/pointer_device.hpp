@@ -69,9 +69,6 @@ public:
     /// that is not finite, or beyond `farthest`, changes nothing for its finger. `eye`: from where it is
     /// looked at, device metres, which says along what a finger is slow.
     void intend(std::span<const glm::dvec3> places, const glm::dvec3& eye);
-    /// This finger is meant nowhere, until it is meant somewhere again.
-    void lift(int finger);
-    bool is_lifted(int finger) const { return !meant_[static_cast<std::size_t>(finger)].place; }
     /// Newest force of every finger, newtons; zero where the contract says so, and while force is off. Stays
     /// readable until the next call.
     std::span<const glm::dvec3> forces();

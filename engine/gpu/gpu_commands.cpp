@@ -246,4 +246,15 @@ Result<GpuSubmission> GpuCommands::submit() && {
     return GpuSubmission(device_, *value, std::move(times));
 }
 
+Result<void> GpuCommands::run() && {
+    const std::shared_ptr<GpuDevice> device = device_;
+    std::uint64_t value = 0;
+    {
+        const auto submission = std::move(*this).submit();
+        if (!submission.ok()) return submission.error();
+        value = submission->value();
+    }
+    return device->wait(value);
+}
+
 }  // namespace touchable

@@ -122,6 +122,9 @@ public:
 
     /// Gives the work to the queue and does not wait for it.
     Result<GpuSubmission> submit() &&;
+    /// Gives the work to the queue and waits until it is done, as `wait` does; nobody learns what its marks
+    /// took, nor asks the driver.
+    Result<void> run() &&;
 
 private:
     GpuCommands(std::shared_ptr<GpuDevice> device, std::unique_ptr<GpuRecording> recording);

@@ -137,8 +137,8 @@ Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
     vulkan->physical = devices[*chosen];
     vulkan->facts = facts[*chosen];
     vulkan->queue_family = static_cast<std::uint32_t>(queue_family_of(vulkan->physical));
-    if (auto created = create_device(*vulkan, !options.window_extensions.empty());
-        !created.ok()) return created.error();
+    if (auto created = create_device(*vulkan, !options.window_extensions.empty()); !created.ok())
+        return created.error();
     const auto timeline = create_timeline(*vulkan);
     if (!timeline.ok()) return timeline.error();
     return std::shared_ptr<GpuDevice>(new GpuDevice(std::move(vulkan), *timeline));
@@ -148,7 +148,7 @@ GpuDevice::GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline)
     : vulkan_(std::move(vulkan)), timeline_(timeline) {}
 
 GpuDevice::~GpuDevice() {
-    if (!is_at_rest()) {
+    if (!comes_to_rest()) {
         abandon();
         return;
     }
@@ -161,8 +161,13 @@ GpuDevice::~GpuDevice() {
     vkDestroySemaphore(vulkan_->device, timeline_, nullptr);
 }
 
-bool GpuDevice::is_at_rest() const {
-    return wait_for(submitted_, lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
+bool GpuDevice::comes_to_rest() {
+    std::uint64_t newest = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        newest = submitted_;
+    }
+    return wait_for(newest, lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
 }
 
 /// Waiting for a device that hangs may be waiting for ever, and what it may still read and write must not be
@@ -262,7 +267,8 @@ void GpuDevice::collect() {
     while (!in_flight_.empty() && in_flight_.front()->value <= done) {
         auto recording = std::move(in_flight_.front());
         in_flight_.pop_front();
-        recording->read_times();
+        // Some drivers wait for all that is in flight until they tell.
+        if (recording->times.use_count() > 1) recording->read_times();
         let_go.insert(let_go.end(), recording->kept.begin(), recording->kept.end());
         recording->release();
         idle_.push_back(std::move(recording));

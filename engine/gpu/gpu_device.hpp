@@ -59,6 +59,10 @@ public:
     /// 10 s where nobody says: a software Vulkan compiles a kernel at its first dispatch.
     void set_patience(std::chrono::nanoseconds patience) { patience_ = patience; }
 
+    /// Whether all that was submitted has completed. Waits for it, as long as `wait` would; for a lost device
+    /// not at all.
+    bool comes_to_rest();
+
     /// A driver that lost the device, a wait in vain, or `lose`. Sticky: open another one.
     bool lost() const { return vulkan_->lost; }
 
@@ -75,7 +79,6 @@ private:
     Result<std::uint64_t> submit(std::unique_ptr<GpuRecording> recording);
     void collect();  ///< reads timestamps of completed recordings and lets go of what they used
     VkResult wait_for(std::uint64_t value, std::chrono::nanoseconds timeout) const;
-    bool is_at_rest() const;  ///< after a wait, on a device that is not lost
     void abandon();
 
     std::vector<GpuTime> read(

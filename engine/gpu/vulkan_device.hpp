@@ -48,4 +48,8 @@ struct VulkanDevice {
     void name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const;
 };
 
+/// Keeps something until the process ends: what a GPU that hangs may still use must not be freed under it,
+/// nor the device it belongs to.
+void leave_for_good(std::shared_ptr<const void> what);
+
 }  // namespace touchable

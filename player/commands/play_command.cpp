@@ -113,10 +113,10 @@ Result<PlayOptions> read_words(const PlayWords& words) {
 void print(const PlayFigures& figures) {
     const Spread draw = spread_of(figures.draw_ms.values());
     const Spread input = spread_of(figures.input_to_picture_ms.values());
-    std::printf("%-24s%lld in %.1f s, %.1f a second, by the %s painter on %s\n", "pictures",
+    std::printf("%-24s%lld in %.1f s, %.1f a second, by the %s painter%s\n", "pictures",
                 static_cast<long long>(figures.pictures), figures.seconds,
                 static_cast<double>(figures.pictures) / std::max(figures.seconds, 1e-3),
-                figures.painter.c_str(), figures.gpu.c_str());
+                figures.painter.c_str(), figures.gpu.empty() ? "" : (" on " + figures.gpu).c_str());
     std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "time per picture", draw.p50, draw.p99);
     if (!figures.input_to_picture_ms.values().empty())
         std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
@@ -151,9 +151,10 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     PlayOptions& o = words.options;
     words.typed_size = sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
     sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
-    sub.add_option("--painter", o.painter,
-                   "raster (compute), mesh (triangles), or auto: mesh on a GPU, else raster")
-        ->check(CLI::IsMember({"auto", "raster", "mesh"}))
+    sub.add_option(
+           "--painter", o.painter,
+           "cpu, raster (compute), mesh (triangles), or auto: mesh on a GPU, raster by Vulkan on the CPU")
+        ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
     sub.add_flag("--headless", o.headless, "draw what the window would show, without a window");
     add_file_option(sub, "--script", words.script,

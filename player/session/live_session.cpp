@@ -56,6 +56,17 @@ bool LiveSession::is_over(const HapticLoop& loop, const std::optional<MediaMomen
            loop.time_ns() + tick_ns >= shortest_run_ns;
 }
 
+/// Whether the hand goes on, whatever has become of the clip.
+bool LiveSession::outlasts(const FeedThreads& threads) {
+    if (clip_failure_) return true;
+    auto failed = threads.error();
+    if (!failed) return true;
+    if (!log_->is_open()) return false;
+    const std::lock_guard lock(failure_mutex_);
+    clip_failure_ = std::move(failed);
+    return true;
+}
+
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (interrupted()) return interrupted_error();
     TouchStep step(solver_, settings_.guard, settings_.fingers);
@@ -107,7 +118,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (live_source)
         if (auto begun = begin_source(loop, feed_, threads); !begun.ok()) return begun;
     std::size_t commands = log_->size();
-    while (loop.running() && taken.ok() && !threads.error() && !is_asked_to_stop()) {
+    while (loop.running() && taken.ok() && outlasts(threads) && !is_asked_to_stop()) {
         const auto end = threads.end();
         if (end) clip_end_ns_.store(end->time_ns, std::memory_order_relaxed);
         if (is_over(loop, end)) break;

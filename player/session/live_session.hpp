@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 
@@ -12,6 +13,8 @@
 #include "player/session/touch_session.hpp"
 
 namespace touchable {
+
+class FeedThreads;
 
 /// How a live session went.
 struct LiveFacts {
@@ -38,8 +41,8 @@ public:
                 const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log);
 
     /// To the end, or until the person asks to stop, which is how most sessions end, or until the device or
-    /// the clip fails. What was touched until then counts: an error only where no tick was run by then, or
-    /// where the sinks have not got all.
+    /// the clip fails; where the log is open, the hand outlasts the clip. What was touched until then counts:
+    /// an error only where no tick was run by then, or where the sinks have not got all.
     Result<void> run(std::span<TouchSink* const> sinks);
 
     // While it runs, any thread.
@@ -50,12 +53,18 @@ public:
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
     /// End of the clip's last frame, once it has been met; 0 before.
     std::int64_t clip_end_ns() const { return clip_end_ns_.load(std::memory_order_relaxed); }
+    /// Why its clip goes no further, where somebody watches: the last surface stands still, and is touched.
+    std::optional<Error> clip_failure() const {
+        const std::lock_guard lock(failure_mutex_);
+        return clip_failure_;
+    }
 
     /// After `run`.
     const LiveFacts& facts() const { return facts_; }
 
 private:
     bool is_over(const HapticLoop& loop, const std::optional<MediaMoment>& end) const;
+    bool outlasts(const FeedThreads& threads);
     Result<void> conclude(const HapticLoop& loop, const Result<void>& taken);
 
     const Scene& scene_;
@@ -67,6 +76,8 @@ private:
     PlaybackBoard board_;
     std::atomic<bool> stopping_{false};
     std::atomic<std::int64_t> late_frames_{0}, clip_end_ns_{0};
+    mutable std::mutex failure_mutex_;
+    std::optional<Error> clip_failure_;
     LiveFacts facts_;
 };
 

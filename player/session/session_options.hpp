@@ -16,6 +16,7 @@
 #include "player/session/builder_choice.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/playback_clock.hpp"
+#include "player/session/run_gpu.hpp"
 
 namespace touchable {
 
@@ -41,6 +42,8 @@ struct SessionOptions {
     std::shared_ptr<HapticDevice> held_device;
     /// Where that device is; nothing: where the clip's first frame puts it.
     std::optional<Workspace> workspace;
+    /// That others of the program use as well; nothing: the run opens one of its own if it needs one.
+    std::shared_ptr<RunGpu> gpu;
     bool watched = false;  ///< live: somebody looks at what the hand holds, and wants its colour
     /// Whoever waits for the setup may want it no more: it is then an error of kind interrupted, soon.
     std::stop_token given_up{};

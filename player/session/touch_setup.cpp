@@ -57,7 +57,7 @@ Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& o
     setup.scene = std::move(clip.scene);
     setup.notes = clip.reader->notes();
     setup.filters = std::move(clip.chosen);
-    if (!setup.gpu) setup.gpu = std::make_shared<RunGpu>(options.builder.gpu);
+    if (!setup.gpu) setup.gpu = options.gpu ? options.gpu : std::make_shared<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
     auto builder = make_builder(setup.builder, setup.scene, *setup.gpu);
     if (!builder.ok()) return builder.error();

@@ -92,7 +92,6 @@ const WatchedMoment* WatchedSession::look() {
     if (!held) return nullptr;
     const auto nearer = [](const FramePair& pair) { return pair.blend < 0.5 ? pair.prev : pair.next; };
     seen_.held = *held;
-    seen_.tick = held->tick;
     seen_.colour = setup_->feed->colours().find(held->pair.epoch, nearer(held->pair).number);
     ticks_.copy_newest(seen_.felt);
     return &seen_;

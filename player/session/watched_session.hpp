@@ -16,7 +16,6 @@ namespace touchable {
 
 /// What the hand was at, for whoever draws it.
 struct WatchedMoment {
-    std::int64_t tick = 0;
     HeldPair held;                     ///< its frames stay whole until the next look
     std::optional<HeldColour> colour;  ///< of the pair's frame nearer in time; nothing where it has none
     WatchedTick felt;                  ///< by every finger: of that tick or one a few later
@@ -30,7 +29,7 @@ struct WatchedFigures {
 };
 
 /// A live session on threads of its own, beside somebody who watches it and tells its clip's clock what to
-/// do. It goes on until it is stopped, or the device or the clip fails: where the clip ends, its surface
+/// do. It goes on until it is stopped, or the device fails: where the clip ends or fails, its surface
 /// stands still. Nothing here keeps the haptic thread waiting.
 class WatchedSession {
 public:
@@ -63,6 +62,8 @@ public:
     /// The clip's clock, as every tick has met it.
     PlaybackClock clock() const { return {setup_->scene.rate, log_}; }
     WatchedFigures figures() const;
+    /// As LiveSession::clip_failure.
+    std::optional<Error> clip_failure() const { return live_->clip_failure(); }
 
     // After the end.
     const LiveFacts& facts() const { return facts_; }

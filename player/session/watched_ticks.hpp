@@ -23,9 +23,8 @@ struct WatchedTick {
 /// Of the ticks so far.
 struct TickFigures {
     std::int64_t ticks = 0;
-    std::int64_t late = 0;             ///< that began a millisecond or more too late
-    std::int64_t skipped = 0;          ///< whose time had passed by then
-    double solve_us = 0, late_us = 0;  ///< of the newest
+    std::int64_t late = 0;  ///< that began a millisecond or more too late
+    double solve_us = 0;    ///< of the newest
 };
 
 /// The newest tick, from the session's thread to a watcher's.
@@ -34,10 +33,8 @@ public:
     Result<void> take(const TouchTick& tick) override {
         const std::lock_guard lock(mutex_);
         figures_.late += tick.tick > newest_.tick + 1;
-        figures_.skipped += tick.tick - newest_.tick - 1;
         ++figures_.ticks;
         figures_.solve_us = tick.solve_us;
-        figures_.late_us = tick.late_us;
         newest_.tick = tick.tick;
         newest_.fingers.resize(tick.contacts.size());
         for (std::size_t k = 0; k < tick.contacts.size(); ++k)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "engine/surface/vectors.hpp"
 #include "player/view/surface_unproject.hpp"
@@ -89,6 +90,11 @@ struct FrameRow {
 }
 
 }  // namespace
+
+int CpuLattices::usual_threads() {
+    constexpr unsigned most = 4;  // more wait for memory
+    return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, most));
+}
 
 CpuLattices::CpuLattices(int threads, VectorUnit vectors)
     : unit_(vectors), bands_(threads), scratch_(static_cast<std::size_t>(threads)) {}

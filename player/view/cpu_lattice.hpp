@@ -13,6 +13,8 @@ namespace touchable {
 /// with the arithmetic of shaders/unproject.h. The same bits with any number of threads and any vectors.
 class CpuLattices {
 public:
+    /// A core each, as far as that pays.
+    static int usual_threads();
     /// `threads` with the one that calls; the others start when first needed and sleep in between.
     explicit CpuLattices(int threads, VectorUnit vectors = usable_vector_units().front());
 

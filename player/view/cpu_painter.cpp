@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
-#include <thread>
 
 #include "player/view/cpu_lattice.hpp"
 #include "player/view/surface_painter.hpp"
@@ -11,9 +10,6 @@
 
 namespace touchable {
 namespace {
-
-/// More wait for memory.
-constexpr unsigned most_threads = 4;
 
 class CpuPainter final : public SurfacePainter {
 public:
@@ -73,8 +69,7 @@ private:
             });
     }
 
-    CpuLattices lattices_{
-        static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, most_threads))};
+    CpuLattices lattices_{CpuLattices::usual_threads()};
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ public:
                         const ViewCamera& camera, const GpuImage& colour, const GpuImage& z);
 
 private:
-    explicit FingerDrawing(const std::shared_ptr<GpuDevice>& device) : device_(device), uploads_(device) {}
+    explicit FingerDrawing(const std::shared_ptr<GpuDevice>& device) : uploads_(device) {}
 
     struct Part {
         std::size_t offset = 0, bytes = 0;
@@ -37,7 +37,6 @@ private:
     void draw_solids(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& records,
                      const Parts& parts) const;
 
-    std::shared_ptr<GpuDevice> device_;
     UploadPool uploads_;
     GraphicsProgram shadow_, thread_, solid_, veil_, hidden_veil_;
     GpuBuffer pattern_;  // indices of a ball's triangles; the first ones are a frustum's

@@ -81,11 +81,6 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
     return {};
 }
 
-void SurfaceDrawing::show_nothing() {
-    is_shown_ = false;
-    rastered_.reset();
-}
-
 /// What pictures of a size need.
 Result<void> SurfaceDrawing::reserve(const ViewCamera& camera) {
     const auto width = static_cast<std::uint32_t>(camera.width),

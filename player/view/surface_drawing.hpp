@@ -35,12 +35,9 @@ public:
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                       const PlaneView& colour, Lighting lighting);
 
-    /// From now on there is no surface: background and fingers alone, as before the first `show`.
-    void show_nothing();
-
-    /// Records the drawing of surface, background and fingers into `target` (VK_FORMAT_R8G8B8A8_UNORM, of the
-    /// camera's size), all of which is written, and which is left in
-    /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. Whatever comes after it is to wait for that, as
+    /// Records the drawing of surface, background and fingers (before the first `show` of these two) into
+    /// `target` (VK_FORMAT_R8G8B8A8_UNORM, of the camera's size), all of which is written, and which is left
+    /// in VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. Whatever comes after it is to wait for that, as
     /// record_transition does. Fails (ErrorKind::gpu) where the picture is too large for the painter on this
     /// device.
     Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,

@@ -3,30 +3,28 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 
-#include "engine/gpu/gpu_commands.hpp"
 #include "engine/result.hpp"
 #include "player/session/watched_session.hpp"
-#include "player/view/gpu_image.hpp"
 #include "player/view/overlays.hpp"
-#include "player/view/surface_drawing.hpp"
+#include "player/window/window_graphics.hpp"
 
 namespace touchable {
 
-/// The picture of what a hand is at: surface and fingers, on a canvas that stays on the GPU.
+/// The picture of what a hand is at: surface and fingers.
 class ClipPicture {
 public:
-    /// `painter` as in SurfaceDrawing.
-    static Result<ClipPicture> create(std::shared_ptr<GpuDevice> device, const std::string& painter);
-
-    /// Records it all. The surface is made anew only where frames, blend or overlay are others than before;
-    /// the moment stays as it is until the commands have completed. Leaves the canvas ready to be drawn over.
-    Result<void> draw(GpuCommands& commands, const WatchedMoment& moment, const HeightField& field,
-                      const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes);
-    /// Of the camera's last size, VK_FORMAT_R8G8B8A8_UNORM.
-    const GpuImage& canvas() const { return canvas_; }
-    std::string_view painter() const { return drawing_->painter(); }
+    /// Between `begin` and `finish` of the graphics. The surface is made anew only where frames, blend or
+    /// overlay are others than before; the moment stays as it is until the picture is finished.
+    Result<void> draw(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera,
+                      std::span<const FingerMark> fingers, const MarkSizes& sizes);
+    /// Other graphics from now on; none: nothing is drawn until there are others. Those before end first.
+    void use(std::unique_ptr<WindowGraphics> graphics) {
+        graphics_ = std::move(graphics);
+        shown_.reset();
+    }
+    WindowGraphics& graphics() { return *graphics_; }
+    const WindowGraphics& graphics() const { return *graphics_; }
     Overlay overlay() const { return overlay_; }
     void set_overlay(Overlay overlay);
     /// What the overlay's colours mean; null where they are the clip's.
@@ -35,10 +33,7 @@ public:
     void forget();
 
 private:
-    ClipPicture(std::shared_ptr<GpuDevice> device, std::unique_ptr<SurfaceDrawing> drawing)
-        : device_(std::move(device)), drawing_(std::move(drawing)) {}
-    Result<void> show(GpuCommands& commands, const WatchedMoment& moment, const HeightField& field);
-    Result<void> reserve_canvas(int width, int height);
+    Result<void> show(const WatchedMoment& moment, const HeightField& field);
 
     struct Shown {
         std::uint64_t epoch = 0;
@@ -47,11 +42,8 @@ private:
         const void* colour = nullptr;
         bool operator==(const Shown&) const = default;
     };
-    std::shared_ptr<GpuDevice> device_;
-    std::unique_ptr<SurfaceDrawing> drawing_;
+    std::unique_ptr<WindowGraphics> graphics_;
     std::unique_ptr<Overlays> overlays_ = std::make_unique<Overlays>();
-    GpuImage canvas_;
-    int width_ = 0, height_ = 0;
     Overlay overlay_ = Overlay::colour;
     OverlayScale scale_;
     std::optional<Shown> shown_;

@@ -3,6 +3,7 @@
 #include "player/window/glfw_keys.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/swapchain.hpp"
+#include "player/window/x_connection.hpp"
 
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
@@ -26,6 +27,7 @@ class GlfwScreen final : public Screen {
 public:
     ~GlfwScreen() override {
         swapchain_.reset();
+        if (connection_.is_lost()) return;
         if (window_) glfwDestroyWindow(window_);
         glfwTerminate();
     }
@@ -33,6 +35,7 @@ public:
     Result<void> open(const ScreenOptions& options) {
         glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
         if (!glfwInit()) return no_display();
+        connection_.open();
         if (!glfwVulkanSupported())
             return Error{
                 ErrorKind::gpu,
@@ -56,6 +59,7 @@ public:
     }
 
     Result<void> attach(std::shared_ptr<GpuDevice> device) override {
+        swapchain_.reset();
         const auto& vulkan = device->vulkan();
         VkSurfaceKHR surface = VK_NULL_HANDLE;
         const VkResult result =
@@ -67,20 +71,34 @@ public:
         return {};
     }
 
+    Result<void> health() const override {
+        if (!connection_.is_lost()) return {};
+        return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
+    }
+
     ScreenSize size() const override {
+        if (connection_.is_lost()) return size_;
         ScreenSize size;
         glfwGetFramebufferSize(window_, &size.width, &size.height);
         float scale_x = 1, scale_y = 1;
         glfwGetWindowContentScale(window_, &scale_x, &scale_y);
         size.scale = static_cast<double>(scale_x);
-        return size;
+        if (!connection_.is_lost()) size_ = size;
+        return size_;
     }
 
     std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
-        if (longest.count() > 0)
-            glfwWaitEventsTimeout(static_cast<double>(longest.count()) / 1000);
-        else
+        if (connection_.is_lost()) return {};
+        if (!connection_.is_open()) {
+            glfwWaitEventsTimeout(std::chrono::duration<double>(longest).count());
+            return std::exchange(events_, {});
+        }
+        // GLFW's own wait would never end on a connection that is lost in it.
+        glfwPollEvents();
+        if (events_.empty()) {
+            connection_.wait(longest);
             glfwPollEvents();
+        }
         return std::exchange(events_, {});
     }
 
@@ -91,9 +109,12 @@ public:
             {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
     }
 
-    void set_title(const std::string& title) override { glfwSetWindowTitle(window_, title.c_str()); }
+    void set_title(const std::string& title) override {
+        if (!connection_.is_lost()) glfwSetWindowTitle(window_, title.c_str());
+    }
 
     void set_fullscreen(bool on) override {
+        if (connection_.is_lost()) return;
         const bool is = glfwGetWindowMonitor(window_) != nullptr;
         if (is == on) return;
         if (on) {
@@ -109,6 +130,7 @@ public:
     }
 
     void set_size(int width, int height) override {
+        if (connection_.is_lost()) return;
         // Pixels at this display's scale, in the window's own units.
         const ScreenSize now = size();
         int units = 1, ignored = 1;
@@ -118,7 +140,7 @@ public:
     }
 
     void hide_pointer(bool hidden) override {
-        if (hidden == hidden_) return;
+        if (hidden == hidden_ || connection_.is_lost()) return;
         hidden_ = hidden;
         glfwSetInputMode(window_, GLFW_CURSOR, hidden ? GLFW_CURSOR_HIDDEN : GLFW_CURSOR_NORMAL);
     }
@@ -184,6 +206,8 @@ private:
     }
 
     GLFWwindow* window_ = nullptr;
+    XConnection connection_;
+    mutable ScreenSize size_;  // as last known
     std::unique_ptr<Swapchain> swapchain_;
     std::vector<InputEvent> events_;
     int place_[4] = {0, 0, 1280, 720};  // before it became full-screen: x, y, width, height

@@ -12,16 +12,13 @@ public:
 
     std::vector<std::string> extensions() const override { return {}; }
     Result<void> attach(std::shared_ptr<GpuDevice>) override { return {}; }
+    Result<void> health() const override { return {}; }
     ScreenSize size() const override { return size_; }
     std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
         std::this_thread::sleep_for(longest);
         return {};
     }
-    Result<void> present(GpuCommands commands, const GpuImage&) override {
-        const auto submission = std::move(commands).submit();
-        if (!submission.ok()) return submission.error();
-        return submission->wait();
-    }
+    Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
     void set_title(const std::string&) override {}
     void set_fullscreen(bool) override {}
     void set_size(int width, int height) override { size_ = {width, height, 1}; }

@@ -226,7 +226,6 @@ WatchedFigures OpenedClip::figures() const {
     all.feed.dropped += ended_.feed.dropped;
     all.ticks.ticks += ended_.ticks.ticks;
     all.ticks.late += ended_.ticks.late;
-    all.ticks.skipped += ended_.ticks.skipped;
     all.late_frames += ended_.late_frames;
     return all;
 }

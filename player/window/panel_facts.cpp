@@ -48,7 +48,7 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
             words_of("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),
             words_of("%lld of %lld ticks late", static_cast<long long>(figures.ticks.late),
                      static_cast<long long>(figures.ticks.ticks)),
-            "builder " + figures.feed.builder + ", painter " + std::string(picture.painter())};
+            "builder " + figures.feed.builder + ", painter " + std::string(picture.graphics().painter())};
 }
 
 /// A round number of newtons that the bar goes up to.

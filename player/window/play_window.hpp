@@ -19,7 +19,8 @@ struct PlayOptions {
     SessionOptions session;
     ScreenOptions screen;
     bool headless = false;
-    std::string painter = "auto";  ///< auto, raster or mesh
+    std::shared_ptr<RunGpu> gpu{};  ///< that draws; nothing: the window opens one
+    std::string painter = "auto";   ///< auto, cpu, raster or mesh
     std::vector<ScriptedInput> script;
     std::optional<std::filesystem::path>
         screenshot;  ///< of what the window shows at `screenshot_s`, the last thing done
@@ -55,8 +56,8 @@ struct PlayFigures {
     std::int64_t pictures = 0;
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;
-    std::string painter, gpu, builder;
-    std::string not_kept;  ///< why settings could not be kept; empty: they are
+    std::string painter, gpu, builder;  ///< gpu: that draws; empty: none
+    std::string not_kept;               ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };
 

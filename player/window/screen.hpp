@@ -24,8 +24,11 @@ public:
     virtual ~Screen() = default;
     /// Vulkan extensions that the device needs to be opened with (GpuOptions::window_extensions).
     virtual std::vector<std::string> extensions() const = 0;
-    /// Pictures are drawn on this device from now on. Once, before the first `present`.
+    /// Pictures are drawn on this device from now on. Before the first `present`, and where the last device
+    /// is lost.
     virtual Result<void> attach(std::shared_ptr<GpuDevice> device) = 0;
+    /// Fails (ErrorKind::gpu) once there is nothing to show pictures on any more, for good.
+    virtual Result<void> health() const = 0;
     virtual ScreenSize size() const = 0;
     /// Waits for input, at most so long, and gives what has come.
     virtual std::vector<InputEvent> poll(std::chrono::milliseconds longest) = 0;

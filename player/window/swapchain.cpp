@@ -52,6 +52,11 @@ Result<std::unique_ptr<Swapchain>> Swapchain::create(std::shared_ptr<GpuDevice> 
 }
 
 Swapchain::~Swapchain() {
+    if (acquiring_ || !device_->comes_to_rest()) {
+        leave_for_good(device_->vulkan());
+        leave_for_good(std::shared_ptr<WindowSurface>(std::move(surface_)));
+        return;
+    }
     destroy_chain();
     if (acquired_) vkDestroyFence(device_->vulkan()->device, acquired_, nullptr);
 }
@@ -88,23 +93,23 @@ Result<void> Swapchain::choose() {
 
 void Swapchain::destroy_chain() {
     if (!chain_) return;
-    {
-        // What is presented may still be read by the window system.
-        const std::lock_guard lock(device_->vulkan()->queue_mutex);
-        vkQueueWaitIdle(device_->vulkan()->queue);
-    }
     vkDestroySwapchainKHR(device_->vulkan()->device, chain_, nullptr);
     chain_ = VK_NULL_HANDLE;
     images_.clear();
 }
 
-/// False where the window has no pixels.
+Error Swapchain::failed(const char* call, VkResult result) {
+    if (result == VK_ERROR_SURFACE_LOST_KHR) device_->lose();
+    return device_->vulkan()->failed(call, result);
+}
+
+/// False where the window has no pixels. Nothing that was drawn before is still at work.
 Result<bool> Swapchain::make(VkExtent2D wanted) {
     VulkanDevice& gpu = *device_->vulkan();
     destroy_chain();
     VkSurfaceCapabilitiesKHR can{};
     VkResult result = vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu.physical, surface_->handle(), &can);
-    if (result != VK_SUCCESS) return gpu.failed("vkGetPhysicalDeviceSurfaceCapabilitiesKHR", result);
+    if (result != VK_SUCCESS) return failed("vkGetPhysicalDeviceSurfaceCapabilitiesKHR", result);
     extent_ = can.currentExtent;
     if (extent_.width == UINT32_MAX)
         extent_ = {std::clamp(wanted.width, can.minImageExtent.width, can.maxImageExtent.width),
@@ -126,7 +131,7 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
     info.presentMode = mode_;
     info.clipped = VK_TRUE;
     result = vkCreateSwapchainKHR(gpu.device, &info, nullptr, &chain_);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateSwapchainKHR", result);
+    if (result != VK_SUCCESS) return failed("vkCreateSwapchainKHR", result);
     images_ = all_of<VkImage>([&](std::uint32_t* count, VkImage* to) {
         return vkGetSwapchainImagesKHR(gpu.device, chain_, count, to);
     });
@@ -144,10 +149,13 @@ Result<bool> Swapchain::acquire(std::uint32_t& index) {
     // A window that is covered may have no picture free: this one is not shown then.
     if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY) return false;
     if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
-    if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR)
-        return gpu.failed("vkAcquireNextImageKHR", result);
-    result = vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE, patience_ns);
-    if (result != VK_SUCCESS) return gpu.failed("vkWaitForFences", result);
+    if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR) return failed("vkAcquireNextImageKHR", result);
+    acquiring_ = true;
+    constexpr std::uint64_t long_patience_ns = 10'000'000'000;  // as GpuDevice::wait
+    result = vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE, long_patience_ns);
+    if (result == VK_TIMEOUT) device_->lose();
+    if (result != VK_SUCCESS) return failed("vkWaitForFences", result);
+    acquiring_ = false;
     vkResetFences(gpu.device, 1, &acquired_);
     return true;
 }
@@ -197,9 +205,7 @@ Result<void> Swapchain::present(GpuCommands commands, const GpuImage& canvas, Vk
         }
     }
     if (shown) record_copy(commands, canvas, images_[index]);
-    const auto submission = std::move(commands).submit();
-    if (!submission.ok()) return submission.error();
-    if (auto done = submission->wait(); !done.ok()) return done;
+    if (auto done = std::move(commands).run(); !done.ok()) return done;
     if (!shown) return {};
     VulkanDevice& gpu = *device_->vulkan();
     VkPresentInfoKHR info{};
@@ -213,7 +219,7 @@ Result<void> Swapchain::present(GpuCommands commands, const GpuImage& canvas, Vk
         result = vkQueuePresentKHR(gpu.queue, &info);
     }
     outdated_ = outdated_ || result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR;
-    if (result != VK_SUCCESS && !outdated_) return gpu.failed("vkQueuePresentKHR", result);
+    if (result != VK_SUCCESS && !outdated_) return failed("vkQueuePresentKHR", result);
     return {};
 }
 

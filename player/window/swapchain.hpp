@@ -27,7 +27,8 @@ private:
 };
 
 /// The pictures that a window shows in turn. Whoever presents waits until his drawing is done: so nothing
-/// that it read has to be kept longer.
+/// that it read has to be kept longer. A GPU that hangs is not waited for; what it may still use stays in
+/// memory. A surface that is lost counts as its GPU lost: both are to be had anew.
 class Swapchain {
 public:
     /// ErrorKind::gpu where the device cannot show on this surface.
@@ -47,6 +48,7 @@ private:
     Result<void> choose();
     Result<bool> make(VkExtent2D wanted);
     void destroy_chain();
+    Error failed(const char* call, VkResult result);
     Result<bool> acquire(std::uint32_t& index);
     void record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const;
 
@@ -59,6 +61,7 @@ private:
     std::vector<VkImage> images_;
     VkFence acquired_ = VK_NULL_HANDLE;
     bool outdated_ = false;
+    bool acquiring_ = false;  // the fence is the window system's to signal
 };
 
 }  // namespace touchable

@@ -41,14 +41,14 @@ Result<void> WindowLoop::open() {
     auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
     if (!sound.ok()) return sound.error();
     sound_ = std::move(*sound);
-    ask_for_clip(options_.session.clip);
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
+    ask_for_clip(options_.session.clip);
     if (auto opened = open_parts(); !opened.ok()) return opened;
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
-        picture_->set_overlay(*overlay);
+        picture_.set_overlay(*overlay);
     return {};
 }
 
@@ -66,22 +66,18 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
         if (!screen.ok()) return screen.error();
         screen_ = std::move(*screen);
     }
-    auto device = GpuDevice::open(
-        {.request = options_.session.builder.gpu, .window_extensions = screen_->extensions()});
-    if (!device.ok()) return device.error();
-    device_ = std::move(*device);
-    return screen_->attach(device_);
+    if (!options_.gpu)
+        options_.gpu = std::make_shared<RunGpu>(options_.session.builder.gpu, screen_->extensions());
+    // One for the surface and its picture: what is built on it is drawn where it lies.
+    options_.session.gpu = options_.gpu;
+    return {};
 }
 
 /// What draws.
 Result<void> WindowLoop::open_parts() {
-    auto picture = ClipPicture::create(device_, options_.painter);
-    if (!picture.ok()) return picture.error();
-    picture_.emplace(std::move(*picture));
     const double scale = screen_->size().scale;
-    auto layer = ImGuiLayer::create(device_, scale);
-    if (!layer.ok()) return layer.error();
-    layer_ = std::move(*layer);
+    layer_.emplace(scale);
+    if (auto opened = open_graphics(); !opened.ok()) return opened;
     panel_.emplace(scale);
     return {};
 }
@@ -118,7 +114,9 @@ Result<void> WindowLoop::turn() {
     const WatchedMoment* const moment = clip_->session().look();
     say(playback_->go_on(moment));
     if (is_due(moment, Clock::now()))
-        if (auto drawn = draw(*moment); !drawn.ok()) return drawn;
+        if (auto drawn = draw(*moment); !drawn.ok())
+            if (auto opened = open_graphics_anew(drawn.error()); !opened.ok()) return opened;
+    if (auto there = screen_->health(); !there.ok()) return there;
     const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
     for (const InputEvent& event : screen_->poll(wait)) take(event);
@@ -136,8 +134,6 @@ double WindowLoop::now_s() const {
 
 void WindowLoop::sum_up() {
     figures_.seconds = now_s();
-    figures_.painter = picture_->painter();
-    figures_.gpu = device_->facts().name;
     count_session();
 }
 
@@ -235,19 +231,17 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
     clip_->fingers().intend(field, camera, goals);
 
-    auto commands = GpuCommands::begin(device_, "window");
-    if (!commands.ok()) return commands.error();
+    WindowGraphics& graphics = picture_.graphics();
+    if (auto begun = graphics.begin(); !begun.ok()) return begun;
     // What a session felt last is not felt any more once it has ended.
     const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
     const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
-    auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
-    if (!drawn.ok()) return drawn;
+    if (auto drawn = picture_.draw(moment, field, camera, marks, clip_->sizes()); !drawn.ok()) return drawn;
     const PanelFacts facts = words_of(moment, field, camera);
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
     panel_->draw(facts, size.width, size.height, asked_);
-    drawn = layer_->draw(*commands, picture_->canvas());
-    if (!drawn.ok()) return drawn;
-    if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;
+    layer_->end();
+    if (auto shown = graphics.finish(); !shown.ok()) return shown;
 
     note_picture(facts, begin);
     return {};
@@ -256,12 +250,13 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
 /// All that is shown in words, bars and curves.
 PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& field,
                                 const ViewCamera& camera) {
-    PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
+    PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.b_is_on;
     facts.figures.push_back(sound_->state());
     facts.message = message_;
     facts.message_is_bad = message_is_bad_;
-    const auto failure = clip_->session().running() ? std::nullopt : clip_->session().failure();
+    const auto failure =
+        clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
     if (message_.empty() && !words_of_opening().empty()) {
         facts.message = words_of_opening();
         facts.message_is_bad = false;

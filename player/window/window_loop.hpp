@@ -24,7 +24,7 @@ namespace touchable {
 /// The window of `touchable play`: its parts, and the loop that drives them.
 class WindowLoop {
 public:
-    explicit WindowLoop(const PlayOptions& options) : options_(options) {}
+    explicit WindowLoop(PlayOptions options) : options_(std::move(options)) {}
 
     Result<void> open();
     Result<PlayFigures> run();
@@ -33,6 +33,9 @@ private:
     using Clock = std::chrono::steady_clock;
 
     Result<void> open_screen(const KeptSettings& kept);
+    Result<std::unique_ptr<WindowGraphics>> make_graphics();
+    Result<void> open_graphics();
+    Result<void> open_graphics_anew(const Error& error);
     Result<void> open_parts();
     Result<void> turn();
     void take_script();
@@ -75,11 +78,11 @@ private:
     void note_picture(const PanelFacts& facts, Clock::time_point begin);
     double now_s() const;
 
-    const PlayOptions& options_;
+    PlayOptions options_;
     std::unique_ptr<Screen> screen_;
-    std::shared_ptr<GpuDevice> device_;
-    std::optional<ClipPicture> picture_;
-    std::unique_ptr<ImGuiLayer> layer_;
+    std::optional<ImGuiLayer> layer_;
+    ClipPicture picture_;
+    std::optional<Clock::time_point> lost_at_;  // when graphics were last
     std::optional<WindowPanel> panel_;
     std::unique_ptr<WindowSound> sound_;
     std::unique_ptr<OpenedClip> clip_;

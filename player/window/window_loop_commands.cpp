@@ -3,7 +3,6 @@
 #include <string>
 #include <utility>
 
-#include "player/window/canvas.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -128,9 +127,9 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
 }
 
 void WindowLoop::set_overlay(const std::string& name) {
-    const auto overlay = overlay_after(picture_->overlay(), name);
+    const auto overlay = overlay_after(picture_.overlay(), name);
     if (!overlay.ok()) return say(overlay.error().message, true);
-    picture_->set_overlay(*overlay);
+    picture_.set_overlay(*overlay);
 }
 
 void WindowLoop::feel(const WindowCommand& command) {
@@ -154,7 +153,7 @@ void WindowLoop::reset() {
     feel(TwoSettings());
     panel_->shown = false;
     clip_->fingers().set_count(KeptSettings().fingers);
-    picture_->set_overlay(Overlay::colour);
+    picture_.set_overlay(Overlay::colour);
     if (!fullscreen_) screen_->set_size(options_.screen.width, options_.screen.height);
 }
 
@@ -162,7 +161,7 @@ KeptSettings WindowLoop::to_keep() const {
     KeptSettings kept = settings_.read();
     kept.panel = panel_->shown;
     kept.fingers = clip_->fingers().count();
-    kept.overlay = name_of(picture_->overlay());
+    kept.overlay = name_of(picture_.overlay());
     if (!options_.filters_are_stated && felt_by_hand_) {
         const TwoSettings felt = wanted_felt_.value_or(felt_);
         kept.a = felt.a;
@@ -178,7 +177,7 @@ KeptSettings WindowLoop::to_keep() const {
 
 Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {
     if (figures_.pictures == 0) return usage_error("there is no picture yet that could be kept");
-    const auto image = read_back(device_, picture_->canvas());
+    const auto image = picture_.graphics().picture();
     if (!image.ok()) return image.error();
     const std::filesystem::path file = name.empty() ? free_name() : name;
     NewFile out(file, options_.existing);

@@ -87,7 +87,7 @@ Result<void> WindowLoop::take(Ready& ready) {
     }
     if (wanted_felt_ == ready.felt) wanted_felt_.reset();
     if (auto changed = clip_->take(std::move(*ready.change)); !changed.ok()) return changed;
-    picture_->forget();
+    picture_.forget();
     say(felt_.in_words());
     return {};
 }
@@ -104,7 +104,7 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     if (auto begun = clip->begin(); !begun.ok()) return begun;
     clip_ = std::move(clip);
     clip_->begin_sound();
-    picture_->forget();
+    picture_.forget();
     playback_.emplace(*clip_);
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");

@@ -1,6 +1,7 @@
 // A window on a display, with keys and a mouse as a person has them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -65,6 +66,29 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     EXPECT_EQ(second->height, 360);
     const std::string kept = file_contents(folder / "config/touchable/play.json");
     EXPECT_NE(kept.find("\"panel\": true"), std::string::npos) << kept;
+    const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+}
+
+/// The CPU's picture in it, too.
+TEST(RealWindow, EndsWithItsDisplayAndKeepsWhatWasRecorded) {
+    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
+            .code,
+        0);
+    const int code =
+        with_display(folder, "play globe.mkv --size 400x300 --painter cpu --record hand.touch", R"(
+xdotool mousemove 200 140 sleep 0.3 mousedown 1 sleep 0.3 key F12 sleep 0.3
+kill -9 $server
+)");
+    EXPECT_EQ(code, 4);
+    const std::string err = file_contents(folder / "err");
+    EXPECT_NE(err.find("display"), std::string::npos) << err;
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    EXPECT_TRUE(read_image(folder / "touchable-1.png").ok());
     const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";

@@ -1,0 +1,60 @@
+#include "player/view/cpu_drawing.hpp"
+
+#include <utility>
+
+#include "player/view/surface_light.hpp"
+#include "player/view/surface_unproject.hpp"
+
+namespace touchable {
+namespace {
+
+std::vector<PackedColour> packed(const PlaneView& colour) {
+    std::vector<PackedColour> packed;
+    packed.reserve(static_cast<std::size_t>(colour.width) * static_cast<std::size_t>(colour.height));
+    for (int y = 0; y < colour.height; ++y) {
+        const std::uint8_t* rgb = colour.row(y);
+        for (int x = 0; x < colour.width; ++x, rgb += 3)
+            packed.push_back(pack_colour(rgb[0], rgb[1], rgb[2]));
+    }
+    return packed;
+}
+
+}  // namespace
+
+CpuDrawing::CpuDrawing() : lattices_(CpuLattices::usual_threads()) {}
+
+void CpuDrawing::show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                      Lighting lighting) {
+    painted_.reset();
+    surface_.width = field.width();
+    surface_.height = field.height();
+    if (SurfaceUnproject::has_codes(field, pair))
+        lattices_.q_of(field, pair, surface_.q);
+    else
+        surface_.q = q_of(field);
+    surface_.tiles = lattices_.tiles_of(surface_.width, surface_.height, surface_.q);
+    const bool is_plain = lighting == Lighting::plain && !colour.empty();
+    surface_.colours = is_plain ? packed(colour) : lit_colours(field.scene().camera, surface_, colour);
+}
+
+/// The surface before the background, if it is not of this surface from here already.
+Result<void> CpuDrawing::paint(const ViewCamera& camera) {
+    if (painted_ == camera.clip_from_lattice && bare_.width == camera.width && bare_.height == camera.height)
+        return {};
+    auto planes = painter_->paint(surface_, camera);
+    if (!planes.ok()) return planes.error();
+    bare_ = on_background(std::move(*planes));
+    painted_ = camera.clip_from_lattice;
+    return {};
+}
+
+Result<const Image*> CpuDrawing::draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
+                                      const MarkSizes& sizes) {
+    if (auto painted = paint(camera); !painted.ok()) return painted.error();
+    LightPicture touched = bare_;
+    draw_fingers(fingers, sizes, camera, touched);
+    picture_ = developed(touched, 1);
+    return &picture_;
+}
+
+}  // namespace touchable

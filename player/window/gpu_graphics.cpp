@@ -1,0 +1,122 @@
+#include <optional>
+#include <utility>
+
+#include "player/view/cpu_drawing.hpp"
+#include "player/view/surface_drawing.hpp"
+#include "player/view/upload_pool.hpp"
+#include "player/window/canvas.hpp"
+#include "player/window/imgui_vulkan.hpp"
+#include "player/window/window_graphics.hpp"
+
+namespace touchable {
+namespace {
+
+/// Draws on a canvas that stays on the GPU.
+class GpuGraphics final : public WindowGraphics {
+public:
+    GpuGraphics(std::shared_ptr<GpuDevice> device, Screen& screen)
+        : device_(std::move(device)), screen_(screen), uploads_(device_) {}
+
+    Result<void> open(std::string_view painter) {
+        if (painter == "cpu") {
+            by_cpu_.emplace();
+        } else {
+            auto drawing = SurfaceDrawing::create(device_, painter);
+            if (!drawing.ok()) return drawing.error();
+            drawing_ = std::move(*drawing);
+        }
+        auto imgui = ImGuiVulkan::create(device_);
+        if (!imgui.ok()) return imgui.error();
+        imgui_ = std::move(*imgui);
+        return {};
+    }
+
+    std::string_view painter() const override { return drawing_ ? drawing_->painter() : "cpu"; }
+    std::string gpu() const override { return device_->facts().name; }
+    bool is_lost() const override { return device_->lost(); }
+
+    Result<void> begin() override {
+        auto commands = GpuCommands::begin(device_, "window");
+        if (!commands.ok()) return commands.error();
+        commands_.emplace(std::move(*commands));
+        return {};
+    }
+
+    Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                      Lighting lighting) override {
+        if (drawing_) return drawing_->show(*commands_, field, pair, colour, lighting);
+        by_cpu_->show(field, pair, colour, lighting);
+        return {};
+    }
+
+    Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
+                      const MarkSizes& sizes) override {
+        if (auto reserved = reserve_canvas(camera.width, camera.height); !reserved.ok()) return reserved;
+        if (drawing_) return drawing_->draw(*commands_, camera, fingers, sizes, canvas_);
+        const auto drawn = by_cpu_->draw(camera, fingers, sizes);
+        if (!drawn.ok()) return drawn.error();
+        return upload(**drawn);
+    }
+
+    Result<void> finish() override {
+        if (auto drawn = imgui_->draw(*commands_, canvas_); !drawn.ok()) return drawn;
+        GpuCommands commands = std::move(*commands_);
+        commands_.reset();
+        return screen_.present(std::move(commands), canvas_);
+    }
+
+    Result<Image> picture() const override { return read_back(device_, canvas_); }
+
+private:
+    Result<void> reserve_canvas(int width, int height) {
+        if (width == width_ && height == height_) return {};
+        auto canvas = GpuImage::create(*device_, "canvas", width, height, VK_FORMAT_R8G8B8A8_UNORM);
+        if (!canvas.ok()) return canvas.error();
+        canvas_ = std::move(*canvas);
+        width_ = width;
+        height_ = height;
+        return {};
+    }
+
+    /// The CPU's picture onto the canvas.
+    Result<void> upload(const Image& picture) {
+        const std::size_t pixels = picture.samples.size() / 3;
+        const auto buffer = uploads_.take("picture", 4 * pixels);
+        if (!buffer.ok()) return buffer.error();
+        const auto to = buffer->mapped<PackedColour>();
+        const std::uint8_t* rgb = picture.samples.data();
+        for (std::size_t k = 0; k < pixels; ++k, rgb += 3) to[k] = pack_colour(rgb[0], rgb[1], rgb[2]);
+        record_transition(*commands_, canvas_, VK_IMAGE_LAYOUT_UNDEFINED,
+                          VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageExtent = {canvas_.extent().width, canvas_.extent().height, 1};
+        vkCmdCopyBufferToImage(commands_->handle(), buffer->handle(), canvas_.handle(),
+                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+        commands_->keep(buffer->keep_alive());
+        record_transition(*commands_, canvas_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                          VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        return {};
+    }
+
+    std::shared_ptr<GpuDevice> device_;
+    Screen& screen_;
+    std::unique_ptr<SurfaceDrawing> drawing_;
+    std::optional<CpuDrawing> by_cpu_;  // in place of it
+    UploadPool uploads_;
+    std::unique_ptr<ImGuiVulkan> imgui_;
+    GpuImage canvas_;
+    int width_ = 0, height_ = 0;
+    std::optional<GpuCommands> commands_;  // of the picture that was begun
+};
+
+}  // namespace
+
+Result<std::unique_ptr<WindowGraphics>> make_gpu_graphics(std::shared_ptr<GpuDevice> device,
+                                                          std::string_view painter, Screen& screen) {
+    auto graphics = std::make_unique<GpuGraphics>(std::move(device), screen);
+    if (auto opened = graphics->open(painter); !opened.ok()) return opened.error();
+    return std::unique_ptr<WindowGraphics>(std::move(graphics));
+}
+
+}  // namespace touchable

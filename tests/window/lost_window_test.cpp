@@ -1,0 +1,118 @@
+// What a window does where the GPU it draws on, its display, or its clip is lost.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "engine/media/image_file.hpp"
+#include "player/session/recording.hpp"
+#include "player/session/run_gpu.hpp"
+#include "player/window/play_window.hpp"
+#include "tests/gpu/blockade.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+class LostWindow : public ::testing::Test {
+protected:
+    void SetUp() override {
+        const std::string file = (folder_ / "globe.mkv").string();
+        ASSERT_EQ(run_touchable({"make", "globe", file, "--size", "160x120", "--frames", "40"}).code, 0);
+        options_.session.clip.file = file;
+        options_.session.builder.name = "cpu";
+        options_.gpu = gpu_;
+        options_.headless = true;
+        options_.screen = {320, 200, false};
+        options_.record = folder_ / "hand.touch";
+        options_.painter = "raster";
+        options_.seconds = 1.2;
+        options_.screenshot = folder_ / "shot.png";
+        options_.script = {{0.1, WindowCommand{WindowVerb::screenshot, 0, first_picture().string()}}};
+    }
+    std::filesystem::path first_picture() const { return folder_ / "first.png"; }
+    /// Loses something once the window shows pictures, and plays to the end.
+    Result<PlayFigures> play(const std::function<void()>& lose) {
+        auto loss = std::async(std::launch::async, [&] {
+            while (!has_ended_ && !std::filesystem::exists(first_picture()))
+                std::this_thread::sleep_for(10ms);
+            lose();
+        });
+        auto played = play_in_window(options_);
+        has_ended_ = true;
+        loss.get();
+        return played;
+    }
+    std::shared_ptr<GpuDevice> device() { return *gpu_->open(); }
+    /// Of the hand, as its recording has it.
+    double last_tick_s() const {
+        const auto recording = read_recording(folder_ / "hand.touch");
+        if (!recording.ok() || recording->empty() || recording->back().ticks.empty()) return 0;
+        return 1e-9 * static_cast<double>(recording->back().ticks.back().time_ns);
+    }
+
+    const TemporaryFolder folder_;
+    const std::shared_ptr<RunGpu> gpu_ = std::make_shared<RunGpu>("auto");
+    PlayOptions options_;
+    std::atomic<bool> has_ended_{false};
+};
+
+TEST_F(LostWindow, OpensAGpuThatIsLostAnew) {
+    const auto first = device();
+    const auto played = play([&] { first->lose(); });
+    ASSERT_TRUE(played.ok()) << played.error().message;
+    EXPECT_NE(device(), first);
+    EXPECT_FALSE(device()->lost());
+    EXPECT_EQ(played->painter, "raster");
+    EXPECT_GT(last_tick_s(), 1.1);
+    const auto shot = read_image(folder_ / "shot.png");
+    ASSERT_TRUE(shot.ok()) << shot.error().message;
+    EXPECT_EQ(shot->width, 320);
+}
+
+TEST_F(LostWindow, WaitsForNoGpuThatHangs) {
+    std::optional<Blockade> blockade;
+    const auto first = device();
+    const auto played = play([&] {
+        first->set_patience(50ms);
+        blockade.emplace(*first);
+    });
+    ASSERT_TRUE(played.ok()) << played.error().message;
+    EXPECT_TRUE(first->lost());
+    EXPECT_TRUE(read_image(folder_ / "shot.png").ok());
+    EXPECT_GT(last_tick_s(), 1.1);
+}
+
+TEST_F(LostWindow, EndsWhereItsGpuIsLostAgainSoon) {
+    options_.seconds = 9;
+    const auto played = play([&] {
+        // It is opened anew by whoever comes first, and lost before or after the window has drawn on it.
+        for (; !has_ended_; std::this_thread::sleep_for(100ms)) device()->lose();
+    });
+    ASSERT_FALSE(played.ok());
+    EXPECT_EQ(played.error().kind, ErrorKind::gpu);
+    EXPECT_GT(last_tick_s(), 0);
+}
+
+TEST_F(LostWindow, LeavesTheLastSurfaceOfAClipThatBreaks) {
+    options_.session.playback = {{0, PlaybackVerb::loop, 0, 1'300'000'000}};
+    options_.painter = "cpu";
+    const auto played = play([&] { std::filesystem::resize_file(options_.session.clip.file, 20'000); });
+    // It ran to its end, with the hand, and then says what was wrong.
+    ASSERT_FALSE(played.ok());
+    EXPECT_EQ(played.error().kind, ErrorKind::input) << played.error().message;
+    EXPECT_NE(played.error().message.find("globe.mkv"), std::string::npos) << played.error().message;
+    EXPECT_GT(last_tick_s(), 1.1);
+    EXPECT_TRUE(read_image(folder_ / "shot.png").ok());
+}
+
+}  // namespace
+}  // namespace touchable::test

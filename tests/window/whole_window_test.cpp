@@ -1,0 +1,95 @@
+// All threads of a window at once, as a person has them: what ThreadSanitizer has to see. The program ends
+// with its own code then, and with a report on stderr. Nothing is drawn by a GPU, into which it does not see.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+class WholeWindow : public testing::Test {
+protected:
+    void SetUp() override { make("globe.mkv", {"--frames", "12"}); }
+
+    void make(const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> words{"make", "globe", (folder / name).string(), "--size", "64x48"};
+        words.insert(words.end(), more.begin(), more.end());
+        ASSERT_EQ(run_touchable(words).code, 0);
+    }
+
+    Outcome play(const std::string& script, const std::vector<std::string>& more) {
+        std::ofstream(folder / "script") << script;
+        std::vector<std::string> words{"play",      "globe.mkv", "--headless", "--painter", "cpu",
+                                       "--builder", "cpu",       "--size",     "320x200",   "--script",
+                                       "script",    "--sound",   "heard.wav"};
+        words.insert(words.end(), more.begin(), more.end());
+        return run_in_folder(words, folder.path());
+    }
+
+    const TemporaryFolder folder;
+};
+
+TEST_F(WholeWindow, IsTouchedWhileTheClipJumpsAndIsRecorded) {
+    const Outcome played = play(R"(
+0.0 move 160 100
+0.05 press left
+0.2 seek 0.1
+0.25 speed 2
+0.3 move 180 110
+0.35 seek 0.3
+0.4 overlay depth
+0.45 loop
+0.5 key 5
+0.55 seek-by -0.2
+0.6 step 1
+0.65 play-pause
+0.7 overlay normals
+0.75 mute
+0.8 press middle
+0.85 move 200 90
+0.9 release middle
+0.95 speed 0.5
+1.0 force
+1.05 force
+1.1 panel
+)",
+                                {"--record", "hand.touch", "--seconds", "1.3"});
+    ASSERT_EQ(played.code, 0) << played.err;
+    EXPECT_EQ(played.err, "");
+    const Outcome again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+}
+
+TEST_F(WholeWindow, ChangesItsSettingsAndItsClip) {
+    make("other.mkv", {"--frames", "3"});
+    const Outcome played = play(R"(
+0.0 move 160 100
+0.05 press left
+0.2 median 3
+0.3 settings b
+0.35 seek 0.2
+0.4 settings a
+0.5 open other.mkv
+0.55 move 150 90
+0.6 press left
+0.7 open nowhere.mkv
+0.75 interpolation linear
+0.8 settings b
+0.85 drop globe.mkv
+0.95 size 400x300
+1.0 reset
+1.1 panel
+)",
+                                {"--seconds", "1.3", "--settings", "play.json"});
+    ASSERT_EQ(played.code, 0) << played.err;
+    EXPECT_EQ(played.err.find("ThreadSanitizer"), std::string::npos) << played.err;
+    EXPECT_NE(file_contents(folder / "play.json").find("\"panel\": true"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test
