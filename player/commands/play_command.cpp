@@ -35,6 +35,8 @@ struct PlayWords {
     std::vector<CLI::Option*> filters{};
     CLI::Option* seconds = nullptr;
     double seconds_value = 0;
+    bool kiosk = false;
+    std::vector<double> idle;
 };
 
 /// No file that is written takes the place of what the window shows or reads, by whatever name, or of one
@@ -101,6 +103,11 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     options.filters_are_stated = std::any_of(words.filters.begin(), words.filters.end(),
                                              [](const CLI::Option* option) { return option->count() > 0; });
     if (words.seconds->count() > 0) options.seconds = words.seconds_value;
+    if (words.kiosk) {
+        options.kiosk.emplace();
+        options.screen.fullscreen = options.screen.stays = true;
+        if (!words.idle.empty()) options.kiosk = KioskTimes{words.idle[0], words.idle[1]};
+    }
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
     if (options.headless && !options.seconds)
         return usage_error(
@@ -129,7 +136,7 @@ void print(const PlayFigures& figures) {
 
 /// Settings of this person, where the window is one: what nobody sees is the same for everybody.
 void find_settings(PlayOptions& options) {
-    if (options.settings_file || options.headless) return;
+    if (options.settings_file || options.headless || options.kiosk) return;
     auto own = own_settings_file();
     if (own.ok())
         options.settings_file = std::move(*own);
@@ -173,6 +180,17 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     add_file_option(sub, "--settings", o.settings_file,
                     "where settings are kept from one window to the next, instead of this person's own file");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
+    auto* kiosk = sub.add_flag("--kiosk", words.kiosk,
+                               "for a place where nobody watches over it: full screen, again and again, an "
+                               "invitation to touch, and nothing that ends it (docs/play.md)")
+                      ->excludes("--record")
+                      ->excludes("--settings");
+    sub.add_option("--idle", words.idle,
+                   "two times in seconds: how long nobody touches a kiosk until it invites to, and until it "
+                   "begins anew; 20 60 where they are left out")
+        ->expected(2)
+        ->needs(kiosk)
+        ->check(CLI::Range(0.1, 1e6));
     add_overwrite_option(sub, o.existing);
 }
 
@@ -183,8 +201,8 @@ void group_window_options(CLI::App& sub) {
         std::vector<const char*> options;
     } groups[] = {{"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
                   {"The window",
-                   {"--size", "--fullscreen", "--seconds", "--screenshot", "--at", "--record", "--sound",
-                    "--settings", "--overwrite"}},
+                   {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
+                    "--record", "--sound", "--settings", "--overwrite"}},
                   {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
                   {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)

@@ -127,7 +127,7 @@ public:
     std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
     /// Which frames were built, in order; what `planes_hash` is of, and empty where there is none.
     const std::vector<FrameRun>& built() const { return built_; }
-    /// Which frames were left out, in order.
+    /// Which frames were left out, in order. Of a feed without a hash the newer ones.
     const std::vector<DroppedFrames>& dropped() const { return dropped_; }
     bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
@@ -142,6 +142,7 @@ private:
     Result<void> feed_next();
     void keep(std::vector<double>& times_ms, double newest_ms) const;
     void note_built(const RawFrame& raw);
+    void note_dropped(std::int64_t frames);
     Result<bool> build(const FedFrame& frame);
 
     std::stop_token given_up_;
@@ -159,6 +160,7 @@ private:
     // Of the thread that reads.
     ReadPlace place_;
     std::vector<DroppedFrames> dropped_, left_out_;
+    std::int64_t dropped_long_ago_ = 0;  // frames that are in `dropped_` no more
     // Of the thread that builds.
     std::uint64_t built_epoch_ = 0;
     PlanesHash hash_;

@@ -111,6 +111,10 @@ void OpenedClip::begin_sound() {
     listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
 }
 
+bool OpenedClip::is_worn() const {
+    return session_->commands() > WatchedSession::most_commands * 15 / 16;
+}
+
 Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     listener_.emplace(sound_, scene_->width);
     std::vector<TouchSink*> sinks{&*listener_};

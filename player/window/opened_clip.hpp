@@ -32,6 +32,8 @@ public:
     /// Begins its session, and a recording of it where one is asked for. Once, when no other clip runs any
     /// more.
     Result<void> begin();
+    /// Whether the session will soon take no more commands: a change to the same settings begins another one.
+    bool is_worn() const;
     /// Once no other clip is heard any more.
     void begin_sound();
 

@@ -9,6 +9,7 @@
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "player/session/session_options.hpp"
+#include "player/window/kiosk.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/window_script.hpp"
 
@@ -19,7 +20,8 @@ struct PlayOptions {
     SessionOptions session;
     ScreenOptions screen;
     bool headless = false;
-    std::string painter = "auto";  ///< auto, raster or mesh
+    std::optional<KioskTimes> kiosk;  ///< nobody watches over it; it loops and keeps nothing
+    std::string painter = "auto";     ///< auto, raster or mesh
     std::vector<ScriptedInput> script;
     std::optional<std::filesystem::path>
         screenshot;  ///< of what the window shows at `screenshot_s`, the last thing done

@@ -34,6 +34,7 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
 }  // namespace
 
 Result<void> WindowLoop::open() {
+    if (options_.kiosk) kiosk_.emplace(*options_.kiosk);
     if (options_.settings_file) settings_ = SettingsFile(*options_.settings_file);
     const KeptSettings& kept = settings_.read();
     if (!options_.filters_are_stated) felt_ = {kept.a, kept.b};
@@ -45,6 +46,8 @@ Result<void> WindowLoop::open() {
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
     if (auto opened = open_parts(); !opened.ok()) return opened;
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
+    if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
+        say(playback_->toggle_loop());
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
@@ -123,6 +126,7 @@ Result<void> WindowLoop::turn() {
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
     for (const InputEvent& event : screen_->poll(wait)) take(event);
     if (begun_) take_script();
+    if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     go_on_opening();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
@@ -177,6 +181,11 @@ void WindowLoop::take_script() {
 
 void WindowLoop::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
+    if (kiosk_ && !is_for_visitors(event)) return;
+    if (kiosk_ && is_a_visit(event)) {
+        kiosk_->came(now_s());
+        watch_over();  // the finger that showed how goes before the visitor's comes
+    }
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
     events_.push_back(event);
@@ -208,8 +217,9 @@ void WindowLoop::say(const Result<void>& done) {
 }
 
 void WindowLoop::say(std::string words, bool bad) {
-    // Who sees no window is told what went wrong all the same.
-    if (bad && options_.headless) std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
+    // Who sees no window, or is no visitor, is told what went wrong all the same.
+    if (bad && (options_.headless || kiosk_))
+        std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
     message_ = std::move(words);
     message_is_bad_ = bad;
     message_at_ = Clock::now();
@@ -259,6 +269,9 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.b_is_on;
     facts.figures.push_back(sound_->state());
+    facts.is_kiosk = kiosk_.has_value();
+    if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
+    if (kiosk_) return facts;
     facts.message = message_;
     facts.message_is_bad = message_is_bad_;
     const auto failure = clip_->session().running() ? std::nullopt : clip_->session().failure();

@@ -11,6 +11,7 @@
 #include "player/window/clip_picture.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/kept_settings.hpp"
+#include "player/window/kiosk.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
@@ -62,6 +63,9 @@ private:
     Result<void> show(std::unique_ptr<OpenedClip> clip);
     std::string words_of_opening() const;
     void reset();
+    void watch_over();
+    void show_how(std::optional<double> invited);
+    void begin_anew();
     KeptSettings to_keep() const;
     void say(std::string words, bool bad = false);
     /// What was refused.
@@ -84,11 +88,15 @@ private:
     std::unique_ptr<WindowSound> sound_;
     std::unique_ptr<OpenedClip> clip_;
     std::optional<PlaybackControl> playback_;
+    std::optional<KioskWatch> kiosk_;
+    bool is_inviting_ = false, was_muted_ = false;  // the latter before it invited
+    double begun_anew_s_ = 0;
     SettingsFile settings_;
     TwoSettings felt_;
     std::optional<TwoSettings> wanted_felt_;  // to be changed to
     std::optional<TwoSettings> asked_felt_;   // that `opening_` makes ready
     bool felt_by_hand_ = false;               // in this window
+    bool can_renew_ = true;                   // the session, by one that takes more commands
     std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};

@@ -9,6 +9,7 @@
 
 #include "player/view/colour_ramp.hpp"
 #include "player/view/finger_marks.hpp"
+#include "player/window/invitation.hpp"
 #include "player/window/panel_rows.hpp"
 
 namespace touchable {
@@ -96,6 +97,12 @@ void WindowPanel::remember(const PanelFacts& facts, double frame_ms, double tick
 void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     boxes_.clear();
+    if (facts.invited_s) draw_invitation(*facts.invited_s, w, h);
+    if (facts.is_kiosk) {
+        draw_force(facts, h);
+        if (facts.scale) draw_scale(*facts.scale, w, h);
+        return;
+    }
     draw_playback(facts, w, h, asked);
     if (!help_shown || facts.message_is_bad) draw_message(facts, w);
     if (help_shown) return draw_help(w, h);  // which needs the room

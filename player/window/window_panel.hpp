@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,8 @@ struct PanelFacts {
     std::vector<std::string> figures;  ///< of the machine, a line each
     std::string message;               ///< of the moment: what a key did, or why a file cannot be opened
     bool message_is_bad = false;
+    bool is_kiosk = false;            ///< only what a visitor needs
+    std::optional<double> invited_s;  ///< since when it invites to touch, seconds; nothing: it does not
 };
 
 /// Dear ImGui's part of the window. What a person asks of it comes out as commands.

@@ -245,6 +245,24 @@ TEST(HeadlessWindow, NeverWritesOverWhatItShows) {
     EXPECT_EQ(file_contents(clip), before);
 }
 
+TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
+    // The overlay and the view of the last visitor are gone; a finger shows how; Escape is nobody's.
+    const std::string visit =
+        "0 overlay depth\n0 turn 40\n0 move 160 110\n0.05 key escape\n0.05 drop nowhere\n";
+    const Shot during = shot_of(still(), visit, "0.4", {"--kiosk", "--idle", "5", "9"});
+    const Shot after = shot_of(still(), visit, "1.2", {"--kiosk", "--idle", "9", "0.3"});
+    const Shot plain = shot_of(still(), "", "0.4", {"--kiosk"});
+    const Shot invited = shot_of(still(), "", "1.4", {"--kiosk", "--idle", "0.1", "9"});
+    EXPECT_EQ(invited.outcome.err, "");
+    EXPECT_GT(differences(during.image, plain.image, 60, 60, 260, 180), 3000);
+    EXPECT_EQ(differences(after.image, plain.image, 100, 130, 260, 230), 0);
+    EXPECT_GT(differences(invited.image, plain.image, 60, 180, 260, 230), 2000) << "no words";
+    EXPECT_GT(differences(invited.image, plain.image, 60, 60, 260, 150), 60) << "no finger";
+    const auto kept = run_touchable(
+        {"play", still().string(), "--headless", "--seconds", "0.2", "--kiosk", "--settings", "play.json"});
+    EXPECT_EQ(kept.code, 2);
+}
+
 TEST(HeadlessWindow, ClipAloneIsPlayed) {
     const auto played =
         run_touchable({globe().string(), "--headless", "--seconds", "0.3", "--size", "320x240"});
