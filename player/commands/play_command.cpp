@@ -45,6 +45,7 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
     Outputs outputs{{}, options.existing};
     if (options.record) outputs.files.push_back({"--record", *options.record});
     if (options.sound) outputs.files.push_back({"--sound", *options.sound});
+    if (options.video) outputs.files.push_back({"--video", *options.video});
     if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
     for (const ScriptedInput& input : options.script)
         if (const auto* command = std::get_if<WindowCommand>(&input.what))
@@ -78,6 +79,16 @@ CLI::Validator ends_in_wav() {
                 return std::filesystem::path(name).extension() == ".wav"
                            ? std::string()
                            : name + " is no name of a WAV file; right would be one that ends in .wav";
+            },
+            ""};
+}
+
+CLI::Validator ends_as_film() {
+    return {[](std::string& name) {
+                const auto end = std::filesystem::path(name).extension();
+                return end == ".mp4" || end == ".mkv"
+                           ? std::string()
+                           : name + " is no name of a film; right would be one that ends in .mp4 or .mkv";
             },
             ""};
 }
@@ -134,6 +145,14 @@ void print(const PlayFigures& figures) {
                 static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
 }
 
+/// Of the film, where one was asked for.
+void print_film(const PlayFigures& figures) {
+    if (figures.film_pictures > 0)
+        std::printf("%-24s%lld pictures, %lld left out\n", "film",
+                    static_cast<long long>(figures.film_pictures),
+                    static_cast<long long>(figures.film_left_out));
+}
+
 /// Settings of this person, where the window is one: what nobody sees is the same for everybody.
 void find_settings(PlayOptions& options) {
     if (options.settings_file || options.headless || options.kiosk) return;
@@ -149,6 +168,7 @@ Result<void> run_play(PlayOptions options) {
     auto figures = play_in_window(options);
     if (!figures.ok()) return figures.error();
     print(*figures);
+    print_film(*figures);
     if (!figures->not_kept.empty())
         std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';
     return {};
@@ -180,6 +200,8 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     add_file_option(sub, "--settings", o.settings_file,
                     "where settings are kept from one window to the next, instead of this person's own file");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
+    add_file_option(sub, "--video", o.video, "keep what the window shows as this film, .mp4 or .mkv")
+        ->check(ends_as_film());
     auto* kiosk = sub.add_flag("--kiosk", words.kiosk,
                                "for a place where nobody watches over it: full screen, again and again, an "
                                "invitation to touch, and nothing that ends it (docs/play.md)")
@@ -202,7 +224,7 @@ void group_window_options(CLI::App& sub) {
     } groups[] = {{"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
                   {"The window",
                    {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
-                    "--record", "--sound", "--settings", "--overwrite"}},
+                    "--record", "--sound", "--video", "--settings", "--overwrite"}},
                   {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
                   {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)

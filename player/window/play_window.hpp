@@ -29,6 +29,7 @@ struct PlayOptions {
     std::optional<double> seconds;  ///< the window closes then
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
+    std::optional<std::filesystem::path> video;  ///< what the window shows, a film (FilmWriter)
     Existing existing = Existing::keep;
     std::optional<std::filesystem::path> settings_file;  ///< nothing: nothing is kept
     bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count
@@ -58,6 +59,7 @@ struct PlayFigures {
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;
     std::string painter, gpu, builder;
+    std::int64_t film_pictures = 0, film_left_out = 0;
     std::string not_kept;  ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };

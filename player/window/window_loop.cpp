@@ -86,6 +86,10 @@ Result<void> WindowLoop::open_parts() {
     if (!layer.ok()) return layer.error();
     layer_ = std::move(*layer);
     panel_.emplace(scale);
+    if (!options_.video) return {};
+    auto film = WindowFilm::create(device_, *options_.video, options_.existing);
+    if (!film.ok()) return film.error();
+    film_ = std::move(*film);
     return {};
 }
 
@@ -109,7 +113,11 @@ Result<PlayFigures> WindowLoop::run() {
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     sum_up();
-    for (const auto* done : std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &kept})
+    const Result<void> filmed = film_ ? film_->finish(now_s()) : Result<void>();
+    if (film_) figures_.film_pictures = film_->pictures();
+    if (film_) figures_.film_left_out = film_->left_out();
+    for (const auto* done :
+         std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &filmed, &kept})
         if (!done->ok()) return done->error();
     if (const auto failure = clip_->session().failure()) return *failure;
     if (interrupted()) return by_a_person;
@@ -257,7 +265,10 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     panel_->draw(facts, size.width, size.height, asked_);
     drawn = layer_->draw(*commands, picture_->canvas());
     if (!drawn.ok()) return drawn;
+    if (film_)
+        if (auto filmed = film_->record(*commands, picture_->canvas(), now_s()); !filmed.ok()) return filmed;
     if (auto shown = screen_->present(std::move(*commands), picture_->canvas()); !shown.ok()) return shown;
+    if (film_) film_->drawn();
 
     note_picture(facts, begin);
     return {};

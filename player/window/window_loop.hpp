@@ -17,6 +17,7 @@
 #include "player/window/playback_control.hpp"
 #include "player/window/pointer_input.hpp"
 #include "player/window/what_is_seen.hpp"
+#include "player/window/window_film.hpp"
 #include "player/window/window_panel.hpp"
 #include "player/window/window_sound.hpp"
 
@@ -86,6 +87,7 @@ private:
     std::unique_ptr<ImGuiLayer> layer_;
     std::optional<WindowPanel> panel_;
     std::unique_ptr<WindowSound> sound_;
+    std::unique_ptr<WindowFilm> film_;
     std::unique_ptr<OpenedClip> clip_;
     std::optional<PlaybackControl> playback_;
     std::optional<KioskWatch> kiosk_;
