@@ -162,6 +162,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     unchanged_frames_ += unchanged;
     skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();
     const std::lock_guard lock(figures_mutex_);
+    if (eye_ != SurfaceTimeline::Eye::none) cuts_.look(raw, stored_);
     figures_.builder = builder_->name();
     figures_.frames = frames_;
     figures_.build_ms = build_ms_.back();
@@ -186,6 +187,11 @@ Result<bool> SurfaceFeed::build(const FedFrame& frame) {
 
 void SurfaceFeed::end_epoch(std::uint64_t epoch) {
     if (epoch == built_epoch_) timeline_.end_epoch();
+}
+
+std::set<std::int64_t> SurfaceFeed::cuts() const {
+    const std::lock_guard lock(figures_mutex_);
+    return cuts_.found();
 }
 
 FeedFigures SurfaceFeed::figures() const {

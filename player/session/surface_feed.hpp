@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/session/planes_hash.hpp"
+#include "player/session/scene_cuts.hpp"
 #include "player/session/watched_colours.hpp"
 
 namespace touchable {
@@ -106,6 +108,8 @@ public:
     WatchedColours& colours() { return colours_; }
     /// Any thread, at any time.
     FeedFigures figures() const;
+    /// Any thread: the frames that are cuts (SceneCuts), where there is an eye.
+    std::set<std::int64_t> cuts() const;
     /// Of a live source: time 0 of the run, before the thread that reads begins.
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
     /// From any thread: `read_next` waits for no live source any more.
@@ -157,6 +161,7 @@ private:
     WatchedColours colours_;
     mutable std::mutex figures_mutex_;
     FeedFigures figures_;  // guarded by it
+    SceneCuts cuts_;       // likewise
     // Of the thread that reads.
     ReadPlace place_;
     std::vector<DroppedFrames> dropped_, left_out_;

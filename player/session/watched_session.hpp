@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -65,6 +66,8 @@ public:
     /// The clip's clock, as every tick has met it.
     PlaybackClock clock() const { return {setup_->scene.rate, log_}; }
     WatchedFigures figures() const;
+    /// Frames with which the clip showed something else all at once, of those that came by.
+    std::set<std::int64_t> cuts() const { return setup_->feed->cuts(); }
 
     // After the end.
     const LiveFacts& facts() const { return facts_; }

@@ -62,8 +62,7 @@ ShownStroke stroke_at(double seconds) {
     constexpr double round_s = 9, stroke_s = 4.5, down_s = 0.7, up_s = 3.9;
     const double angle = 2 * std::numbers::pi * seconds / round_s;
     const double within = std::fmod(seconds, stroke_s);
-    return {{0.5 + 0.17 * std::sin(angle), 0.44 + 0.12 * std::sin(2 * angle)},
-            within > down_s && within < up_s};
+    return {{0.17 * std::sin(angle), 0.12 * std::sin(2 * angle)}, within > down_s && within < up_s};
 }
 
 }  // namespace touchable

@@ -39,10 +39,11 @@ bool is_for_visitors(const InputEvent& event);
 /// Whether it shows that somebody is there.
 bool is_a_visit(const InputEvent& event);
 
-/// Where the finger is that shows a visitor how, so many seconds after it began: `at` in shares of the
-/// picture's width and height. It comes down, strokes, and leaves, again and again.
+/// Where the finger is that shows a visitor how, so many seconds after it began: how far from the middle of
+/// what there is to see, in shares of the picture's width and height. It comes down, strokes, and leaves,
+/// again and again.
 struct ShownStroke {
-    glm::dvec2 at{0.5};
+    glm::dvec2 off{0.0};
     bool pressed = false;
 };
 ShownStroke stroke_at(double seconds);

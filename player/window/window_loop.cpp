@@ -168,7 +168,8 @@ void WindowLoop::count_session() {
 bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) const {
     const double since_ms = 1000 * seconds_between(last_picture_, now);
     if (!moment || since_ms < pause_ms()) return false;
-    const bool has_input = !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
+    const bool has_input =
+        is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
     return has_input || since_ms >= idle_pause_ms ||
            seen_.differs(*moment, clip_->fingers().shown(), clip_->sizes().finger_radius / 50);
 }
@@ -249,6 +250,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const ViewCamera camera = clip_->view().camera(size.width, size.height);
     if (const auto at = pointer_.take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
+    if (is_inviting_) show_how(field, camera);
     std::vector<glm::dvec3> goals;
     for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
     clip_->fingers().intend(field, camera, goals);
@@ -260,7 +262,8 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
     auto drawn = picture_->draw(*commands, moment, field, camera, marks, clip_->sizes());
     if (!drawn.ok()) return drawn;
-    const PanelFacts facts = words_of(moment, field, camera);
+    PanelFacts facts = words_of(moment, field, camera);
+    facts.halos = finger_halos(marks, clip_->sizes(), field, camera);
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
     panel_->draw(facts, size.width, size.height, asked_);
     drawn = layer_->draw(*commands, picture_->canvas());
@@ -279,6 +282,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, *picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.b_is_on;
+    facts.figures.back() += " on " + device_->facts().name;
     facts.figures.push_back(sound_->state());
     facts.is_kiosk = kiosk_.has_value();
     if (kiosk_) facts.invited_s = kiosk_->invites(now_s());

@@ -65,7 +65,7 @@ private:
     std::string words_of_opening() const;
     void reset();
     void watch_over();
-    void show_how(std::optional<double> invited);
+    void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
     KeptSettings to_keep() const;
     void say(std::string words, bool bad = false);
@@ -92,7 +92,7 @@ private:
     std::optional<PlaybackControl> playback_;
     std::optional<KioskWatch> kiosk_;
     bool is_inviting_ = false, was_muted_ = false;  // the latter before it invited
-    double begun_anew_s_ = 0;
+    double begun_anew_s_ = 0, shown_share_ = 1;
     SettingsFile settings_;
     TwoSettings felt_;
     std::optional<TwoSettings> wanted_felt_;  // to be changed to

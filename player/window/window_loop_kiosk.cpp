@@ -1,5 +1,7 @@
-#include <utility>
+#include <algorithm>
+#include <glm/common.hpp>
 
+#include "player/view/surface_pick.hpp"
 #include "player/window/window_loop.hpp"
 
 // A window that nobody watches over.
@@ -17,21 +19,33 @@ void WindowLoop::watch_over() {
     } else if (!invited && is_inviting_) {
         sound_->set_muted(was_muted_);
     }
-    if (invited || is_inviting_) show_how(invited);
+    if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
     is_inviting_ = invited.has_value();
     // A clip that did not say how long it is could not be told to loop.
     const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end;
     if (ended && now > begun_anew_s_ + 1) begin_anew();
 }
 
-/// A finger that goes by itself over the picture, and really touches it.
-void WindowLoop::show_how(std::optional<double> invited) {
-    PointerFingers& fingers = clip_->fingers();
-    if (!invited) return pointer_.leave(fingers);
-    const ScreenSize size = screen_->size();
-    const ShownStroke stroke = stroke_at(*invited);
-    fingers.set_pointer(stroke.at * glm::dvec2(size.width, size.height));
-    fingers.press(stroke.pressed);
+/// A finger that goes by itself over the picture, and really touches it: nearer to the middle where there is
+/// nothing to touch farther out.
+void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
+    constexpr double goes_nearer = 0.03;  // a picture, of its way
+    const ShownStroke stroke = stroke_at(kiosk_->invites(now_s()).value_or(0));
+    const glm::dvec2 size(camera.width, camera.height);
+    const auto middle = camera.project(clip_->view().middle());
+    // The words are below.
+    const glm::dvec2 from = glm::clamp(middle ? glm::dvec2(*middle) : size / 2.0, 0.3 * size, 0.5 * size);
+    const auto place = [&](double share) { return from + stroke.off * size * share; };
+    double share = 1;
+    for (const double tried : {1.0, 0.75, 0.5, 0.25, 0.0}) {
+        const auto met = pick(field, camera, place(tried).x, place(tried).y);
+        if (!met || !met->drawn) continue;
+        share = tried;
+        break;
+    }
+    shown_share_ += std::clamp(share - shown_share_, -goes_nearer, goes_nearer);
+    clip_->fingers().set_pointer(place(shown_share_));
+    clip_->fingers().press(stroke.pressed);
     screen_->hide_pointer(true);
 }
 

@@ -10,6 +10,7 @@
 #include "engine/media/image_file.hpp"
 #include "player/session/recording.hpp"
 #include "player/session/repeating_hand.hpp"
+#include "tests/media/film_reader.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 
@@ -261,6 +262,33 @@ TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
     const auto kept = run_touchable(
         {"play", still().string(), "--headless", "--seconds", "0.2", "--kiosk", "--settings", "play.json"});
     EXPECT_EQ(kept.code, 2);
+}
+
+TEST(HeadlessWindow, FilmShowsWhatTheWindowDid) {
+    const TemporaryFolder folder;
+    const std::string film = (folder / "film.mkv").string();
+    // The other size, and the panel in the right half from then on.
+    const Shot shot = shot_of(still(), "0.5 size 640x480\n0.5 panel\n", "1", {"--video", film});
+    EXPECT_NE(shot.outcome.out.find("film "), std::string::npos) << shot.outcome.out;
+    const auto seen = seen_in_film(film);
+    ASSERT_GE(seen.size(), 30U);
+    EXPECT_LE(seen.size(), 90U) << "longer than the window was there";
+    EXPECT_NEAR(seen.back().seconds, static_cast<double>(seen.size() - 1) / 30, 0.01);
+    EXPECT_EQ(seen.front().width, 320);
+    EXPECT_EQ(seen.back().width, 320);
+    const auto light_in = [](const SeenPicture& picture, int x0, int x1) {
+        double sum = 0;
+        for (int y = 20; y < 200; ++y)
+            for (int x = x0; x < x1; ++x) sum += picture.at(x, y) - 16;
+        return sum / (180 * (x1 - x0));
+    };
+    EXPECT_GT(light_in(seen.front(), 100, 220), 30) << "black";
+    EXPECT_GT(light_in(seen.back(), 100, 180), 20) << "black";
+    EXPECT_GT(std::abs(light_in(seen.front(), 210, 310) - light_in(seen.back(), 210, 310)), 3) << "no panel";
+    const auto refused = run_touchable({"play", still().string(), "--headless", "--seconds", "0.2", "--video",
+                                        (folder / "film.avi").string()});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
 }
 
 TEST(HeadlessWindow, ClipAloneIsPlayed) {

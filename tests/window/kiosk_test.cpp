@@ -1,6 +1,7 @@
 // A window that nobody watches over.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "player/window/kiosk.hpp"
@@ -52,10 +53,8 @@ TEST(Kiosk, FingerThatShowsHowStaysInThePictureAndComesBack) {
     int pressed = 0;
     for (int k = 0; k < 1000; ++k) {
         const ShownStroke stroke = stroke_at(k * 0.037);
-        EXPECT_GT(stroke.at.x, 0.2);
-        EXPECT_LT(stroke.at.x, 0.8);
-        EXPECT_GT(stroke.at.y, 0.2);
-        EXPECT_LT(stroke.at.y, 0.7) << "below are words";
+        EXPECT_LT(std::abs(stroke.off.x), 0.3);
+        EXPECT_LT(std::abs(stroke.off.y), 0.2) << "below are words";
         pressed += stroke.pressed;
     }
     EXPECT_GT(pressed, 500);
