@@ -91,7 +91,7 @@ private:
     std::unique_ptr<OpenedClip> clip_;
     std::optional<PlaybackControl> playback_;
     std::optional<KioskWatch> kiosk_;
-    bool is_inviting_ = false, was_muted_ = false;  // the latter before it invited
+    bool is_inviting_ = false;
     double begun_anew_s_ = 0, shown_share_ = 1;
     SettingsFile settings_;
     TwoSettings felt_;

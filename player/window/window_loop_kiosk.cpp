@@ -13,12 +13,7 @@ void WindowLoop::watch_over() {
     const double now = now_s();
     if (kiosk_->begins_anew(now)) begin_anew();
     const auto invited = kiosk_->invites(now);
-    if (invited && !is_inviting_) {
-        was_muted_ = sound_->is_muted();
-        sound_->set_muted(true);  // nobody is there to hear it
-    } else if (!invited && is_inviting_) {
-        sound_->set_muted(was_muted_);
-    }
+    sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
     if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
     is_inviting_ = invited.has_value();
     // A clip that did not say how long it is could not be told to loop.
@@ -57,8 +52,7 @@ void WindowLoop::begin_anew() {
     clip_->fingers().lift();
     clip_->device().set_force(true);
     picture_->set_overlay(Overlay::colour);
-    was_muted_ = false;
-    if (!is_inviting_) sound_->set_muted(false);
+    sound_->set_muted(false);
     say(playback_->begin_anew(options_.session.playback, true));
 }
 
