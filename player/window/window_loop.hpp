@@ -93,6 +93,7 @@ private:
     std::optional<KioskWatch> kiosk_;
     bool is_inviting_ = false;
     double begun_anew_s_ = 0, shown_share_ = 1;
+    glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
     SettingsFile settings_;
     TwoSettings felt_;
     std::optional<TwoSettings> wanted_felt_;  // to be changed to

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "player/view/surface_pick.hpp"
 #include "player/window/window_loop.hpp"
@@ -7,6 +9,40 @@
 // A window that nobody watches over.
 
 namespace touchable {
+namespace {
+
+/// Where a finger has something to touch all round, as near to the middle as may be: in shares of the
+/// picture, above the words. The middle where there is nothing.
+glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
+    constexpr int columns = 13, rows = 8;
+    const glm::dvec2 least(0.2, 0.2), most(0.8, 0.55), middle(0.5, 0.44);
+    std::array<std::array<bool, rows>, columns> drawn{};
+    const auto place = [&](int i, int j) {
+        return glm::mix(least, most, glm::dvec2(i / (columns - 1.0), j / (rows - 1.0)));
+    };
+    for (int i = 0; i < columns; ++i)
+        for (int j = 0; j < rows; ++j) {
+            const glm::dvec2 at = place(i, j) * glm::dvec2(camera.width, camera.height);
+            const auto met = pick(field, camera, at.x, at.y);
+            drawn[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = met && met->drawn;
+        }
+    glm::dvec2 best = middle;
+    double best_score = 0;
+    for (int i = 1; i + 1 < columns; ++i)
+        for (int j = 1; j + 1 < rows; ++j) {
+            int round = 0;
+            for (int k = 0; k < 9; ++k)
+                round +=
+                    drawn[static_cast<std::size_t>(i + k % 3 - 1)][static_cast<std::size_t>(j + k / 3 - 1)];
+            const double score = round - 6 * glm::distance(place(i, j), middle);
+            if (round == 0 || score <= best_score) continue;
+            best = place(i, j);
+            best_score = score;
+        }
+    return best;
+}
+
+}  // namespace
 
 /// Invites when nobody has been there for a while, and forgets what the last visitor did.
 void WindowLoop::watch_over() {
@@ -27,10 +63,11 @@ void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
     constexpr double goes_nearer = 0.03;  // a picture, of its way
     const ShownStroke stroke = stroke_at(kiosk_->invites(now_s()).value_or(0));
     const glm::dvec2 size(camera.width, camera.height);
-    const auto middle = camera.project(clip_->view().middle());
-    // The words are below.
-    const glm::dvec2 from = glm::clamp(middle ? glm::dvec2(*middle) : size / 2.0, 0.3 * size, 0.5 * size);
-    const auto place = [&](double share) { return from + stroke.off * size * share; };
+    if (!stroke.pressed) {
+        const glm::dvec2 there = place_to_show(field, camera);
+        shown_from_ += glm::clamp(there - shown_from_, glm::dvec2(-goes_nearer), glm::dvec2(goes_nearer));
+    }
+    const auto place = [&](double share) { return (shown_from_ + stroke.off * share) * size; };
     double share = 1;
     for (const double tried : {1.0, 0.75, 0.5, 0.25, 0.0}) {
         const auto met = pick(field, camera, place(tried).x, place(tried).y);

@@ -15,8 +15,6 @@ public:
 
     ViewCamera camera(int width, int height) const;
     bool own() const { return own_; }
-    /// Of what there is to see, world.
-    const glm::dvec3& middle() const { return home_; }
     const Viewpoint& orbit() const { return orbit_; }
 
     /// By so many degrees to the right and up.
