@@ -35,6 +35,8 @@ struct PlayWords {
     std::vector<CLI::Option*> filters{};
     CLI::Option* seconds = nullptr;
     double seconds_value = 0;
+    bool kiosk = false;
+    std::vector<double> idle;
 };
 
 /// No file that is written takes the place of what the window shows or reads, by whatever name, or of one
@@ -43,6 +45,7 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
     Outputs outputs{{}, options.existing};
     if (options.record) outputs.files.push_back({"--record", *options.record});
     if (options.sound) outputs.files.push_back({"--sound", *options.sound});
+    if (options.video) outputs.files.push_back({"--video", *options.video});
     if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
     for (const ScriptedInput& input : options.script)
         if (const auto* command = std::get_if<WindowCommand>(&input.what))
@@ -80,6 +83,16 @@ CLI::Validator ends_in_wav() {
             ""};
 }
 
+CLI::Validator ends_as_film() {
+    return {[](std::string& name) {
+                const auto end = std::filesystem::path(name).extension();
+                return end == ".mp4" || end == ".mkv"
+                           ? std::string()
+                           : name + " is no name of a film; right would be one that ends in .mp4 or .mkv";
+            },
+            ""};
+}
+
 Result<PlayOptions> read_words(const PlayWords& words) {
     PlayOptions options = words.options;
     const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
@@ -101,6 +114,11 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     options.filters_are_stated = std::any_of(words.filters.begin(), words.filters.end(),
                                              [](const CLI::Option* option) { return option->count() > 0; });
     if (words.seconds->count() > 0) options.seconds = words.seconds_value;
+    if (words.kiosk) {
+        options.kiosk.emplace();
+        options.screen.fullscreen = options.screen.stays = true;
+        if (!words.idle.empty()) options.kiosk = KioskTimes{words.idle[0], words.idle[1]};
+    }
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
     if (options.headless && !options.seconds)
         return usage_error(
@@ -127,9 +145,17 @@ void print(const PlayFigures& figures) {
                 static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
 }
 
+/// Of the film, where one was asked for.
+void print_film(const PlayFigures& figures) {
+    if (figures.film_pictures > 0)
+        std::printf("%-24s%lld pictures, %lld left out\n", "film",
+                    static_cast<long long>(figures.film_pictures),
+                    static_cast<long long>(figures.film_left_out));
+}
+
 /// Settings of this person, where the window is one: what nobody sees is the same for everybody.
 void find_settings(PlayOptions& options) {
-    if (options.settings_file || options.headless) return;
+    if (options.settings_file || options.headless || options.kiosk) return;
     auto own = own_settings_file();
     if (own.ok())
         options.settings_file = std::move(*own);
@@ -142,6 +168,7 @@ Result<void> run_play(PlayOptions options) {
     auto figures = play_in_window(options);
     if (!figures.ok()) return figures.error();
     print(*figures);
+    print_film(*figures);
     if (!figures->not_kept.empty())
         std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';
     return {};
@@ -174,6 +201,19 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     add_file_option(sub, "--settings", o.settings_file,
                     "where settings are kept from one window to the next, instead of this person's own file");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
+    add_file_option(sub, "--video", o.video, "keep what the window shows as this film, .mp4 or .mkv")
+        ->check(ends_as_film());
+    auto* kiosk = sub.add_flag("--kiosk", words.kiosk,
+                               "for a place where nobody watches over it: full screen, again and again, an "
+                               "invitation to touch, and nothing that ends it (docs/play.md)")
+                      ->excludes("--record")
+                      ->excludes("--settings");
+    sub.add_option("--idle", words.idle,
+                   "two times in seconds: how long nobody touches a kiosk until it invites to, and until it "
+                   "begins anew; 20 60 where they are left out")
+        ->expected(2)
+        ->needs(kiosk)
+        ->check(CLI::Range(0.1, 1e6));
     add_overwrite_option(sub, o.existing);
 }
 
@@ -184,8 +224,8 @@ void group_window_options(CLI::App& sub) {
         std::vector<const char*> options;
     } groups[] = {{"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
                   {"The window",
-                   {"--size", "--fullscreen", "--seconds", "--screenshot", "--at", "--record", "--sound",
-                    "--settings", "--overwrite"}},
+                   {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
+                    "--record", "--sound", "--video", "--settings", "--overwrite"}},
                   {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
                   {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)

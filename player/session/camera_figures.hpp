@@ -11,7 +11,8 @@ namespace touchable {
 /// What became of a camera's frames in a live run.
 struct CameraFacts {
     std::int64_t frames_shown = 0;  ///< that fingers felt
-    Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made
+    Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made; of a run of
+                                    ///< hours, of the newer ones
 };
 
 /// Finds that out tick by tick.
@@ -20,12 +21,13 @@ public:
     /// `first`: of the frames that the run waits for; those before it were there when it began.
     explicit CameraFigures(std::int64_t first) : newest_(first - 1) {}
     Result<void> take(const TouchTick& tick) override;
-    std::int64_t frames_shown() const { return static_cast<std::int64_t>(latency_ms_.size()); }
+    std::int64_t frames_shown() const { return shown_; }
     CameraFacts facts() const;
 
 private:
     std::int64_t newest_;  // that was felt
-    std::vector<double> latency_ms_;
+    std::int64_t shown_ = 0;
+    std::vector<double> latency_ms_;  // of the newer ones
 };
 
 }  // namespace touchable

@@ -85,7 +85,7 @@ bool SurfaceFeed::has_dropped(std::uint64_t epoch, std::int64_t number) const {
 }
 
 std::int64_t SurfaceFeed::dropped_frames() const {
-    std::int64_t all = 0;
+    std::int64_t all = dropped_long_ago_;
     for (const DroppedFrames& frames : dropped_) all += frames.count;
     return all;
 }
@@ -104,13 +104,25 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     frame.raw.epoch = place_.epoch;
     const std::int64_t number = frame.raw.number;
     const std::int64_t dropped = number - place_.next_number;
-    if (dropped > 0) dropped_.push_back({place_.epoch, place_.next_number, dropped});
+    if (dropped > 0) note_dropped(dropped);
     place_.next_number = number + 1;
     frame.shown = frame.raw.number >= place_.first_shown;
     const std::lock_guard lock(figures_mutex_);
     figures_.read_ms = read_ms_.back();
     figures_.dropped += std::max<std::int64_t>(dropped, 0);
     return std::optional(std::move(frame));
+}
+
+/// Of what nobody records only their number is kept, but for epochs that reading may go back to.
+void SurfaceFeed::note_dropped(std::int64_t frames) {
+    constexpr std::uint64_t epochs_ahead = 16;  // more than can be read before the hand comes to the first
+    dropped_.push_back({place_.epoch, place_.next_number, frames});
+    if (hashed_) return;
+    std::erase_if(dropped_, [this](const DroppedFrames& old) {
+        if (old.epoch + epochs_ahead >= place_.epoch) return false;
+        dropped_long_ago_ += old.count;
+        return true;
+    });
 }
 
 /// Who watches may do so for days: then the newer ones alone.
@@ -150,6 +162,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     unchanged_frames_ += unchanged;
     skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();
     const std::lock_guard lock(figures_mutex_);
+    if (eye_ != SurfaceTimeline::Eye::none) cuts_.look(raw, stored_);
     figures_.builder = builder_->name();
     figures_.frames = frames_;
     figures_.build_ms = build_ms_.back();
@@ -174,6 +187,11 @@ Result<bool> SurfaceFeed::build(const FedFrame& frame) {
 
 void SurfaceFeed::end_epoch(std::uint64_t epoch) {
     if (epoch == built_epoch_) timeline_.end_epoch();
+}
+
+std::set<std::int64_t> SurfaceFeed::cuts() const {
+    const std::lock_guard lock(figures_mutex_);
+    return cuts_.found();
 }
 
 FeedFigures SurfaceFeed::figures() const {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/session/planes_hash.hpp"
+#include "player/session/scene_cuts.hpp"
 #include "player/session/watched_colours.hpp"
 
 namespace touchable {
@@ -106,6 +108,8 @@ public:
     WatchedColours& colours() { return colours_; }
     /// Any thread, at any time.
     FeedFigures figures() const;
+    /// Any thread: the frames that are cuts (SceneCuts), where there is an eye.
+    std::set<std::int64_t> cuts() const;
     /// Of a live source: time 0 of the run, before the thread that reads begins.
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
     /// From any thread: `read_next` waits for no live source any more.
@@ -127,7 +131,7 @@ public:
     std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
     /// Which frames were built, in order; what `planes_hash` is of, and empty where there is none.
     const std::vector<FrameRun>& built() const { return built_; }
-    /// Which frames were left out, in order.
+    /// Which frames were left out, in order. Of a feed without a hash the newer ones.
     const std::vector<DroppedFrames>& dropped() const { return dropped_; }
     bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
@@ -142,6 +146,7 @@ private:
     Result<void> feed_next();
     void keep(std::vector<double>& times_ms, double newest_ms) const;
     void note_built(const RawFrame& raw);
+    void note_dropped(std::int64_t frames);
     Result<bool> build(const FedFrame& frame);
 
     std::stop_token given_up_;
@@ -156,9 +161,11 @@ private:
     WatchedColours colours_;
     mutable std::mutex figures_mutex_;
     FeedFigures figures_;  // guarded by it
+    SceneCuts cuts_;       // likewise
     // Of the thread that reads.
     ReadPlace place_;
     std::vector<DroppedFrames> dropped_, left_out_;
+    std::int64_t dropped_long_ago_ = 0;  // frames that are in `dropped_` no more
     // Of the thread that builds.
     std::uint64_t built_epoch_ = 0;
     PlanesHash hash_;

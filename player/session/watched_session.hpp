@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -54,6 +55,8 @@ public:
     /// Takes effect with the next tick. Refused (ErrorKind::usage): what `validate` refuses, moments beyond
     /// the clip's end, anything of a camera, after the end, and once there are `most_commands`.
     Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
+    /// That have taken effect so far.
+    std::size_t commands() const { return log_->size(); }
     /// What the hand was at last; nothing before the first tick. Waits for nobody but a copy of the same.
     const WatchedMoment* look();
 
@@ -64,6 +67,8 @@ public:
     WatchedFigures figures() const;
     /// As LiveSession::clip_failure.
     std::optional<Error> clip_failure() const { return live_->clip_failure(); }
+    /// Frames with which the clip showed something else all at once, of those that came by.
+    std::set<std::int64_t> cuts() const { return setup_->feed->cuts(); }
 
     // After the end.
     const LiveFacts& facts() const { return facts_; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string_view>
 
 #include "player/window/panel_rows.hpp"
 
@@ -36,9 +37,15 @@ void draw_choice(const FeltSetting& setting, const FeltFacts& facts, std::vector
 }
 
 /// Each filter with its reason, a line each: what stands between parentheses is no end of one.
-void draw_filters(const std::string& words) {
+void draw_reasons(const std::string& words) {
     int depth = 0;
     std::string line;
+    const auto say = [](std::string remark) {
+        constexpr std::string_view stated = "(stated)";
+        if (const std::size_t at = remark.find(stated); at != std::string::npos)
+            remark.replace(at, stated.size(), "(asked for)");
+        draw_remark(remark);
+    };
     for (std::size_t k = 0; k < words.size(); ++k) {
         depth += words[k] == '(' ? 1 : (words[k] == ')' ? -1 : 0);
         line += words[k];
@@ -46,10 +53,14 @@ void draw_filters(const std::string& words) {
                                                     (words[k] == ',' || words[k] == ';' || words[k] == ':'));
         if (!ends) continue;
         if (k + 1 < words.size()) line.pop_back();
-        draw_remark(line);
+        say(line);
         line.clear();
         ++k;  // the space
     }
+}
+
+bool is_of_filters(const FeltSetting& setting) {
+    return setting.filter || std::string_view(setting.name) == "filters";
 }
 
 std::string shown_number(const FeltSetting& setting, float value) {
@@ -79,24 +90,34 @@ void FeltPanel::draw_number(const FeltSetting& setting, const FeltFacts& facts,
     if (ImGui::IsItemDeactivatedAfterEdit()) ask_for(setting, shown_number(setting, dragged_), asked);
 }
 
-void FeltPanel::draw(const FeltFacts& facts, std::vector<WindowCommand>& asked) {
+void FeltPanel::draw_row(const FeltSetting& setting, const FeltFacts& facts,
+                         std::vector<WindowCommand>& asked) {
+    std::string label = std::string_view(setting.name) == "filters" ? "all at once" : setting.name;
+    std::replace(label.begin(), label.end(), '-', ' ');
+    draw_label(label, scale_);
+    if (setting.words.empty())
+        draw_number(setting, facts, asked);
+    else
+        draw_choice(setting, facts, asked);
+    explain_row(setting.what);
+}
+
+void FeltPanel::draw(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    scale_ = scale;
     draw_label("settings", scale_);
     if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
         asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
-    for (const FeltSetting& setting : felt_settings()) {
-        std::string label = setting.name;
-        if (label == "filters") {
-            draw_heading("Filters of depth");
-            label = "all at once";
-        }
-        std::replace(label.begin(), label.end(), '-', ' ');
-        draw_label(label, scale_);
-        if (setting.words.empty())
-            draw_number(setting, facts, asked);
-        else
-            draw_choice(setting, facts, asked);
-    }
-    draw_filters(facts.filters);
+    explain_row(
+        "Two sets of settings, to feel the difference. The key B switches; B begins without filters.");
+    for (const FeltSetting& setting : felt_settings())
+        if (!is_of_filters(setting)) draw_row(setting, facts, asked);
+}
+
+void FeltPanel::draw_filters(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    scale_ = scale;
+    for (const FeltSetting& setting : felt_settings())
+        if (is_of_filters(setting)) draw_row(setting, facts, asked);
+    draw_reasons(facts.filters);
 }
 
 }  // namespace touchable

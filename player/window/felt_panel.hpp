@@ -16,18 +16,18 @@ struct FeltFacts {
     bool b_is_on = false;                                   ///< of the two sets
 };
 
-/// The panel's part for the settings of what is felt, a row each.
+/// The panel's parts for the settings of what is felt, a row each, where Dear ImGui's cursor is. `scale` as
+/// in panel_rows.hpp.
 class FeltPanel {
 public:
-    /// `scale` as in ScreenSize.
-    explicit FeltPanel(float scale) : scale_(scale) {}
-    /// Where Dear ImGui's cursor is.
-    void draw(const FeltFacts& facts, std::vector<WindowCommand>& asked);
+    void draw(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_filters(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked);
 
 private:
+    void draw_row(const FeltSetting& setting, const FeltFacts& facts, std::vector<WindowCommand>& asked);
     void draw_number(const FeltSetting& setting, const FeltFacts& facts, std::vector<WindowCommand>& asked);
 
-    float scale_;
+    float scale_ = 1;
     std::string held_;   // the slider that somebody holds
     float dragged_ = 0;  // what it says
 };

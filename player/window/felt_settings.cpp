@@ -103,15 +103,19 @@ std::vector<FeltSetting> force_settings() {
     const DeviceLimits most = PointerSettings{}.limits;
     return {
         {.name = "metric",
+         .what = "How lengths are measured: as they are (world), or in two ways that are there to compare: "
+                 "by pixels and grey levels, as the first papers did (pixel), or those made equal (scaled).",
          .words = words_of(metrics),
          .apply = [](const std::string& value, Options& o) { o.metric = value_of(metrics, value); },
          .in_effect = [](const TouchSetup& s) { return word_for(metrics, s.settings.touch.metric); }},
         {.name = "interpolation",
+         .what = "Between two frames the surface moves smoothly (linear), or it waits for the next (hold).",
          .words = words_of(interpolations),
          .apply = [](const std::string& value,
                      Options& o) { o.clip.interpolation = value_of(interpolations, value); },
          .in_effect = [](const TouchSetup& s) { return word_for(interpolations, s.scene.interpolation); }},
         {.name = "max-force",
+         .what = "No force on a finger is ever larger.",
          .words = {},
          .least = 0.1,
          .most = most.max_force,
@@ -120,6 +124,8 @@ std::vector<FeltSetting> force_settings() {
                      Options& o) { o.guard.max_force = number_of(value).value_or(0); },
          .in_effect = [](const TouchSetup& s) { return short_number(s.settings.guard.max_force); }},
         {.name = "max-stiffness",
+         .what =
+             "How hard the surface can be at most: newtons for each millimetre that a finger is pressed in.",
          .words = {},
          .least = 0.1,
          .most = most.max_stiffness / 1000,
@@ -132,13 +138,20 @@ std::vector<FeltSetting> force_settings() {
 
 std::vector<FeltSetting> filter_settings() {
     return {
-        {.name = "filters", .words = {"clip", "auto", "off"}, .apply = apply_filters},
+        {.name = "filters",
+         .what = "What cleans the depth before it is felt: as the clip asks for, as measured in its first "
+                 "frames, or nothing.",
+         .words = {"clip", "auto", "off"},
+         .apply = apply_filters},
         {.name = "median",
+         .what =
+             "Takes out single wrong pixels: each becomes the middle one of its 3 x 3 or 5 x 5 neighbours.",
          .words = {"0", "3", "5"},
          .filter = true,
          .apply = [](const std::string& value, Options& o) { o.clip.median = whole(value); },
          .in_effect = [](const TouchSetup& s) { return std::to_string(s.scene.filter.median); }},
         {.name = "fill-holes",
+         .what = "Closes gaps in the depth from their rims, one pixel with each pass.",
          .words = {},
          .most = most_passes,
          .whole = true,
@@ -147,12 +160,14 @@ std::vector<FeltSetting> filter_settings() {
          .apply = [](const std::string& value, Options& o) { o.clip.fill_holes = whole(value); },
          .in_effect = [](const TouchSetup& s) { return std::to_string(s.scene.filter.fill_holes); }},
         {.name = "terraces",
+         .what = "Smooths the steps that coarsely stored depth has, as a hillside has terraces.",
          .words = words_of(terrace_words),
          .filter = true,
          .apply = [](const std::string& value,
                      Options& o) { o.clip.terraces = value_of(terrace_words, value); },
          .in_effect = [](const TouchSetup& s) { return word_for(terrace_words, s.scene.filter.terraces); }},
         {.name = "temporal",
+         .what = "Calms depth that trembles from frame to frame, where nothing moves.",
          .words = words_of(off_and_on),
          .filter = true,
          .apply =

@@ -15,6 +15,7 @@ namespace touchable {
 /// Something that a person can set about what is felt, and what it can be set to.
 struct FeltSetting {
     const char* name;                ///< as commands and the settings file have it
+    const char* what = "";           ///< for who sees it for the first time
     std::vector<const char*> words;  ///< what it can be; empty: a number
     double least = 0, most = 0;      ///< of a number
     bool whole = false;              ///< the number is

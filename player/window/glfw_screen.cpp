@@ -43,6 +43,7 @@ public:
                 "(Debian: mesa-vulkan-drivers)"};
         glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
         glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+        glfwWindowHint(GLFW_AUTO_ICONIFY, options.stays ? GLFW_FALSE : GLFW_TRUE);
         window_ = glfwCreateWindow(options.width, options.height, "touchable", nullptr, nullptr);
         if (!window_) return no_display();
         glfwSetWindowSizeLimits(window_, 320, 200, GLFW_DONT_CARE, GLFW_DONT_CARE);

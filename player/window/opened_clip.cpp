@@ -71,6 +71,7 @@ void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
     felt_ = felt;
     in_effect_ = felt_in(setup);
     filters_ = filters_in_words(setup.scene, setup.filters);
+    builder_why_ = setup.builder_why;
     if (setup.filters) clip_.measured = MeasuredFrames{setup.filters->measured, setup.filters->damage};
 }
 
@@ -109,6 +110,19 @@ Result<void> OpenedClip::begin() {
 void OpenedClip::begin_sound() {
     sound_.open_clip(session_->setup().clip.file);
     listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
+}
+
+std::vector<double> OpenedClip::cuts() const {
+    std::set<std::int64_t> frames = session_->cuts();
+    frames.insert(cuts_.begin(), cuts_.end());
+    std::vector<double> moments;
+    for (const std::int64_t frame : frames)
+        moments.push_back(static_cast<double>(scene_->rate.time_ns(frame)) * 1e-9);
+    return moments;
+}
+
+bool OpenedClip::is_worn() const {
+    return session_->commands() > WatchedSession::most_commands * 15 / 16;
 }
 
 Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
@@ -190,6 +204,7 @@ bool OpenedClip::has_come_to(const Change& change) const {
 Result<void> OpenedClip::take(Change change) {
     const PlaybackState now = session_->playback();
     session_->stop();
+    cuts_.merge(session_->cuts());
     const WatchedFigures before = figures();
     if (record_) record_->file->end_part(facts_of_part(), session_->setup().settings.playback);
     if (record_) record_->hash.emplace();

@@ -4,8 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "device/pointer_device.hpp"
 #include "haptics_cpu/force_hash.hpp"
@@ -32,6 +34,8 @@ public:
     /// Begins its session, and a recording of it where one is asked for. Once, when no other clip runs any
     /// more.
     Result<void> begin();
+    /// Whether the session will soon take no more commands: a change to the same settings begins another one.
+    bool is_worn() const;
     /// Once no other clip is heard any more.
     void begin_sound();
 
@@ -68,6 +72,10 @@ public:
     const FeltSettings& felt() const { return felt_; }
     const std::map<std::string, std::string>& in_effect() const { return in_effect_; }
     const std::string& filters() const { return filters_; }
+    /// Why this builder makes the surface; empty: it was asked for.
+    const std::string& builder_why() const { return builder_why_; }
+    /// Moments of its cuts that have come by so far, seconds.
+    std::vector<double> cuts() const;
     std::int64_t frames() const { return frames_; }  ///< 0 where nobody knows
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
     const PointerDevice& device() const { return *device_; }
@@ -101,7 +109,8 @@ private:
     WindowSound& sound_;
     FeltSettings felt_;
     std::map<std::string, std::string> in_effect_;
-    std::string name_, filters_;
+    std::string name_, filters_, builder_why_;
+    std::set<std::int64_t> cuts_;  // frames, of sessions before this one
     std::int64_t frames_ = 0;
     std::shared_ptr<PointerDevice> device_;
     std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go

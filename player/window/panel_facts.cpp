@@ -48,7 +48,10 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
             words_of("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),
             words_of("%lld of %lld ticks late", static_cast<long long>(figures.ticks.late),
                      static_cast<long long>(figures.ticks.ticks)),
-            "builder " + figures.feed.builder + ", painter " + std::string(picture.graphics().painter())};
+            "surface by the " + figures.feed.builder + " builder" +
+                (clip.builder_why().empty() ? "" : ": " + clip.builder_why()),
+            "picture by the " + std::string(picture.graphics().painter()) + " painter on " +
+                (picture.graphics().gpu().empty() ? "the CPU" : picture.graphics().gpu())};
 }
 
 /// A round number of newtons that the bar goes up to.
@@ -69,6 +72,7 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.frame = moment.held.pair.prev.number;
     facts.seconds = std::min(static_cast<double>(state.moment.time_ns) * 1e-9, clip.seconds());
     facts.clip_seconds = clip.seconds();
+    facts.cuts = clip.cuts();
     facts.playing = state.playing;
     facts.looping = state.loops;
     facts.at_end = state.at_end;
@@ -85,6 +89,9 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.place.lines = place_words(clip, moment, field, camera);
     facts.felt = {clip.felt().values(), clip.in_effect(), clip.filters()};
     facts.figures = figure_words(clip, picture, moment);
+    const WatchedFigures figures = clip.session().figures();
+    facts.late_ticks = figures.ticks.late;
+    facts.dropped_frames = figures.feed.dropped;
     return facts;
 }
 

@@ -2,7 +2,7 @@
 
 #include "player/window/clip_picture.hpp"
 #include "player/window/opened_clip.hpp"
-#include "player/window/window_panel.hpp"
+#include "player/window/panel_contents.hpp"
 
 namespace touchable {
 

@@ -1,8 +1,8 @@
 #include "player/window/panel_rows.hpp"
 
-#include <imgui.h>
-
 #include <algorithm>
+
+#include "player/view/finger_marks.hpp"
 
 namespace touchable {
 namespace {
@@ -10,6 +10,49 @@ namespace {
 constexpr float label_width = 98, value_width = 72;
 
 }  // namespace
+
+bool draw_fold(const char* words, bool out) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyle().Colors[ImGuiCol_SliderGrab]);
+    const bool is_out = ImGui::CollapsingHeader(words, out ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    ImGui::PopStyleColor();
+    return is_out;
+}
+
+float value_column(float scale) {
+    return std::max(ImGui::GetContentRegionAvail().x - value_width * scale, 40 * scale);
+}
+
+void draw_value(const char* words, float right_of, float top) {
+    ImGui::GetWindowDrawList()->AddText(ImVec2(right_of + ImGui::GetStyle().ItemInnerSpacing.x * 1.5F, top),
+                                        ImGui::GetColorU32(ImGuiCol_Text), words);
+}
+
+void explain_row(const char* words) {
+    const ImVec2 panel = ImGui::GetWindowPos();
+    const ImVec2 least(panel.x, ImGui::GetItemRectMin().y),
+        most(panel.x + ImGui::GetWindowWidth(), ImGui::GetItemRectMax().y);
+    if (!words || !*words || !ImGui::IsWindowHovered(ImGuiHoveredFlags_AllowWhenBlockedByActiveItem) ||
+        !ImGui::IsMouseHoveringRect(least, most, false))
+        return;
+    const float gap = ImGui::GetStyle().ItemSpacing.x, room = panel.x - 2 * gap;
+    ImGui::SetNextWindowPos(ImVec2(panel.x - gap, least.y - gap), ImGuiCond_Always, ImVec2(1, 0));
+    ImGui::SetNextWindowBgAlpha(0.95F);
+    ImGui::Begin("explanation", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                     ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::PushTextWrapPos(std::min(18 * ImGui::GetFontSize(), room - 2 * gap));
+    ImGui::TextUnformatted(words);
+    ImGui::PopTextWrapPos();
+    ImGui::End();
+}
+
+ImU32 readable_finger_colour(std::size_t finger) {
+    const ImVec4 c = ImGui::ColorConvertU32ToFloat4(finger_colour(finger) | 0xFF000000U);
+    const float grey = 0.3F * c.x + 0.6F * c.y + 0.1F * c.z, lift = std::clamp(0.62F - grey, 0.0F, 0.45F);
+    return ImGui::ColorConvertFloat4ToU32(
+        ImVec4(c.x + (1 - c.x) * lift, c.y + (1 - c.y) * lift, c.z + (1 - c.z) * lift, 1));
+}
 
 void draw_heading(const char* words) {
     ImGui::Spacing();
@@ -30,15 +73,12 @@ void draw_label(const std::string& words, float scale) {
 
 bool draw_slider(const char* id, float& value, float least, float most, const std::string& words, float scale,
                  int flags) {
-    const ImGuiStyle& style = ImGui::GetStyle();
-    const float wide = std::max(ImGui::GetContentRegionAvail().x - value_width * scale, 40 * scale);
+    const float wide = value_column(scale);
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::SetNextItemWidth(wide);
     const bool moved = ImGui::SliderFloat(id, &value, least, most, "",
                                           flags | ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput);
-    ImGui::GetWindowDrawList()->AddText(
-        ImVec2(at.x + wide + style.ItemInnerSpacing.x * 1.5F, at.y + style.FramePadding.y),
-        ImGui::GetColorU32(ImGuiCol_Text), words.c_str());
+    draw_value(words.c_str(), at.x + wide, at.y + ImGui::GetStyle().FramePadding.y);
     return moved;
 }
 

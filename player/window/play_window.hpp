@@ -9,6 +9,7 @@
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "player/session/session_options.hpp"
+#include "player/window/kiosk.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/window_script.hpp"
 
@@ -19,8 +20,9 @@ struct PlayOptions {
     SessionOptions session;
     ScreenOptions screen;
     bool headless = false;
-    std::shared_ptr<RunGpu> gpu{};  ///< that draws; nothing: the window opens one
-    std::string painter = "auto";   ///< auto, cpu, raster or mesh
+    std::optional<KioskTimes> kiosk{};  ///< nobody watches over it; it loops and keeps nothing
+    std::shared_ptr<RunGpu> gpu{};      ///< that draws; nothing: the window opens one
+    std::string painter = "auto";       ///< auto, cpu, raster or mesh
     std::vector<ScriptedInput> script;
     std::optional<std::filesystem::path>
         screenshot;  ///< of what the window shows at `screenshot_s`, the last thing done
@@ -28,6 +30,7 @@ struct PlayOptions {
     std::optional<double> seconds;  ///< the window closes then
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
+    std::optional<std::filesystem::path> video;  ///< what the window shows, a film (FilmWriter)
     Existing existing = Existing::keep;
     std::optional<std::filesystem::path> settings_file;  ///< nothing: nothing is kept
     bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count
@@ -56,6 +59,7 @@ struct PlayFigures {
     std::int64_t pictures = 0;
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;
+    std::int64_t film_pictures = 0, film_left_out = 0;
     std::string painter, gpu, builder;  ///< gpu: that draws; empty: none
     std::string not_kept;               ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;

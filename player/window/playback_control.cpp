@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace touchable {
 
@@ -40,6 +41,19 @@ Result<void> PlaybackControl::set_speed(double times) {
 
 Result<void> PlaybackControl::change_speed(double factor) {
     return set_speed(factor * static_cast<double>(clip_->session().playback().rate) / 1000);
+}
+
+Result<void> PlaybackControl::begin_anew(std::span<const PlaybackCommand> first, bool loops) {
+    wanted_ns_.reset();
+    std::vector<PlaybackCommand> commands{
+        {0, PlaybackVerb::rate, 1000, 0}, {0, PlaybackVerb::unloop, 0, 0}, {0, PlaybackVerb::seek, 0, 0}};
+    const auto end_ns = static_cast<std::int64_t>(clip_->seconds() * 1e9);
+    if (loops && end_ns >= shortest_loop_ns) commands.push_back({0, PlaybackVerb::loop, 0, end_ns});
+    commands.insert(commands.end(), first.begin(), first.end());
+    commands.push_back({0, PlaybackVerb::play, 0, 0});
+    for (const PlaybackCommand& command : commands)
+        if (auto asked = ask(command.verb, command.first, command.second); !asked.ok()) return asked;
+    return {};
 }
 
 Result<void> PlaybackControl::toggle_loop() {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "engine/result.hpp"
 #include "player/window/opened_clip.hpp"
@@ -26,6 +27,9 @@ public:
     /// Kept within slowest and fastest.
     Result<void> set_speed(double times);
     Result<void> change_speed(double factor);
+    /// As the clip began: by the commands that it was given at first, and playing; `loops`: at least the
+    /// whole of it, if it is long enough.
+    Result<void> begin_anew(std::span<const PlaybackCommand> first, bool loops);
     /// From the beginning again at the end, or not.
     Result<void> toggle_loop();
     /// Once a turn of the window: goes to where it is to go, one place after the other. So whoever drags the

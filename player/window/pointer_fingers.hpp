@@ -38,6 +38,8 @@ public:
     bool was_pressed() const { return was_pressed_; }  ///< ever
     /// Device metres, into the surface; stays when the button is let go.
     void deepen(double metres);
+    /// As high above the surface as at first, from where it goes nearest.
+    void lift() { rest_m_ = hover_m; }
     /// How deep fingers are meant to be in the surface, device metres; below 0 above it.
     double depth_m() const;
 

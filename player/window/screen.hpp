@@ -46,6 +46,7 @@ public:
 struct ScreenOptions {
     int width = 1280, height = 720;
     bool fullscreen = false;
+    bool stays = false;  ///< full screen even where another window is looked at
 };
 
 /// A window of the system's. Refused (ErrorKind::gpu) where there is no display or no Vulkan to show by.

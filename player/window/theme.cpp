@@ -3,10 +3,12 @@
 #include <fontconfig/fontconfig.h>
 #include <imgui.h>
 
+#include "player/window/invitation.hpp"
+
 namespace touchable {
 namespace {
 
-constexpr double text_pixels = 15;
+constexpr double text_pixels = 15, large_text_pixels = 56;
 
 void colour(ImGuiStyle& style) {
     const ImVec4 ground(0.07F, 0.08F, 0.10F, 0.86F), field(0.20F, 0.22F, 0.26F, 0.90F);
@@ -63,7 +65,16 @@ void apply_theme(double scale) {
     ImFont* font = nullptr;
     if (file.ends_with(".ttf") || file.ends_with(".otf"))
         font = fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(text_pixels * scale));
-    if (!font) {
+    if (font) {
+        // Of the large size only what is written in it.
+        ImFontGlyphRangesBuilder letters;
+        static ImVector<ImWchar> ranges;
+        letters.AddText(invitation_words());
+        ranges.clear();
+        letters.BuildRanges(&ranges);
+        fonts.AddFontFromFileTTF(file.c_str(), static_cast<float>(large_text_pixels * scale), nullptr,
+                                 ranges.Data);
+    } else {
         fonts.AddFontDefault();
         ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
     }

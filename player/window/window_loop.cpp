@@ -34,6 +34,7 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
 }  // namespace
 
 Result<void> WindowLoop::open() {
+    if (options_.kiosk) kiosk_.emplace(*options_.kiosk);
     if (options_.settings_file) settings_ = SettingsFile(*options_.settings_file);
     const KeptSettings& kept = settings_.read();
     if (!options_.filters_are_stated) felt_ = {kept.a, kept.b};
@@ -45,6 +46,8 @@ Result<void> WindowLoop::open() {
     ask_for_clip(options_.session.clip);
     if (auto opened = open_parts(); !opened.ok()) return opened;
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
+    if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
+        say(playback_->toggle_loop());
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
@@ -79,6 +82,10 @@ Result<void> WindowLoop::open_parts() {
     layer_.emplace(scale);
     if (auto opened = open_graphics(); !opened.ok()) return opened;
     panel_.emplace(scale);
+    if (!options_.video) return {};
+    auto film = WindowFilm::create(*options_.video, options_.existing);
+    if (!film.ok()) return film.error();
+    film_ = std::move(*film);
     return {};
 }
 
@@ -102,7 +109,11 @@ Result<PlayFigures> WindowLoop::run() {
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     sum_up();
-    for (const auto* done : std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &kept})
+    const Result<void> filmed = film_ ? film_->finish(now_s()) : Result<void>();
+    if (film_) figures_.film_pictures = film_->pictures();
+    if (film_) figures_.film_left_out = film_->left_out();
+    for (const auto* done :
+         std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &filmed, &kept})
         if (!done->ok()) return done->error();
     if (const auto failure = clip_->session().failure()) return *failure;
     if (interrupted()) return by_a_person;
@@ -121,6 +132,7 @@ Result<void> WindowLoop::turn() {
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
     for (const InputEvent& event : screen_->poll(wait)) take(event);
     if (begun_) take_script();
+    if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     go_on_opening();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
@@ -152,7 +164,8 @@ void WindowLoop::count_session() {
 bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) const {
     const double since_ms = 1000 * seconds_between(last_picture_, now);
     if (!moment || since_ms < pause_ms()) return false;
-    const bool has_input = !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
+    const bool has_input =
+        is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
     return has_input || since_ms >= idle_pause_ms ||
            seen_.differs(*moment, clip_->fingers().shown(), clip_->sizes().finger_radius / 50);
 }
@@ -173,6 +186,11 @@ void WindowLoop::take_script() {
 
 void WindowLoop::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
+    if (kiosk_ && !is_for_visitors(event)) return;
+    if (kiosk_ && is_a_visit(event)) {
+        kiosk_->came(now_s());
+        watch_over();  // the finger that showed how goes before the visitor's comes
+    }
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
     events_.push_back(event);
@@ -204,8 +222,9 @@ void WindowLoop::say(const Result<void>& done) {
 }
 
 void WindowLoop::say(std::string words, bool bad) {
-    // Who sees no window is told what went wrong all the same.
-    if (bad && options_.headless) std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
+    // Who sees no window, or is no visitor, is told what went wrong all the same.
+    if (bad && (options_.headless || kiosk_))
+        std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
     message_ = std::move(words);
     message_is_bad_ = bad;
     message_at_ = Clock::now();
@@ -227,6 +246,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const ViewCamera camera = clip_->view().camera(size.width, size.height);
     if (const auto at = pointer_.take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
+    if (is_inviting_) show_how(field, camera);
     std::vector<glm::dvec3> goals;
     for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
     clip_->fingers().intend(field, camera, goals);
@@ -237,12 +257,17 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
     const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
     if (auto drawn = picture_.draw(moment, field, camera, marks, clip_->sizes()); !drawn.ok()) return drawn;
-    const PanelFacts facts = words_of(moment, field, camera);
+    PanelFacts facts = words_of(moment, field, camera);
+    facts.halos = finger_halos(marks, clip_->sizes(), field, camera);
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
     panel_->draw(facts, size.width, size.height, asked_);
     layer_->end();
     if (auto shown = graphics.finish(); !shown.ok()) return shown;
-
+    if (film_ && film_->wants(now_s())) {
+        auto picture = graphics.picture();
+        if (!picture.ok()) return picture.error();
+        film_->add(std::move(*picture));
+    }
     note_picture(facts, begin);
     return {};
 }
@@ -253,6 +278,9 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.b_is_on;
     facts.figures.push_back(sound_->state());
+    facts.is_kiosk = kiosk_.has_value();
+    if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
+    if (kiosk_) return facts;
     facts.message = message_;
     facts.message_is_bad = message_is_bad_;
     const auto failure =

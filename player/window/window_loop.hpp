@@ -11,11 +11,13 @@
 #include "player/window/clip_picture.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/kept_settings.hpp"
+#include "player/window/kiosk.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/pointer_input.hpp"
 #include "player/window/what_is_seen.hpp"
+#include "player/window/window_film.hpp"
 #include "player/window/window_panel.hpp"
 #include "player/window/window_sound.hpp"
 
@@ -65,6 +67,9 @@ private:
     Result<void> show(std::unique_ptr<OpenedClip> clip);
     std::string words_of_opening() const;
     void reset();
+    void watch_over();
+    void show_how(const HeightField& field, const ViewCamera& camera);
+    void begin_anew();
     KeptSettings to_keep() const;
     void say(std::string words, bool bad = false);
     /// What was refused.
@@ -85,13 +90,19 @@ private:
     std::optional<Clock::time_point> lost_at_;  // when graphics were last
     std::optional<WindowPanel> panel_;
     std::unique_ptr<WindowSound> sound_;
+    std::unique_ptr<WindowFilm> film_;
     std::unique_ptr<OpenedClip> clip_;
     std::optional<PlaybackControl> playback_;
+    std::optional<KioskWatch> kiosk_;
+    bool is_inviting_ = false;
+    double begun_anew_s_ = 0, shown_share_ = 1;
+    glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
     SettingsFile settings_;
     TwoSettings felt_;
     std::optional<TwoSettings> wanted_felt_;  // to be changed to
     std::optional<TwoSettings> asked_felt_;   // that `opening_` makes ready
     bool felt_by_hand_ = false;               // in this window
+    bool can_renew_ = true;                   // the session, by one that takes more commands
     std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};

@@ -68,6 +68,10 @@ void WindowLoop::go_on_opening() {
         say(take(ready));
     }
     const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
+    if (!wanted_felt_ && can_renew_ && clip_->is_worn() && was_seen && !ready_ && !opening_.is_busy()) {
+        can_renew_ = false;  // again once it was; otherwise never
+        return ask_for_change(felt_);
+    }
     if (!wanted_felt_ || !was_seen || ready_ || opening_.is_busy()) return;
     if (wanted_felt_->now() == clip_->felt()) {
         felt_ = *std::exchange(wanted_felt_, std::nullopt);
@@ -79,6 +83,7 @@ void WindowLoop::go_on_opening() {
 
 Result<void> WindowLoop::take(Ready& ready) {
     changed_at_ = figures_.pictures;
+    const bool is_another = !(felt_ == ready.felt);
     felt_ = ready.felt;
     if (ready.clip) {
         if (auto shown = show(std::move(ready.clip)); !shown.ok()) return shown;
@@ -88,7 +93,8 @@ Result<void> WindowLoop::take(Ready& ready) {
     if (wanted_felt_ == ready.felt) wanted_felt_.reset();
     if (auto changed = clip_->take(std::move(*ready.change)); !changed.ok()) return changed;
     picture_.forget();
-    say(felt_.in_words());
+    can_renew_ = true;
+    if (is_another) say(felt_.in_words());
     return {};
 }
 
@@ -116,8 +122,10 @@ Result<void> WindowLoop::wait_for_clip() {
     screen_->set_title(opening_.words() + " ... - touchable");
     while (!clip_ && !quit_ && !interrupted()) {
         for (const InputEvent& event : screen_->poll(std::chrono::milliseconds(2)))
-            if (event.kind == InputEvent::Kind::close ||
-                (event.kind == InputEvent::Kind::key && event.word == "escape"))
+            if (kiosk_ && !is_for_visitors(event))
+                continue;
+            else if (event.kind == InputEvent::Kind::close ||
+                     (event.kind == InputEvent::Kind::key && event.word == "escape"))
                 quit_ = true;
         auto made = opening_.take();
         if (!made) continue;

@@ -24,6 +24,7 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
 
 void WindowSound::take(HeardTick tick, std::int64_t passed) {
     tick.muted = is_muted();
+    if (fingers_silent_.load(std::memory_order_relaxed)) tick.fingers = {};
     if (output_) ticks_->push(tick);
     if (!file_) return;
     for (std::int64_t k = std::min(passed, longest_gap); k > 1; --k) {

@@ -32,6 +32,8 @@ public:
     /// The clip's own sound, if it has any, is that of this file from now on.
     void open_clip(const std::filesystem::path& file) { clip_->open(file); }
     void set_muted(bool muted) { muted_.store(muted, std::memory_order_relaxed); }
+    /// No finger is heard; the clip's own sound is.
+    void silence_fingers(bool silent) { fingers_silent_.store(silent, std::memory_order_relaxed); }
     bool is_muted() const { return muted_.load(std::memory_order_relaxed); }
     /// In a few words, for a person.
     std::string state() const;
@@ -41,7 +43,7 @@ public:
 private:
     WindowSound() = default;
 
-    std::atomic<bool> muted_{false};
+    std::atomic<bool> muted_{false}, fingers_silent_{false};
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::unique_ptr<SoundFile> file_;

@@ -10,6 +10,7 @@
 #include "engine/media/image_file.hpp"
 #include "player/session/recording.hpp"
 #include "player/session/repeating_hand.hpp"
+#include "tests/media/film_reader.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 
@@ -256,6 +257,51 @@ TEST(HeadlessWindow, NeverWritesOverWhatItShows) {
                                       (folder / "script").string(), "--overwrite"});
     EXPECT_EQ(drawn.code, 2) << drawn.err;
     EXPECT_EQ(file_contents(clip), before);
+}
+
+TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
+    // The overlay and the view of the last visitor are gone; a finger shows how; Escape is nobody's.
+    const std::string visit =
+        "0 overlay depth\n0 turn 40\n0 move 160 110\n0.05 key escape\n0.05 drop nowhere\n";
+    const Shot during = shot_of(still(), visit, "0.4", {"--kiosk", "--idle", "5", "9"});
+    const Shot after = shot_of(still(), visit, "1.2", {"--kiosk", "--idle", "9", "0.3"});
+    const Shot plain = shot_of(still(), "", "0.4", {"--kiosk"});
+    const Shot invited = shot_of(still(), "", "1.4", {"--kiosk", "--idle", "0.1", "9"});
+    EXPECT_EQ(invited.outcome.err, "");
+    EXPECT_GT(differences(during.image, plain.image, 60, 60, 260, 180), 3000);
+    EXPECT_EQ(differences(after.image, plain.image, 100, 130, 260, 230), 0);
+    EXPECT_GT(differences(invited.image, plain.image, 60, 180, 260, 230), 2000) << "no words";
+    EXPECT_GT(differences(invited.image, plain.image, 60, 60, 260, 150), 60) << "no finger";
+    const auto kept = run_touchable(
+        {"play", still().string(), "--headless", "--seconds", "0.2", "--kiosk", "--settings", "play.json"});
+    EXPECT_EQ(kept.code, 2);
+}
+
+TEST(HeadlessWindow, FilmShowsWhatTheWindowDid) {
+    const TemporaryFolder folder;
+    const std::string film = (folder / "film.mkv").string();
+    // The other size, and the panel in the right half from then on.
+    const Shot shot = shot_of(still(), "0.5 size 640x480\n0.5 panel\n", "1", {"--video", film});
+    EXPECT_NE(shot.outcome.out.find("film "), std::string::npos) << shot.outcome.out;
+    const auto seen = seen_in_film(film);
+    ASSERT_GE(seen.size(), 30U);
+    EXPECT_LE(seen.size(), 90U) << "longer than the window was there";
+    EXPECT_NEAR(seen.back().seconds, static_cast<double>(seen.size() - 1) / 30, 0.01);
+    EXPECT_EQ(seen.front().width, 320);
+    EXPECT_EQ(seen.back().width, 320);
+    const auto light_in = [](const SeenPicture& picture, int x0, int x1) {
+        double sum = 0;
+        for (int y = 20; y < 200; ++y)
+            for (int x = x0; x < x1; ++x) sum += picture.at(x, y) - 16;
+        return sum / (180 * (x1 - x0));
+    };
+    EXPECT_GT(light_in(seen.front(), 100, 220), 30) << "black";
+    EXPECT_GT(light_in(seen.back(), 100, 180), 20) << "black";
+    EXPECT_GT(std::abs(light_in(seen.front(), 210, 310) - light_in(seen.back(), 210, 310)), 3) << "no panel";
+    const auto refused = run_touchable({"play", still().string(), "--headless", "--seconds", "0.2", "--video",
+                                        (folder / "film.avi").string()});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
 }
 
 TEST(HeadlessWindow, ClipAloneIsPlayed) {

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "engine/frame/plane_view.hpp"
+#include "engine/new_file.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A film of what was shown, for ordinary players: H.264 in MP4 or Matroska, by the name's end (.mp4, .mkv),
+/// a picture every thirtieth of a second. The file has its name once it is complete.
+class FilmWriter {
+public:
+    static constexpr int pictures_per_second = 30;
+
+    /// Refused: a name of another kind (ErrorKind::usage), a place where nothing can be written, and, with
+    /// `keep`, a file that is there (ErrorKind::input).
+    static Result<std::unique_ptr<FilmWriter>> create(const std::filesystem::path& file, Existing existing);
+    virtual ~FilmWriter() = default;
+
+    /// RGB, 8 bits: what is seen from place `place` of the film on (0, 1, ...: thirtieths of a second), and
+    /// until then what was before. The film has the first one's size, rounded down to even numbers; others
+    /// are fitted into it, on black. An error (ErrorKind::input) where it cannot be written.
+    virtual Result<void> add(const PlaneView& picture, std::int64_t place) = 0;
+    /// The last picture stays until before this place. An error where anything could not be written; then
+    /// there is no file.
+    virtual Result<void> finish(std::int64_t end) = 0;
+};
+
+}  // namespace touchable

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "haptics_cpu/height_field.hpp"
+#include "player/view/finger_marks.hpp"
+#include "player/view/view_camera.hpp"
+
+namespace touchable {
+
+/// A ring round a finger in the picture, so that it is seen on a surface of its own colour too.
+struct FingerHalo {
+    glm::dvec2 at{0.0};     ///< pixels
+    double radius = 0;      ///< of the finger, pixels
+    glm::dvec2 arrow{0.0};  ///< from the finger to the tip of its force's arrow, pixels
+    double newtons = 0;
+    bool touching = false;
+    bool towards_eye = false;  ///< the arrow
+    std::size_t finger = 0;
+};
+
+/// Of the fingers that are in sight.
+std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                                     const HeightField& field, const ViewCamera& camera);
+
+/// Below all panels, between ImGuiLayer's `begin` and `draw`. A force whose arrow is seen end on is told by a
+/// point in a circle, as the tip of an arrow that comes, or a cross, as the feathers of one that goes, and by
+/// its newtons.
+void draw_finger_halos(std::span<const FingerHalo> halos, float scale);
+
+}  // namespace touchable

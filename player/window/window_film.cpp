@@ -1,0 +1,76 @@
+#include "player/window/window_film.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/start_thread.hpp"
+
+namespace touchable {
+
+Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::path& file, Existing existing) {
+    auto film = FilmWriter::create(file, existing);
+    if (!film.ok()) return film.error();
+    std::unique_ptr<WindowFilm> made(new WindowFilm(std::move(*film)));
+    auto begun = start_thread(made->thread_, "of the film", [it = made.get()] { it->encode(); });
+    if (!begun.ok()) return begun.error();
+    return made;
+}
+
+WindowFilm::~WindowFilm() {
+    stop();
+}
+
+void WindowFilm::stop() {
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+bool WindowFilm::wants(double seconds) {
+    const auto place = static_cast<std::int64_t>(std::floor(seconds * FilmWriter::pictures_per_second));
+    const std::lock_guard lock(mutex_);
+    if (place <= last_place_ || !encoded_.ok()) return false;
+    last_place_ = place;
+    if (in_use_ < most_waiting) return true;
+    ++left_out_;
+    return false;
+}
+
+void WindowFilm::add(Image picture) {
+    {
+        const std::lock_guard lock(mutex_);
+        waiting_.push_back({std::move(picture), last_place_});
+        ++in_use_;
+    }
+    changed_.notify_all();
+}
+
+/// Until it is to stop and nothing waits, or the film cannot be written.
+void WindowFilm::encode() {
+    std::unique_lock lock(mutex_);
+    while (encoded_.ok()) {
+        changed_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
+        if (waiting_.empty()) return;
+        const Picture next = std::move(waiting_.front());
+        waiting_.pop_front();
+        lock.unlock();
+        auto added = film_->add(next.image.view(), next.place);
+        lock.lock();
+        encoded_ = std::move(added);
+        --in_use_;
+    }
+}
+
+Result<void> WindowFilm::finish(double seconds) {
+    stop();
+    if (!encoded_.ok()) return encoded_.error();
+    const auto end = static_cast<std::int64_t>(std::ceil(seconds * FilmWriter::pictures_per_second));
+    pictures_ = std::max(end, last_place_ + 1);
+    return film_->finish(pictures_);
+}
+
+}  // namespace touchable

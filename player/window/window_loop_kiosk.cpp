@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "player/view/surface_pick.hpp"
+#include "player/window/window_loop.hpp"
+
+// A window that nobody watches over.
+
+namespace touchable {
+namespace {
+
+/// Where a finger has something to touch all round, as near to the middle as may be: in shares of the
+/// picture, above the words. The middle where there is nothing.
+glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
+    constexpr int columns = 13, rows = 8;
+    const glm::dvec2 least(0.2, 0.2), most(0.8, 0.55), middle(0.5, 0.44);
+    std::array<std::array<bool, rows>, columns> drawn{};
+    const auto place = [&](int i, int j) {
+        return glm::mix(least, most, glm::dvec2(i / (columns - 1.0), j / (rows - 1.0)));
+    };
+    for (int i = 0; i < columns; ++i)
+        for (int j = 0; j < rows; ++j) {
+            const glm::dvec2 at = place(i, j) * glm::dvec2(camera.width, camera.height);
+            const auto met = pick(field, camera, at.x, at.y);
+            drawn[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = met && met->drawn;
+        }
+    glm::dvec2 best = middle;
+    double best_score = 0;
+    for (int i = 1; i + 1 < columns; ++i)
+        for (int j = 1; j + 1 < rows; ++j) {
+            int round = 0;
+            for (int k = 0; k < 9; ++k)
+                round +=
+                    drawn[static_cast<std::size_t>(i + k % 3 - 1)][static_cast<std::size_t>(j + k / 3 - 1)];
+            const double score = round - 6 * glm::distance(place(i, j), middle);
+            if (round == 0 || score <= best_score) continue;
+            best = place(i, j);
+            best_score = score;
+        }
+    return best;
+}
+
+}  // namespace
+
+/// Invites when nobody has been there for a while, and forgets what the last visitor did.
+void WindowLoop::watch_over() {
+    const double now = now_s();
+    if (kiosk_->begins_anew(now)) begin_anew();
+    const auto invited = kiosk_->invites(now);
+    sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
+    if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
+    is_inviting_ = invited.has_value();
+    // A clip that did not say how long it is could not be told to loop.
+    const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end;
+    if (ended && now > begun_anew_s_ + 1) begin_anew();
+}
+
+/// A finger that goes by itself over the picture, and really touches it: nearer to the middle where there is
+/// nothing to touch farther out.
+void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
+    constexpr double goes_nearer = 0.03;  // a picture, of its way
+    const ShownStroke stroke = stroke_at(kiosk_->invites(now_s()).value_or(0));
+    const glm::dvec2 size(camera.width, camera.height);
+    if (!stroke.pressed) {
+        const glm::dvec2 there = place_to_show(field, camera);
+        shown_from_ += glm::clamp(there - shown_from_, glm::dvec2(-goes_nearer), glm::dvec2(goes_nearer));
+    }
+    const auto place = [&](double share) { return (shown_from_ + stroke.off * share) * size; };
+    double share = 1;
+    for (const double tried : {1.0, 0.75, 0.5, 0.25, 0.0}) {
+        const auto met = pick(field, camera, place(tried).x, place(tried).y);
+        if (!met || !met->drawn) continue;
+        share = tried;
+        break;
+    }
+    shown_share_ += std::clamp(share - shown_share_, -goes_nearer, goes_nearer);
+    clip_->fingers().set_pointer(place(shown_share_));
+    clip_->fingers().press(stroke.pressed);
+    screen_->hide_pointer(true);
+}
+
+/// As it was at the start.
+void WindowLoop::begin_anew() {
+    begun_anew_s_ = now_s();
+    clip_->view().go_home();
+    clip_->fingers().set_count(KeptSettings().fingers);
+    clip_->fingers().lift();
+    clip_->device().set_force(true);
+    picture_.set_overlay(Overlay::colour);
+    sound_->set_muted(false);
+    say(playback_->begin_anew(options_.session.playback, true));
+}
+
+}  // namespace touchable

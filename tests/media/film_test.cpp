@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "engine/media/film_writer.hpp"
+#include "engine/media/image_file.hpp"
+#include "tests/media/film_reader.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+namespace {
+
+Image grey(int width, int height, int level) {
+    return {width, height, 1, 3,
+            std::vector<std::uint8_t>(static_cast<std::size_t>(3 * width * height),
+                                      static_cast<std::uint8_t>(level))};
+}
+
+TEST(Film, ShowsEachPictureFromItsPlaceOnAtThirtyASecond) {
+    for (const char* name : {"film.mp4", "film.mkv"}) {
+        const TemporaryFolder folder;
+        auto film = FilmWriter::create(folder / name, Existing::keep);
+        ASSERT_TRUE(film.ok()) << film.error().message;
+        const auto dark = grey(65, 48, 0), light = grey(65, 48, 255), wide = grey(128, 48, 255);
+        ASSERT_TRUE((*film)->add(dark.view(), 0).ok());
+        ASSERT_TRUE((*film)->add(light.view(), 5).ok());
+        ASSERT_TRUE((*film)->add(wide.view(), 7).ok());
+        EXPECT_FALSE(std::filesystem::exists(folder / name)) << "it has its name before it is complete";
+        ASSERT_TRUE((*film)->finish(12).ok());
+        const auto seen = seen_in_film(folder / name);
+        ASSERT_EQ(seen.size(), 12U) << name;
+        for (std::size_t k = 0; k < seen.size(); ++k) {
+            EXPECT_NEAR(seen[k].seconds, static_cast<double>(k) / 30, 0.001);
+            EXPECT_EQ(seen[k].width, 64);
+            EXPECT_EQ(seen[k].height, 48);
+            EXPECT_NEAR(seen[k].at(32, 24), k < 5 ? 16 : 235, 6) << k;
+            // The wide one is half as high, with black above and below.
+            EXPECT_NEAR(seen[k].at(32, 4), k >= 5 && k < 7 ? 235 : 16, 6) << k;
+        }
+    }
+}
+
+TEST(Film, IsRefusedUnderOtherNamesAndWhereOneIs) {
+    const TemporaryFolder folder;
+    EXPECT_EQ(FilmWriter::create(folder / "film.avi", Existing::keep).error().kind, ErrorKind::usage);
+    EXPECT_FALSE(FilmWriter::create(folder / "nowhere/film.mkv", Existing::keep).ok());
+    auto empty = FilmWriter::create(folder / "film.mkv", Existing::keep);
+    ASSERT_TRUE(empty.ok());
+    EXPECT_FALSE((*empty)->finish(3).ok());
+    EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
+}
+
+}  // namespace
+}  // namespace touchable::test
