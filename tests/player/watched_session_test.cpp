@@ -199,7 +199,6 @@ TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColour) {
         ASSERT_NO_FATAL_FAILURE(expect_replay());
         EXPECT_GT(session->setup().settings.playback.size(), 20U);
         EXPECT_EQ(session->figures().ticks.ticks, session->facts().loop.ticks);
-        EXPECT_EQ(session->figures().ticks.skipped, session->facts().loop.skipped);
     }
 }
 
