@@ -17,10 +17,11 @@ public:
         std::this_thread::sleep_for(longest);
         return {};
     }
-    Result<void> present(GpuCommands commands, const GpuImage&) override {
+    Result<std::vector<GpuTime>> present(GpuCommands commands, const GpuImage&) override {
         const auto submission = std::move(commands).submit();
         if (!submission.ok()) return submission.error();
-        return submission->wait();
+        if (auto done = submission->wait(); !done.ok()) return done.error();
+        return submission->times();
     }
     void set_title(const std::string&) override {}
     void set_fullscreen(bool) override {}

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +56,10 @@ struct PlayFigures {
     std::int64_t pictures = 0;
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;
+    std::int64_t frames_due = 0, frames_in_time = 0;  ///< FramesShown, of all clips
+    double first_picture_ms = 0;                      ///< since the window was asked for
+    std::map<std::string, double> stage_ms;           ///< sums over all pictures, on the device
+    double tick_late_us_p99 = 0;
     std::string painter, gpu, builder;
     std::string not_kept;  ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;

@@ -9,9 +9,11 @@
 
 #include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
+#include "player/window/frames_shown.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/kept_settings.hpp"
 #include "player/window/opened_clip.hpp"
+#include "player/window/picture_governor.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/pointer_input.hpp"
@@ -24,7 +26,7 @@ namespace touchable {
 /// The window of `touchable play`: its parts, and the loop that drives them.
 class WindowLoop {
 public:
-    explicit WindowLoop(const PlayOptions& options) : options_(options) {}
+    explicit WindowLoop(const PlayOptions& options) : options_(options), asked_for_(Clock::now()) {}
 
     Result<void> open();
     Result<PlayFigures> run();
@@ -69,13 +71,18 @@ private:
     void sum_up();
     void count_session();
     double pause_ms() const;
+    double frame_ms() const;
+    void watch(const WatchedMoment* moment, Clock::time_point now);
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
+    ViewCamera drawn_camera(const ScreenSize& size) const;
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void note_picture(const PanelFacts& facts, Clock::time_point begin);
+    void note_frame(const WatchedMoment& moment, bool is_new);
     double now_s() const;
 
     const PlayOptions& options_;
+    const Clock::time_point asked_for_;
     std::unique_ptr<Screen> screen_;
     std::shared_ptr<GpuDevice> device_;
     std::optional<ClipPicture> picture_;
@@ -103,6 +110,10 @@ private:
     std::size_t place_lines_ = 0;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;
+    double small_draw_ms_ = 0;  // of the last picture of a frame that had been seen before
+    Clock::time_point frame_came_at_;
+    FramesShown frames_shown_;
+    PictureGovernor governor_;
     PlayFigures figures_;
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
     ClipOpening<Ready> opening_;  // ends before what it works on
