@@ -24,15 +24,15 @@ Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
                      device.facts().name +
                          " has no 64-bit atomics, which --painter raster needs; mesh and cpu do not"};
     SurfaceRaster made;
-    const auto storage = GpuBindingKind::storage_buffer;
+    const auto storage = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
     auto raster = GpuProgram::create(
         device, "raster", raster_spv,
-        {sizeof(RasterPush), {storage, storage, storage, storage, storage}, {RASTER_LANES, 1, 1}});
+        {sizeof(RasterPush), {texels, texels, storage, storage, storage}, {RASTER_LANES, 1, 1}});
     if (!raster.ok()) return raster.error();
     made.raster_ = std::move(*raster);
     auto large = GpuProgram::create(
         device, "raster_large", raster_large_spv,
-        {sizeof(RasterPush), {storage, storage, storage, storage}, {RASTER_LARGE_LANES, 1, 1}});
+        {sizeof(RasterPush), {texels, texels, storage, storage}, {RASTER_LARGE_LANES, 1, 1}});
     if (!large.ok()) return large.error();
     made.large_ = std::move(*large);
     if (!device.facts().draws_triangles) return made;
@@ -71,11 +71,12 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     commands.fill(large, 1, 4, 8);
     commands.fill(large, 0, 12, 4);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
-    commands.dispatch_indirect(raster_, push, {lattice.q, lattice.colours, pixels, large, lattice.tiles},
-                               lattice.tiles, offsetof(TileListsHeader, groups_x));
+    const auto q = GpuBinding::words(lattice.q), colours = GpuBinding::words(lattice.colours);
+    commands.dispatch_indirect(raster_, push, {q, colours, pixels, large, lattice.tiles}, lattice.tiles,
+                               offsetof(TileListsHeader, groups_x));
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.dispatch_indirect(large_, push, {lattice.q, lattice.colours, pixels, large}, large);
+    commands.dispatch_indirect(large_, push, {q, colours, pixels, large}, large);
 }
 
 int SurfaceRaster::resolve_pitch(int width) {
