@@ -7,7 +7,8 @@
 namespace touchable {
 
 /// How large the surface is drawn, where pictures would come late otherwise: as large as it is shown, or
-/// smaller and stretched. It goes down at once and comes back slowly.
+/// smaller and stretched. It goes down at once and comes back slowly; but at once where being smaller saves
+/// little, since stretching costs time too.
 class PictureGovernor {
 public:
     /// Of the shown width and height.
@@ -22,6 +23,7 @@ private:
     static constexpr std::int64_t few = 15;            // frames that are judged together
     static constexpr double tolerated = 0.8;           // of them in time
     static constexpr double room = 0.8;                // of a frame's time, for a larger picture
+    static constexpr double worth = 0.9;               // of the time before, for a smaller one
     static constexpr double least_s = 3, most_s = 60;  // until it is tried
 
     void go_to(std::size_t level, double now_s);
@@ -30,7 +32,9 @@ private:
     std::int64_t due_ = 0, in_time_ = 0, pictures_ = 0;
     double drawing_ = 0;  // sum over those pictures
     double changed_s_ = 0, wait_s_ = least_s;
-    bool rose_ = false;  // at the last change
+    double before_ = 0;        // drawing_ of a picture before it went down, until that was judged
+    double not_before_s_ = 0;  // it goes down
+    bool rose_ = false;        // at the last change
 };
 
 }  // namespace touchable

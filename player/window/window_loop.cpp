@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <initializer_list>
 #include <iostream>
 #include <utility>
@@ -140,6 +141,7 @@ void WindowLoop::sum_up() {
     figures_.seconds = now_s();
     figures_.painter = picture_->painter();
     figures_.gpu = device_->facts().name;
+    figures_.window_cpu_ms = begun_ ? thread_cpu_ms() - begun_cpu_ms_ : 0;
     figures_.frames_due = frames_shown_.due();
     figures_.frames_in_time = frames_shown_.in_time();
     count_session();
@@ -151,6 +153,7 @@ void WindowLoop::count_session() {
     figures_.builder = sessions.feed.builder;
     figures_.ticks += sessions.ticks.ticks;
     figures_.late_ticks += sessions.ticks.late;
+    figures_.tick_late_us_p99 = std::max(figures_.tick_late_us_p99, sessions.ticks.late_us_p99);
     figures_.frames += sessions.feed.frames;
     figures_.late_frames += sessions.late_frames;
     figures_.dropped_frames += sessions.feed.dropped;
@@ -325,12 +328,19 @@ void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) 
     panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
     if (!begun_) {
         begun_ = end;
+        begun_cpu_ms_ = thread_cpu_ms();
         figures_.first_picture_ms = 1000 * seconds_between(asked_for_, end);
     }
     ++figures_.pictures;
     figures_.draw_ms.add(last_draw_ms_);
     if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);
     first_event_.reset();
+}
+
+double WindowLoop::thread_cpu_ms() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
 /// Whether the picture was there in time, and how large the next one is to be.
@@ -345,6 +355,7 @@ void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
     if (playback.playing)
         governor_.add(now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
                       last_draw_ms_ / frame_ms());
+    figures_.least_share = std::min(figures_.least_share, governor_.share());
 }
 
 Result<PlayFigures> play_in_window(const PlayOptions& options) {

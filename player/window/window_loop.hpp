@@ -78,6 +78,7 @@ private:
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void note_picture(const PanelFacts& facts, Clock::time_point begin);
+    static double thread_cpu_ms();
     void note_frame(const WatchedMoment& moment, bool is_new);
     double now_s() const;
 
@@ -103,6 +104,7 @@ private:
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
     std::optional<Clock::time_point> begun_;  // with the first picture
+    double begun_cpu_ms_ = 0;
     Clock::time_point last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     WhatIsSeen seen_;
