@@ -14,6 +14,9 @@ public:
     /// count: it is waited for.
     void add(const FramePair& pair, std::int64_t now_ns, std::int64_t period_ns);
 
+    /// Another session comes, whose epochs say nothing of those before.
+    void forget() { number_ = -1; }
+
     std::int64_t due() const { return due_; }
     /// Those that were on the screen before the next one was due there.
     std::int64_t in_time() const { return in_time_; }

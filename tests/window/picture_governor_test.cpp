@@ -67,6 +67,8 @@ TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
     EXPECT_EQ(shown.due(), 5);
     EXPECT_EQ(shown.in_time(), 2);
     shown.add(at(2, 0), 400, 10);
+    shown.forget();
+    shown.add(at(2, 7), 500, 10);
     EXPECT_EQ(shown.due(), 5);
 }
 
