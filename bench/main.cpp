@@ -29,6 +29,8 @@ constexpr std::array suites{
                conclude_media},
     BenchSuite{"live", "clips in real time: reading, building, touch, seek, memory", live_cases,
                conclude_live},
+    BenchSuite{"play", "the window: pictures in time, their cost by stage, from input to picture", play_cases,
+               conclude_play},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };

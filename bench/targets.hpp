@@ -34,6 +34,8 @@ const std::vector<Target>& surface_targets();
 const std::vector<Target>& real_targets();
 /// Clips that are touched while they play.
 const std::vector<Target>& live_targets();
+/// The window.
+const std::vector<Target>& play_targets();
 
 /// How a target fared: its worst value over the cases that were measured.
 struct Verdict {

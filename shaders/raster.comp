@@ -26,10 +26,10 @@ struct Corner {
 Corner corner(uint i, uint j) {
     const uint index = j * push.pitch + i;
     Corner c;
-    c.q = q_at[index];
+    c.q = q_at(index);
     const vec4 clip = view_clip(push.rows, float(i), float(j), c.q);
     c.share = 1.0f / clip.w;
-    c.colour = unpacked(colour_at[index]) * c.share;
+    c.colour = unpacked(colour_at(index)) * c.share;
     c.in_front = clip.z <= clip.w;
     c.z = clip.z / clip.w;
     c.at = ivec2(view_subpixels(clip.x / clip.w, float(push.picture_width)),
@@ -68,11 +68,16 @@ bool inside(Edges e, ivec3 here) {
     return e.scale > 0.0f && all(greaterThanEqual(here, e.least));
 }
 
-void plot_in(int x, int y, Edges e, ivec3 here, Corner a, Corner b, Corner c) {
+/// What a triangle has at a pixel: z, or 0 outside of it, and its colour.
+struct Sample {
+    float z;
+    vec3 colour;
+};
+Sample sample_at(Edges e, ivec3 here, Corner a, Corner b, Corner c) {
     const float of_b = float(here.z) * e.scale, of_c = float(here.x) * e.scale;
     const float share = a.share + of_b * (b.share - a.share) + of_c * (c.share - a.share);
-    plot(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
-         (a.colour + of_b * (b.colour - a.colour) + of_c * (c.colour - a.colour)) / share);
+    return Sample(inside(e, here) ? a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z) : 0.0f,
+                  (a.colour + of_b * (b.colour - a.colour) + of_c * (c.colour - a.colour)) / share);
 }
 
 void leave_to_large(uint cell) {
@@ -83,10 +88,11 @@ void leave_to_large(uint cell) {
     }
 }
 
-void draw_cell(uint cell, Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left) {
+/// Whether the cell is left to raster_large.comp.
+bool draw_cell(Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left) {
     const bool no_lower = triangle_is_cut(top_left.q, top_right.q, bottom_right.q);
     const bool no_upper = triangle_is_cut(top_left.q, bottom_right.q, bottom_left.q);
-    if (no_lower && no_upper) return;
+    if (no_lower && no_upper) return false;
     if (no_lower) top_right = top_left;  // a triangle without area is not drawn
     if (no_upper) bottom_left = top_left;
 
@@ -102,19 +108,22 @@ void draw_cell(uint cell, Corner top_left, Corner top_right, Corner bottom_right
     const ivec2 first = max((low + (half_pixel - 1)) >> 8, ivec2(0));
     const ivec2 last = min((high - half_pixel) >> 8, picture - 1);
     const bool on_screen = all(lessThanEqual(first, last));
-    if (is_large && (!in_front || on_screen)) leave_to_large(cell);
-    if (is_large || !on_screen) return;
+    if (is_large) return !in_front || on_screen;
+    if (!on_screen) return false;
 
     const ivec2 start = first * VIEW_SUBPIXELS + half_pixel;
     const Edges lower = edges_of(top_left.at, top_right.at, bottom_right.at, start);
     const Edges upper = edges_of(top_left.at, bottom_right.at, bottom_left.at, start);
     ivec3 lower_row = lower.here, upper_row = upper.here, in_lower = lower_row, in_upper = upper_row;
     ivec2 at = first;
-    // One loop, not two: lanes of a software GPU wait for each other at every loop's end.
+    // One loop, not two, and one pixel to write: lanes of a software GPU wait for each other at every loop's
+    // end, and go through atomics one after the other.
     while (at.y <= last.y) {
-        if (inside(lower, in_lower)) plot_in(at.x, at.y, lower, in_lower, top_left, top_right, bottom_right);
-        if (inside(upper, in_upper))
-            plot_in(at.x, at.y, upper, in_upper, top_left, bottom_right, bottom_left);
+        const Sample low_one = sample_at(lower, in_lower, top_left, top_right, bottom_right);
+        const Sample up_one = sample_at(upper, in_upper, top_left, bottom_right, bottom_left);
+        const bool is_lower = low_one.z > up_one.z;
+        const float z = is_lower ? low_one.z : up_one.z;
+        if (z > 0.0f) plot(at.x, at.y, z, is_lower ? low_one.colour : up_one.colour);
         const bool row_ends = at.x >= last.x;
         lower_row += row_ends ? lower.down : ivec3(0);
         upper_row += row_ends ? upper.down : ivec3(0);
@@ -122,6 +131,7 @@ void draw_cell(uint cell, Corner top_left, Corner top_right, Corner bottom_right
         in_upper = row_ends ? upper_row : in_upper + upper.right;
         at = row_ends ? ivec2(first.x, at.y + 1) : ivec2(at.x + 1, at.y);
     }
+    return false;
 }
 
 void main() {
@@ -132,11 +142,15 @@ void main() {
     const uint first_row = tile / push.tiles_x * RASTER_TILE;
     const uint end = min(first_row + RASTER_TILE, push.height - 1u);
     if (i + 1u >= push.width) return;
+    uint large_rows = 0u;
     Corner top_left = corner(i, first_row), top_right = corner(i + 1u, first_row);
     for (uint j = first_row; j < end; ++j) {
         const Corner bottom_left = corner(i, j + 1u), bottom_right = corner(i + 1u, j + 1u);
-        draw_cell(j * push.pitch + i, top_left, top_right, bottom_right, bottom_left);
+        if (draw_cell(top_left, top_right, bottom_right, bottom_left)) large_rows |= 1u << (j - first_row);
         top_left = bottom_left;
         top_right = bottom_right;
     }
+    // Here, because a software GPU goes through the atomics even where no lane needs them.
+    for (; large_rows != 0u; large_rows &= large_rows - 1u)
+        leave_to_large((first_row + uint(findLSB(large_rows))) * push.pitch + i);
 }

@@ -22,8 +22,8 @@ using uint = unsigned int;
 /// 64 pixels: products of two such lengths, and their differences, fit into 32 bits.
 #define RASTER_LARGE_CELL 16384
 
-#define RASTER_Q 0
-#define RASTER_COLOURS 1
+#define RASTER_Q 0        // words, which a software GPU reads faster than storage
+#define RASTER_COLOURS 1  // likewise
 #define RASTER_PIXELS 2  // 64 bits each
 #define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells
 #define RASTER_TILES 4   // of raster.comp: what to draw (shaders/tile_lists.h)

@@ -8,12 +8,8 @@
 layout(push_constant, std430) uniform Push {
     RasterPush push;
 };
-layout(set = 0, binding = RASTER_Q, std430) readonly buffer Lattice {
-    float q_at[];
-};
-layout(set = 0, binding = RASTER_COLOURS, std430) readonly buffer Colours {
-    uint colour_at[];
-};
+layout(set = 0, binding = RASTER_Q) uniform utextureBuffer q_words;
+layout(set = 0, binding = RASTER_COLOURS) uniform utextureBuffer colour_words;
 layout(set = 0, binding = RASTER_PIXELS, std430) buffer Pixels {
     uint64_t pixels[];
 };
@@ -21,6 +17,14 @@ layout(set = 0, binding = RASTER_LARGE, std430) buffer Large {
     uint groups_x, groups_y, groups_z, large_count;
     uint large_cells[];
 };
+
+float q_at(uint vertex) {
+    return uintBitsToFloat(texelFetch(q_words, int(vertex)).x);
+}
+
+uint colour_at(uint vertex) {
+    return texelFetch(colour_words, int(vertex)).x;
+}
 
 vec3 unpacked(uint colour) {
     return vec3(colour & 255u, colour >> 8 & 255u, colour >> 16 & 255u);

@@ -69,9 +69,9 @@ struct Vertex {
 };
 
 Vertex vertex(uint cell) {
-    const float q = q_at[cell];
+    const float q = q_at(cell);
     return Vertex(view_clip(push.rows, float(cell % push.pitch), float(cell / push.pitch), q),
-                  unpacked(colour_at[cell]), q);
+                  unpacked(colour_at(cell)), q);
 }
 
 void draw_triangle(Vertex a, Vertex b, Vertex c) {

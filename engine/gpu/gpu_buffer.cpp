@@ -32,7 +32,8 @@ std::uint64_t heap_bytes(const VulkanDevice& gpu, std::uint32_t memory_type) {
 }  // namespace
 
 GpuBuffer::State::~State() {
-    if (texels) vkDestroyBufferView(vulkan->device, texels, nullptr);
+    for (VkBufferView view : {texels, words})
+        if (view) vkDestroyBufferView(vulkan->device, view, nullptr);
     if (buffer) vkDestroyBuffer(vulkan->device, buffer, nullptr);
     if (memory) vkFreeMemory(vulkan->device, memory, nullptr);  // and its mapping
 }
@@ -64,7 +65,7 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
     return state;
 }
 
-/// Gives the buffer memory of this type, and a view of its texels where that is not larger than a view may
+/// Gives the buffer memory of this type, and views of its texels where those are not larger than a view may
 /// be.
 Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_t bytes) {
     VulkanDevice& gpu = *state.vulkan;
@@ -80,14 +81,22 @@ Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_
     result = vkBindBufferMemory(gpu.device, state.buffer, state.memory, 0);
     if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkBindBufferMemory", result);
 
-    if (state.size / texel_bytes > gpu.facts.limits.max_texel_buffer_elements) return {};
-    VkBufferViewCreateInfo view{};
-    view.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
-    view.buffer = state.buffer;
-    view.format = VK_FORMAT_R32G32B32A32_UINT;
-    view.range = state.size;
-    result = vkCreateBufferView(gpu.device, &view, nullptr, &state.texels);
-    if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkCreateBufferView", result);
+    const struct {
+        VkBufferView& view;
+        VkFormat format;
+        std::size_t texel_bytes;
+    } views[] = {{state.texels, VK_FORMAT_R32G32B32A32_UINT, texel_bytes},
+                 {state.words, VK_FORMAT_R32_UINT, 4}};
+    for (const auto& each : views) {
+        if (state.size / each.texel_bytes > gpu.facts.limits.max_texel_buffer_elements) continue;
+        VkBufferViewCreateInfo view{};
+        view.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+        view.buffer = state.buffer;
+        view.format = each.format;
+        view.range = state.size;
+        result = vkCreateBufferView(gpu.device, &view, nullptr, &each.view);
+        if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkCreateBufferView", result);
+    }
     return {};
 }
 

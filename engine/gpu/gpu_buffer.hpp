@@ -42,6 +42,8 @@ public:
     VkBuffer handle() const { return state_->buffer; }
     /// Null where the buffer has more texels than a view may (limits.max_texel_buffer_elements).
     VkBufferView texels() const { return state_->texels; }
+    /// Texels of one uint32 each, likewise.
+    VkBufferView words() const { return state_->words; }
 
     /// The buffer as the CPU sees it; empty for GpuMemory::device. Writes before a submission are seen by it,
     /// and what it wrote is seen once it has completed.
@@ -65,7 +67,7 @@ private:
         std::size_t size = 0;  // with what it was rounded up by
         VkBuffer buffer = VK_NULL_HANDLE;
         VkDeviceMemory memory = VK_NULL_HANDLE;
-        VkBufferView texels = VK_NULL_HANDLE;
+        VkBufferView texels = VK_NULL_HANDLE, words = VK_NULL_HANDLE;
         void* mapped = nullptr;
     };
     static Result<std::shared_ptr<State>> make_state(const GpuDevice& device, std::string name,

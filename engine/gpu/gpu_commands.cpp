@@ -57,7 +57,7 @@ Result<void> check_storage(const GpuBinding& binding, std::size_t bytes, const G
 
 Result<void> check_texels(const GpuBinding& binding) {
     if (binding.offset != 0 || binding.bytes) return Error{ErrorKind::internal, "texels are a whole buffer"};
-    if (!binding.buffer.texels())
+    if (!binding.texels())
         return Error{ErrorKind::gpu,
                      "buffer '" + binding.buffer.name() + "' has more texels than a view may"};
     return {};
@@ -78,7 +78,7 @@ struct Descriptors {
             write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             write.pBufferInfo = &buffers[count];
         } else {
-            texels[count] = binding.buffer.texels();
+            texels[count] = binding.texels();
             write.descriptorType = kind == GpuBindingKind::uniform_texels
                                        ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
                                        : VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;

@@ -27,9 +27,19 @@ struct GpuBinding {
     GpuBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::size_t size_bytes)
         : buffer(part_of), offset(offset_bytes), bytes(size_bytes) {}
 
+    /// Of texels: a uint32 each, and not four of them.
+    static GpuBinding words(const GpuBuffer& whole) {
+        GpuBinding binding(whole);
+        binding.is_words = true;
+        return binding;
+    }
+
     const GpuBuffer& buffer;  ///< outlives the call it is handed to
     std::size_t offset = 0;
     std::optional<std::size_t> bytes;  ///< none: to the end
+    bool is_words = false;
+
+    VkBufferView texels() const { return is_words ? buffer.words() : buffer.texels(); }
 };
 
 /// Workgroups in x, y and z.

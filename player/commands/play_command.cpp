@@ -135,6 +135,8 @@ void print(const PlayFigures& figures) {
                 static_cast<long long>(figures.pictures), figures.seconds,
                 static_cast<double>(figures.pictures) / std::max(figures.seconds, 1e-3),
                 figures.painter.c_str(), figures.gpu.empty() ? "" : (" on " + figures.gpu).c_str());
+    std::printf("%-24s%lld of %lld\n", "frames shown in time", static_cast<long long>(figures.frames_in_time),
+                static_cast<long long>(figures.frames_due));
     std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "time per picture", draw.p50, draw.p99);
     if (!figures.input_to_picture_ms.values().empty())
         std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <vector>
@@ -23,8 +26,9 @@ struct WatchedTick {
 /// Of the ticks so far.
 struct TickFigures {
     std::int64_t ticks = 0;
-    std::int64_t late = 0;  ///< that began a millisecond or more too late
-    double solve_us = 0;    ///< of the newest
+    std::int64_t late = 0;   ///< that began a millisecond or more too late
+    double solve_us = 0;     ///< of the newest
+    double late_us_p99 = 0;  ///< of all, in steps of 10; 1000 stands for all that were later
 };
 
 /// The newest tick, from the session's thread to a watcher's.
@@ -35,6 +39,8 @@ public:
         figures_.late += tick.tick > newest_.tick + 1;
         ++figures_.ticks;
         figures_.solve_us = tick.solve_us;
+        ++late_[std::min(static_cast<std::size_t>(std::max(tick.late_us, 0.0) / late_step_us),
+                         late_.size() - 1)];
         newest_.tick = tick.tick;
         newest_.fingers.resize(tick.contacts.size());
         for (std::size_t k = 0; k < tick.contacts.size(); ++k)
@@ -47,13 +53,20 @@ public:
     }
     TickFigures figures() const {
         const std::lock_guard lock(mutex_);
-        return figures_;
+        TickFigures figures = figures_;
+        std::int64_t later = 0;
+        std::size_t step = late_.size();
+        while (step > 0 && 100 * (later + late_[step - 1]) <= figures.ticks) later += late_[--step];
+        figures.late_us_p99 = late_step_us * static_cast<double>(step);
+        return figures;
     }
 
 private:
     mutable std::mutex mutex_;
     WatchedTick newest_;
     TickFigures figures_;
+    static constexpr double late_step_us = 10;
+    std::array<std::int64_t, 100> late_{};  // ticks by how late they were
 };
 
 }  // namespace touchable

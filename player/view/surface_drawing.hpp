@@ -8,6 +8,7 @@
 #include "player/view/finger_drawing.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/mesh_pipeline.hpp"
+#include "player/view/own_view_pipeline.hpp"
 #include "player/view/surface_lighting.hpp"
 #include "player/view/surface_raster.hpp"
 
@@ -48,13 +49,14 @@ private:
 
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
-    Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
-    void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
-    void record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+    Result<void> record_surface(GpuCommands& commands, const ViewCamera& camera);
+    Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
+    void record_copies(GpuCommands& commands, const GpuImage& target) const;
 
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
-    std::optional<MeshPipeline> mesh_;  // one of the two
+    std::optional<MeshPipeline> mesh_;         // one of the two
+    std::optional<OwnViewPipeline> own_view_;  // in the raster's place, where it can
     GpuLattices lattices_;
     SurfaceLighting lighting_;
     FingerDrawing fingers_;
@@ -62,13 +64,11 @@ private:
 
     GpuLattice lattice_;
     bool is_shown_ = false;
-    GpuBuffer pixels_, large_;            // of the raster
-    GpuBuffer colours_, z_values_;        // what it has drawn, as it is copied into images
-    std::optional<glm::dmat4> rastered_;  // clip_from_lattice that they are of
-    int rastered_width_ = 0, rastered_height_ = 0;
-    GpuBuffer rows_;  // colours of the background
-    int rows_height_ = 0;
-    GpuImage z_;
+    GpuBuffer pixels_, large_;         // of the raster
+    GpuBuffer rows_;                   // colours of the background
+    GpuImage colour_, own_z_;          // the surface and its background, without fingers
+    std::optional<glm::dmat4> drawn_;  // clip_from_lattice that they are of
+    GpuImage z_;                       // with fingers
 };
 
 }  // namespace touchable

@@ -1,9 +1,9 @@
 #include "player/window/clip_picture.hpp"
 
+#include <cstdint>
 #include <utility>
 
 namespace touchable {
-
 void ClipPicture::set_overlay(Overlay overlay) {
     if (overlay == overlay_) return;
     overlay_ = overlay;
@@ -35,9 +35,11 @@ Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& f
 
 Result<void> ClipPicture::draw(const WatchedMoment& moment, const HeightField& field,
                                const ViewCamera& camera, std::span<const FingerMark> fingers,
-                               const MarkSizes& sizes) {
+                               const MarkSizes& sizes, int width, int height) {
     if (auto shown = show(moment, field); !shown.ok()) return shown;
-    return graphics_->draw(camera, fingers, sizes);
+    drawn_width_ = camera.width;
+    drawn_height_ = camera.height;
+    return graphics_->draw(camera, fingers, sizes, width, height);
 }
 
 }  // namespace touchable

@@ -14,10 +14,11 @@ namespace touchable {
 /// The picture of what a hand is at: surface and fingers.
 class ClipPicture {
 public:
-    /// Between `begin` and `finish` of the graphics. The surface is made anew only where frames, blend or
-    /// overlay are others than before; the moment stays as it is until the picture is finished.
+    /// Between `begin` and `finish` of the graphics: of the camera's size, stretched over a canvas of width x
+    /// height. The surface is made anew only where frames, blend or overlay are others than before; the
+    /// moment stays as it is until the picture is finished.
     Result<void> draw(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera,
-                      std::span<const FingerMark> fingers, const MarkSizes& sizes);
+                      std::span<const FingerMark> fingers, const MarkSizes& sizes, int width, int height);
     /// Other graphics from now on; none: nothing is drawn until there are others. Those before end first.
     void use(std::unique_ptr<WindowGraphics> graphics) {
         graphics_ = std::move(graphics);
@@ -25,6 +26,9 @@ public:
     }
     WindowGraphics& graphics() { return *graphics_; }
     const WindowGraphics& graphics() const { return *graphics_; }
+    /// Of the last camera.
+    int drawn_width() const { return drawn_width_; }
+    int drawn_height() const { return drawn_height_; }
     Overlay overlay() const { return overlay_; }
     void set_overlay(Overlay overlay);
     /// What the overlay's colours mean; null where they are the clip's.
@@ -44,6 +48,7 @@ private:
     };
     std::unique_ptr<WindowGraphics> graphics_;
     std::unique_ptr<Overlays> overlays_ = std::make_unique<Overlays>();
+    int drawn_width_ = 0, drawn_height_ = 0;
     Overlay overlay_ = Overlay::colour;
     OverlayScale scale_;
     std::optional<Shown> shown_;

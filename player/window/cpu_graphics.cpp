@@ -9,6 +9,7 @@ public:
     std::string_view painter() const override { return "cpu"; }
     std::string gpu() const override { return {}; }
     bool is_lost() const override { return false; }
+    bool can_stretch() const override { return false; }
 
     Result<void> begin() override { return {}; }
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
@@ -16,14 +17,14 @@ public:
         drawing_.show(field, pair, colour, lighting);
         return {};
     }
-    Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
-                      const MarkSizes& sizes) override {
+    Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                      int /*width*/, int /*height*/) override {
         const auto drawn = drawing_.draw(camera, fingers, sizes);
         if (!drawn.ok()) return drawn.error();
         picture_ = *drawn;
         return {};
     }
-    Result<void> finish() override { return {}; }
+    Result<std::vector<GpuTime>> finish() override { return std::vector<GpuTime>(); }
     Result<Image> picture() const override { return picture_ ? *picture_ : Image(); }
 
 private:

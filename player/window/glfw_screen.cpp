@@ -103,7 +103,7 @@ public:
         return std::exchange(events_, {});
     }
 
-    Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
+    Result<std::vector<GpuTime>> present(GpuCommands commands, const GpuImage& canvas) override {
         const ScreenSize now = size();
         return swapchain_->present(
             std::move(commands), canvas,

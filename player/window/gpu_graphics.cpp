@@ -11,6 +11,30 @@
 namespace touchable {
 namespace {
 
+bool is_of_size(const GpuImage& image, int width, int height) {
+    return image.extent().width == static_cast<std::uint32_t>(width) &&
+           image.extent().height == static_cast<std::uint32_t>(height);
+}
+
+VkOffset3D corner_of(const GpuImage& image) {
+    return {static_cast<std::int32_t>(image.extent().width), static_cast<std::int32_t>(image.extent().height),
+            1};
+}
+
+/// From one that was drawn to another that is to be drawn over.
+void record_stretch(GpuCommands& commands, const GpuImage& from, const GpuImage& to) {
+    constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    record_transition(commands, from, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    record_transition(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkImageBlit region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffsets[1] = corner_of(from);
+    region.dstOffsets[1] = corner_of(to);
+    vkCmdBlitImage(commands.handle(), from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(),
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_LINEAR);
+    record_transition(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn);
+}
+
 /// Draws on a canvas that stays on the GPU.
 class GpuGraphics final : public WindowGraphics {
 public:
@@ -34,6 +58,7 @@ public:
     std::string_view painter() const override { return drawing_ ? drawing_->painter() : "cpu"; }
     std::string gpu() const override { return device_->facts().name; }
     bool is_lost() const override { return device_->lost(); }
+    bool can_stretch() const override { return true; }
 
     Result<void> begin() override {
         auto commands = GpuCommands::begin(device_, "window");
@@ -49,17 +74,21 @@ public:
         return {};
     }
 
-    Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
-                      const MarkSizes& sizes) override {
-        if (auto reserved = reserve_canvas(camera.width, camera.height); !reserved.ok()) return reserved;
-        if (drawing_) return drawing_->draw(*commands_, camera, fingers, sizes, canvas_);
-        const auto drawn = by_cpu_->draw(camera, fingers, sizes);
-        if (!drawn.ok()) return drawn.error();
-        return upload(**drawn);
+    Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                      int width, int height) override {
+        if (auto reserved = reserve(canvas_, "canvas", width, height); !reserved.ok()) return reserved;
+        if (is_of_size(canvas_, camera.width, camera.height)) return draw_on(canvas_, camera, fingers, sizes);
+        if (auto reserved = reserve(small_, "small picture", camera.width, camera.height); !reserved.ok())
+            return reserved;
+        if (auto drawn = draw_on(small_, camera, fingers, sizes); !drawn.ok()) return drawn;
+        record_stretch(*commands_, small_, canvas_);
+        commands_->mark("stretch");
+        return {};
     }
 
-    Result<void> finish() override {
-        if (auto drawn = imgui_->draw(*commands_, canvas_); !drawn.ok()) return drawn;
+    Result<std::vector<GpuTime>> finish() override {
+        if (auto drawn = imgui_->draw(*commands_, canvas_); !drawn.ok()) return drawn.error();
+        commands_->mark("panel");
         GpuCommands commands = std::move(*commands_);
         commands_.reset();
         return screen_.present(std::move(commands), canvas_);
@@ -68,33 +97,38 @@ public:
     Result<Image> picture() const override { return read_back(device_, canvas_); }
 
 private:
-    Result<void> reserve_canvas(int width, int height) {
-        if (width == width_ && height == height_) return {};
-        auto canvas = GpuImage::create(*device_, "canvas", width, height, VK_FORMAT_R8G8B8A8_UNORM);
-        if (!canvas.ok()) return canvas.error();
-        canvas_ = std::move(*canvas);
-        width_ = width;
-        height_ = height;
+    Result<void> reserve(GpuImage& image, const char* name, int width, int height) const {
+        if (image && is_of_size(image, width, height)) return {};
+        auto made = GpuImage::create(*device_, name, width, height, VK_FORMAT_R8G8B8A8_UNORM);
+        if (!made.ok()) return made.error();
+        image = std::move(*made);
         return {};
     }
 
-    /// The CPU's picture onto the canvas.
-    Result<void> upload(const Image& picture) {
+    Result<void> draw_on(const GpuImage& image, const ViewCamera& camera, std::span<const FingerMark> fingers,
+                         const MarkSizes& sizes) {
+        if (drawing_) return drawing_->draw(*commands_, camera, fingers, sizes, image);
+        const auto drawn = by_cpu_->draw(camera, fingers, sizes);
+        if (!drawn.ok()) return drawn.error();
+        return upload(**drawn, image);
+    }
+
+    /// The CPU's picture.
+    Result<void> upload(const Image& picture, const GpuImage& image) {
         const std::size_t pixels = picture.samples.size() / 3;
         const auto buffer = uploads_.take("picture", 4 * pixels);
         if (!buffer.ok()) return buffer.error();
         const auto to = buffer->mapped<PackedColour>();
         const std::uint8_t* rgb = picture.samples.data();
         for (std::size_t k = 0; k < pixels; ++k, rgb += 3) to[k] = pack_colour(rgb[0], rgb[1], rgb[2]);
-        record_transition(*commands_, canvas_, VK_IMAGE_LAYOUT_UNDEFINED,
-                          VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        record_transition(*commands_, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
         VkBufferImageCopy region{};
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.imageExtent = {canvas_.extent().width, canvas_.extent().height, 1};
-        vkCmdCopyBufferToImage(commands_->handle(), buffer->handle(), canvas_.handle(),
+        region.imageExtent = {image.extent().width, image.extent().height, 1};
+        vkCmdCopyBufferToImage(commands_->handle(), buffer->handle(), image.handle(),
                                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
         commands_->keep(buffer->keep_alive());
-        record_transition(*commands_, canvas_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+        record_transition(*commands_, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                           VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
         return {};
     }
@@ -105,8 +139,7 @@ private:
     std::optional<CpuDrawing> by_cpu_;  // in place of it
     UploadPool uploads_;
     std::unique_ptr<ImGuiVulkan> imgui_;
-    GpuImage canvas_;
-    int width_ = 0, height_ = 0;
+    GpuImage canvas_, small_;              // small: what is stretched over it, if anything is
     std::optional<GpuCommands> commands_;  // of the picture that was begun
 };
 

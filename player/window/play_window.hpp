@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,6 +60,13 @@ struct PlayFigures {
     std::int64_t pictures = 0;
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;
+    std::int64_t frames_due = 0, frames_in_time = 0;  ///< FramesShown, of all clips
+    double first_picture_ms = 0;                      ///< since the window was asked for
+    std::map<std::string, double> stage_ms;           ///< sums over all pictures, on the device
+    double window_cpu_ms =
+        0;  ///< of the thread that draws, from the first picture on; a GPU's own is not in it
+    double least_share = 1;  ///< PictureGovernor's
+    double tick_late_us_p99 = 0;
     std::int64_t film_pictures = 0, film_left_out = 0;
     std::string painter, gpu, builder;  ///< gpu: that draws; empty: none
     std::string not_kept;               ///< why settings could not be kept; empty: they are

@@ -17,10 +17,15 @@ const void* colour_of(const WatchedMoment& moment) {
 
 }  // namespace
 
+bool WhatIsSeen::is_other_frame(const WatchedMoment& moment) const {
+    const FramePair& pair = moment.held.pair;
+    return pair.epoch != epoch_ || pair.prev.number != prev_;
+}
+
 bool WhatIsSeen::differs(const WatchedMoment& moment, int count, double small) const {
     const FramePair& pair = moment.held.pair;
-    if (pair.epoch != epoch_ || pair.prev.number != prev_ || pair.next.number != next_ ||
-        pair.blend != blend_ || colour_of(moment) != colour_ || shown_of(moment, count) != fingers_.size())
+    if (is_other_frame(moment) || pair.next.number != next_ || pair.blend != blend_ ||
+        colour_of(moment) != colour_ || shown_of(moment, count) != fingers_.size())
         return true;
     for (std::size_t k = 0; k < fingers_.size(); ++k) {
         const WatchedFinger& now = moment.felt.fingers[k];

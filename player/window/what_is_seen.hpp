@@ -11,8 +11,10 @@ namespace touchable {
 /// What a picture was of: where nothing of it is different it need not be drawn again.
 class WhatIsSeen {
 public:
-    /// Whether frames, blend, colour or a finger are others than in the last picture. `count`: fingers that
-    /// are shown; `small`: by how much they may move unseen, scene units.
+    /// Whether the moment is at another frame than the last picture; whatever its blend with the next.
+    bool is_other_frame(const WatchedMoment& moment) const;
+    /// Whether frames, blend, colour or a finger are others. `count`: fingers that are shown; `small`: by how
+    /// much they may move unseen, scene units.
     bool differs(const WatchedMoment& moment, int count, double small) const;
     void remember(const WatchedMoment& moment, int count);
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/media/image_file.hpp"
@@ -23,16 +24,18 @@ public:
     virtual std::string gpu() const = 0;           ///< that it draws on; empty: none
     /// That GPU, or what it shows by, is lost: nothing more can be drawn by these graphics.
     virtual bool is_lost() const = 0;
+    virtual bool can_stretch() const = 0;
 
     virtual Result<void> begin() = 0;
     /// As SurfaceDrawing::show.
     virtual Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                               Lighting lighting) = 0;
-    /// As SurfaceDrawing::draw.
+    /// As SurfaceDrawing::draw, stretched over a picture of width x height.
     virtual Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
-                              const MarkSizes& sizes) = 0;
+                              const MarkSizes& sizes, int width, int height) = 0;
     /// Draws over it what ImGui has laid out, and shows it. Nothing that it was made of is read after that.
-    virtual Result<void> finish() = 0;
+    /// Gives how long the stages took on a GPU.
+    virtual Result<std::vector<GpuTime>> finish() = 0;
     /// What was finished last, RGB.
     virtual Result<Image> picture() const = 0;
 };

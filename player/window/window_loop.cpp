@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <initializer_list>
 #include <iostream>
 #include <utility>
@@ -17,8 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // From the begin of one picture to the next, at least: as often as screens show one, but where drawing takes
-// so long that decoding would suffer.
-constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95;
+// so long that decoding would suffer. Another frame of the clip is waited for less.
+constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
 constexpr double after_input_ms = 300;  // buttons fade
 constexpr double message_s = 4;
@@ -124,12 +125,14 @@ Result<PlayFigures> WindowLoop::run() {
 Result<void> WindowLoop::turn() {
     const WatchedMoment* const moment = clip_->session().look();
     say(playback_->go_on(moment));
+    watch(moment, Clock::now());
     if (is_due(moment, Clock::now()))
         if (auto drawn = draw(*moment); !drawn.ok())
             if (auto opened = open_graphics_anew(drawn.error()); !opened.ok()) return opened;
     if (auto there = screen_->health(); !there.ok()) return there;
     const double left_ms = pause_ms() - 1000 * seconds_between(last_picture_, Clock::now());
-    const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, 8));
+    const int longest_ms = clip_->session().playback().playing ? 2 : 8;  // until another frame is seen
+    const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
     for (const InputEvent& event : screen_->poll(wait)) take(event);
     if (begun_) take_script();
     if (kiosk_ && begun_) watch_over();
@@ -146,6 +149,9 @@ double WindowLoop::now_s() const {
 
 void WindowLoop::sum_up() {
     figures_.seconds = now_s();
+    figures_.window_cpu_ms = begun_ ? thread_cpu_ms() - begun_cpu_ms_ : 0;
+    figures_.frames_due = frames_shown_.due();
+    figures_.frames_in_time = frames_shown_.in_time();
     count_session();
 }
 
@@ -155,15 +161,29 @@ void WindowLoop::count_session() {
     figures_.builder = sessions.feed.builder;
     figures_.ticks += sessions.ticks.ticks;
     figures_.late_ticks += sessions.ticks.late;
+    figures_.tick_late_us_p99 = std::max(figures_.tick_late_us_p99, sessions.ticks.late_us_p99);
     figures_.frames += sessions.feed.frames;
     figures_.late_frames += sessions.late_frames;
     figures_.dropped_frames += sessions.feed.dropped;
 }
 
-/// Nothing is drawn again where nothing has moved.
+/// When the frame came that is to be seen.
+void WindowLoop::watch(const WatchedMoment* moment, Clock::time_point now) {
+    if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
+}
+
+/// Another frame of the clip is drawn at once. Of the one that is seen nothing is drawn again where nothing
+/// has moved, nor where the next would come late for it.
 bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) const {
     const double since_ms = 1000 * seconds_between(last_picture_, now);
-    if (!moment || since_ms < pause_ms()) return false;
+    if (!moment || since_ms < frame_pause_ms) return false;
+    if (seen_.is_other_frame(*moment)) return true;
+    if (since_ms < pause_ms()) return false;
+    const PlaybackState playback = clip_->session().playback();
+    const double left_ms = frame_ms() - 1000 * seconds_between(frame_came_at_, now);
+    // One that is overdue by as much again is not waited for.
+    if (playback.playing && !playback.at_end && left_ms < small_draw_ms_ && left_ms > -frame_ms())
+        return false;
     const bool has_input =
         is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
     return has_input || since_ms >= idle_pause_ms ||
@@ -171,7 +191,22 @@ bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) cons
 }
 
 double WindowLoop::pause_ms() const {
-    return std::clamp(last_draw_ms_ / share_of_drawing, picture_pause_ms, slowest_pause_ms);
+    return std::clamp(small_draw_ms_ / share_of_drawing, picture_pause_ms, slowest_pause_ms);
+}
+
+/// From one of the clip's frames to the next, as it is played.
+double WindowLoop::frame_ms() const {
+    const auto rate = static_cast<double>(clip_->session().playback().rate) / 1000;
+    return static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-6 / std::max(rate, 1e-3);
+}
+
+/// Of the size in which there is time to draw.
+ViewCamera WindowLoop::drawn_camera(const ScreenSize& size) const {
+    const double share = picture_.graphics().can_stretch() ? governor_.share() : 1;
+    const auto side = [share](int pixels) {
+        return std::max(1, static_cast<int>(std::lround(pixels * share)));
+    };
+    return clip_->view().camera(side(size.width), side(size.height));
 }
 
 void WindowLoop::take_script() {
@@ -234,6 +269,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const ScreenSize size = screen_->size();
     const auto begin = Clock::now();
     const double since = seconds_between(last_picture_, begin);
+    const bool is_new = seen_.is_other_frame(moment);
     last_picture_ = begin;
     seen_.remember(moment, clip_->fingers().shown());
     if (size.width < 1 || size.height < 1) {  // minimised
@@ -256,19 +292,25 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     // What a session felt last is not felt any more once it has ended.
     const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
     const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
-    if (auto drawn = picture_.draw(moment, field, camera, marks, clip_->sizes()); !drawn.ok()) return drawn;
+    if (auto drawn =
+            picture_.draw(moment, field, drawn_camera(size), marks, clip_->sizes(), size.width, size.height);
+        !drawn.ok())
+        return drawn;
     PanelFacts facts = words_of(moment, field, camera);
     facts.halos = finger_halos(marks, clip_->sizes(), field, camera);
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
     panel_->draw(facts, size.width, size.height, asked_);
     layer_->end();
-    if (auto shown = graphics.finish(); !shown.ok()) return shown;
+    const auto stages = graphics.finish();
+    if (!stages.ok()) return stages.error();
+    for (const GpuTime& stage : *stages) figures_.stage_ms[stage.label] += stage.ms;
     if (film_ && film_->wants(now_s())) {
         auto picture = graphics.picture();
         if (!picture.ok()) return picture.error();
         film_->add(std::move(*picture));
     }
     note_picture(facts, begin);
+    note_frame(moment, is_new);
     return {};
 }
 
@@ -309,11 +351,36 @@ void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) 
     const auto end = Clock::now();
     last_draw_ms_ = seconds_between(begin, end) * 1000;
     panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
-    if (!begun_) begun_ = end;
+    if (!begun_) {
+        begun_ = end;
+        begun_cpu_ms_ = thread_cpu_ms();
+        figures_.first_picture_ms = 1000 * seconds_between(asked_for_, end);
+    }
     ++figures_.pictures;
     figures_.draw_ms.add(last_draw_ms_);
     if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);
     first_event_.reset();
+}
+
+double WindowLoop::thread_cpu_ms() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
+
+/// Whether the picture was there in time, and how large the next one is to be.
+void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
+    if (!is_new) {
+        small_draw_ms_ = last_draw_ms_;
+        return;
+    }
+    const PlaybackState playback = clip_->session().playback();
+    const std::int64_t due = frames_shown_.due(), in_time = frames_shown_.in_time();
+    frames_shown_.add(moment.held.pair, playback.moment.time_ns, clip_->scene().rate.time_ns(1));
+    if (playback.playing)
+        governor_.add(now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
+                      last_draw_ms_ / frame_ms());
+    figures_.least_share = std::min(figures_.least_share, governor_.share());
 }
 
 Result<PlayFigures> play_in_window(const PlayOptions& options) {

@@ -9,10 +9,12 @@
 
 #include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
+#include "player/window/frames_shown.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/kept_settings.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/opened_clip.hpp"
+#include "player/window/picture_governor.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/pointer_input.hpp"
@@ -26,7 +28,7 @@ namespace touchable {
 /// The window of `touchable play`: its parts, and the loop that drives them.
 class WindowLoop {
 public:
-    explicit WindowLoop(PlayOptions options) : options_(std::move(options)) {}
+    explicit WindowLoop(PlayOptions options) : options_(std::move(options)), asked_for_(Clock::now()) {}
 
     Result<void> open();
     Result<PlayFigures> run();
@@ -77,13 +79,19 @@ private:
     void sum_up();
     void count_session();
     double pause_ms() const;
+    double frame_ms() const;
+    void watch(const WatchedMoment* moment, Clock::time_point now);
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
+    ViewCamera drawn_camera(const ScreenSize& size) const;
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void note_picture(const PanelFacts& facts, Clock::time_point begin);
+    static double thread_cpu_ms();
+    void note_frame(const WatchedMoment& moment, bool is_new);
     double now_s() const;
 
     PlayOptions options_;
+    const Clock::time_point asked_for_;
     std::unique_ptr<Screen> screen_;
     std::optional<ImGuiLayer> layer_;
     ClipPicture picture_;
@@ -110,6 +118,7 @@ private:
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
     std::optional<Clock::time_point> begun_;  // with the first picture
+    double begun_cpu_ms_ = 0;
     Clock::time_point last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     WhatIsSeen seen_;
@@ -117,6 +126,10 @@ private:
     std::size_t place_lines_ = 0;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;
+    double small_draw_ms_ = 0;  // of the last picture of a frame that had been seen before
+    Clock::time_point frame_came_at_;
+    FramesShown frames_shown_;
+    PictureGovernor governor_;
     PlayFigures figures_;
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
     ClipOpening<Ready> opening_;  // ends before what it works on

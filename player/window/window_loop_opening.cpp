@@ -93,6 +93,7 @@ Result<void> WindowLoop::take(Ready& ready) {
     if (wanted_felt_ == ready.felt) wanted_felt_.reset();
     if (auto changed = clip_->take(std::move(*ready.change)); !changed.ok()) return changed;
     picture_.forget();
+    frames_shown_.forget();
     can_renew_ = true;
     if (is_another) say(felt_.in_words());
     return {};
@@ -111,6 +112,7 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     clip_ = std::move(clip);
     clip_->begin_sound();
     picture_.forget();
+    frames_shown_.forget();
     playback_.emplace(*clip_);
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");

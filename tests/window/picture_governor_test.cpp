@@ -1,0 +1,76 @@
+#include "player/window/picture_governor.hpp"
+
+#include <gtest/gtest.h>
+
+#include "player/window/frames_shown.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Plays so long, with pictures that take `full` of a frame's time at full size and `rest` of it at any.
+/// Gives when the share was first another than at the start.
+double play(PictureGovernor& governor, double& now_s, double seconds, double full, double rest) {
+    const double end = now_s + seconds, share = governor.share();
+    double changed = 0;
+    for (; now_s < end; now_s += 1.0 / 30) {
+        const double drawing = rest + full * governor.share() * governor.share();
+        governor.add(now_s, 1, drawing <= 1 ? 1 : 0, drawing);
+        if (changed == 0 && governor.share() != share) changed = now_s;
+    }
+    return changed;
+}
+
+TEST(PictureGovernor, StaysAtFullSizeWhereThereIsTime) {
+    PictureGovernor governor;
+    double now = 0;
+    play(governor, now, 10, 0.7, 0.2);
+    EXPECT_EQ(governor.share(), 1);
+}
+
+TEST(PictureGovernor, DrawsSmallerWhereThatIsInTimeAndLargerAgainLater) {
+    PictureGovernor governor;
+    double now = 0;
+    EXPECT_LT(play(governor, now, 2, 1.2, 0.1), 1);
+    EXPECT_EQ(governor.share(), 0.75);
+    play(governor, now, 20, 1.2, 0.1);
+    EXPECT_EQ(governor.share(), 0.75) << "a larger picture has no room";
+    EXPECT_GT(play(governor, now, 20, 0.5, 0.1), 0);
+    EXPECT_EQ(governor.share(), 1);
+}
+
+TEST(PictureGovernor, GivesUpWhereASmallerPictureSavesLittle) {
+    PictureGovernor governor;
+    double now = 0;
+    play(governor, now, 5, 0.1, 1.5);
+    EXPECT_EQ(governor.share(), 1);
+    const double begin = now;
+    const double tried = play(governor, now, 80, 0.1, 1.5);
+    EXPECT_GT(tried, begin + 30) << "not at once again";
+}
+
+TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
+    FramesShown shown;
+    const auto at = [](std::uint64_t epoch, std::int64_t number) {
+        FramePair pair;
+        pair.epoch = epoch;
+        pair.prev = {number, number * 10, nullptr};
+        return pair;
+    };
+    shown.add(at(1, 4), 49, 10);
+    EXPECT_EQ(shown.due(), 0) << "the first of an epoch is waited for";
+    shown.add(at(1, 5), 60, 10);
+    shown.add(at(1, 5), 69, 10);
+    EXPECT_EQ(shown.due(), 1);
+    EXPECT_EQ(shown.in_time(), 1);
+    shown.add(at(1, 6), 71, 10);  // late
+    shown.add(at(1, 9), 95, 10);  // two not at all
+    EXPECT_EQ(shown.due(), 5);
+    EXPECT_EQ(shown.in_time(), 2);
+    shown.add(at(2, 0), 400, 10);
+    shown.forget();
+    shown.add(at(2, 7), 500, 10);
+    EXPECT_EQ(shown.due(), 5);
+}
+
+}  // namespace
+}  // namespace touchable::test
