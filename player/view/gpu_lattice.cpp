@@ -69,14 +69,20 @@ Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field
     lattice.height = field.height();
     lattice.pitch = SurfaceUnproject::pitch(lattice.width);
     const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
-    const int w = lattice.width, h = lattice.height;
-    for (const auto& done :
-         {reserve(lattice.q, "lattice q", SurfaceUnproject::q_bytes(w, h), memory),
-          reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(w, h), memory),
-          reserve(lattice.classes, "tile classes", TileLists::class_bytes(w, h), GpuMemory::device)})
-        if (!done.ok()) return done;
+    const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
+    if (auto done = reserve(lattice.q, "lattice q", bytes, memory); !done.ok()) return done;
     if (auto recorded = record_q(commands, field, pair, lattice); !recorded.ok()) return recorded;
     commands.mark("unproject");
+    return {};
+}
+
+Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattice) {
+    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
+    const int w = lattice.width, h = lattice.height;
+    for (const auto& done :
+         {reserve(lattice.tiles, "lattice tiles", TileLists::list_bytes(w, h), memory),
+          reserve(lattice.classes, "tile classes", TileLists::class_bytes(w, h), GpuMemory::device)})
+        if (!done.ok()) return done;
     if (auto recorded = tile_lists_.record(commands, lattice); !recorded.ok()) return recorded;
     commands.mark("tiles");
     return {};
@@ -88,6 +94,7 @@ Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FrameP
     auto commands = GpuCommands::begin(device_, "lattice");
     if (!commands.ok()) return commands.error();
     if (auto recorded = record(*commands, field, pair, lattice); !recorded.ok()) return recorded.error();
+    if (auto recorded = record_tiles(*commands, lattice); !recorded.ok()) return recorded.error();
     GpuLattice seen = lattice;
     if (!device_->facts().unified_memory) {
         commands->barrier(GpuStage::compute, GpuStage::transfer);

@@ -26,11 +26,13 @@ public:
     explicit GpuLattices(std::shared_ptr<GpuDevice> device)
         : device_(std::move(device)), unproject_(device_), tile_lists_(device_), uploads_(device_) {}
 
-    /// Records what makes q and tiles, without colours, of a pair of frames; q by the CPU where they have no
-    /// codes (SurfaceUnproject::has_codes). Buffers of `lattice` that are large enough serve again: whoever
+    /// Records what makes q of a pair of frames; by the CPU where they have no codes
+    /// (SurfaceUnproject::has_codes). Buffers of `lattice` that are large enough serve again: whoever
     /// reads them has been recorded before, and a barrier after it.
     Result<void> record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                         GpuLattice& lattice);
+    /// And tiles, once q is written.
+    Result<void> record_tiles(GpuCommands& commands, GpuLattice& lattice);
 
     /// `make_view_surface`, with q and tiles by `record` where the frames have codes; they stay on the GPU
     /// beside.

@@ -192,7 +192,6 @@ void GraphicsProgram::bind_bytes(GpuCommands& commands, std::span<const std::byt
     constexpr std::size_t most = 4;
     std::array<VkDescriptorBufferInfo, most> buffers{};
     std::array<VkDescriptorImageInfo, most> images{};
-    std::array<VkBufferView, most> texels{};
     std::array<VkWriteDescriptorSet, most> writes{};
     std::uint32_t count = 0;
     for (const DrawBinding& binding : bindings) {
@@ -205,10 +204,6 @@ void GraphicsProgram::bind_bytes(GpuCommands& commands, std::span<const std::byt
             images[count] = {VK_NULL_HANDLE, binding.image->view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
             write.pImageInfo = &images[count];
             commands.keep(binding.image->keep_alive());
-        } else if (write.descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) {
-            texels[count] = binding.is_words ? binding.buffer->words() : binding.buffer->texels();
-            write.pTexelBufferView = &texels[count];
-            commands.keep(binding.buffer->keep_alive());
         } else {
             buffers[count] = {binding.buffer->handle(), binding.offset, binding.bytes};
             write.pBufferInfo = &buffers[count];

@@ -29,8 +29,8 @@ enum class DrawDepth {
 enum class DrawBlend { replaced, over /* by its alpha */, multiplied };
 
 /// What a graphics pipeline is made of. Triangles of either side, without vertex buffers; colour of
-/// `colour_format`, z of GpuImage's only format of it. Storage buffers, texels (uniform texel buffers) and
-/// sampled images of set 0, push constants and specialisation constants 0, 1, ... are those of both stages.
+/// `colour_format`, z of GpuImage's only format of it. Storage buffers and sampled images of set 0, push
+/// constants and specialisation constants 0, 1, ... are those of both stages.
 struct GraphicsLook {
     static constexpr VkFormat z_format = VK_FORMAT_D32_SFLOAT;
 
@@ -49,17 +49,10 @@ struct DrawBinding {
     DrawBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::size_t size_bytes)
         : buffer(&part_of), offset(offset_bytes), bytes(size_bytes) {}
     DrawBinding(const GpuImage& sampled) : image(&sampled) {}
-    /// Of texels: a uint32 each, and not four of them.
-    static DrawBinding words(const GpuBuffer& whole) {
-        DrawBinding binding(whole);
-        binding.is_words = true;
-        return binding;
-    }
 
     const GpuBuffer* buffer = nullptr;  ///< outlives the call it is handed to, as the image does
     std::size_t offset = 0, bytes = VK_WHOLE_SIZE;
     const GpuImage* image = nullptr;
-    bool is_words = false;
 };
 
 /// A graphics pipeline. A handle, as GpuProgram is.

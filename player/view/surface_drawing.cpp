@@ -25,14 +25,15 @@ Result<GraphicsProgram> background_program(const GpuDevice& device) {
     return GraphicsProgram::create(device, "background", look);
 }
 
-void record_copy(GpuCommands& commands, const GpuImage& from, const GpuImage& to) {
-    VkImageCopy region{};
-    region.srcSubresource = {from.aspect(), 0, 0, 1};
-    region.dstSubresource = {to.aspect(), 0, 0, 1};
-    region.extent = {to.extent().width, to.extent().height, 1};
-    vkCmdCopyImage(commands.handle(), from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(),
-                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    commands.keep(from.keep_alive());
+/// All of an image, from rows of 4 bytes a pixel.
+void record_copy(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image) {
+    VkBufferImageCopy region{};
+    region.bufferRowLength = static_cast<std::uint32_t>(pitch);
+    region.imageSubresource = {image.aspect(), 0, 0, 1};
+    region.imageExtent = {image.extent().width, image.extent().height, 1};
+    vkCmdCopyBufferToImage(commands.handle(), pixels.handle(), image.handle(),
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    commands.keep(pixels.keep_alive());
 }
 
 }  // namespace
@@ -58,9 +59,6 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
         auto raster = SurfaceRaster::create(*device);
         if (!raster.ok()) return raster.error();
         made->raster_ = std::move(*raster);
-        auto own_view = OwnViewPipeline::create(device);
-        if (!own_view.ok()) return own_view.error();
-        made->own_view_.emplace(std::move(*own_view));
     }
     auto background = background_program(*device);
     if (!background.ok()) return background.error();
@@ -70,13 +68,14 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
 
 Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                   const PlaneView& colour, Lighting lighting) {
-    is_shown_ = false;
+    is_shown_ = has_tiles_ = false;
     drawn_.reset();
     // Whoever read the last surface, in the same commands, has done so.
     for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
         commands.barrier(reader, GpuStage::compute);
     if (auto made = lattices_.record(commands, field, pair, lattice_); !made.ok()) return made;
     if (auto made = lattices_.reserve_colours(lattice_); !made.ok()) return made;
+    commands.barrier(GpuStage::compute, GpuStage::compute);
     if (auto lit = lighting_.record(commands, field, lattice_, colour, lighting); !lit.ok()) return lit;
     commands.mark("light");
     is_shown_ = true;
@@ -87,16 +86,12 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
 Result<void> SurfaceDrawing::reserve(const ViewCamera& camera) {
     const auto width = static_cast<std::uint32_t>(camera.width),
                height = static_cast<std::uint32_t>(camera.height);
-    if (z_ && z_.extent().width == width && z_.extent().height == height) return {};
-    z_ = {};
-    drawn_.reset();
-    const struct {
-        GpuImage& image;
-        const char* name;
-        VkFormat format;
-    } needed[] = {{colour_, "surface colour", VK_FORMAT_R8G8B8A8_UNORM},
-                  {own_z_, "surface z", GraphicsLook::z_format},
-                  {z_, "picture z", GraphicsLook::z_format}};
+    if (!z_ || z_.extent().width != width || z_.extent().height != height) {
+        auto z = GpuImage::create(*device_, "picture z", camera.width, camera.height, GraphicsLook::z_format);
+        if (!z.ok()) return z.error();
+        z_ = std::move(*z);
+    }
+    if (rows_height_ == camera.height) return {};
     auto rows = GpuBuffer::create(*device_, "background", 4 * static_cast<std::size_t>(height),
                                   device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload);
     if (!rows.ok()) return rows.error();
@@ -104,19 +99,15 @@ Result<void> SurfaceDrawing::reserve(const ViewCamera& camera) {
     for (int y = 0; y < camera.height; ++y)
         colours[static_cast<std::size_t>(y)] = background_colour(y, camera.height);
     rows_ = std::move(*rows);
-    for (const auto& each : needed) {
-        auto made = GpuImage::create(*device_, each.name, camera.width, camera.height, each.format);
-        if (!made.ok()) return made.error();
-        each.image = std::move(*made);
-    }
+    rows_height_ = camera.height;
     return {};
 }
 
 Result<void> SurfaceDrawing::reserve_pixels(const ViewCamera& camera) {
     const std::size_t pixels = static_cast<std::size_t>(SurfaceRaster::resolve_pitch(camera.width)) *
                                static_cast<std::size_t>(camera.height);
-    const GpuLimits& limits = device_->facts().limits;
-    if (8 * pixels > limits.max_storage_buffer_range || pixels / 2 > limits.max_texel_buffer_elements)
+    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
+    if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
         return Error{ErrorKind::gpu, "a picture of " + std::to_string(camera.width) + "x" +
                                          std::to_string(camera.height) +
                                          " pixels is too large for --painter raster on " +
@@ -125,73 +116,99 @@ Result<void> SurfaceDrawing::reserve_pixels(const ViewCamera& camera) {
         GpuBuffer& buffer;
         const char* name;
         std::size_t bytes;
-    } needed[] = {{pixels_, "picture pixels", 8 * pixels},
-                  {large_, "large cells", SurfaceRaster::large_bytes(lattice_.width, lattice_.height)}};
+        GpuMemory memory;
+    } needed[] = {{pixels_, "picture pixels", 8 * pixels, GpuMemory::device},
+                  {colours_, "picture colours", 4 * pixels, memory},
+                  {z_values_, "picture z", 4 * pixels, memory},
+                  {large_, "large cells", SurfaceRaster::large_bytes(lattice_.width, lattice_.height),
+                   GpuMemory::device}};
     for (const auto& each : needed) {
         if (each.buffer && each.buffer.bytes() >= each.bytes) continue;
-        auto made = GpuBuffer::create(*device_, each.name, each.bytes, GpuMemory::device);
+        auto made = GpuBuffer::create(*device_, each.name, each.bytes, each.memory);
         if (!made.ok()) return made.error();
         each.buffer = std::move(*made);
     }
     return {};
 }
 
-/// Surface and background, or what is there of them, between begin_drawing and end_drawing.
+/// Of a surface, once.
+Result<void> SurfaceDrawing::list_tiles(GpuCommands& commands) {
+    if (has_tiles_) return {};
+    if (auto tiles = lattices_.record_tiles(commands, lattice_); !tiles.ok()) return tiles;
+    has_tiles_ = true;
+    return {};
+}
+
+bool SurfaceDrawing::is_drawn(const ViewCamera& camera) const {
+    return drawn_ == camera.clip_from_lattice && drawn_width_ == camera.width &&
+           drawn_height_ == camera.height;
+}
+
+/// Colours and z of the surface, if they are not of this surface from here already.
 Result<void> SurfaceDrawing::draw_surface(GpuCommands& commands, const ViewCamera& camera) {
-    if (is_shown_ && raster_) {
-        if (OwnViewPipeline::draws(camera)) return own_view_->draw(commands, lattice_, camera);
-        raster_->record_resolve(commands, pixels_, SurfaceRaster::resolve_pitch(camera.width), rows_);
-        return {};
+    if (is_drawn(camera)) return {};
+    drawn_.reset();
+    if (auto reserved = reserve_pixels(camera); !reserved.ok()) return reserved;
+    if (device_->facts().unified_memory && OwnViewPicture::draws(camera)) {
+        own_view_.draw(lattice_, camera, rows_.mapped<PackedColour>(),
+                       SurfaceRaster::resolve_pitch(camera.width), colours_.mapped<PackedColour>(),
+                       z_values_.mapped<float>());
+    } else if (auto rastered = record_raster(commands, camera); !rastered.ok()) {
+        return rastered;
     }
+    drawn_ = camera.clip_from_lattice;
+    drawn_width_ = camera.width;
+    drawn_height_ = camera.height;
+    return {};
+}
+
+Result<void> SurfaceDrawing::record_raster(GpuCommands& commands, const ViewCamera& camera) {
+    if (auto listed = list_tiles(commands); !listed.ok()) return listed;
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    commands.barrier(GpuStage::compute, GpuStage::indirect);
+    commands.barrier(GpuStage::compute, GpuStage::transfer);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    raster_->record(commands, lattice_, camera, pixels_, SurfaceRaster::resolve_pitch(camera.width), large_);
+    commands.mark("raster");
+    commands.barrier(GpuStage::compute, GpuStage::compute);
+    raster_->record_resolve(commands, camera, pixels_, rows_, colours_, z_values_);
+    commands.barrier(GpuStage::compute, GpuStage::transfer);
+    commands.mark("resolve");
+    return {};
+}
+
+/// What the raster has drawn, into images that are ready for it.
+void SurfaceDrawing::record_copies(GpuCommands& commands, const ViewCamera& camera,
+                                   const GpuImage& target) const {
+    const int pitch = SurfaceRaster::resolve_pitch(camera.width);
+    const struct {
+        const GpuImage& image;
+        const GpuBuffer& pixels;
+        VkImageLayout then;
+    } copies[] = {{target, colours_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
+                  {z_, z_values_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL}};
+    for (const auto& [image, pixels, then] : copies) {
+        record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        record_copy(commands, pixels, pitch, image);
+        record_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
+    }
+}
+
+/// Background, and the surface if there is one.
+Result<void> SurfaceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
+                                         const GpuImage& target) {
+    if (is_shown_)
+        if (auto listed = list_tiles(commands); !listed.ok()) return listed;
+    commands.barrier(GpuStage::compute, GpuStage::graphics);
+    commands.barrier(GpuStage::compute, GpuStage::indirect);
+    record_transition(commands, target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    record_transition(commands, z_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+    begin_drawing(commands, {target, &z_, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE});
     background_.bind(commands, {rows_});
     vkCmdDraw(commands.handle(), 3, 1, 0, 0);
     if (is_shown_) mesh_->draw(commands, lattice_, camera);
-    return {};
-}
-
-/// Colour and z of the surface, if they are not of this surface from here already.
-Result<void> SurfaceDrawing::record_surface(GpuCommands& commands, const ViewCamera& camera) {
-    if (drawn_ == camera.clip_from_lattice) return {};
-    drawn_.reset();
-    commands.barrier(GpuStage::compute, GpuStage::indirect);
-    if (is_shown_ && raster_ && !OwnViewPipeline::draws(camera)) {
-        if (auto reserved = reserve_pixels(camera); !reserved.ok()) return reserved;
-        commands.barrier(GpuStage::compute, GpuStage::compute);
-        // Whoever has read the last pixels has done so.
-        commands.barrier(GpuStage::graphics, GpuStage::transfer);
-        commands.barrier(GpuStage::compute, GpuStage::transfer);
-        raster_->record(commands, lattice_, camera, pixels_, SurfaceRaster::resolve_pitch(camera.width),
-                        large_);
-        commands.mark("raster");
-    }
-    commands.barrier(GpuStage::compute, GpuStage::graphics);
-    constexpr VkImageLayout fresh = VK_IMAGE_LAYOUT_UNDEFINED;
-    constexpr VkImageLayout source = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-    record_transition(commands, colour_, fresh, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    record_transition(commands, own_z_, fresh, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-    begin_drawing(commands, {colour_, &own_z_, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE});
-    const auto drawn = draw_surface(commands, camera);
     end_drawing(commands);
-    if (!drawn.ok()) return drawn;
-    record_transition(commands, colour_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, source);
-    record_transition(commands, own_z_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, source);
-    commands.mark("surface");
-    drawn_ = camera.clip_from_lattice;
     return {};
-}
-
-/// The surface to where fingers are drawn over it.
-void SurfaceDrawing::record_copies(GpuCommands& commands, const GpuImage& target) const {
-    const struct {
-        const GpuImage &from, &to;
-        VkImageLayout then;
-    } copies[] = {{colour_, target, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
-                  {own_z_, z_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL}};
-    for (const auto& [from, to, then] : copies) {
-        record_transition(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-        record_copy(commands, from, to);
-        record_transition(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
-    }
 }
 
 Result<void> SurfaceDrawing::draw(GpuCommands& commands, const ViewCamera& camera,
@@ -201,8 +218,12 @@ Result<void> SurfaceDrawing::draw(GpuCommands& commands, const ViewCamera& camer
         target.extent().height != static_cast<std::uint32_t>(camera.height))
         return Error{ErrorKind::internal, "a picture is not of its camera's size"};
     if (auto reserved = reserve(camera); !reserved.ok()) return reserved;
-    if (auto drawn = record_surface(commands, camera); !drawn.ok()) return drawn;
-    record_copies(commands, target);
+    if (is_shown_ && raster_) {
+        if (auto drawn = draw_surface(commands, camera); !drawn.ok()) return drawn;
+        record_copies(commands, camera, target);
+    } else if (auto drawn = record_mesh(commands, camera, target); !drawn.ok()) {
+        return drawn;
+    }
     commands.mark("picture");
     if (auto drawn = fingers_.record(commands, fingers, sizes, camera, target, z_); !drawn.ok()) return drawn;
     if (!fingers.empty()) commands.mark("fingers");

@@ -8,7 +8,7 @@
 #include "player/view/finger_drawing.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/mesh_pipeline.hpp"
-#include "player/view/own_view_pipeline.hpp"
+#include "player/view/own_view_picture.hpp"
 #include "player/view/surface_lighting.hpp"
 #include "player/view/surface_raster.hpp"
 
@@ -36,9 +36,11 @@ public:
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                       const PlaneView& colour, Lighting lighting);
 
-    /// Records the drawing of surface, background and fingers (before the first `show` of these two) into
-    /// `target` (VK_FORMAT_R8G8B8A8_UNORM, of the camera's size), all of which is written, and which is left
-    /// in VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. Whatever comes after it is to wait for that, as
+    /// From the clip's own place the CPU of a software device draws the surface at once, from what `show`
+    /// left: what was recorded before has completed then. Records the drawing of surface, background and
+    /// fingers (before the first `show` of these two) into `target` (VK_FORMAT_R8G8B8A8_UNORM, of the
+    /// camera's size), all of which is written, and which is left in
+    /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. Whatever comes after it is to wait for that, as
     /// record_transition does. Fails (ErrorKind::gpu) where the picture is too large for the painter on this
     /// device.
     Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,
@@ -49,14 +51,17 @@ private:
 
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
-    Result<void> record_surface(GpuCommands& commands, const ViewCamera& camera);
+    bool is_drawn(const ViewCamera& camera) const;
+    Result<void> list_tiles(GpuCommands& commands);
     Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
-    void record_copies(GpuCommands& commands, const GpuImage& target) const;
+    Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
+    void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+    Result<void> record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target);
 
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
-    std::optional<MeshPipeline> mesh_;         // one of the two
-    std::optional<OwnViewPipeline> own_view_;  // in the raster's place, where it can
+    std::optional<MeshPipeline> mesh_;  // one of the two
+    OwnViewPicture own_view_;           // in the raster's place, where it can
     GpuLattices lattices_;
     SurfaceLighting lighting_;
     FingerDrawing fingers_;
@@ -64,11 +69,14 @@ private:
 
     GpuLattice lattice_;
     bool is_shown_ = false;
+    bool has_tiles_ = false;           // of that surface
     GpuBuffer pixels_, large_;         // of the raster
-    GpuBuffer rows_;                   // colours of the background
-    GpuImage colour_, own_z_;          // the surface and its background, without fingers
+    GpuBuffer colours_, z_values_;     // the surface and its background, as they are copied into images
     std::optional<glm::dmat4> drawn_;  // clip_from_lattice that they are of
-    GpuImage z_;                       // with fingers
+    int drawn_width_ = 0, drawn_height_ = 0;
+    GpuBuffer rows_;  // colours of the background
+    int rows_height_ = 0;
+    GpuImage z_;
 };
 
 }  // namespace touchable

@@ -8,10 +8,9 @@
 #include "shaders/raster.h"
 #include "shaders/raster.spv.h"
 #include "shaders/raster_large.spv.h"
+#include "shaders/resolve.h"
+#include "shaders/resolve.spv.h"
 #include "shaders/tile_lists.h"
-#include "shaders/view_resolve.frag.spv.h"
-#include "shaders/view_resolve.h"
-#include "shaders/view_screen.vert.spv.h"
 
 namespace touchable {
 
@@ -35,16 +34,12 @@ Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
         {sizeof(RasterPush), {texels, texels, storage, storage}, {RASTER_LARGE_LANES, 1, 1}});
     if (!large.ok()) return large.error();
     made.large_ = std::move(*large);
-    if (!device.facts().draws_triangles) return made;
-    GraphicsLook look;
-    look.vertex = view_screen_vert_spv;
-    look.fragment = view_resolve_frag_spv;
-    look.push_bytes = sizeof(ResolvePush);
-    look.bindings.assign(2, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER);
-    look.depth = DrawDepth::replaced;
-    auto resolve = GraphicsProgram::create(device, "resolve", look);
+    auto resolve =
+        GpuProgram::create(device, "resolve", resolve_spv,
+                           {sizeof(ResolvePush), {texels, storage, storage, storage}, {RESOLVE_LANES, 1, 1}});
     if (!resolve.ok()) return resolve.error();
     made.resolve_ = std::move(*resolve);
+    made.on_cpu_ = device.facts().kind == GpuKind::software;
     return made;
 }
 
@@ -83,11 +78,17 @@ int SurfaceRaster::resolve_pitch(int width) {
     return (width + RESOLVE_STEP - 1) / RESOLVE_STEP * RESOLVE_STEP;
 }
 
-void SurfaceRaster::record_resolve(GpuCommands& commands, const GpuBuffer& pixels, int pitch,
-                                   const GpuBuffer& background) const {
-    const ResolvePush push{static_cast<std::uint32_t>(pitch / RESOLVE_STEP)};
-    resolve_.bind(commands, push, {pixels, background});
-    vkCmdDraw(commands.handle(), 3, 1, 0, 0);
+void SurfaceRaster::record_resolve(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& pixels,
+                                   const GpuBuffer& background, const GpuBuffer& colours,
+                                   const GpuBuffer& z) const {
+    ResolvePush push{};
+    push.steps = static_cast<std::uint32_t>(resolve_pitch(camera.width) / RESOLVE_STEP);
+    push.height = static_cast<std::uint32_t>(camera.height);
+    // Few lanes that march whole rows on a CPU, many with a step each elsewhere.
+    push.segments = on_cpu_ ? 1 : push.steps;
+    push.segment_steps = on_cpu_ ? push.steps : 1;
+    commands.dispatch(resolve_, push, {pixels, background, colours, z},
+                      {groups_for(push.height * push.segments, RESOLVE_LANES)});
 }
 
 }  // namespace touchable

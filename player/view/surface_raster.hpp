@@ -5,16 +5,14 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_program.hpp"
 #include "player/view/gpu_lattice.hpp"
-#include "player/view/graphics_program.hpp"
 #include "player/view/view_camera.hpp"
 
 namespace touchable {
 
-/// The kernels raster and raster_large: triangles by compute, for devices that have 64-bit atomics; and the
-/// shader view_resolve.frag, which makes a picture of what they leave.
+/// The kernels raster and raster_large: triangles by compute, for devices that have 64-bit atomics.
 class SurfaceRaster {
 public:
-    /// Fails (ErrorKind::gpu) on a device without 64-bit atomics. Without triangles it does not resolve.
+    /// Fails (ErrorKind::gpu) on a device without 64-bit atomics.
     static Result<SurfaceRaster> create(const GpuDevice& device);
 
     /// Records the drawing of a lattice into `pixels`, which are cleared first: 64 bits for each pixel of the
@@ -24,16 +22,16 @@ public:
                 const GpuBuffer& pixels, int pitch, const GpuBuffer& large) const;
     static std::size_t large_bytes(int width, int height);
 
-    /// Records what comes next, between begin_drawing and end_drawing: from pixels with rows of
-    /// `resolve_pitch` to images of the camera's size, all of whose pixels and z are written. `background`: a
-    /// PackedColour for each row.
-    void record_resolve(GpuCommands& commands, const GpuBuffer& pixels, int pitch,
-                        const GpuBuffer& background) const;
+    /// Records what comes next, once a barrier is recorded after that: from pixels with rows of
+    /// `resolve_pitch` to their colours (PackedColour) and z, rows as long. `background`: a colour for each
+    /// row.
+    void record_resolve(GpuCommands& commands, const ViewCamera& camera, const GpuBuffer& pixels,
+                        const GpuBuffer& background, const GpuBuffer& colours, const GpuBuffer& z) const;
     static int resolve_pitch(int width);
 
 private:
-    GpuProgram raster_, large_;
-    GraphicsProgram resolve_;
+    bool on_cpu_ = false;
+    GpuProgram raster_, large_, resolve_;
 };
 
 }  // namespace touchable

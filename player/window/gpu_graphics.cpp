@@ -69,8 +69,17 @@ public:
 
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                       Lighting lighting) override {
-        if (drawing_) return drawing_->show(*commands_, field, pair, colour, lighting);
-        by_cpu_->show(field, pair, colour, lighting);
+        if (!drawing_) {
+            by_cpu_->show(field, pair, colour, lighting);
+            return {};
+        }
+        auto commands = GpuCommands::begin(device_, "surface");
+        if (!commands.ok()) return commands.error();
+        if (auto shown = drawing_->show(*commands, field, pair, colour, lighting); !shown.ok()) return shown;
+        const auto submission = std::move(*commands).submit();
+        if (!submission.ok()) return submission.error();
+        if (auto done = submission->wait(); !done.ok()) return done;
+        stages_ = submission->times();
         return {};
     }
 
@@ -91,7 +100,11 @@ public:
         commands_->mark("panel");
         GpuCommands commands = std::move(*commands_);
         commands_.reset();
-        return screen_.present(std::move(commands), canvas_);
+        auto drawn = screen_.present(std::move(commands), canvas_);
+        if (!drawn.ok()) return drawn;
+        std::vector<GpuTime> stages = std::exchange(stages_, {});
+        stages.insert(stages.end(), drawn->begin(), drawn->end());
+        return stages;
     }
 
     Result<Image> picture() const override { return read_back(device_, canvas_); }
@@ -141,6 +154,7 @@ private:
     std::unique_ptr<ImGuiVulkan> imgui_;
     GpuImage canvas_, small_;              // small: what is stretched over it, if anything is
     std::optional<GpuCommands> commands_;  // of the picture that was begun
+    std::vector<GpuTime> stages_;          // of its surface
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "player/view/cpu_drawing.hpp"
+#include "player/view/own_view_picture.hpp"
 #include "player/view/scene_picture.hpp"
 #include "player/view/surface_drawing.hpp"
 #include "player/view/upload_pool.hpp"
@@ -179,6 +180,32 @@ TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
             EXPECT_LE(different(drawn, expected, 12), marked / 8) << painter << ", " << words;
         }
     }
+}
+
+TEST_F(Drawing, OwnViewIsTheSameByAllVectors) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const HeightField field = shown->field();
+    const ViewCamera camera =
+        make_view(*parse_viewpoint("own"), shown->scene, subject_of(field).middle, 301, 200);
+    ASSERT_TRUE(OwnViewPicture::draws(camera));
+    GpuLattices lattices(gpu);
+    const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown->raw_prev.colour)));
+    const std::vector<PackedColour> background(200, 7);
+    std::vector<PackedColour> first;
+    std::vector<float> first_z;
+    for (const VectorUnit unit : usable_vector_units()) {
+        std::vector<PackedColour> colours(304 * 200);
+        std::vector<float> z(colours.size());
+        OwnViewPicture(unit).draw(lattice, camera, background, 304, colours, z);
+        if (first.empty()) {
+            first = colours;
+            first_z = z;
+        }
+        EXPECT_EQ(colours, first);
+        EXPECT_EQ(z, first_z);
+    }
+    EXPECT_GT(std::count(first.begin(), first.end(), 7U), 1000);
+    EXPECT_GT(std::count_if(first_z.begin(), first_z.end(), [](float z) { return z > 0; }), 10'000);
 }
 
 TEST_F(Drawing, RepeatsItself) {

@@ -1,0 +1,32 @@
+// What the kernel resolve.comp and its caller agree on. Compiled as GLSL and as C++.
+//
+// Packed pixels (shaders/raster.h) become colours and z, as they are copied into images; where nothing is
+// drawn, the background's colour and 0. A lane marches along a row, or a part of it, eight pixels a step.
+#ifndef TOUCHABLE_SHADERS_RESOLVE_H
+#define TOUCHABLE_SHADERS_RESOLVE_H
+
+#ifdef __cplusplus
+namespace touchable {
+using uint = unsigned int;
+#endif
+
+#define RESOLVE_LANES 8
+#define RESOLVE_STEP 8  // pixels; rows are whole steps
+
+#define RESOLVE_PIXELS 0      // texels of two
+#define RESOLVE_BACKGROUND 1  // PackedColour of each row
+#define RESOLVE_COLOURS 2     // PackedColour
+#define RESOLVE_Z 3           // floats
+
+struct ResolvePush {
+    uint steps;          // of a row, memory's
+    uint height;         // pixels
+    uint segments;       // parts of a row, for a lane each
+    uint segment_steps;  // steps of a part
+};
+
+#ifdef __cplusplus
+}  // namespace touchable
+#endif
+
+#endif
