@@ -167,7 +167,10 @@ bool GpuDevice::comes_to_rest() {
         const std::lock_guard lock(mutex_);
         newest = submitted_;
     }
-    return wait_for(newest, lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
+    const bool rests =
+        wait_for(newest, lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
+    if (!rests) vulkan_->lost = true;  // nobody after this one has to be as patient
+    return rests;
 }
 
 /// Waiting for a device that hangs may be waiting for ever, and what it may still read and write must not be

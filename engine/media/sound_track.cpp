@@ -19,6 +19,8 @@ namespace {
 constexpr const char* kinds_of_files = "matroska,mov,wav";
 /// Where times in the file say otherwise by less, samples follow each other without a gap.
 constexpr std::int64_t tolerance = SoundTrack::rate / 50;
+constexpr int most_faults = 1000;
+constexpr double farthest_s = 1e9;  // a time beyond is none
 constexpr std::int64_t longest_frame = std::int64_t{SoundTrack::rate} * 10;
 
 struct ContainerCloser {
@@ -85,6 +87,7 @@ public:
         wanted_ = sample;
         next_.reset();
         ended_ = false;
+        faults_ = 0;
     }
 
     void read(std::span<StereoSample> to) override {
@@ -115,7 +118,7 @@ private:
     void decode() {
         const int status = avcodec_receive_frame(decoder_.get(), frame_.get());
         if (status >= 0) return take();
-        if (status != AVERROR(EAGAIN)) {
+        if (status == AVERROR_EOF || (status != AVERROR(EAGAIN) && ++faults_ > most_faults)) {
             ended_ = true;
             return;
         }
@@ -147,6 +150,7 @@ private:
         if (frame.best_effort_timestamp == AV_NOPTS_VALUE) return std::nullopt;
         const double seconds =
             static_cast<double>(frame.best_effort_timestamp) * av_q2d(stream_.time_base) - begin_s_;
+        if (!(std::abs(seconds) < farthest_s)) return std::nullopt;
         return std::llround(seconds * rate);
     }
 
@@ -194,6 +198,7 @@ private:
     std::vector<StereoSample> decoded_;
     std::int64_t begin_ = 0;  // that they begin with
     bool ended_ = false;
+    int faults_ = 0;  // of the decoder since the last seek
 };
 
 }  // namespace

@@ -39,7 +39,7 @@ void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {
                 least = std::min(least, code);
                 greatest = std::max(greatest, code);
             }
-    const double far_away = another * (greatest - least);
+    const double far_away = another * std::max(0, greatest - least);  // none is valid: nothing is
     int others = 0;
     for (std::size_t k = 0; k < codes_.size(); ++k) {
         const bool same_state = (codes_[k] < 0) == (before_[k] < 0);

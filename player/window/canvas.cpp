@@ -21,9 +21,7 @@ Result<Image> read_back(std::shared_ptr<GpuDevice> device, const GpuImage& canva
                            buffer->handle(), 1, &region);
     commands->keep(canvas.keep_alive());
     commands->keep(buffer->keep_alive());
-    const auto submission = std::move(*commands).submit();
-    if (!submission.ok()) return submission.error();
-    if (auto done = submission->wait(); !done.ok()) return done.error();
+    if (auto done = std::move(*commands).run(); !done.ok()) return done.error();
     Image image{static_cast<int>(extent.width), static_cast<int>(extent.height), 1, 3, {}};
     image.samples.resize(pixels * 3);
     const auto bytes = buffer->mapped<std::uint8_t>();

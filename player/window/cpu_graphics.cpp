@@ -25,7 +25,10 @@ public:
         return {};
     }
     Result<std::vector<GpuTime>> finish() override { return std::vector<GpuTime>(); }
-    Result<Image> picture() const override { return picture_ ? *picture_ : Image(); }
+    Result<Image> picture() const override {
+        if (!picture_) return usage_error("there is no picture yet that could be kept");
+        return *picture_;
+    }
 
 private:
     CpuDrawing drawing_;

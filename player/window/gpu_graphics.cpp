@@ -107,7 +107,10 @@ public:
         return stages;
     }
 
-    Result<Image> picture() const override { return read_back(device_, canvas_); }
+    Result<Image> picture() const override {
+        if (!canvas_) return usage_error("there is no picture yet that could be kept");
+        return read_back(device_, canvas_);
+    }
 
 private:
     Result<void> reserve(GpuImage& image, const char* name, int width, int height) const {

@@ -21,7 +21,8 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
     ++pictures_;
     if (due_ < few) return;
     const double drawing_each = drawing_ / static_cast<double>(pictures_);
-    const bool is_late = static_cast<double>(in_time_) < tolerated * static_cast<double>(due_);
+    const bool is_late =
+        drawing_each > cause && static_cast<double>(in_time_) < tolerated * static_cast<double>(due_);
     const double before = std::exchange(before_, 0);
     due_ = in_time_ = pictures_ = 0;
     drawing_ = 0;

@@ -20,10 +20,11 @@ public:
 
 private:
     static constexpr std::array<double, 3> shares{1, 0.75, 0.5};
-    static constexpr std::int64_t few = 15;            // frames that are judged together
-    static constexpr double tolerated = 0.8;           // of them in time
-    static constexpr double room = 0.8;                // of a frame's time, for a larger picture
-    static constexpr double worth = 0.9;               // of the time before, for a smaller one
+    static constexpr std::int64_t few = 15;   // frames that are judged together
+    static constexpr double tolerated = 0.8;  // of them in time
+    static constexpr double cause = 0.5;      // of a frame's time: what takes less makes nothing late
+    static constexpr double room = 0.8;       // of a frame's time, for a larger picture
+    static constexpr double worth = 0.9;      // of the time before, for a smaller one
     static constexpr double least_s = 3, most_s = 60;  // until it is tried
 
     void go_to(std::size_t level, double now_s);

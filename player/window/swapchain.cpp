@@ -1,6 +1,7 @@
 #include "player/window/swapchain.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -93,7 +94,13 @@ Result<void> Swapchain::choose() {
 
 void Swapchain::destroy_chain() {
     if (!chain_) return;
-    vkDestroySwapchainKHR(device_->vulkan()->device, chain_, nullptr);
+    VulkanDevice& gpu = *device_->vulkan();
+    if (!device_->lost()) {
+        // What was drawn is done; what was presented may not be.
+        const std::lock_guard lock(gpu.queue_mutex);
+        vkQueueWaitIdle(gpu.queue);
+    }
+    vkDestroySwapchainKHR(gpu.device, chain_, nullptr);
     chain_ = VK_NULL_HANDLE;
     images_.clear();
 }

@@ -36,7 +36,7 @@ public:
     /// Draws over it what ImGui has laid out, and shows it. Nothing that it was made of is read after that.
     /// Gives how long the stages took on a GPU.
     virtual Result<std::vector<GpuTime>> finish() = 0;
-    /// What was finished last, RGB.
+    /// What was finished last, RGB; ErrorKind::usage before the first.
     virtual Result<Image> picture() const = 0;
 };
 

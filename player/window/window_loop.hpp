@@ -102,7 +102,7 @@ private:
     std::unique_ptr<OpenedClip> clip_;
     std::optional<PlaybackControl> playback_;
     std::optional<KioskWatch> kiosk_;
-    bool is_inviting_ = false;
+    bool is_inviting_ = false, said_failure_ = false;
     double begun_anew_s_ = 0, shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
     SettingsFile settings_;

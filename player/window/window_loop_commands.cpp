@@ -176,7 +176,6 @@ KeptSettings WindowLoop::to_keep() const {
 }
 
 Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {
-    if (figures_.pictures == 0) return usage_error("there is no picture yet that could be kept");
     const auto image = picture_.graphics().picture();
     if (!image.ok()) return image.error();
     const std::filesystem::path file = name.empty() ? free_name() : name;

@@ -47,6 +47,10 @@ glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
 /// Invites when nobody has been there for a while, and forgets what the last visitor did.
 void WindowLoop::watch_over() {
     const double now = now_s();
+    if (const auto failure = clip_->session().clip_failure(); failure && !said_failure_) {
+        said_failure_ = true;
+        say(failure->message, true);
+    }
     if (kiosk_->begins_anew(now)) begin_anew();
     const auto invited = kiosk_->invites(now);
     sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how

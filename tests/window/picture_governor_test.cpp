@@ -27,6 +27,12 @@ TEST(PictureGovernor, StaysAtFullSizeWhereThereIsTime) {
     EXPECT_EQ(governor.share(), 1);
 }
 
+TEST(PictureGovernor, StaysAtFullSizeWhereOtherThingsAreLate) {
+    PictureGovernor governor;
+    for (int k = 0; k < 300; ++k) governor.add(k / 30.0, 2, 0, 0.1);
+    EXPECT_EQ(governor.share(), 1);
+}
+
 TEST(PictureGovernor, DrawsSmallerWhereThatIsInTimeAndLargerAgainLater) {
     PictureGovernor governor;
     double now = 0;
