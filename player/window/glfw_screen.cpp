@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "player/window/glfw_keys.hpp"
@@ -32,6 +33,15 @@ public:
         glfwTerminate();
     }
 
+    /// No larger than what the display has for windows.
+    static std::pair<int, int> fitted(const ScreenOptions& options) {
+        int x = 0, y = 0, width = 0, height = 0;
+        if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
+            glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+        if (width <= 0 || height <= 0) return {options.width, options.height};
+        return {std::min(options.width, width), std::min(options.height, height)};
+    }
+
     Result<void> open(const ScreenOptions& options) {
         glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
         if (!glfwInit()) return no_display();
@@ -44,7 +54,8 @@ public:
         glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
         glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
         glfwWindowHint(GLFW_AUTO_ICONIFY, options.stays ? GLFW_FALSE : GLFW_TRUE);
-        window_ = glfwCreateWindow(options.width, options.height, "touchable", nullptr, nullptr);
+        const auto [width, height] = fitted(options);
+        window_ = glfwCreateWindow(width, height, "touchable", nullptr, nullptr);
         if (!window_) return no_display();
         glfwSetWindowSizeLimits(window_, 320, 200, GLFW_DONT_CARE, GLFW_DONT_CARE);
         glfwSetWindowUserPointer(window_, this);

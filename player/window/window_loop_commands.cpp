@@ -116,6 +116,9 @@ void WindowLoop::take_of_window(const WindowCommand& command) {
         case WindowVerb::size:
             return screen_->set_size(command.width, command.height);
         case WindowVerb::screenshot:
+            // With all that was done before.
+            if (const WatchedMoment* const newest = clip_->session().look())
+                if (auto drawn = draw(*newest); !drawn.ok()) return say(drawn);
             return say(keep_picture(command.word));
         case WindowVerb::open:
             return open_other(command.word);
