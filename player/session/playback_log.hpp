@@ -43,6 +43,8 @@ public:
     bool is_open() const { return is_open_; }
     /// One thread. Refused (ErrorKind::usage) where there is no room. Wait-free.
     Result<void> ask(PlaybackVerb verb, std::int64_t first, std::int64_t second);
+    /// Who asks: whether anything that was asked for has no tick yet.
+    bool is_waiting() const { return asked_.load(std::memory_order_relaxed) != size(); }
     /// Haptic thread, with ticks that go forward: what was asked for takes effect with this one. Wait-free.
     void take(std::int64_t tick);
 

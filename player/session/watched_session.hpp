@@ -55,6 +55,8 @@ public:
     /// Takes effect with the next tick. Refused (ErrorKind::usage): what `validate` refuses, moments beyond
     /// the clip's end, anything of a camera, after the end, and once there are `most_commands`.
     Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
+    /// Whether a command is still to take effect; after the end it never will.
+    bool is_asked() const { return log_->is_waiting(); }
     /// That have taken effect so far.
     std::size_t commands() const { return log_->size(); }
     /// What the hand was at last; nothing before the first tick. Waits for nobody but a copy of the same.

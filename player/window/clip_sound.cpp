@@ -19,7 +19,6 @@ ClipSound::~ClipSound() {
 void ClipSound::open(const std::filesystem::path& file) {
     {
         const std::lock_guard lock(mutex_);
-        if (file == file_) return;
         file_ = file;
         is_new_ = true;
         has_track_ = false;

@@ -25,7 +25,8 @@ public:
     ClipSound(const ClipSound&) = delete;
     ClipSound& operator=(const ClipSound&) = delete;
 
-    /// From now on that of this file, if it has one; the one before is silent at once. The window's thread.
+    /// From now on that of this file, if it has one, as it is now; the one before is silent at once. The
+    /// window's thread.
     void open(const std::filesystem::path& file);
     /// Copies the samples from `first` on; silence where there are none, or none yet, which is false. Any
     /// thread; waits for no decoding.

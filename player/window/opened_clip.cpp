@@ -38,6 +38,11 @@ private:
     bool is_open_ = false;
 };
 
+bool has_loop_of(const PlaybackState& a, const PlaybackState& b) {
+    if (!a.loops || !b.loops) return a.loops == b.loops;
+    return a.loop_begin_ns == b.loop_begin_ns && a.loop_end_ns == b.loop_end_ns;
+}
+
 }  // namespace
 
 OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound)
@@ -109,6 +114,10 @@ Result<void> OpenedClip::begin() {
 
 void OpenedClip::begin_sound() {
     sound_.open_clip(session_->setup().clip.file);
+    begin_listening();
+}
+
+void OpenedClip::begin_listening() {
     listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
 }
 
@@ -182,6 +191,11 @@ Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
     return change;
 }
 
+void OpenedClip::end_session() {
+    session_->stop();
+    if (!failure_) failure_ = session_->failure();
+}
+
 /// The clip has played on beyond its begin by more than an eye would miss.
 bool OpenedClip::is_left_behind(const Change& change) const {
     constexpr std::int64_t bearable_ns = 100'000'000;
@@ -192,24 +206,25 @@ bool OpenedClip::is_left_behind(const Change& change) const {
 /// Nobody has led the clip elsewhere meanwhile.
 bool OpenedClip::goes_on_to(const Change& change, const PlaybackState& now) const {
     return now.moment.epoch == change.state.moment.epoch && now.playing && change.state.playing &&
-           now.rate == change.state.rate && now.loops == change.state.loops;
+           now.rate == change.state.rate && has_loop_of(change.state, now);
 }
 
 bool OpenedClip::has_come_to(const Change& change) const {
+    if (!session_->running()) return true;
+    if (session_->is_asked()) return false;  // it would be lost with the session
     const PlaybackState now = session_->playback();
-    return !session_->running() || !goes_on_to(change, now) || now.at_end ||
-           now.moment.time_ns >= change.begin_ns;
+    return !goes_on_to(change, now) || now.at_end || now.moment.time_ns >= change.begin_ns;
 }
 
 Result<void> OpenedClip::take(Change change) {
+    end_session();
     const PlaybackState now = session_->playback();
-    session_->stop();
     cuts_.merge(session_->cuts());
     const WatchedFigures before = figures();
     if (record_) record_->file->end_part(facts_of_part(), session_->setup().settings.playback);
     if (record_) record_->hash.emplace();
     if (auto started = start_session(std::move(change.setup)); !started.ok()) return started;
-    begin_sound();
+    begin_listening();
     ended_ = before;
     constexpr std::int64_t least_ns = 20'000'000, most_ns = 3'000'000'000;
     reading_ns_ = std::clamp(change.reading_ns, least_ns, most_ns);
@@ -222,8 +237,7 @@ Result<void> OpenedClip::take(Change change) {
 /// What is refused has become impossible with the change.
 void OpenedClip::lead_from(const Change& change, const PlaybackState& to) {
     const PlaybackState& from = change.state;
-    const bool other_loop = from.loops != to.loops || from.loop_begin_ns != to.loop_begin_ns ||
-                            from.loop_end_ns != to.loop_end_ns;
+    const bool other_loop = !has_loop_of(from, to);
     const auto ask = [this](PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0) {
         (void)session_->ask(verb, first, second);
     };
@@ -241,6 +255,7 @@ WatchedFigures OpenedClip::figures() const {
     all.feed.dropped += ended_.feed.dropped;
     all.ticks.ticks += ended_.ticks.ticks;
     all.ticks.late += ended_.ticks.late;
+    all.ticks.late_us_p99 = std::max(all.ticks.late_us_p99, ended_.ticks.late_us_p99);
     all.late_frames += ended_.late_frames;
     return all;
 }
@@ -257,7 +272,7 @@ nlohmann::ordered_json OpenedClip::facts_of_part() const {
 }
 
 Result<void> OpenedClip::finish() {
-    session_->stop();
+    end_session();
     if (!record_) return {};
     return record_->file->finish(facts_of_part(), session_->setup().settings.playback);
 }

@@ -83,6 +83,9 @@ public:
     WatchedFigures figures() const;
     /// Ends the session, and completes its recording.
     Result<void> finish();
+    /// Why the first of its sessions that ended by itself did, or lost ticks, or its clip broke off; known of
+    /// each once it has ended.
+    const std::optional<Error>& failure() const { return failure_; }
 
 private:
     OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);
@@ -93,6 +96,8 @@ private:
     bool is_left_behind(const Change& change) const;
     void take_over(const TouchSetup& setup, const FeltSettings& felt);
     Result<void> start_session(std::unique_ptr<TouchSetup> setup);
+    void end_session();
+    void begin_listening();
     void lead_from(const Change& change, const PlaybackState& to);
     nlohmann::ordered_json facts_of_part() const;
 
@@ -122,8 +127,9 @@ private:
     std::optional<WindowView> view_;
     FingerTrails trails_;
     MarkSizes sizes_{};
-    std::unique_ptr<TouchSetup> ready_;        // until it is begun
-    WatchedFigures ended_;                     // of the sessions before
+    std::unique_ptr<TouchSetup> ready_;  // until it is begun
+    WatchedFigures ended_;               // of the sessions before
+    std::optional<Error> failure_;
     std::int64_t reading_ns_ = 60'000'000;     // of the clip's first frames after a change, as far as known
     std::unique_ptr<WatchedSession> session_;  // ends before what it works on
 };

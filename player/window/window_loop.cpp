@@ -38,7 +38,7 @@ Result<void> WindowLoop::open() {
     if (options_.kiosk) kiosk_.emplace(*options_.kiosk);
     if (options_.settings_file) settings_ = SettingsFile(*options_.settings_file);
     const KeptSettings& kept = settings_.read();
-    if (!options_.filters_are_stated) felt_ = {kept.a, kept.b};
+    if (!options_.filters_are_stated) felt_.kept = {kept.a, kept.b};
     if (!settings_.message().empty()) say(settings_.message(), true);
     auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
     if (!sound.ok()) return sound.error();
@@ -110,13 +110,14 @@ Result<PlayFigures> WindowLoop::run() {
     if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     sum_up();
+    if (!failure_) failure_ = clip_->failure();
     const Result<void> filmed = film_ ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
+    if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
     for (const auto* done :
          std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &filmed, &kept})
         if (!done->ok()) return done->error();
-    if (const auto failure = clip_->session().failure()) return *failure;
     if (interrupted()) return by_a_person;
     return std::move(figures_);
 }
@@ -318,7 +319,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
 PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& field,
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
-    facts.felt.b_is_on = felt_.b_is_on;
+    facts.felt.b_is_on = felt_.in_effect.b_is_on;
     facts.figures.push_back(sound_->state());
     facts.is_kiosk = kiosk_.has_value();
     if (kiosk_) facts.invited_s = kiosk_->invites(now_s());

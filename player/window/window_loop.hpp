@@ -52,21 +52,26 @@ private:
     void set_overlay(const std::string& name);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);
+    /// A and B as they are kept, and as they are in effect: without what the clip would not go with.
+    struct WindowFelt {
+        TwoSettings kept, in_effect;
+        bool operator==(const WindowFelt&) const = default;
+    };
     void feel(const WindowCommand& command);
-    void feel(const TwoSettings& wanted);
     /// What was made ready on a thread of its own: another clip, or a change of the one that is there.
     struct Ready {
         std::unique_ptr<OpenedClip> clip;
         std::optional<OpenedClip::Change> change{};
-        TwoSettings felt;      // to be in effect then
+        WindowFelt felt;       // to be in effect then
         std::string remark{};  // that something is not as it was wanted
     };
     void ask_for_clip(const ClipChoice& choice);
-    void ask_for_change(const TwoSettings& wanted);
+    void ask_for_change(const WindowFelt& wanted);
     Result<void> wait_for_clip();
     void go_on_opening();
     Result<void> take(Ready& ready);
     Result<void> show(std::unique_ptr<OpenedClip> clip);
+    bool note_failure();
     std::string words_of_opening() const;
     void reset();
     void watch_over();
@@ -106,12 +111,12 @@ private:
     double begun_anew_s_ = 0, shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
     SettingsFile settings_;
-    TwoSettings felt_;
-    std::optional<TwoSettings> wanted_felt_;  // to be changed to
-    std::optional<TwoSettings> asked_felt_;   // that `opening_` makes ready
-    bool felt_by_hand_ = false;               // in this window
-    bool can_renew_ = true;                   // the session, by one that takes more commands
-    std::int64_t changed_at_ = 0;             // figures_.pictures at the last change
+    WindowFelt felt_;
+    std::optional<WindowFelt> wanted_felt_;  // to be changed to
+    std::optional<WindowFelt> asked_felt_;   // that `opening_` makes ready
+    Clock::time_point renew_after_;          // the session, by one that takes more commands
+    std::int64_t changed_at_ = 0;            // figures_.pictures at the last change
+    std::optional<Error> failure_;           // the first of all clips
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;  // since the last picture

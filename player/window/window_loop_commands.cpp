@@ -136,24 +136,22 @@ void WindowLoop::set_overlay(const std::string& name) {
 }
 
 void WindowLoop::feel(const WindowCommand& command) {
-    TwoSettings wanted = wanted_felt_.value_or(felt_);
+    WindowFelt wanted = wanted_felt_.value_or(felt_);
     const std::size_t space = command.word.find(' ');
-    if (command.verb == WindowVerb::settings) {
-        wanted.turn_to(command.word.empty() ? !wanted.b_is_on : command.word == "b");
-    } else if (auto set = wanted.set(command.word.substr(0, space), command.word.substr(space + 1));
-               !set.ok()) {
-        return say(set.error().message, true);
+    const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
+    for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
+        if (command.verb == WindowVerb::settings) {
+            settings->turn_to(to_b);
+        } else if (auto set = settings->set(command.word.substr(0, space), command.word.substr(space + 1));
+                   !set.ok()) {
+            return say(set.error().message, true);
+        }
     }
-    feel(wanted);
-}
-
-void WindowLoop::feel(const TwoSettings& wanted) {
     wanted_felt_ = wanted;
-    felt_by_hand_ = true;
 }
 
 void WindowLoop::reset() {
-    feel(TwoSettings());
+    wanted_felt_.emplace();
     panel_->shown = false;
     clip_->fingers().set_count(KeptSettings().fingers);
     picture_.set_overlay(Overlay::colour);
@@ -165,8 +163,8 @@ KeptSettings WindowLoop::to_keep() const {
     kept.panel = panel_->shown;
     kept.fingers = clip_->fingers().count();
     kept.overlay = name_of(picture_.overlay());
-    if (!options_.filters_are_stated && felt_by_hand_) {
-        const TwoSettings felt = wanted_felt_.value_or(felt_);
+    if (!options_.filters_are_stated) {
+        const TwoSettings felt = wanted_felt_.value_or(felt_).kept;
         kept.a = felt.a;
         kept.b = felt.b;
     }

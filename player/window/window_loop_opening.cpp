@@ -12,22 +12,26 @@ namespace touchable {
 namespace {
 
 constexpr double opening_is_quick_s = 0.2;  // nobody needs to be told of it
+// From one try to renew a session to the next; many fewer commands come in that time than it still takes.
+constexpr std::chrono::seconds renew_pause(20);
 
 }  // namespace
 
-/// Settings that do not go with the clip are not in effect then; they stay kept for the next window.
+/// Settings that do not go with the clip are not in effect then; they stay kept for another one.
 void WindowLoop::ask_for_clip(const ClipChoice& choice) {
     std::string name = choice.file.filename().string();
     if (name.empty()) name = choice.file.string();
     opening_.ask("opening " + name,
-                 [this, choice, felt = felt_](const std::stop_token& given_up) -> Result<Ready> {
-                     auto opened = OpenedClip::open(options_, choice, felt.now(), *sound_, given_up);
-                     if (opened.ok()) return Ready{.clip = std::move(*opened), .felt = felt};
-                     if (felt.now() == FeltSettings{} || given_up.stop_requested()) return opened.error();
+                 [this, choice, kept = felt_.kept](const std::stop_token& given_up) -> Result<Ready> {
+                     auto opened = OpenedClip::open(options_, choice, kept.now(), *sound_, given_up);
+                     if (opened.ok()) return Ready{.clip = std::move(*opened), .felt = {kept, kept}};
+                     if (kept.now() == FeltSettings{} || given_up.stop_requested()) return opened.error();
                      auto plain = OpenedClip::open(options_, choice, {}, *sound_, given_up);
                      if (!plain.ok()) return plain.error();
+                     TwoSettings in_effect = kept;
+                     (kept.b_is_on ? *in_effect.b : in_effect.a) = {};
                      return Ready{.clip = std::move(*plain),
-                                  .felt = {},
+                                  .felt = {kept, in_effect},
                                   .remark = "felt as the clip says: " + opened.error().message};
                  });
 }
@@ -42,10 +46,10 @@ void WindowLoop::open_other(const std::string& file) {
     ask_for_clip(choice);
 }
 
-void WindowLoop::ask_for_change(const TwoSettings& wanted) {
-    opening_.ask("changing to " + wanted.in_words(),
+void WindowLoop::ask_for_change(const WindowFelt& wanted) {
+    opening_.ask("changing to " + wanted.in_effect.in_words(),
                  [clip = clip_.get(), wanted](const std::stop_token& given_up) -> Result<Ready> {
-                     auto change = clip->prepare(wanted.now(), given_up);
+                     auto change = clip->prepare(wanted.in_effect.now(), given_up);
                      if (!change.ok()) return change.error();
                      return Ready{.clip = nullptr, .change = std::move(*change), .felt = wanted};
                  });
@@ -68,14 +72,15 @@ void WindowLoop::go_on_opening() {
         say(take(ready));
     }
     const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
-    if (!wanted_felt_ && can_renew_ && clip_->is_worn() && was_seen && !ready_ && !opening_.is_busy()) {
-        can_renew_ = false;  // again once it was; otherwise never
+    if (!wanted_felt_ && Clock::now() > renew_after_ && clip_->is_worn() && was_seen && !ready_ &&
+        !opening_.is_busy()) {
+        renew_after_ = Clock::now() + renew_pause;
         return ask_for_change(felt_);
     }
     if (!wanted_felt_ || !was_seen || ready_ || opening_.is_busy()) return;
-    if (wanted_felt_->now() == clip_->felt()) {
+    if (wanted_felt_->in_effect.now() == clip_->felt()) {
         felt_ = *std::exchange(wanted_felt_, std::nullopt);
-        return say(felt_.in_words());
+        return say(felt_.in_effect.in_words());
     }
     asked_felt_ = wanted_felt_;
     ask_for_change(*wanted_felt_);
@@ -91,24 +96,35 @@ Result<void> WindowLoop::take(Ready& ready) {
         return {};
     }
     if (wanted_felt_ == ready.felt) wanted_felt_.reset();
-    if (auto changed = clip_->take(std::move(*ready.change)); !changed.ok()) return changed;
+    const bool had_failed = clip_->failure().has_value();
+    const Result<void> changed = clip_->take(std::move(*ready.change));
+    const bool has_failed = !had_failed && note_failure();
+    if (!changed.ok()) return changed;
     picture_.forget();
     frames_shown_.forget();
-    can_renew_ = true;
-    if (is_another) say(felt_.in_words());
+    if (is_another && !has_failed) say(felt_.in_effect.in_words());
     return {};
+}
+
+/// Whether the clip's session ended as it should not have: the window says so, and in the end the program.
+bool WindowLoop::note_failure() {
+    if (!clip_->failure()) return false;
+    if (!failure_) failure_ = clip_->failure();
+    say(clip_->failure()->message, true);
+    return true;
 }
 
 /// In place of the one that is there, if one is.
 Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     if (clip_) {
         if (auto finished = clip_->finish(); !finished.ok()) say(finished);
-        count_session();
+        note_failure();
         clip->fingers().set_count(clip_->fingers().count());
         // Who has stopped all force has stopped it for every clip.
         clip->device().set_force(clip_->device().force_is_on());
     }
     if (auto begun = clip->begin(); !begun.ok()) return begun;
+    if (clip_) count_session();
     clip_ = std::move(clip);
     clip_->begin_sound();
     picture_.forget();
@@ -129,6 +145,7 @@ Result<void> WindowLoop::wait_for_clip() {
             else if (event.kind == InputEvent::Kind::close ||
                      (event.kind == InputEvent::Kind::key && event.word == "escape"))
                 quit_ = true;
+        if (auto there = screen_->health(); !there.ok()) return there;
         auto made = opening_.take();
         if (!made) continue;
         if (!made->ok()) return made->error();

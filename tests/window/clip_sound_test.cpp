@@ -133,6 +133,15 @@ TEST_F(ClipHeard, OfAnotherFileIsAnother) {
     EXPECT_EQ(clip_.fault(), "");
 }
 
+TEST_F(ClipHeard, OfAFileThatWasReplacedIsTheNewOnes) {
+    hear(0.1, 20);
+    std::filesystem::remove(folder_ / "1.mkv");
+    files_ = 0;
+    begin(tone(960, 1));
+    hear_nothing(2);
+    EXPECT_NEAR(zero_crossings(hear(0, 100)), 192, 4);
+}
+
 TEST_F(ClipHeard, IsFoundWhereverTheClipGoes) {
     begin(tone(480, 20));
     for (const double moment : {15.0, 3.0, 19.5, 0.0, 7.77}) wait_for(moment);

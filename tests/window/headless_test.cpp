@@ -185,6 +185,20 @@ TEST(HeadlessWindow, KeepsSettingsWhereItIsToldTo) {
     EXPECT_EQ(kept_after("0 reset\n").find("median"), std::string::npos);
 }
 
+TEST(HeadlessWindow, SettingsThatDoNotGoWithTheClipStayKeptWhateverIsChanged) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "play.json") << R"({"a": {"temporal": "on"}, "b": {"metric": "pixel"}})";
+    std::ofstream(folder / "script") << "0 median 3\n";
+    const auto played = run_touchable({"play", still().string(), "--headless", "--seconds", "0.1", "--size",
+                                       "320x240", "--script", (folder / "script").string(), "--settings",
+                                       (folder / "play.json").string()});
+    EXPECT_EQ(played.code, 0) << played.err;
+    EXPECT_NE(played.err.find("felt as the clip says"), std::string::npos) << played.err;
+    const std::string kept = file_contents(folder / "play.json");
+    for (const char* words : {"\"temporal\": \"on\"", "\"metric\": \"pixel\"", "\"median\": 3"})
+        EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
+}
+
 TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string();

@@ -112,5 +112,16 @@ TEST_F(LostWindow, LeavesTheLastSurfaceOfAClipThatBreaks) {
     EXPECT_TRUE(read_image(folder_ / "shot.png").ok());
 }
 
+TEST_F(LostWindow, SaysInTheEndThatAClipBeforeTheLastBroke) {
+    const std::string other = (folder_ / "other.mkv").string();
+    ASSERT_EQ(run_touchable({"make", "globe", other, "--size", "64x48", "--frames", "3"}).code, 0);
+    options_.record.reset();
+    options_.painter = "cpu";
+    options_.script.push_back({0.9, WindowCommand{WindowVerb::open, 0, other}});
+    const auto played = play([&] { std::filesystem::resize_file(options_.session.clip.file, 20'000); });
+    ASSERT_FALSE(played.ok());
+    EXPECT_NE(played.error().message.find("globe.mkv"), std::string::npos) << played.error().message;
+}
+
 }  // namespace
 }  // namespace touchable::test

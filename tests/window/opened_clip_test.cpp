@@ -95,6 +95,36 @@ TEST_F(ChangedClip, GoesWhereItWasLedMeanwhile) {
     EXPECT_EQ(now().loop_begin_ns, 1'000'000'000);
 }
 
+TEST_F(ChangedClip, LosesNoCommandThatIsGivenWhenItChanges) {
+    ASSERT_TRUE(clip_->session().ask(PlaybackVerb::loop, 0, 1'500'000'000).ok());
+    ASSERT_TRUE(comes_true([this] { return now().loops; }));
+    auto change = clip_->prepare(clip_->felt());
+    ASSERT_TRUE(change.ok()) << change.error().message;
+    ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
+    ASSERT_TRUE(clip_->session().ask(PlaybackVerb::loop, 0, 1'800'000'000).ok());
+    ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
+    ASSERT_TRUE(clip_->take(std::move(*change)).ok());
+    EXPECT_TRUE(comes_true([this] { return now().loop_end_ns == 1'800'000'000; })) << now().loop_end_ns;
+    auto other = clip_->prepare(clip_->felt());
+    ASSERT_TRUE(other.ok()) << other.error().message;
+    ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*other); }));
+    ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause).ok());
+    ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*other); }));
+    ASSERT_TRUE(clip_->take(std::move(*other)).ok());
+    EXPECT_TRUE(comes_true([this] { return !now().playing; }));
+}
+
+TEST_F(ChangedClip, StillSaysWhyASessionBeforeEnded) {
+    auto change = clip_->prepare(clip_->felt());
+    ASSERT_TRUE(change.ok()) << change.error().message;
+    std::filesystem::resize_file(choice_.file, 3000);
+    ASSERT_TRUE(comes_true([this] { return clip_->session().clip_failure().has_value(); }));
+    EXPECT_FALSE(clip_->failure()) << "it still goes on";
+    ASSERT_TRUE(clip_->take(std::move(*change)).ok());
+    ASSERT_TRUE(clip_->failure());
+    EXPECT_NE(clip_->failure()->message.find("globe.mkv"), std::string::npos) << clip_->failure()->message;
+}
+
 TEST_F(ChangedClip, CountsTheTicksOfAllItsSessions) {
     ASSERT_TRUE(comes_true([this] { return clip_->figures().ticks.ticks > 20; }));
     const std::int64_t before = clip_->figures().ticks.ticks;
