@@ -1,6 +1,8 @@
 #include "engine/media/demuxer.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstdio>
 #include <fstream>
 #include <utility>
 
@@ -76,6 +78,26 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open(const std::filesystem::path& file
 
 std::optional<std::string> Demuxer::tag(const char* name) const {
     return entry(container_->metadata, name);
+}
+
+std::optional<double> Demuxer::pictures_end() const {
+    const std::int64_t whole_us = container_->duration;
+    if (whole_us == AV_NOPTS_VALUE || whole_us <= 0) return std::nullopt;
+    const double whole_s = static_cast<double>(whole_us) / AV_TIME_BASE;
+    bool has_sound = false;
+    double pictures_s = 0;
+    for (unsigned k = 0; k < container_->nb_streams; ++k) {
+        const AVStream& stream = *container_->streams[k];
+        has_sound = has_sound || stream.codecpar->codec_type == AVMEDIA_TYPE_AUDIO;
+        if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO) continue;
+        // As Matroska's writers have it: 00:00:03.007000000.
+        int hours = 0, minutes = 0;
+        double seconds = 0;
+        const std::string stated = entry(stream.metadata, "DURATION").value_or("");
+        if (std::sscanf(stated.c_str(), "%d:%d:%lf", &hours, &minutes, &seconds) != 3) continue;
+        pictures_s = std::max(pictures_s, 3600.0 * hours + 60.0 * minutes + seconds);
+    }
+    return has_sound && pictures_s > 0 && pictures_s < whole_s ? pictures_s : whole_s;
 }
 
 std::optional<std::string> Demuxer::attachment(const std::string& file_name) const {

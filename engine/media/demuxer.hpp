@@ -23,6 +23,9 @@ public:
     const AVFormatContext& container() const { return *container_; }
     /// A tag of the whole file.
     std::optional<std::string> tag(const char* name) const;
+    /// Seconds at which the pictures end: of a file that has sound as well, by what its picture tracks say of
+    /// themselves, where they do. Nothing where the file says nothing.
+    std::optional<double> pictures_end() const;
     /// The bytes of an attached file.
     std::optional<std::string> attachment(const std::string& file_name) const;
 

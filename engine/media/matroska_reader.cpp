@@ -235,10 +235,9 @@ Result<void> MatroskaReader::open_tracks() {
 /// What can be told of the whole clip once frame 0 is there.
 Result<void> MatroskaReader::describe() {
     // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.
-    const std::int64_t duration_us = demuxer_->container().duration;
-    if (duration_us == AV_NOPTS_VALUE || duration_us <= 0)
-        return refuse("was never completed: it has no duration");
-    const double seconds = static_cast<double>(duration_us) / AV_TIME_BASE - origin_seconds_;
+    const std::optional<double> end_s = demuxer_->pictures_end();
+    if (!end_s) return refuse("was never completed: it has no duration");
+    const double seconds = *end_s - origin_seconds_;
     promised_ = std::llround(seconds * static_cast<double>(recorded_rate_.num) /
                              static_cast<double>(recorded_rate_.den));
     bool has_haptic = false;

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -94,6 +95,10 @@ CLI::Validator ends_as_film() {
 }
 
 Result<PlayOptions> read_words(const PlayWords& words) {
+    for (const double number : {words.seconds_value, words.options.screenshot_s})
+        if (std::isnan(number)) return usage_error("--seconds and --at must be numbers");
+    for (const double number : words.idle)
+        if (std::isnan(number)) return usage_error("--idle must be two numbers");
     PlayOptions options = words.options;
     const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
     if (!size.ok()) return size.error();

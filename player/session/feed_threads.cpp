@@ -234,6 +234,11 @@ bool FeedThreads::publish(const Queued& queued) {
     }
 }
 
+bool FeedThreads::waits_for_the_hand() const {
+    const std::lock_guard lock(mutex_);
+    return !queue_.empty() && turn_of(queue_.front()) == Turn::early;
+}
+
 std::optional<MediaMoment> FeedThreads::end() const {
     const std::lock_guard lock(mutex_);
     return end_;

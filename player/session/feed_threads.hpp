@@ -51,6 +51,9 @@ public:
     std::int64_t published() const { return published_.load(std::memory_order_acquire); }
     /// How many frames were late, so far.
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
+    /// What comes next is of an epoch that the hand has not come to, as after the last frames before a loop's
+    /// way back.
+    bool waits_for_the_hand() const;
     /// End of the clip's last frame in the last epoch once all are published; until a command leads away.
     std::optional<MediaMoment> end() const;
     /// Why they ended early, if they did.

@@ -110,8 +110,9 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (!live_source) {
         if (auto begun = threads.start(); !begun.ok()) return begun;
         // The first frame after the pair at hand costs most, because memory is new: the hand begins once it
-        // is there.
-        while (threads.published() == 0 && !threads.end() && !threads.error() && !is_asked_to_stop())
+        // is there, or nothing comes before it has begun.
+        while (threads.published() == 0 && !threads.end() && !threads.waits_for_the_hand() &&
+               !threads.error() && !is_asked_to_stop())
             std::this_thread::sleep_for(sink_pause);
     }
     if (auto begun = loop.start(); !begun.ok()) return begun;

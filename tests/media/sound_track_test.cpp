@@ -79,6 +79,20 @@ TEST_F(Sounding, BeginsWithTheFirstPicture) {
     EXPECT_TRUE(open_clip(file()).ok()) << "a clip with sound is a clip";
 }
 
+TEST_F(Sounding, LongerThanThePicturesMakesAClipNoLonger) {
+    const auto pictures = folder_ / "clip.mkv";
+    ASSERT_EQ(message(write_clip(pictures, small_scene(40, 30, 16), 20, {true, true, true, false},
+                                 {Archive::fast, true})),
+              "");
+    write_sounding_clip(file(), tone(440, 2), pictures);
+    auto reader = open_clip(file());
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 20);
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    EXPECT_EQ(frames->size(), 20U);
+}
+
 TEST_F(Sounding, IsNotThereWhereThereIsNone) {
     ASSERT_EQ(message(write_clip(file(), small_scene(40, 30, 16), 2, {true, true, true, false},
                                  {Archive::fast, true})),

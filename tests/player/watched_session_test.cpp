@@ -239,6 +239,15 @@ TEST_F(Watched, AClipThatHasEndedStandsStillAndGoesBackWhenAsked) {
     ASSERT_NO_FATAL_FAILURE(expect_replay());
 }
 
+/// Nothing is left to publish before the hand has come to the loop's way back.
+TEST_F(Watched, BeginsOnTheLastFrameOfALoop) {
+    SessionOptions last = options();
+    const std::int64_t end_ns = FrameRate{30, 1}.time_ns(watched_frames);
+    last.playback = {{0, Verb::seek, end_ns - 2 * ms, 0}, {0, Verb::loop, 0, end_ns}};
+    ASSERT_NO_FATAL_FAILURE(start(last));
+    EXPECT_TRUE(comes_true([this] { return session->playback().moment.epoch > 1 && has_arrived(); }));
+}
+
 TEST_F(Watched, RefusesWhatNoClockTakes) {
     SessionOptions planned = options();
     planned.playback = {{5, Verb::pause, 0, 0}};
