@@ -1,7 +1,6 @@
 #include "player/window/window_loop.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <initializer_list>
 #include <iostream>
@@ -9,30 +8,8 @@
 
 #include "engine/printable.hpp"
 #include "player/session/interrupt.hpp"
-#include "player/view/surface_pick.hpp"
-#include "player/window/panel_facts.hpp"
 
 namespace touchable {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-// From the begin of one picture to the next, at least: as often as screens show one, but where drawing takes
-// so long that decoding would suffer. Another frame of the clip is waited for less.
-constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
-constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
-constexpr double after_input_ms = 300;  // buttons fade
-constexpr double message_s = 4;
-constexpr const char* first_words =
-    "move over the picture, and hold the left button to touch it; ? shows all keys";
-
-constexpr const char* end_words = "the end: Space plays it again, L repeats it";
-
-double seconds_between(Clock::time_point from, Clock::time_point to) {
-    return std::chrono::duration<double>(to - from).count();
-}
-
-}  // namespace
 
 Result<void> WindowLoop::open() {
     if (options_.kiosk) kiosk_.emplace(*options_.kiosk);
@@ -148,6 +125,12 @@ double WindowLoop::now_s() const {
     return begun_ ? seconds_between(*begun_, Clock::now()) : 0;
 }
 
+double WindowLoop::thread_cpu_ms() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
+
 void WindowLoop::sum_up() {
     figures_.seconds = now_s();
     figures_.window_cpu_ms = begun_ ? thread_cpu_ms() - begun_cpu_ms_ : 0;
@@ -166,48 +149,6 @@ void WindowLoop::count_session() {
     figures_.frames += sessions.feed.frames;
     figures_.late_frames += sessions.late_frames;
     figures_.dropped_frames += sessions.feed.dropped;
-}
-
-/// When the frame came that is to be seen.
-void WindowLoop::watch(const WatchedMoment* moment, Clock::time_point now) {
-    if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
-}
-
-/// Another frame of the clip is drawn at once. Of the one that is seen nothing is drawn again where nothing
-/// has moved, nor where the next would come late for it.
-bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) const {
-    const double since_ms = 1000 * seconds_between(last_picture_, now);
-    if (!moment || since_ms < frame_pause_ms) return false;
-    if (seen_.is_other_frame(*moment)) return true;
-    if (since_ms < pause_ms()) return false;
-    const PlaybackState playback = clip_->session().playback();
-    const double left_ms = frame_ms() - 1000 * seconds_between(frame_came_at_, now);
-    // One that is overdue by as much again is not waited for.
-    if (playback.playing && !playback.at_end && left_ms < small_draw_ms_ && left_ms > -frame_ms())
-        return false;
-    const bool has_input =
-        is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
-    return has_input || since_ms >= idle_pause_ms ||
-           seen_.differs(*moment, clip_->fingers().shown(), clip_->sizes().finger_radius / 50);
-}
-
-double WindowLoop::pause_ms() const {
-    return std::clamp(small_draw_ms_ / share_of_drawing, picture_pause_ms, slowest_pause_ms);
-}
-
-/// From one of the clip's frames to the next, as it is played.
-double WindowLoop::frame_ms() const {
-    const auto rate = static_cast<double>(clip_->session().playback().rate) / 1000;
-    return static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-6 / std::max(rate, 1e-3);
-}
-
-/// Of the size in which there is time to draw.
-ViewCamera WindowLoop::drawn_camera(const ScreenSize& size) const {
-    const double share = picture_.graphics().can_stretch() ? governor_.share() : 1;
-    const auto side = [share](int pixels) {
-        return std::max(1, static_cast<int>(std::lround(pixels * share)));
-    };
-    return clip_->view().camera(side(size.width), side(size.height));
 }
 
 void WindowLoop::take_script() {
@@ -264,124 +205,6 @@ void WindowLoop::say(std::string words, bool bad) {
     message_ = std::move(words);
     message_is_bad_ = bad;
     message_at_ = Clock::now();
-}
-
-Result<void> WindowLoop::draw(const WatchedMoment& moment) {
-    const ScreenSize size = screen_->size();
-    const auto begin = Clock::now();
-    const double since = seconds_between(last_picture_, begin);
-    const bool is_new = seen_.is_other_frame(moment);
-    last_picture_ = begin;
-    seen_.remember(moment, clip_->fingers().shown());
-    if (size.width < 1 || size.height < 1) {  // minimised
-        events_.clear();
-        return {};
-    }
-    if (!message_.empty() && seconds_between(message_at_, begin) > message_s) message_.clear();
-
-    const HeightField field(clip_->scene(), moment.held.pair);
-    const ViewCamera camera = clip_->view().camera(size.width, size.height);
-    if (const auto at = pointer_.take_double_click())
-        if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
-    if (is_inviting_) show_how(field, camera);
-    std::vector<glm::dvec3> goals;
-    for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
-    clip_->fingers().intend(field, camera, goals);
-
-    WindowGraphics& graphics = picture_.graphics();
-    if (auto begun = graphics.begin(); !begun.ok()) return begun;
-    // What a session felt last is not felt any more once it has ended.
-    const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
-    const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
-    if (auto drawn =
-            picture_.draw(moment, field, drawn_camera(size), marks, clip_->sizes(), size.width, size.height);
-        !drawn.ok())
-        return drawn;
-    PanelFacts facts = words_of(moment, field, camera);
-    facts.halos = finger_halos(marks, clip_->sizes(), field, camera);
-    layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
-    panel_->draw(facts, size.width, size.height, asked_);
-    layer_->end();
-    const auto stages = graphics.finish();
-    if (!stages.ok()) return stages.error();
-    for (const GpuTime& stage : *stages) figures_.stage_ms[stage.label] += stage.ms;
-    if (film_ && film_->wants(now_s())) {
-        auto picture = graphics.picture();
-        if (!picture.ok()) return picture.error();
-        film_->add(std::move(*picture));
-    }
-    note_picture(facts, begin);
-    note_frame(moment, is_new);
-    return {};
-}
-
-/// All that is shown in words, bars and curves.
-PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& field,
-                                const ViewCamera& camera) {
-    PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
-    facts.felt.b_is_on = felt_.in_effect.b_is_on;
-    facts.figures.push_back(sound_->state());
-    facts.is_kiosk = kiosk_.has_value();
-    if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
-    if (kiosk_) return facts;
-    facts.message = message_;
-    facts.message_is_bad = message_is_bad_;
-    const auto failure =
-        clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
-    if (message_.empty() && !words_of_opening().empty()) {
-        facts.message = words_of_opening();
-        facts.message_is_bad = false;
-        return facts;
-    }
-    if (!message_.empty()) return facts;
-    facts.message_is_bad = failure.has_value();
-    if (failure)
-        facts.message = failure->message;
-    else if (!clip_->fingers().was_pressed())
-        facts.message = first_words;
-    else if (facts.at_end)
-        facts.message = end_words;
-    return facts;
-}
-
-void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) {
-    // A box of words has its size one picture later.
-    if (facts.place.lines.size() != place_lines_ || facts.message != shown_message_) last_event_ = begin;
-    place_lines_ = facts.place.lines.size();
-    shown_message_ = facts.message;
-    const auto end = Clock::now();
-    last_draw_ms_ = seconds_between(begin, end) * 1000;
-    panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
-    if (!begun_) {
-        begun_ = end;
-        begun_cpu_ms_ = thread_cpu_ms();
-        figures_.first_picture_ms = 1000 * seconds_between(asked_for_, end);
-    }
-    ++figures_.pictures;
-    figures_.draw_ms.add(last_draw_ms_);
-    if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);
-    first_event_.reset();
-}
-
-double WindowLoop::thread_cpu_ms() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
-}
-
-/// Whether the picture was there in time, and how large the next one is to be.
-void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
-    if (!is_new) {
-        small_draw_ms_ = last_draw_ms_;
-        return;
-    }
-    const PlaybackState playback = clip_->session().playback();
-    const std::int64_t due = frames_shown_.due(), in_time = frames_shown_.in_time();
-    frames_shown_.add(moment.held.pair, playback.moment.time_ns, clip_->scene().rate.time_ns(1));
-    if (playback.playing)
-        governor_.add(now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
-                      last_draw_ms_ / frame_ms());
-    figures_.least_share = std::min(figures_.least_share, governor_.share());
 }
 
 Result<PlayFigures> play_in_window(const PlayOptions& options) {

@@ -94,6 +94,9 @@ private:
     static double thread_cpu_ms();
     void note_frame(const WatchedMoment& moment, bool is_new);
     double now_s() const;
+    static double seconds_between(Clock::time_point from, Clock::time_point to) {
+        return std::chrono::duration<double>(to - from).count();
+    }
 
     PlayOptions options_;
     const Clock::time_point asked_for_;
