@@ -4,6 +4,8 @@
 
 #include <fstream>
 
+#include "tests/sanitizers.hpp"
+
 namespace touchable::test {
 
 /// As long as it lives, this process may take only so much more memory; what asks for more gets
@@ -11,7 +13,7 @@ namespace touchable::test {
 class LimitedMemory {
 public:
     explicit LimitedMemory(rlim_t mebibytes) {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef TOUCHABLE_SANITIZED
         rlim_t pages = 0;
         std::ifstream("/proc/self/statm") >> pages;
         getrlimit(RLIMIT_AS, &before_);

@@ -95,7 +95,7 @@ void print_table(const ForceComparison& c) {
         print_line("  %s tick %lld, finger %d: %.4f N",
                    &one == &c.worst.front() ? "worst       " : "            ",
                    static_cast<long long>(one.tick), one.finger, one.newtons);
-    if (c.worst.empty()) print_line("  every force is the same");
+    if (c.worst.empty()) std::cout << "  every force is the same\n";
 }
 
 Result<void> compare(const CompareOptions& options) {

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "tests/sanitizers.hpp"
+
 namespace touchable::test {
 namespace {
 
@@ -42,7 +44,7 @@ bool take_memory(std::size_t bytes) {
 }
 
 TEST(Realtime, MemoryThatComesLaterIsLockedToo) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "sanitizers take every call that locks memory for themselves";
 #endif
     const int said = in_a_child([] {

@@ -9,6 +9,7 @@
 
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
+#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
@@ -268,7 +269,7 @@ TEST_F(Live, NohupIsHeeded) {
 }
 
 TEST_F(Live, AThreadThatCannotStartIsOneLineOfError) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "sanitizers take more address space than this test leaves";
 #endif
     const char* named[] = {"the thread that decodes", "the thread that builds", "the thread of the hand"};

@@ -5,6 +5,7 @@
 #include "engine/content/scenes.hpp"
 #include "engine/media/clip.hpp"
 #include "tests/player/program.hpp"
+#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
@@ -173,7 +174,7 @@ TEST(Make, OtherNamesThanMatroskasAreCode2) {
 }
 
 TEST(Make, PicturesThatMemoryCannotHoldAreCode3AndSaysSo) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "sanitizers take more address space than this test leaves";
 #endif
     const TemporaryFolder folder;

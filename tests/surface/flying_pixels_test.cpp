@@ -41,8 +41,8 @@ std::string changes(const std::function<int(int x, int y)>& code) {
 TEST(FlyingPixels, OneOrTwoBetweenTwoSurfacesGoToTheNearerOne) {
     for (const bool down : {false, true})
         for (const int wide : {1, 2})
-            for (const auto& [flying, landed] :
-                 {std::pair{1000, 900}, {1099, 900}, {1101, 1300}, {1270, 1300}}) {
+            for (const auto& codes : {std::pair{1000, 900}, {1099, 900}, {1101, 1300}, {1270, 1300}}) {
+                const int flying = codes.first, landed = codes.second;
                 const auto picture = landed_picture([&](int x, int y) {
                     const int along = down ? y : x;
                     return along < 12 ? 900 : along < 12 + wide ? flying : 1300;

@@ -142,7 +142,8 @@ TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {
 
 TEST(HeadlessWindow, OtherClipTakesThePlaceOfTheOldOneAndIsNotWaitedForInTheEnd) {
     const Shot before = shot_of(globe(), "0 key space\n0 seek 0.5\n", "0.8");
-    const Shot other = shot_of(globe(), "0 drop " + still().string() + "\n", "0.8");
+    // Late, for a clip opens in the background, and a busy machine takes its time.
+    const Shot other = shot_of(globe(), "0 drop " + still().string() + "\n", "3");
     const Shot same = shot_of(still(), "", "0.8");
     EXPECT_GT(differences(before.image, other.image, 100, 60, 220, 180), 100);
     EXPECT_LT(differences(same.image, other.image, 100, 60, 220, 180), 20);
