@@ -67,7 +67,6 @@ Result<void> measure_window(const LiveClip& clip, LiveClips& clips, Figures& fig
     figures.push_back({"first_picture_ms", p.first_picture_ms, "ms"});
     figures.push_back({"cpu_ms_per_picture", cpu_ms / pictures, "ms"});
     figures.push_back({"window_cpu_ms", p.window_cpu_ms / pictures, "ms"});
-    for (const auto& [stage, ms] : p.stage_ms) figures.push_back({stage + "_stage_ms", ms / pictures, "ms"});
     figures.push_back({"least_share_pct", 100 * p.least_share, "%"});
     figures.push_back({"tick_late_us_p99", p.tick_late_us_p99, "us"});
     figures.push_back({"late_ticks_pct", percent(p.late_ticks, p.ticks), "%"});

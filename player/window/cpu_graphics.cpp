@@ -24,7 +24,7 @@ public:
         picture_ = *drawn;
         return {};
     }
-    Result<std::vector<GpuTime>> finish() override { return std::vector<GpuTime>(); }
+    Result<void> finish() override { return {}; }
     Result<Image> picture() const override {
         if (!picture_) return usage_error("there is no picture yet that could be kept");
         return *picture_;

@@ -114,7 +114,7 @@ public:
         return std::exchange(events_, {});
     }
 
-    Result<std::vector<GpuTime>> present(GpuCommands commands, const GpuImage& canvas) override {
+    Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
         const ScreenSize now = size();
         return swapchain_->present(
             std::move(commands), canvas,

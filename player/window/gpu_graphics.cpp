@@ -76,11 +76,7 @@ public:
         auto commands = GpuCommands::begin(device_, "surface");
         if (!commands.ok()) return commands.error();
         if (auto shown = drawing_->show(*commands, field, pair, colour, lighting); !shown.ok()) return shown;
-        const auto submission = std::move(*commands).submit();
-        if (!submission.ok()) return submission.error();
-        if (auto done = submission->wait(); !done.ok()) return done;
-        stages_ = submission->times();
-        return {};
+        return std::move(*commands).run();
     }
 
     Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
@@ -95,16 +91,12 @@ public:
         return {};
     }
 
-    Result<std::vector<GpuTime>> finish() override {
-        if (auto drawn = imgui_->draw(*commands_, canvas_); !drawn.ok()) return drawn.error();
+    Result<void> finish() override {
+        if (auto drawn = imgui_->draw(*commands_, canvas_); !drawn.ok()) return drawn;
         commands_->mark("panel");
         GpuCommands commands = std::move(*commands_);
         commands_.reset();
-        auto drawn = screen_.present(std::move(commands), canvas_);
-        if (!drawn.ok()) return drawn;
-        std::vector<GpuTime> stages = std::exchange(stages_, {});
-        stages.insert(stages.end(), drawn->begin(), drawn->end());
-        return stages;
+        return screen_.present(std::move(commands), canvas_);
     }
 
     Result<Image> picture() const override {
@@ -157,7 +149,6 @@ private:
     std::unique_ptr<ImGuiVulkan> imgui_;
     GpuImage canvas_, small_;              // small: what is stretched over it, if anything is
     std::optional<GpuCommands> commands_;  // of the picture that was begun
-    std::vector<GpuTime> stages_;          // of its surface
 };
 
 }  // namespace

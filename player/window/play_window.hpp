@@ -62,7 +62,6 @@ struct PlayFigures {
     NewestValues draw_ms, input_to_picture_ms;
     std::int64_t frames_due = 0, frames_in_time = 0;  ///< FramesShown, of all clips
     double first_picture_ms = 0;                      ///< since the window was asked for
-    std::map<std::string, double> stage_ms;           ///< sums over all pictures, on the device
     double window_cpu_ms =
         0;  ///< of the thread that draws, from the first picture on; a GPU's own is not in it
     double least_share = 1;  ///< PictureGovernor's

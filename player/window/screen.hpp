@@ -35,7 +35,7 @@ public:
     /// Submits what draws `canvas`, which is then in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, waits for it, and
     /// shows it, stretched where the screen has another size by now. Gives how long the marked stretches
     /// took.
-    virtual Result<std::vector<GpuTime>> present(GpuCommands commands, const GpuImage& canvas) = 0;
+    virtual Result<void> present(GpuCommands commands, const GpuImage& canvas) = 0;
     virtual void set_title(const std::string& title) = 0;
     virtual void set_fullscreen(bool on) = 0;
     /// As ScreenOptions has it, of a window that does not fill the screen.

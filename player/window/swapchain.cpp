@@ -194,8 +194,7 @@ void Swapchain::record_copy(GpuCommands& commands, const GpuImage& canvas, VkIma
                   change_of(to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR));
 }
 
-Result<std::vector<GpuTime>> Swapchain::present(GpuCommands commands, const GpuImage& canvas,
-                                                VkExtent2D wanted) {
+Result<void> Swapchain::present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted) {
     std::uint32_t index = 0;
     bool shown = chain_ && !outdated_;
     if (shown) {
@@ -213,10 +212,8 @@ Result<std::vector<GpuTime>> Swapchain::present(GpuCommands commands, const GpuI
         }
     }
     if (shown) record_copy(commands, canvas, images_[index]);
-    const auto submission = std::move(commands).submit();
-    if (!submission.ok()) return submission.error();
-    if (auto done = submission->wait(); !done.ok()) return done.error();
-    if (!shown) return submission->times();
+    if (auto done = std::move(commands).run(); !done.ok()) return done;
+    if (!shown) return {};
     VulkanDevice& gpu = *device_->vulkan();
     VkPresentInfoKHR info{};
     info.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
@@ -230,7 +227,7 @@ Result<std::vector<GpuTime>> Swapchain::present(GpuCommands commands, const GpuI
     }
     outdated_ = outdated_ || result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR;
     if (result != VK_SUCCESS && !outdated_) return failed("vkQueuePresentKHR", result);
-    return submission->times();
+    return {};
 }
 
 }  // namespace touchable

@@ -40,7 +40,7 @@ public:
 
     /// Screen::present; `wanted`: pixels of the window, of which the surface may know better. Nothing is
     /// shown while it has none.
-    Result<std::vector<GpuTime>> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted);
+    Result<void> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted);
 
 private:
     Swapchain(std::shared_ptr<GpuDevice> device, std::unique_ptr<WindowSurface> surface)

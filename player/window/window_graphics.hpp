@@ -34,8 +34,7 @@ public:
     virtual Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                               const MarkSizes& sizes, int width, int height) = 0;
     /// Draws over it what ImGui has laid out, and shows it. Nothing that it was made of is read after that.
-    /// Gives how long the stages took on a GPU.
-    virtual Result<std::vector<GpuTime>> finish() = 0;
+    virtual Result<void> finish() = 0;
     /// What was finished last, RGB; ErrorKind::usage before the first.
     virtual Result<Image> picture() const = 0;
 };

@@ -102,9 +102,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
     panel_->draw(facts, size.width, size.height, asked_);
     layer_->end();
-    const auto stages = graphics.finish();
-    if (!stages.ok()) return stages.error();
-    for (const GpuTime& stage : *stages) figures_.stage_ms[stage.label] += stage.ms;
+    if (auto shown = graphics.finish(); !shown.ok()) return shown;
     if (film_ && film_->wants(now_s())) {
         auto picture = graphics.picture();
         if (!picture.ok()) return picture.error();
