@@ -72,6 +72,7 @@ Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     if (auto done = reserve(lattice.q, "lattice q", bytes, memory); !done.ok()) return done;
     if (auto recorded = record_q(commands, field, pair, lattice); !recorded.ok()) return recorded;
+    commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.mark("unproject");
     return {};
 }

@@ -75,7 +75,6 @@ Result<void> SurfaceDrawing::show(GpuCommands& commands, const HeightField& fiel
         commands.barrier(reader, GpuStage::compute);
     if (auto made = lattices_.record(commands, field, pair, lattice_); !made.ok()) return made;
     if (auto made = lattices_.reserve_colours(lattice_); !made.ok()) return made;
-    commands.barrier(GpuStage::compute, GpuStage::compute);
     if (auto lit = lighting_.record(commands, field, lattice_, colour, lighting); !lit.ok()) return lit;
     commands.mark("light");
     is_shown_ = true;
