@@ -4,7 +4,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/media/image_file.hpp"
