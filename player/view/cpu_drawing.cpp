@@ -2,25 +2,9 @@
 
 #include <utility>
 
-#include "player/view/surface_light.hpp"
 #include "player/view/surface_unproject.hpp"
 
 namespace touchable {
-namespace {
-
-std::vector<PackedColour> packed(const PlaneView& colour) {
-    std::vector<PackedColour> packed;
-    packed.reserve(static_cast<std::size_t>(colour.width) * static_cast<std::size_t>(colour.height));
-    for (int y = 0; y < colour.height; ++y) {
-        const std::uint8_t* rgb = colour.row(y);
-        for (int x = 0; x < colour.width; ++x, rgb += 3)
-            packed.push_back(pack_colour(rgb[0], rgb[1], rgb[2]));
-    }
-    return packed;
-}
-
-}  // namespace
-
 CpuDrawing::CpuDrawing() : lattices_(CpuLattices::usual_threads()) {}
 
 void CpuDrawing::show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
@@ -33,8 +17,8 @@ void CpuDrawing::show(const HeightField& field, const FramePair& pair, const Pla
     else
         surface_.q = q_of(field);
     surface_.tiles = lattices_.tiles_of(surface_.width, surface_.height, surface_.q);
-    const bool is_plain = lighting == Lighting::plain && !colour.empty();
-    surface_.colours = is_plain ? packed(colour) : lit_colours(field.scene().camera, surface_, colour);
+    surface_.colours.resize(surface_.q.size());
+    lattices_.light(field, surface_.q.data(), surface_.width, colour, lighting, surface_.colours.data());
 }
 
 /// The surface before the background, if it is not of this surface from here already.

@@ -89,6 +89,15 @@ struct FrameRow {
     }
 }
 
+/// As they are.
+void copy_colours(const LightTerms& terms, int first, int end, PackedColour* colours) {
+    for (int y = first; y < end; ++y) {
+        const std::uint8_t* rgb = terms.colour.row(y);
+        PackedColour* const to = colours + static_cast<std::ptrdiff_t>(y) * terms.pitch;
+        for (int x = 0; x < terms.width; ++x, rgb += 3) to[x] = pack_colour(rgb[0], rgb[1], rgb[2]);
+    }
+}
+
 }  // namespace
 
 int CpuLattices::usual_threads() {
@@ -97,15 +106,22 @@ int CpuLattices::usual_threads() {
 }
 
 CpuLattices::CpuLattices(int threads, VectorUnit vectors)
-    : unit_(vectors), bands_(threads), scratch_(static_cast<std::size_t>(threads)) {}
+    : unit_(vectors),
+      bands_(threads),
+      scratch_(static_cast<std::size_t>(threads)),
+      light_rows_(static_cast<std::size_t>(threads)) {}
 
 void CpuLattices::q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q) {
+    q.resize(static_cast<std::size_t>(field.width()) * static_cast<std::size_t>(field.height()));
+    q_of(field, pair, q.data(), field.width());
+}
+
+void CpuLattices::q_of(const HeightField& field, const FramePair& pair, float* q, int pitch) {
     const UnprojectTerms terms = unproject_terms(field, pair);
     const UnprojectPush& push = terms.push;
     const bool is_pair = terms.constants.is_pair != 0, is_range = terms.constants.is_range != 0;
     const int width = field.width();
     const auto columns = static_cast<std::size_t>(width);
-    q.resize(columns * static_cast<std::size_t>(field.height()));
     u2_.resize(columns);
     for (int x = 0; x < width; ++x) {
         const float u = (static_cast<float>(x) - push.cx) * push.per_fx;
@@ -126,8 +142,9 @@ void CpuLattices::q_of(const HeightField& field, const FramePair& pair, std::vec
                     mix_rows(push, width, next_depths, next_valid, depths, valid);
                 }
                 const float v = (static_cast<float>(y) - push.cy) * push.per_fy;
-                q_of_row(depths, valid, u2_.data(), v * v, is_range, width,
-                         q.data() + static_cast<std::ptrdiff_t>(y) * width);
+                float* const row = q + static_cast<std::ptrdiff_t>(y) * pitch;
+                q_of_row(depths, valid, u2_.data(), v * v, is_range, width, row);
+                std::fill(row + width, row + pitch, 0.0F);
             }
         };
         run_vectors(unit_, rows);
@@ -159,6 +176,25 @@ ViewTiles CpuLattices::tiles_of(int width, int height, const std::vector<float>&
         if ((classes_[n] & 2U) != 0)
             (classes_[n] == 3 ? tiles.mixed : tiles.whole).push_back(static_cast<std::uint32_t>(n));
     return tiles;
+}
+
+void CpuLattices::light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
+                        Lighting lighting, PackedColour* colours) {
+    const Scene& scene = field.scene();
+    LightTerms terms{
+        scene.camera, static_cast<float>(scene.depth.far), q, field.width(), field.height(), pitch, colour};
+    if (colour.empty())
+        terms.usual = usual_q(terms.width, terms.height, [q, pitch](int x, int y) {
+            return q[static_cast<std::ptrdiff_t>(y) * pitch + x];
+        });
+    const bool is_lit = colour.empty() || lighting == Lighting::lit;
+    bands_.for_each_band(terms.height, TileGrid::cells, [&](const RowBand& band) {
+        if (is_lit)
+            light_rows_[static_cast<std::size_t>(band.thread)].light(terms, band.first, band.last, unit_,
+                                                                     colours);
+        else
+            copy_colours(terms, band.first, band.last, colours);
+    });
 }
 
 ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& pair,

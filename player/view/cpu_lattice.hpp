@@ -5,6 +5,7 @@
 
 #include "engine/surface/row_bands.hpp"
 #include "engine/surface/vector_unit.hpp"
+#include "player/view/cpu_light.hpp"
 #include "player/view/view_surface.hpp"
 
 namespace touchable {
@@ -21,8 +22,15 @@ public:
     /// The twin of `q_of`: the same pixels are 0, the others agree as SurfaceUnproject's. `pair`, whose
     /// frames have codes (SurfaceUnproject::has_codes), is what `field` was made of.
     void q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q);
+    /// The same in rows of `pitch` floats, 0 beyond the width.
+    void q_of(const HeightField& field, const FramePair& pair, float* q, int pitch);
     /// The twin of `classify_tiles`: the same lists.
     ViewTiles tiles_of(int width, int height, const std::vector<float>& q);
+
+    /// Colours of the vertices of `field`, whose q is there, as LightRows makes them; both in rows of
+    /// `pitch`. `colour`: RGB of 8 bits, of the field's size, or empty for clay, which is always lit.
+    void light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
+               Lighting lighting, PackedColour* colours);
 
     /// `make_view_surface`, with q and tiles as above where the frames have codes.
     ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);
@@ -31,6 +39,7 @@ private:
     const VectorUnit unit_;
     RowBands bands_;
     std::vector<std::vector<float>> scratch_;  // by thread
+    std::vector<LightRows> light_rows_;        // likewise
     std::vector<float> u2_;                    // of the columns' rays, squared
     std::vector<std::uint8_t> classes_;        // of each tile
 };

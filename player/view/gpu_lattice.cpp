@@ -17,6 +17,17 @@ void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const Gpu
         std::memcpy(to + y * pitch, values.data() + y * width, width * sizeof(T));
 }
 
+}  // namespace
+
+void put_q(const std::vector<float>& q, const GpuLattice& lattice) {
+    // Beyond the width there is no vertex.
+    std::memset(lattice.q.mapped<std::byte>().data(), 0,
+                SurfaceUnproject::q_bytes(lattice.width, lattice.height));
+    put_rows(q, lattice, lattice.q);
+}
+
+namespace {
+
 std::vector<float> q_from(const GpuLattice& lattice) {
     const auto width = static_cast<std::size_t>(lattice.width),
                pitch = static_cast<std::size_t>(lattice.pitch);
@@ -29,12 +40,22 @@ std::vector<float> q_from(const GpuLattice& lattice) {
 
 }  // namespace
 
+Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const {
+    if (bytes <= device_->facts().limits.max_storage_buffer_range) return {};
+    return Error{ErrorKind::gpu, std::string(name) + ": " + std::to_string(bytes) +
+                                     " bytes are more than a kernel may read on " + device_->facts().name};
+}
+
+void GpuLattices::set_size(const HeightField& field, GpuLattice& lattice) const {
+    lattice.vulkan = device_->vulkan();
+    lattice.width = field.width();
+    lattice.height = field.height();
+    lattice.pitch = SurfaceUnproject::pitch(lattice.width);
+}
+
 Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory) {
     if (buffer && buffer.bytes() >= bytes) return {};
-    if (bytes > device_->facts().limits.max_storage_buffer_range)
-        return Error{ErrorKind::gpu, std::string(name) + ": " + std::to_string(bytes) +
-                                         " bytes are more than a kernel may read on " +
-                                         device_->facts().name};
+    if (auto fits = check_size(name, bytes); !fits.ok()) return fits;
     auto made = GpuBuffer::create(*device_, name, bytes, memory);
     if (!made.ok()) return made.error();
     buffer = std::move(*made);
@@ -45,6 +66,19 @@ Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
     return reserve(lattice.colours, "lattice colours",
                    SurfaceUnproject::q_bytes(lattice.width, lattice.height),  // as many of colours
                    device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device);
+}
+
+Result<void> GpuLattices::renew(const HeightField& field, GpuLattice& lattice) {
+    set_size(field, lattice);
+    const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
+    for (GpuBuffer* const buffer : {&lattice.q, &lattice.colours}) {
+        *buffer = {};
+        if (auto fits = check_size("lattice", bytes); !fits.ok()) return fits;
+        auto taken = uploads_.take("lattice", bytes);
+        if (!taken.ok()) return taken.error();
+        *buffer = std::move(*taken);
+    }
+    return {};
 }
 
 Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
@@ -64,10 +98,7 @@ Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& fie
 
 Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                  GpuLattice& lattice) {
-    lattice.vulkan = device_->vulkan();
-    lattice.width = field.width();
-    lattice.height = field.height();
-    lattice.pitch = SurfaceUnproject::pitch(lattice.width);
+    set_size(field, lattice);
     const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     if (auto done = reserve(lattice.q, "lattice q", bytes, memory); !done.ok()) return done;

@@ -20,6 +20,9 @@ struct GpuLattice {
     GpuBuffer classes;  ///< of each tile, between the kernels that find them
 };
 
+/// Rows of a lattice's width into its q, which is mapped.
+void put_q(const std::vector<float>& q, const GpuLattice& lattice);
+
 /// Makes lattices on a device: from codes by kernels, or from what the CPU made.
 class GpuLattices {
 public:
@@ -45,9 +48,14 @@ public:
     /// Room for colours of a lattice, if it has none that are large enough.
     Result<void> reserve_colours(GpuLattice& lattice);
 
+    /// q and colours for a field that the CPU writes, whoever still reads the last ones.
+    Result<void> renew(const HeightField& field, GpuLattice& lattice);
+
 private:
     Result<void> record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                           const GpuLattice& lattice);
+    Result<void> check_size(const char* name, std::size_t bytes) const;
+    void set_size(const HeightField& field, GpuLattice& lattice) const;
     Result<void> reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory);
     Result<GpuLattice> read_back(const HeightField& field, const FramePair& pair, GpuLattice& lattice);
 

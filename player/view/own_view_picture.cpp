@@ -1,6 +1,7 @@
 #include "player/view/own_view_picture.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -25,6 +26,19 @@ struct PixelRow {
     PackedColour background;
 };
 
+// Selects by masks, all bits or none: a `?:` between what is read here would become a branch, and no vectors.
+[[gnu::always_inline]] inline std::int32_t mask_of(bool is_so) {
+    return -static_cast<std::int32_t>(is_so);
+}
+[[gnu::always_inline]] inline std::uint32_t chosen(std::int32_t mask, std::uint32_t value,
+                                                   std::uint32_t other) {
+    return other ^ (static_cast<std::uint32_t>(mask) & (value ^ other));
+}
+[[gnu::always_inline]] inline float chosen(std::int32_t mask, float value, float other) {
+    return std::bit_cast<float>(
+        chosen(mask, std::bit_cast<std::uint32_t>(value), std::bit_cast<std::uint32_t>(other)));
+}
+
 /// A channel of a mixed colour, rounded.
 [[gnu::always_inline]] inline std::uint32_t channel_of(PackedColour a, PackedColour other, PackedColour c,
                                                        float of_other, float of_c, int shift) {
@@ -38,28 +52,29 @@ struct PixelRow {
 /// With the arithmetic of raster.comp. A cell's diagonal is from its upper left corner to its lower right.
 [[gnu::always_inline]] inline void draw_row(const PixelRow& row, int pixels, PackedColour* __restrict colours,
                                             float* __restrict z) {
-    const float down = row.down;
+    const PixelRow from = row;
+    const float down = from.down;
     for (int x = 0; x < pixels; ++x) {
-        const float into = row.into[x];
-        const bool is_right = into >= down;
-        const float of_other = is_right ? into - down : down - into, of_c = is_right ? down : into;
-        const float a_q = row.upper_left_q[x], c_q = row.lower_right_q[x];
-        const float right_q = row.upper_right_q[x], left_q = row.lower_left_q[x];
-        const float other_q = is_right ? right_q : left_q;
-        const PackedColour a = row.upper_left[x], c = row.lower_right[x];
-        const PackedColour right = row.upper_right[x], left = row.lower_left[x];
-        const PackedColour other = is_right ? right : left;
+        const float into = from.into[x];
+        const std::int32_t is_right = mask_of(into >= down);
+        const float right_of = into - down;
+        const float of_other = chosen(is_right, right_of, -right_of), of_c = chosen(is_right, down, into);
+        const float a_q = from.upper_left_q[x], c_q = from.lower_right_q[x];
+        const float other_q = chosen(is_right, from.upper_right_q[x], from.lower_left_q[x]);
+        const PackedColour a = from.upper_left[x], c = from.lower_right[x];
+        const PackedColour other = chosen(is_right, from.upper_right[x], from.lower_left[x]);
         const PackedColour colour = channel_of(a, other, c, of_other, of_c, 0) |
                                     channel_of(a, other, c, of_other, of_c, 8) |
                                     channel_of(a, other, c, of_other, of_c, 16) | 0xff000000U;
-        const float nearness = (a_q + of_other * (other_q - a_q) + of_c * (c_q - a_q)) * row.z_per_q;
+        const float nearness = (a_q + of_other * (other_q - a_q) + of_c * (c_q - a_q)) * from.z_per_q;
         // `triangle_is_cut`, without a branch.
         float least = a_q < other_q ? a_q : other_q, greatest = a_q < other_q ? other_q : a_q;
         least = c_q < least ? c_q : least;
         greatest = c_q > greatest ? c_q : greatest;
-        const bool is_drawn = (least > 0.0F) & (greatest <= CUT_RULE_RATIO * least) & (nearness <= 1.0F);
-        colours[x] = is_drawn ? colour : row.background;
-        z[x] = is_drawn ? nearness : 0.0F;
+        const std::int32_t is_drawn =
+            mask_of(least > 0.0F) & mask_of(greatest <= CUT_RULE_RATIO * least) & mask_of(nearness <= 1.0F);
+        colours[x] = chosen(is_drawn, colour, from.background);
+        z[x] = chosen(is_drawn, nearness, 0.0F);
     }
 }
 

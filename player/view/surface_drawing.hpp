@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "player/view/cpu_lattice.hpp"
 #include "player/view/finger_drawing.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "player/view/mesh_pipeline.hpp"
@@ -29,10 +30,11 @@ public:
     /// "raster" or "mesh".
     std::string_view painter() const { return raster_ ? "raster" : "mesh"; }
 
-    /// From now on this surface is drawn: records what makes q, tiles and colours of the pair that `field` is
-    /// of. `colour`: RGB of 8 bits, of the field's size, or empty for light and depth alone. It is read at
-    /// once; the pair's frames stay until what is recorded has completed. Fails (ErrorKind::gpu) where the
-    /// surface is larger than a kernel may read.
+    /// From now on this surface is drawn: records what makes q and colours of the pair that `field` is of.
+    /// For the raster of a software device the CPU makes them at once. `colour`: RGB of 8 bits, of the
+    /// field's size, or empty for light and depth alone. It is read at once; the pair's frames stay until
+    /// what is recorded has completed. Fails (ErrorKind::gpu) where the surface is larger than a kernel may
+    /// read.
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                       const PlaneView& colour, Lighting lighting);
 
@@ -49,6 +51,8 @@ public:
 private:
     SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers);
 
+    Result<void> make_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                             Lighting lighting);
     Result<void> reserve(const ViewCamera& camera);
     Result<void> reserve_pixels(const ViewCamera& camera);
     bool is_drawn(const ViewCamera& camera) const;
@@ -61,9 +65,10 @@ private:
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
     std::optional<MeshPipeline> mesh_;  // one of the two
-    OwnViewPicture own_view_;           // in the raster's place, where it can
+    OwnViewPicture own_view_;           // in the raster's place there, where it can
     GpuLattices lattices_;
     SurfaceLighting lighting_;
+    std::optional<CpuLattices> by_cpu_;  // makes what is shown in their place, on a software device
     FingerDrawing fingers_;
     GraphicsProgram background_;
 

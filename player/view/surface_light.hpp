@@ -8,6 +8,12 @@
 
 namespace touchable {
 
+/// What becomes of a colour at a vertex.
+enum class Lighting {
+    lit,    ///< in a gentle light that shows relief
+    plain,  ///< as it is: of maps, whose colours say something
+};
+
 /// q that 4 % and 96 % of the valid vertices do not exceed, by a sample of them.
 struct UsualQ {
     float farthest, nearest;

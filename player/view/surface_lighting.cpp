@@ -25,6 +25,13 @@ UsualQ usual_q_of(const HeightField& field) {
 
 }  // namespace
 
+Result<void> check_colour(const PlaneView& colour, int width, int height) {
+    if (!colour.empty() && (colour.width != width || colour.height != height || colour.channels != 3 ||
+                            colour.bytes_per_sample != 1))
+        return Error{ErrorKind::internal, "the colour of a surface is not RGB of 8 bits and its size"};
+    return {};
+}
+
 Result<GpuProgram> SurfaceLighting::program_for(bool has_colour, bool is_lit) {
     GpuProgram& program = programs_[{has_colour, is_lit}];
     if (program) return program;
@@ -51,9 +58,7 @@ Result<GpuBuffer> SurfaceLighting::uploaded(const PlaneView& colour, int pitch) 
 Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& field,
                                      const GpuLattice& lattice, const PlaneView& colour, Lighting lighting) {
     const bool has_colour = !colour.empty(), is_lit = !has_colour || lighting == Lighting::lit;
-    if (has_colour && (colour.width != lattice.width || colour.height != lattice.height ||
-                       colour.channels != 3 || colour.bytes_per_sample != 1))
-        return Error{ErrorKind::internal, "the colour of a surface is not RGB of 8 bits and its size"};
+    if (auto fits = check_colour(colour, lattice.width, lattice.height); !fits.ok()) return fits;
     GpuBuffer rgb = lattice.q;
     if (has_colour) {
         auto made = uploaded(colour, lattice.pitch);

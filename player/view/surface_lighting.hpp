@@ -7,15 +7,13 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_program.hpp"
 #include "player/view/gpu_lattice.hpp"
+#include "player/view/surface_light.hpp"
 #include "player/view/upload_pool.hpp"
 
 namespace touchable {
 
-/// What becomes of a colour at a vertex.
-enum class Lighting {
-    lit,    ///< in a gentle light that shows relief
-    plain,  ///< as it is: of maps, whose colours say something
-};
+/// Refused (ErrorKind::internal): colours that are not RGB of 8 bits and of that size, nor empty.
+Result<void> check_colour(const PlaneView& colour, int width, int height);
 
 /// The kernel light: q and colours to lit colours. The twin of `lit_colours`, to 2 of 255.
 class SurfaceLighting {

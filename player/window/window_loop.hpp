@@ -88,6 +88,7 @@ private:
     void watch(const WatchedMoment* moment, Clock::time_point now);
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     ViewCamera drawn_camera(const ScreenSize& size) const;
+    Result<void> draw_opening();
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts words_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     void note_picture(const PanelFacts& facts, Clock::time_point begin);

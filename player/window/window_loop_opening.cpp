@@ -138,6 +138,7 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
 /// The first one. Whoever closes the window meanwhile has closed it.
 Result<void> WindowLoop::wait_for_clip() {
     screen_->set_title(opening_.words() + " ... - touchable");
+    if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
     while (!clip_ && !quit_ && !interrupted()) {
         for (const InputEvent& event : screen_->poll(std::chrono::milliseconds(2)))
             if (kiosk_ && !is_for_visitors(event))

@@ -66,6 +66,30 @@ ViewCamera WindowLoop::drawn_camera(const ScreenSize& size) const {
     return clip_->view().camera(side(size.width), side(size.height));
 }
 
+/// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch: compiling
+/// what they are drawn by would make the first touch come late.
+Result<void> WindowLoop::draw_opening() {
+    const ScreenSize size = screen_->size();
+    if (size.width < 1 || size.height < 1) return {};
+    WindowGraphics& graphics = picture_.graphics();
+    if (auto begun = graphics.begin(); !begun.ok()) return begun;
+    Scene scene;
+    scene.width = scene.height = 2;
+    scene.camera = {1, 1, 0.5, 0.5};
+    const glm::dvec3 behind(0, 0, 10);
+    const FingerMark finger{behind, behind, {0, 0, 1}, true, {behind, behind + 1.0}};
+    if (auto drawn = graphics.draw(own_view(scene, size.width, size.height, 0.1), {{finger}}, {}, size.width,
+                                   size.height);
+        !drawn.ok())
+        return drawn;
+    PanelFacts facts;
+    if (!kiosk_) facts.message = opening_.words() + " ...";
+    layer_->begin(size.width, size.height, 0.02, {});
+    panel_->draw_message(facts, static_cast<float>(size.width));
+    layer_->end();
+    return graphics.finish();
+}
+
 Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const ScreenSize size = screen_->size();
     const auto begin = Clock::now();

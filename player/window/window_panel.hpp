@@ -19,6 +19,8 @@ public:
 
     /// Between ImGuiLayer's `begin` and `draw`.
     void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
+    /// The message alone, where there is no clip yet.
+    void draw_message(const PanelFacts& facts, float width);
     /// Whether something that can be pressed was there in the last picture.
     bool covers(double x, double y) const;
     /// Once a picture, whether it is drawn or not.
@@ -28,7 +30,6 @@ private:
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     void draw_finger(const PanelFacts& facts, bool roomy, float scale, std::vector<WindowCommand>& asked);
-    void draw_message(const PanelFacts& facts, float width);
     float side_width(float width) const;
 
     struct Box {

@@ -7,6 +7,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "shaders/cut_rule.h"
 #include "tests/view/coded_frames.hpp"
+#include "tests/view/many_colours.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -31,6 +32,82 @@ void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& n
                       classify_tiles(scene.width, scene.height, q));
         }
     expect_close(scene, prev, q_of(field), first);
+}
+
+/// Light of the same q against `lit_colours`, and the same bits with any vectors and threads.
+void compare_light(const HeightField& field, const FramePair& pair, const PlaneView& colour) {
+    ViewSurface surface;
+    surface.width = field.width();
+    surface.height = field.height();
+    CpuLattices(1).q_of(field, pair, surface.q);
+    const int pitch = surface.width + 5;
+    std::vector<float> q(static_cast<std::size_t>(pitch * surface.height), NAN);
+    CpuLattices(2).q_of(field, pair, q.data(), pitch);
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < pitch; ++x)
+            ASSERT_EQ(q[static_cast<std::size_t>(y * pitch + x)],
+                      x < surface.width ? surface.q[surface.index(x, y)] : 0.0F);
+    const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour);
+    std::vector<PackedColour> first;
+    for (const VectorUnit unit : usable_vector_units())
+        for (const int threads : {1, 3}) {
+            std::vector<PackedColour> lit(q.size(), 7);
+            CpuLattices(threads, unit).light(field, q.data(), pitch, colour, Lighting::lit, lit.data());
+            if (first.empty()) first = lit;
+            ASSERT_EQ(lit, first) << threads << " threads";
+        }
+    int worst = 0;
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < pitch; ++x) {
+            const PackedColour lit = first[static_cast<std::size_t>(y * pitch + x)];
+            if (x >= surface.width) {
+                ASSERT_EQ(lit, 7U) << "beyond the width";
+                continue;
+            }
+            const PackedColour wanted = twin[surface.index(x, y)];
+            ASSERT_EQ(lit >> 24, 255U);
+            for (const unsigned shift : {0U, 8U, 16U})
+                worst = std::max(worst, std::abs(static_cast<int>(lit >> shift & 255U) -
+                                                 static_cast<int>(wanted >> shift & 255U)));
+        }
+    EXPECT_LE(worst, 2) << surface.width << "x" << surface.height;
+}
+
+TEST(CpuLattices, LightAsTheirTwin) {
+    for (const char* name : {"globe", "step", "noise"}) {
+        SCOPED_TRACE(name);
+        const auto shown = shown_scene(name, 171, 133);
+        const ManyColours colours(171, 133);
+        for (const double blend : {0.0, 0.4}) {
+            compare_light(shown->field(blend), shown->pair(blend), colours.view());
+            compare_light(shown->field(blend), shown->pair(blend), {});
+        }
+    }
+}
+
+TEST(CpuLattices, LightSurfacesOfAnySizeWithTrianglesHereAndThere) {
+    const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {3, 2}, {7, 65}, {33, 17}, {24, 130}, {90, 70}};
+    for (const auto& [width, height] : sizes)
+        for (const bool heights : {false, true}) {
+            const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), width, height,
+                              heights);
+            const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0.3};
+            const ManyColours colours(width, height);
+            compare_light(HeightField(codes.scene, pair), pair, colours.view());
+        }
+}
+
+TEST(CpuLattices, LeavePlainColoursAsTheyAre) {
+    const auto shown = shown_scene("globe", 67, 45);
+    const ManyColours colours(67, 45);
+    std::vector<float> q;
+    CpuLattices lattices(2);
+    lattices.q_of(shown->field(), shown->pair(), q);
+    std::vector<PackedColour> plain(q.size());
+    lattices.light(shown->field(), q.data(), 67, colours.view(), Lighting::plain, plain.data());
+    for (std::size_t k = 0; k < plain.size(); ++k)
+        ASSERT_EQ(plain[k],
+                  pack_colour(colours.bytes[3 * k], colours.bytes[3 * k + 1], colours.bytes[3 * k + 2]));
 }
 
 TEST(CpuLattices, AgreeWithTheirTwinForEveryCoding) {

@@ -9,21 +9,11 @@
 #include "player/view/surface_lighting.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/coded_frames.hpp"
+#include "tests/view/many_colours.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
 namespace {
-
-/// Every channel another, every pixel another.
-struct Colours {
-    Colours(int width, int height) : width(width), height(height) {
-        for (int k = 0; k < width * height * 3; ++k) bytes.push_back(static_cast<std::uint8_t>(k * 89 % 251));
-    }
-    PlaneView view() const { return {bytes.data(), std::ptrdiff_t{3} * width, width, height, 1, 3}; }
-
-    int width, height;
-    std::vector<std::uint8_t> bytes;
-};
 
 class SurfaceLight : public GpuTest {
 protected:
@@ -97,7 +87,7 @@ TEST_F(SurfaceLight, AgreesWithItsTwinOnScenes) {
     for (const char* name : {"globe", "step", "noise"}) {
         SCOPED_TRACE(name);
         const auto shown = shown_scene(name, 171, 133);
-        const Colours colours(171, 133);
+        const ManyColours colours(171, 133);
         for (const double blend : {0.0, 0.4}) {
             compare(shown->field(blend), shown->pair(blend), colours.view());
             compare(shown->field(blend), shown->pair(blend), {});
@@ -108,7 +98,7 @@ TEST_F(SurfaceLight, AgreesWithItsTwinOnScenes) {
 TEST_F(SurfaceLight, AgreesWhereThereIsATriangleHereAndThere) {
     const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), 90, 70, true);
     const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0.3};
-    const Colours colours(90, 70);
+    const ManyColours colours(90, 70);
     compare(HeightField(codes.scene, pair), pair, colours.view());
 }
 
@@ -118,14 +108,14 @@ TEST_F(SurfaceLight, AgreesOnSurfacesOfAnySize) {
         const Codes codes(coding_of(DepthCodingKind::linear, DepthSemantics::planar, true), width, height,
                           false);
         const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0};
-        const Colours colours(width, height);
+        const ManyColours colours(width, height);
         compare(HeightField(codes.scene, pair), pair, colours.view());
     }
 }
 
 TEST_F(SurfaceLight, LeavesPlainColoursAsTheyAre) {
     const auto shown = shown_scene("globe", 67, 45);
-    const Colours colours(67, 45);
+    const ManyColours colours(67, 45);
     const Lit lit = light(shown->field(), shown->pair(), colours.view(), Lighting::plain);
     for (std::size_t k = 0; k < lit.colours.size(); ++k)
         ASSERT_EQ(lit.colours[k],
@@ -143,7 +133,7 @@ TEST_F(SurfaceLight, LightsFramesWithoutCodes) {
 
 TEST_F(SurfaceLight, RefusesColoursOfAnotherSize) {
     const auto shown = shown_scene("globe", 67, 45);
-    const Colours colours(67, 44);
+    const ManyColours colours(67, 44);
     EXPECT_THROW(light(shown->field(), shown->pair(), colours.view(), Lighting::lit), std::runtime_error);
 }
 
