@@ -8,7 +8,7 @@
 
 #include "engine/content/random.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 
 namespace touchable {
 namespace {

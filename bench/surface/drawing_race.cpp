@@ -9,7 +9,7 @@
 #include "bench/surface/race.hpp"
 #include "bench/surface/surface_case.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/surface/vulkan_builder.hpp"
 #include "player/view/gpu_painters.hpp"
 #include "player/view/scene_picture.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

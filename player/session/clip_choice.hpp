@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <string>
 
+#include "engine/import/open_clip.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/media/replay_camera.hpp"
 #include "engine/result.hpp"

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/import/open_clip.hpp"
 #include "engine/media/clip.hpp"
 #include "tests/temporary_folder.hpp"
 

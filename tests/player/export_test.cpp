@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "engine/content/scenes.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/media/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/surface/surface_builder.hpp"

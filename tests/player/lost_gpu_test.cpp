@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "device/hand.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/surface/fallback_builder.hpp"
 #include "engine/surface/vulkan_builder.hpp"

@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "engine/content/scenes.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "tests/player/program.hpp"
 #include "tests/sanitizers.hpp"
 

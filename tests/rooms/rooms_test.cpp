@@ -19,6 +19,7 @@ const std::map<std::string, Rooms> may_use{
     {"engine/scene", {"engine"}},
     {"engine/frame", {"engine", "engine/scene", "shaders"}},
     {"engine/media", {"engine", "engine/scene", "engine/frame"}},
+    {"engine/import", {"engine", "engine/scene", "engine/frame", "engine/media"}},
     {"engine/surface", {"engine", "engine/scene", "engine/frame", "engine/gpu", "shaders"}},
     {"engine/content", {"engine", "engine/scene", "engine/frame"}},
     {"engine/gpu", {"engine"}},
@@ -29,13 +30,13 @@ const std::map<std::string, Rooms> may_use{
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
       "shaders"}},
     {"player/session",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/surface", "engine/gpu", "haptics_cpu",
       "device"}},
     {"player/window",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/surface", "engine/gpu", "haptics_cpu",
       "device", "player/session", "player/view"}},
     {"player/commands",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/content",
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/surface", "engine/content",
       "engine/gpu", "haptics_cpu", "device", "shaders", "player/session", "player/view", "player/window"}}};
 
 /// The folders of what a file includes from the root.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/content/random.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"
 

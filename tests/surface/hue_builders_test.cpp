@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "engine/frame/stored_code.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/surface/depth_survey.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "engine/content/scenes.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/view/view_surface.hpp"

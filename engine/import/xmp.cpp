@@ -1,4 +1,4 @@
-#include "engine/media/xmp.hpp"
+#include "engine/import/xmp.hpp"
 
 #include <algorithm>
 #include <utility>

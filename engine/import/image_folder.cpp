@@ -1,4 +1,4 @@
-#include "engine/media/image_folder.hpp"
+#include "engine/import/image_folder.hpp"
 
 #include <algorithm>
 #include <charconv>

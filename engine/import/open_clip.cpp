@@ -1,14 +1,15 @@
+#include "engine/import/open_clip.hpp"
+
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <string>
 #include <system_error>
 
-#include "engine/media/bare_picture.hpp"
-#include "engine/media/clip.hpp"
-#include "engine/media/depthkit_clip.hpp"
-#include "engine/media/gdepth_image.hpp"
-#include "engine/media/image_folder.hpp"
+#include "engine/import/bare_picture.hpp"
+#include "engine/import/depthkit_clip.hpp"
+#include "engine/import/gdepth_image.hpp"
+#include "engine/import/image_folder.hpp"
 #include "engine/media/matroska_reader.hpp"
 #include "engine/scene/scene_file.hpp"
 
@@ -106,20 +107,6 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
 }
 
 }  // namespace
-
-/// The way that is right for every format: reading up to there.
-Result<void> ClipReader::seek(std::int64_t frame) {
-    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
-    if (auto back = rewind(); !back.ok()) return back;
-    for (std::int64_t number = 0; number < frame; ++number) {
-        const auto passed = next();
-        if (!passed.ok()) return passed.error();
-        if (!*passed)
-            return usage_error("the clip has no frame " + std::to_string(frame) + ": its last is " +
-                               std::to_string(number - 1));
-    }
-    return {};
-}
 
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,

@@ -1,8 +1,8 @@
-#include "engine/media/bare_picture.hpp"
+#include "engine/import/bare_picture.hpp"
 
 #include <utility>
 
-#include "engine/media/image_folder.hpp"
+#include "engine/import/image_folder.hpp"
 #include "engine/media/stored_image.hpp"
 #include "engine/printable.hpp"
 

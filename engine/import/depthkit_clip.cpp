@@ -1,13 +1,13 @@
-#include "engine/media/depthkit_clip.hpp"
+#include "engine/import/depthkit_clip.hpp"
 
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "engine/import/depthkit_metadata.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/codecs.hpp"
 #include "engine/media/demuxer.hpp"
-#include "engine/media/depthkit_metadata.hpp"
 #include "engine/media/track_decoder.hpp"
 
 extern "C" {

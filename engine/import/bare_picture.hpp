@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "engine/import/open_clip.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"

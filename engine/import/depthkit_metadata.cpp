@@ -1,4 +1,4 @@
-#include "engine/media/depthkit_metadata.hpp"
+#include "engine/import/depthkit_metadata.hpp"
 
 #include <algorithm>
 #include <charconv>

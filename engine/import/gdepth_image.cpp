@@ -1,15 +1,15 @@
-#include "engine/media/gdepth_image.hpp"
+#include "engine/import/gdepth_image.hpp"
 
 #include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "engine/import/xmp.hpp"
 #include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/media/stored_image.hpp"
-#include "engine/media/xmp.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
