@@ -15,7 +15,9 @@
 #include "player/commands/command.hpp"
 #include "player/commands/compare_command.hpp"
 #include "player/commands/export_command.hpp"
+#include "player/commands/formats_command.hpp"
 #include "player/commands/info_command.hpp"
+#include "player/commands/init_scene_command.hpp"
 #include "player/commands/make_command.hpp"
 #include "player/commands/play_command.hpp"
 #include "player/commands/plot_command.hpp"
@@ -37,7 +39,7 @@ int fail(const Error& error) {
 Result<void> print_overview(const CLI::App& app) {
     std::cout << "touchable " << TOUCHABLE_VERSION << ": touch a depth video and feel its forces.\n";
     for (const CLI::App* command : app.get_subcommands({}))
-        std::printf("  %-8s%s\n", command->get_name().c_str(), command->get_description().c_str());
+        std::printf("  %-12s%s\n", command->get_name().c_str(), command->get_description().c_str());
     std::cout << "Options of a command: touchable help COMMAND\n";
     return {};
 }
@@ -89,6 +91,8 @@ int run(int argc, char** argv) {
     add_play_command(app, command);
     add_touch_command(app, command);
     add_info_command(app, command);
+    add_formats_command(app, command);
+    add_init_scene_command(app, command);
     add_export_command(app, command);
     add_compare_command(app, command);
     add_plot_command(app, command);

@@ -1,87 +1,24 @@
 #include "engine/import/image_folder.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <string>
 #include <utility>
 
+#include "engine/import/depth_values.hpp"
+#include "engine/import/picture_files.hpp"
 #include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/media/stored_image.hpp"
-#include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
 
-/// A file pattern with at most one field of digits, %d or %0Nd, which the scene has checked.
-class Pattern {
-public:
-    explicit Pattern(const std::string& text) {
-        if (is_still(text)) {
-            still_ = text;
-            return;
-        }
-        const auto percent = text.find('%'), end = text.find('d', percent);
-        before_ = text.substr(0, percent);
-        if (end > percent + 1) digits_ = static_cast<std::size_t>(text[percent + 2] - '0');
-        after_ = text.substr(end + 1);
-    }
-    std::filesystem::path file(const std::filesystem::path& folder, std::int64_t number) const {
-        if (!still_.empty()) return folder / still_;
-        std::string field = std::to_string(number);
-        if (field.size() < digits_) field.insert(0, digits_ - field.size(), '0');
-        return folder / (before_ + field + after_);
-    }
-    /// Numbers of the files that are there, from `first` on, in order.
-    std::vector<std::int64_t> numbers(const std::filesystem::path& folder, std::int64_t first) const {
-        std::vector<std::int64_t> found;
-        const std::string before = (folder / before_).filename().string();
-        std::error_code ignored;
-        for (const auto& entry :
-             std::filesystem::directory_iterator((folder / before_).parent_path() / "", ignored)) {
-            const std::string name = entry.path().filename().string();
-            if (!name.starts_with(before) || name.size() <= before.size() + after_.size()) continue;
-            const char* digits = name.data() + before.size();
-            std::int64_t number = 0;
-            const auto [end, failure] =
-                std::from_chars(digits, name.data() + name.size() - after_.size(), number);
-            const bool named_so = failure == std::errc() && file(folder, number).filename() == name;
-            if (named_so && number >= first) found.push_back(number);
-        }
-        std::sort(found.begin(), found.end());
-        return found;
-    }
-
-private:
-    std::string still_;  // the whole name where it has no field
-    std::string before_, after_;
-    std::size_t digits_ = 1;
-};
-
-const std::string& pattern_of(const FolderSource& source, PlaneRole role) {
-    switch (role) {
-        case PlaneRole::depth:
-            return source.depth;
-        case PlaneRole::colour:
-            return source.colour;
-        case PlaneRole::haptic:
-            return source.haptic;
-        case PlaneRole::height:
-            break;
-    }
-    return source.height;
-}
-
-bool is_file(const std::filesystem::path& file) {
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(file, ignored);
-}
-
 class ImageFolderReader final : public ClipReader {
 public:
-    ImageFolderReader(std::filesystem::path folder, const Scene& scene)
-        : folder_(std::move(folder)), scene_(scene) {}
+    ImageFolderReader(std::filesystem::path folder, const Scene& scene, std::vector<std::string> notes)
+        : folder_(std::move(folder)), scene_(scene), notes_(std::move(notes)), values_(scene) {}
     Result<void> open();
 
     const Scene& scene() const override { return scene_; }
@@ -97,21 +34,19 @@ public:
 private:
     struct Track {
         PlaneRole role;
-        Pattern pattern;
+        std::vector<std::filesystem::path> files;  // one a frame
     };
 
-    std::filesystem::path file(const Track& track, std::int64_t frame) const {
-        return track.pattern.file(folder_, scene_.folder->first + frame);
+    static std::string where(const Track& track, std::int64_t frame) {
+        return track.files[static_cast<std::size_t>(frame)].string() + " (" +
+               std::string(role_name(track.role)) + ", frame " + std::to_string(frame) + ")";
     }
-    std::string where(const Track& track, std::int64_t frame) const {
-        return file(track, frame).string() + " (" + std::string(role_name(track.role)) + ", frame " +
-               std::to_string(frame) + ")";
-    }
-    Result<void> count_frames();
-    std::string beyond(std::int64_t frame) const;
+    Result<void> find_files();
     Result<void> read_first();
+    Result<void> look_at_all();
     Result<void> find_far_plane();
     Result<StoredImage> read(const Track& track, std::int64_t frame) const;
+    Result<Plane> fitted(const Track& track, std::int64_t frame, StoredImage stored) const;
     Result<Plane> plane(const Track& track, std::int64_t frame) const;
 
     std::filesystem::path folder_;
@@ -122,14 +57,11 @@ private:
     std::int64_t count_ = 0;
     std::int64_t number_ = 0;  // of the frame that `next` gives
     bool with_colour_ = true;
+    DepthValues values_;
 };
 
 Result<void> ImageFolderReader::open() {
-    for (const PlaneRole role : all_roles) {
-        const std::string& pattern = pattern_of(*scene_.folder, role);
-        if (!pattern.empty()) tracks_.push_back({role, Pattern(pattern)});
-    }
-    if (auto counted = count_frames(); !counted) return counted;
+    if (auto found = find_files(); !found) return found;
     if (auto read = read_first(); !read) return read;
     if (auto note = default_touch_note(!scene_.folder->haptic.empty(), scene_))
         notes_.push_back(std::move(*note));
@@ -137,42 +69,22 @@ Result<void> ImageFolderReader::open() {
 }
 
 /// Every track has every frame, or the first that is missing is named.
-Result<void> ImageFolderReader::count_frames() {
-    count_ = is_still(scene_.folder->depth) ? 1 : scene_.folder->count;
-    if (count_ == 0)
-        while (is_file(file(tracks_.front(), count_))) ++count_;
-    const std::int64_t checked = count_ == 0 ? 1 : count_;
-    for (const Track& track : tracks_)
-        for (std::int64_t frame = 0; frame < checked; ++frame) {
-            if (!is_file(file(track, frame)))
-                return input_error(where(track, frame) + ": is missing" + (count_ == 0 ? beyond(0) : ""));
-            add_input(file(track, frame));
-        }
-    const bool to_the_end = scene_.folder->count == 0 && !is_still(scene_.folder->depth);
-    const std::string later = to_the_end ? beyond(count_) : "";
-    if (!later.empty())
-        notes_.push_back("ends after " + std::to_string(count_) + " frames: " +
-                         file(tracks_.front(), count_).filename().string() + " is missing" + later);
-    return {};
-}
-
-/// Where depth's picture of this frame is missing and later ones are there: which numbers are missing.
-std::string ImageFolderReader::beyond(std::int64_t frame) const {
-    const Track& depth = tracks_.front();
-    std::int64_t expected = scene_.folder->first + frame;
-    if (is_still(scene_.folder->depth)) return "";
-    const auto later = depth.pattern.numbers(folder_, expected);
-    if (later.empty()) return "";
-    if (frame == 0)
-        return "; the first that is there is number " + std::to_string(later.front()) + ": give folder.first";
-    std::string missing;
-    for (const std::int64_t number : later) {
-        if (number > expected) missing += (missing.empty() ? "" : ", ") + std::to_string(expected);
-        if (number > expected + 1) missing += " to " + std::to_string(number - 1);
-        expected = number + 1;
+Result<void> ImageFolderReader::find_files() {
+    const FolderSource& source = *scene_.folder;
+    auto depth = depth_files(folder_, source);
+    if (!depth) return depth.error();
+    if (!depth->remark.empty()) notes_.push_back(depth->remark);
+    for (const PlaneRole role : all_roles) {
+        if (pattern_of(source, role).empty()) continue;
+        auto found = role == PlaneRole::depth ? depth : files_beside(folder_, role, source, *depth);
+        if (!found) return found.error();
+        if (role != PlaneRole::depth && !found->remark.empty()) notes_.push_back(found->remark);
+        for (const auto& file : found->files)
+            if (inputs().empty() || inputs().back() != file) add_input(file);
+        tracks_.push_back({role, std::move(found->files)});
     }
-    return ", though later ones exist up to number " + std::to_string(later.back()) +
-           "; missing numbers: " + printable(missing, 120);
+    count_ = static_cast<std::int64_t>(depth->count());
+    return {};
 }
 
 /// How frame 0 is stored stands for all.
@@ -186,14 +98,30 @@ Result<void> ImageFolderReader::read_first() {
         if (track.role != PlaneRole::depth && (image.width != scene_.width || image.height != scene_.height))
             notes_.push_back(resampling_note(track.role, image.width, image.height, scene_));
         if (auto note = lossy_note(track.role, stored->codec)) notes_.push_back(std::move(*note));
-        auto fits = fit_plane(track.role, plane_from(std::move(stored->image), stored->bits), scene_,
-                              where(track, 0));
+        if (track.role == PlaneRole::depth && values_.needs_all(*stored))
+            if (auto looked = look_at_all(); !looked) return looked;
+        auto fits = fitted(track, 0, std::move(*stored));
         if (!fits) return fits.error();
         if (track.role != PlaneRole::depth) continue;
         RawFrame frame;
         add_plane(frame, PlaneRole::depth, std::move(*fits));
         if (auto note = no_depth_note(frame, scene_.depth)) notes_.push_back(std::move(*note));
     }
+    return {};
+}
+
+/// Depth that is no codes yet: its range in all frames settles what they will be.
+Result<void> ImageFolderReader::look_at_all() {
+    for (std::int64_t frame = 0; frame < count_; ++frame) {
+        if (stop_requested())
+            return Error{ErrorKind::internal, "interrupted while the clip's range of depth was searched"};
+        const auto stored = read(tracks_.front(), frame);
+        if (!stored) return stored.error();
+        values_.look(*stored);
+    }
+    auto note = values_.settle(scene_);
+    if (!note) return input_error(folder_.string() + ": " + note.error().message);
+    notes_.push_back(std::move(*note));
     return {};
 }
 
@@ -211,7 +139,7 @@ Result<void> ImageFolderReader::find_far_plane() {
 }
 
 Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t frame) const {
-    auto stored = read_stored_image(file(track, frame));
+    auto stored = read_stored_image(track.files[static_cast<std::size_t>(frame)]);
     if (!stored)
         return Error{stored.error().kind, stored.error().message + " (" + std::string(role_name(track.role)) +
                                               ", frame " + std::to_string(frame) + ")"};
@@ -232,7 +160,16 @@ Result<Plane> ImageFolderReader::plane(const Track& track, std::int64_t frame) c
                            std::to_string(image.height) + " " + stored->pixel_format + ", but frame 0 is " +
                            std::to_string(info.width) + "x" + std::to_string(info.height) + " " +
                            info.pixel_format);
-    return fit_plane(track.role, plane_from(std::move(stored->image), stored->bits), scene_,
+    return fitted(track, frame, std::move(*stored));
+}
+
+Result<Plane> ImageFolderReader::fitted(const Track& track, std::int64_t frame, StoredImage stored) const {
+    const int bits = stored.bits;
+    if (track.role != PlaneRole::depth)
+        return fit_plane(track.role, plane_from(std::move(stored.image), bits), scene_, where(track, frame));
+    Image codes = values_.codes(std::move(stored));
+    const bool are_made = codes.bytes_per_sample == 2 && bits < 16;
+    return fit_plane(track.role, plane_from(std::move(codes), are_made ? 16 : bits), scene_,
                      where(track, frame));
 }
 
@@ -261,13 +198,13 @@ Result<std::optional<RawFrame>> ImageFolderReader::next() {
 
 }  // namespace
 
-Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder,
-                                                      const Scene& scene) {
+Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
+                                                      std::vector<std::string> notes) {
     if (!scene.folder)
         return input_error(
             folder.string() +
             ": is a folder, but its scene file has no member \"folder\" that says which images to read");
-    auto reader = std::make_unique<ImageFolderReader>(folder, scene);
+    auto reader = std::make_unique<ImageFolderReader>(folder, scene, std::move(notes));
     if (auto opened = reader->open(); !opened) return opened.error();
     return std::unique_ptr<ClipReader>(std::move(reader));
 }

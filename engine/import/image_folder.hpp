@@ -2,13 +2,16 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "engine/media/clip.hpp"
 
 namespace touchable {
 
-/// Numbered images in `folder`, found by the patterns of the scene's FolderSource.
-Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder,
-                                                      const Scene& scene);
+/// Pictures in `folder`, found by the patterns of the scene's FolderSource. `notes`: what a person should
+/// know of how the scene came about, before what the reader has to say.
+Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
+                                                      std::vector<std::string> notes = {});
 
 }  // namespace touchable

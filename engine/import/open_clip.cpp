@@ -4,11 +4,14 @@
 #include <array>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/gdepth_image.hpp"
+#include "engine/import/guessed_scene.hpp"
 #include "engine/import/image_folder.hpp"
 #include "engine/media/matroska_reader.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -32,13 +35,20 @@ struct Candidate {
     const std::filesystem::path& file;
     const std::string begin;            ///< its first bytes
     const std::optional<Scene>& scene;  ///< to replace its own
+    const SourceDescription& known;
 };
 
 bool is_jpeg(const Candidate& candidate) {
     return candidate.begin.starts_with("\xff\xd8\xff");
 }
-bool is_png(const Candidate& candidate) {
-    return candidate.begin == "\x89PNG\r\n\x1a\n";
+/// By what a picture of depth begins with: PNG, PGM and PFM, TIFF, EXR, NumPy.
+bool is_picture(const Candidate& candidate) {
+    using namespace std::string_view_literals;
+    constexpr std::string_view begins[] = {
+        "\x89PNG\r\n\x1a\n"sv, "P2"sv,        "P5"sv,        "Pf"sv, "II*\0"sv, "MM\0*"sv,
+        "\x76\x2f\x31\x01"sv,  "\x93NUMPY"sv, "PK\x03\x04"sv};
+    return std::any_of(std::begin(begins), std::end(begins),
+                       [&](std::string_view begin) { return candidate.begin.starts_with(begin); });
 }
 /// Also one that is cut to nearly nothing, of which its reader tells best what is wrong.
 bool is_matroska(const Candidate& candidate) {
@@ -48,51 +58,64 @@ bool is_depthkit(const Candidate& candidate) {
     return depthkit_metadata_of(candidate.file).has_value();
 }
 
-Opened open_described_png(const Candidate& candidate) {
-    return candidate.scene ? open_bare_picture(candidate.file, *candidate.scene)
-                           : Opened(no_description(candidate.file));
+Opened open_picture(const Candidate& candidate) {
+    if (candidate.scene) return open_bare_picture(candidate.file, *candidate.scene);
+    auto guessed = guess_picture(candidate.file, candidate.known);
+    if (!guessed) return guessed.error();
+    return open_bare_picture(candidate.file, std::move(guessed->scene), std::move(guessed->guesses));
+}
+
+/// With depth in its metadata, or of depth itself where somebody says what it is.
+Opened open_jpeg(const Candidate& candidate) {
+    const bool is_described = !(candidate.known == SourceDescription());
+    return is_described ? open_picture(candidate) : open_gdepth_image(candidate.file, candidate.scene);
 }
 
 /// The first that recognises a file opens it.
 struct Format {
     bool (*recognises)(const Candidate&);
     Opened (*open)(const Candidate&);
+    ClipFormat said;
 };
 constexpr Format formats[] = {
-    {is_matroska, [](const Candidate& c) { return open_matroska_clip(c.file, c.scene); }},
-    {is_jpeg, [](const Candidate& c) { return open_gdepth_image(c.file, c.scene); }},
-    {is_png, open_described_png},
+    {is_matroska,
+     [](const Candidate& c) { return open_matroska_clip(c.file, c.scene); },
+     {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
+    {is_jpeg, open_jpeg, {"a JPEG with depth in its metadata (GDepth)", "touchable play portrait.jpg"}},
+    {is_picture,
+     open_picture,
+     {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
+      "touchable play depth.png --intrinsics 525,525 --depth-unit 0.001"}},
     {is_depthkit,
-     [](const Candidate& c) { return open_depthkit_clip(c.file, *depthkit_metadata_of(c.file), c.scene); }},
+     [](const Candidate& c) { return open_depthkit_clip(c.file, *depthkit_metadata_of(c.file), c.scene); },
+     {"a Depthkit video with its metadata beside it", "touchable play Take.mp4"}},
 };
 
-Candidate candidate_of(const std::filesystem::path& file, const std::optional<Scene>& scene) {
+std::string first_bytes(const std::filesystem::path& file) {
     std::array<char, 8> first{};
     std::ifstream in(file, std::ios::binary);
     in.read(first.data(), first.size());
-    return {file, std::string(first.data(), static_cast<std::size_t>(in.gcount())), scene};
+    return {first.data(), static_cast<std::size_t>(in.gcount())};
 }
 
-Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene) {
-    const Candidate candidate = candidate_of(file, scene);
+Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene,
+                 const SourceDescription& known) {
+    const Candidate candidate{file, first_bytes(file), scene, known};
+    const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate);
+    if (describes_itself && !(known == SourceDescription()))
+        return usage_error(file.string() +
+                           ": is no picture, so --intrinsics, --fov, --depth-unit and --preset say "
+                           "nothing of it: leave them out");
+    if (describes_itself && scene && !scene->stored.is_plain())
+        return usage_error(file.string() +
+                           ": the scene's depth.coding is of pictures in files, not of videos");
     for (const Format& format : formats)
         if (format.recognises(candidate)) return format.open(candidate);
-    return input_error(file.string() +
-                       ": is not a Matroska file, nor a PNG or JPEG, nor a Depthkit video with " +
-                       depthkit_metadata_name(file).string() + " beside it");
-}
-
-/// A single depth picture, of a camera that somebody names.
-Result<std::unique_ptr<ClipReader>> open_picture(const std::filesystem::path& file,
-                                                 const PictureCamera& camera) {
-    const std::optional<Scene> none;
-    const Candidate candidate = candidate_of(file, none);
-    if (!is_png(candidate) && !is_jpeg(candidate))
-        return usage_error(file.string() +
-                           ": is no PNG or JPEG, so --intrinsics says nothing of it: leave it out");
-    auto scene = bare_picture_scene(file, camera);
-    if (!scene) return scene.error();
-    return open_bare_picture(file, std::move(*scene));
+    return input_error(
+        file.string() +
+        ": is not a Matroska file, nor a picture of depth (PNG, PGM, TIFF, PFM, EXR, NumPy), nor a "
+        "JPEG with depth, nor a Depthkit video with " +
+        depthkit_metadata_name(file).string() + " beside it");
 }
 
 Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,
@@ -101,39 +124,61 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     if (!scene) return scene.error();
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
-    auto reader = is_file ? open_file(path, *scene) : open_image_folder(path, *scene);
+    auto reader = is_file ? open_file(path, *scene, {}) : open_image_folder(path, *scene);
     if (reader) (*reader)->add_input(scene_file);
     return reader;
 }
 
+/// A folder that describes itself, or is guessed.
+Opened open_folder(const std::filesystem::path& folder, const std::optional<SourceDescription>& known) {
+    std::error_code failure;
+    const auto own = folder / own_scene_file;
+    const bool has_own = std::filesystem::is_regular_file(own, failure);
+    if (has_own && known)
+        return usage_error(
+            own.string() +
+            ": describes these pictures: leave --intrinsics, --fov, --depth-unit and --preset out");
+    if (has_own) return open_described(folder, own);
+    auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
+    if (!guessed) return guessed.error();
+    return open_image_folder(folder, guessed->scene, std::move(guessed->guesses));
+}
+
 }  // namespace
+
+std::vector<ClipFormat> clip_formats() {
+    std::vector<ClipFormat> said;
+    for (const Format& format : formats) said.push_back(format.said);
+    said.push_back({"a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...)",
+                    "touchable play FOLDER"});
+    said.push_back({"a folder or a picture with a scene file (docs/scene_file.md)",
+                    "touchable play FOLDER --scene scene.json"});
+    return said;
+}
 
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,
-                                              const std::optional<PictureCamera>& camera) {
+                                              const std::optional<SourceDescription>& known) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
     const bool is_folder = std::filesystem::is_directory(status);
     if (!is_folder && !std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
-    if (camera) {
-        if (scene_file)
-            return usage_error(path.string() + ": has --scene and --intrinsics: must be one of them");
-        return open_picture(path, *camera);
-    }
-    if (is_folder && !scene_file) {
-        const auto own = path / own_scene_file;
-        if (std::filesystem::is_regular_file(own, failure)) return open_clip(own);
-        return input_error(path.string() + ": is a folder without a " + own_scene_file +
-                           ": describe its images with --scene FILE");
-    }
+    if (known && scene_file)
+        return usage_error(
+            path.string() +
+            ": --scene describes it: leave --intrinsics, --fov, --depth-unit and --preset out");
     if (!is_folder && is_scene_file(path)) {
-        if (scene_file) return usage_error(path.string() + ": is a scene file itself: leave --scene out");
+        if (scene_file || known)
+            return usage_error(path.string() + ": is a scene file itself: leave " +
+                               (scene_file ? "--scene" : "--intrinsics, --fov, --depth-unit and --preset") +
+                               " out");
         return open_described(path.parent_path(), path);
     }
-    if (!scene_file) return open_file(path, std::nullopt);
-    return open_described(path, *scene_file);
+    if (scene_file) return open_described(path, *scene_file);
+    return is_folder ? open_folder(path, known)
+                     : open_file(path, std::nullopt, known.value_or(SourceDescription()));
 }
 
 }  // namespace touchable

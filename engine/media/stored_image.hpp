@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/media/image_file.hpp"
 #include "engine/result.hpp"
@@ -16,6 +17,8 @@ struct StoredImage {
     std::string pixel_format;
     int bits = 8;             ///< of a sample as stored: of grey also 2 and 4
     bool interlaced = false;  ///< then a picture that lacks data is not found out
+    /// Of a picture of floats: row-major; then the image has a size and no samples.
+    std::vector<float> values{};
 };
 
 /// All of a picture's file, up to 256 MiB.

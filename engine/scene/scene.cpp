@@ -208,7 +208,9 @@ Result<void> check_filter(const Scene& scene) {
 /// One field %d or %0Nd (N from 1 to 9), and no other percent sign: such a pattern is safe to fill in. Or
 /// none: the name of a single picture.
 bool is_file_pattern(const std::string& pattern) {
-    const std::size_t percent = pattern.find('%');
+    const std::size_t percent = pattern.find('%'), star = pattern.find('*');
+    if (star != std::string::npos)
+        return percent == std::string::npos && pattern.find('*', star + 1) == std::string::npos;
     if (percent == std::string::npos) return !pattern.empty();
     if (pattern.find('%', percent + 1) != std::string::npos) return false;
     const std::string field = pattern.substr(percent + 1, 3);
@@ -225,19 +227,20 @@ Result<void> check_pattern(const std::string& member, const std::string& pattern
     return input_error(
         member + " is " + in_quotes(pattern) +
         ": must be a file name with one field of digits, %d or %0Nd with N from 1 to 9, no "
-        "other % and no control characters, such as \"depth_%04d.png\"; or, for a single picture, without %");
+        "other % and no control characters, such as \"depth_%04d.png\"; with one star instead, such as "
+        "\"depth/*.png\"; a list, such as \"depth.txt\"; or the name of a single picture");
 }
 
-/// A still is one picture of each kind, anything else a row of them.
+/// A still has one picture of each kind. (One of materials may serve a row of depths.)
 Result<void> check_still(const FolderSource& folder) {
     for (const auto& [member, name] :
          {std::pair<const char*, const std::string&>{"folder.colour", folder.colour},
           {"folder.haptic", folder.haptic},
           {"folder.height", folder.height}})
-        if (!name.empty() && is_still(name) != is_still(folder.depth))
+        if (!name.empty() && is_still(folder.depth) && !is_still(name))
             return input_error(std::string(member) + " is " + in_quotes(name) +
-                               ": must be, like folder.depth (" + in_quotes(folder.depth) + "), a name " +
-                               (is_still(folder.depth) ? "without" : "with") + " a field of digits");
+                               ": must be, like folder.depth (" + in_quotes(folder.depth) +
+                               "), the name of a single picture");
     if (!is_still(folder.depth)) return {};
     if (folder.first != 0)
         return refuse("folder.first", folder.first, "0, because folder.depth is a single picture");
@@ -264,7 +267,7 @@ Result<void> check_folder(const FolderSource& folder) {
 }  // namespace
 
 bool is_still(std::string_view pattern) {
-    return pattern.find('%') == std::string_view::npos;
+    return pattern.find_first_of("%*") == std::string_view::npos && !pattern.ends_with(".txt");
 }
 
 double largest_height(const HeightCoding& height, const DepthCoding& depth) {

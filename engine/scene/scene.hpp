@@ -91,8 +91,10 @@ struct FrameRate {
     std::int64_t frame_at(std::int64_t time_ns) const;  ///< the last one that is not later; exact likewise
 };
 
-/// Files of a folder of images; patterns have one printf-like field of digits: "depth_%04d.png". Where none
-/// has one they name a still: a clip of one frame.
+/// Files of a folder of images: a pattern with one printf-like field of digits ("depth_%04d.png"), or with
+/// one star ("depth/*.png": all there are, in order), or a list of them (".txt": a line each, a time before
+/// the name where it has one). Where depth is none of these it names a still: a clip of one frame. Stills
+/// of other planes serve all frames.
 struct FolderSource {
     std::string depth, colour, haptic, height;  ///< empty: no such plane; depth is required
     int first = 0;                              ///< number of the first image
@@ -102,6 +104,24 @@ struct FolderSource {
 /// Whether a pattern names a single picture.
 bool is_still(std::string_view pattern);
 
+/// What pictures hold where it is not the codes of `Scene::depth`. Whoever reads them makes codes of it, by
+/// what is in all frames, and settles that coding then.
+struct StoredDepth {
+    enum class Kind {
+        codes,      ///< of Scene::depth; of floats, lengths (metric) or shares of code_max (others)
+        disparity,  ///< depth = fx baseline / (scale value + offset)
+        relative,   ///< from the least value to the largest there is, evenly in depth or 1 / depth
+                    ///< (Scene::depth)
+    };
+    Kind kind = Kind::codes;
+    double baseline = 0;           ///< scene units
+    double scale = 1, offset = 0;  ///< pixels of disparity per stored value, and at 0
+    bool bytes_swapped = false;    ///< of 16 bits: low byte first where the file's format has it last
+    int rotated = 0;               ///< 16 bits: so many to the left, 0 to 15, the upper ones come back below
+    bool is_plain() const { return kind == Kind::codes && !bytes_swapped && rotated == 0; }
+    bool operator==(const StoredDepth&) const = default;
+};
+
 /// What a clip means. Everything but the pictures.
 struct Scene {
     std::string name;
@@ -110,6 +130,7 @@ struct Scene {
     double metres_per_unit = 0.001;
     Camera camera;
     DepthCoding depth;
+    StoredDepth stored;
     int depth_bits = 8;  ///< bits of a stored depth value, 8 to 16; of each of three channels for hue: 8
     HeightCoding height_coding;
     HapticRanges haptic;

@@ -14,10 +14,21 @@ namespace {
 
 using checked_json::Node;
 
-constexpr std::pair<const char*, DepthCodingKind> coding_names[] = {{"linear", DepthCodingKind::linear},
-                                                                    {"inverse", DepthCodingKind::inverse},
-                                                                    {"metric", DepthCodingKind::metric},
-                                                                    {"hue", DepthCodingKind::hue}};
+/// What `depth.coding` can be: a coding of codes, or of what the frames settle to be one.
+struct Coding {
+    DepthCodingKind kind;
+    StoredDepth::Kind stored = StoredDepth::Kind::codes;
+    bool operator==(const Coding&) const = default;
+};
+constexpr std::pair<const char*, Coding> coding_names[] = {
+    {"linear", {DepthCodingKind::linear}},
+    {"inverse", {DepthCodingKind::inverse}},
+    {"metric", {DepthCodingKind::metric}},
+    {"hue", {DepthCodingKind::hue}},
+    {"disparity", {DepthCodingKind::inverse, StoredDepth::Kind::disparity}},
+    {"relative", {DepthCodingKind::linear, StoredDepth::Kind::relative}},
+    {"relative-inverse", {DepthCodingKind::inverse, StoredDepth::Kind::relative}}};
+constexpr std::pair<const char*, bool> byte_order_names[] = {{"plain", false}, {"swapped", true}};
 constexpr std::pair<const char*, DepthSemantics> semantics_names[] = {{"range", DepthSemantics::range},
                                                                       {"planar", DepthSemantics::planar}};
 constexpr std::pair<const char*, bool> near_is_high_names[] = {{"high", true}, {"low", false}};
@@ -62,27 +73,57 @@ void read_invalid_codes(const Node& node, int largest, DepthCoding& depth) {
             static_cast<std::uint16_t>(code.integer(0, largest));
 }
 
+/// Words of 16 bits whose bits stand in another order.
+void read_order(const Node& node, Scene& scene) {
+    if (node.has("bytes")) scene.stored.bytes_swapped = node["bytes"].one_of(byte_order_names);
+    if (node.has("rotated")) scene.stored.rotated = static_cast<int>(node["rotated"].integer(0, 15));
+    if (!scene.stored.bytes_swapped && scene.stored.rotated == 0) return;
+    if (scene.depth_bits != 16 || scene.depth.kind == DepthCodingKind::hue)
+        node[scene.stored.rotated > 0 ? "rotated" : "bytes"].refuse("left out: depth.bits is not 16");
+}
+
+void read_disparity(const Node& node, Scene& scene) {
+    StoredDepth& stored = scene.stored;
+    for (const char* settled : {"near", "far", "near_is", "code_max"})
+        if (node.has(settled)) node[settled].refuse("left out: disparities in the frames settle it");
+    stored.baseline = node["baseline"].number();
+    if (node.has("scale")) stored.scale = node["scale"].number();
+    if (node.has("offset")) stored.offset = node["offset"].number();
+    if (!(stored.baseline > 0)) node["baseline"].refuse("greater than 0");
+    if (stored.scale == 0) node["scale"].refuse("other than 0");
+    // Until then: planes that are in order.
+    scene.depth.near = scene.camera.fx * stored.baseline / 65536;
+    scene.depth.far = scene.camera.fx * stored.baseline;
+}
+
 void read_depth(const Node& node, Scene& scene) {
     DepthCoding& depth = scene.depth;
     node.allow_only({"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is",
-                     "least_sum", "invalid"});
-    depth.kind = node["coding"].one_of(coding_names);
+                     "least_sum", "invalid", "baseline", "offset", "bytes", "rotated"});
+    const Coding coding = node["coding"].one_of(coding_names);
+    depth.kind = coding.kind;
+    scene.stored.kind = coding.stored;
     const bool metric = depth.kind == DepthCodingKind::metric, hue = depth.kind == DepthCodingKind::hue;
+    const bool disparity = coding.stored == StoredDepth::Kind::disparity;
     depth.semantics = depth.kind == DepthCodingKind::linear ? DepthSemantics::range : DepthSemantics::planar;
     if (node.has("semantics")) depth.semantics = node["semantics"].one_of(semantics_names);
     if (metric && node.has("near_is")) node["near_is"].refuse("left out: a metric depth grows with its code");
-    if (!metric && node.has("scale")) node["scale"].refuse("left out: only a metric coding has a scale");
+    if (!metric && !disparity && node.has("scale"))
+        node["scale"].refuse("left out: only metric depth and disparity have a scale");
     if (!hue && node.has("least_sum")) node["least_sum"].refuse("left out: only a hue has a least sum");
     depth.near_is_high = !hue;
     if (node.has("near_is")) depth.near_is_high = node["near_is"].one_of(near_is_high_names);
 
-    scene.depth_bits = node.has("bits") ? static_cast<int>(node["bits"].integer(8, 16)) : metric ? 16 : 8;
+    const bool usually_16 = metric || coding.stored != StoredDepth::Kind::codes;
+    scene.depth_bits = node.has("bits") ? static_cast<int>(node["bits"].integer(8, 16)) : usually_16 ? 16 : 8;
     const int largest = hue ? DepthCoding::hue_circle : (1 << scene.depth_bits) - 1;
     depth.code_max =
         static_cast<std::uint16_t>(node.has("code_max") ? node["code_max"].integer(1, largest) : largest);
     if (node.has("invalid")) read_invalid_codes(node["invalid"], largest, depth);
 
     if (node.has("least_sum")) depth.least_sum = static_cast<int>(node["least_sum"].integer(0, 3 * 255));
+    read_order(node, scene);
+    if (disparity) return read_disparity(node, scene);
     if (metric) depth.scale = node["scale"].number();
     if (!metric || node.has("near")) depth.near = node["near"].number();
     scene.far_from_frames = metric && !node.has("far");
@@ -157,8 +198,10 @@ Scene read_scene(const Node& node) {
     check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
                      "depth", "height_map", "haptic", "default_properties", "hole_stiffness", "filter",
-                     "interpolation", "device_metres_per_unit", "folder"});
+                     "interpolation", "device_metres_per_unit", "folder", "remarks"});
     Scene scene;
+    if (node.has("remarks"))
+        for (const Node& remark : node["remarks"].elements(0, 1000, "an array of texts")) remark.text();
     if (node.has("name")) scene.name = node["name"].text();
     scene.width = node["width"].whole();
     scene.height = node["height"].whole();
@@ -194,15 +237,21 @@ const char* name_of(const std::pair<const char*, Choice> (&choices)[n], Choice s
 
 OrderedJson write_depth(const Scene& scene) {
     const DepthCoding& depth = scene.depth;
+    const StoredDepth& stored = scene.stored;
     const bool metric = depth.kind == DepthCodingKind::metric;
-    OrderedJson json = {{"coding", name_of(coding_names, depth.kind)},
+    const bool disparity = stored.kind == StoredDepth::Kind::disparity;
+    OrderedJson json = {{"coding", name_of(coding_names, Coding{depth.kind, stored.kind})},
                         {"semantics", name_of(semantics_names, depth.semantics)}};
     if (metric) json["scale"] = depth.scale;
-    json["near"] = depth.near;
-    if (!scene.far_from_frames) json["far"] = depth.far;
+    if (disparity)
+        json.update({{"baseline", stored.baseline}, {"scale", stored.scale}, {"offset", stored.offset}});
+    if (!disparity) json["near"] = depth.near;
+    if (!scene.far_from_frames && !disparity) json["far"] = depth.far;
     json["bits"] = scene.depth_bits;
-    json["code_max"] = depth.code_max;
-    if (!metric) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
+    if (stored.bytes_swapped) json["bytes"] = "swapped";
+    if (stored.rotated > 0) json["rotated"] = stored.rotated;
+    if (!disparity) json["code_max"] = depth.code_max;
+    if (!metric && !disparity) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
     if (depth.kind == DepthCodingKind::hue) json["least_sum"] = depth.least_sum;
     json["invalid"] =
         std::vector<int>(depth.invalid_codes.begin(), depth.invalid_codes.begin() + depth.invalid_code_count);
@@ -297,27 +346,28 @@ Result<Scene> read_scene_file(const std::filesystem::path& file) {
     return parse_scene(text, file.string());
 }
 
-std::string scene_to_json(const Scene& scene) {
-    OrderedJson json = {{"touchable_scene", scene_format_version},
-                        {"name", scene.name},
-                        {"width", scene.width},
-                        {"height", scene.height},
-                        {"rate", {scene.rate.num, scene.rate.den}},
-                        {"metres_per_unit", scene.metres_per_unit},
-                        {"camera",
-                         {{"fx", scene.camera.fx},
-                          {"fy", scene.camera.fy},
-                          {"cx", scene.camera.cx},
-                          {"cy", scene.camera.cy}}},
-                        {"depth", write_depth(scene)},
-                        {"height_map", write_height_map(scene.height_coding)},
-                        {"haptic",
-                         {{"stiffness", write_range(scene.haptic.stiffness)},
-                          {"static_friction", write_range(scene.haptic.static_friction)},
-                          {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
-                        {"default_properties", write_default_properties(scene.default_properties)},
-                        {"filter", write_filter(scene)},
-                        {"interpolation", name_of(interpolation_names, scene.interpolation)}};
+std::string scene_to_json(const Scene& scene, const std::vector<std::string>& remarks) {
+    OrderedJson json = {{"touchable_scene", scene_format_version}};
+    if (!remarks.empty()) json["remarks"] = remarks;
+    json.update({{"name", scene.name},
+                 {"width", scene.width},
+                 {"height", scene.height},
+                 {"rate", {scene.rate.num, scene.rate.den}},
+                 {"metres_per_unit", scene.metres_per_unit},
+                 {"camera",
+                  {{"fx", scene.camera.fx},
+                   {"fy", scene.camera.fy},
+                   {"cx", scene.camera.cx},
+                   {"cy", scene.camera.cy}}},
+                 {"depth", write_depth(scene)},
+                 {"height_map", write_height_map(scene.height_coding)},
+                 {"haptic",
+                  {{"stiffness", write_range(scene.haptic.stiffness)},
+                   {"static_friction", write_range(scene.haptic.static_friction)},
+                   {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
+                 {"default_properties", write_default_properties(scene.default_properties)},
+                 {"filter", write_filter(scene)},
+                 {"interpolation", name_of(interpolation_names, scene.interpolation)}});
     if (scene.hole_stiffness) json["hole_stiffness"] = *scene.hole_stiffness;
     if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;
     if (scene.folder) json["folder"] = write_folder(*scene.folder);

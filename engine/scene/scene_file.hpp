@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
@@ -17,6 +18,7 @@ Result<Scene> parse_scene(std::string_view json, std::string_view where);
 Result<Scene> read_scene_file(const std::filesystem::path& file);
 
 /// The same description as text; parse_scene gives back the same scene, every double to its last bit.
-std::string scene_to_json(const Scene& scene);
+/// `remarks` are for people, and parse_scene passes them over.
+std::string scene_to_json(const Scene& scene, const std::vector<std::string>& remarks = {});
 
 }  // namespace touchable

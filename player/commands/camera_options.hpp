@@ -5,21 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "engine/import/open_clip.hpp"
+#include "engine/import/source_description.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
 
-/// What stands in for the scene file of a single depth picture, as typed.
+/// What stands in for the scene file of pictures, as typed.
 struct CameraTyped {
-    std::optional<std::string> intrinsics;
-    std::optional<double> depth_unit;
+    std::optional<std::string> intrinsics, preset;
+    std::optional<double> fov, depth_unit;
 };
 
-/// --intrinsics and --depth-unit, which exclude --scene, an option of `sub` already.
+/// --intrinsics, --fov, --depth-unit and --preset, which exclude --scene where `sub` has that already.
 std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed);
 
-/// Nothing where neither was typed. Refused (ErrorKind::usage) where the numbers are none.
-Result<std::optional<PictureCamera>> read_camera(const CameraTyped& typed);
+/// Nothing where none was typed. Refused (ErrorKind::usage) where numbers are none; a camera's file is read.
+Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed);
 
 }  // namespace touchable

@@ -229,7 +229,7 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {{"The clip", {"--scene", "--intrinsics", "--depth-unit", "--start", "--rate", "--loop"}},
+    } groups[] = {{"The clip", {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--start", "--rate", "--loop"}},
                   {"The window",
                    {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
                     "--record", "--sound", "--video", "--settings", "--overwrite"}},

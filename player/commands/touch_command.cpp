@@ -190,7 +190,7 @@ void group_options(CLI::App& sub) {
         std::vector<const char*> options;
     } groups[] = {
         {"The clip",
-         {"--scene", "--intrinsics", "--depth-unit", "--camera", "--start", "--rate", "--loop", "--play"}},
+         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--camera", "--start", "--rate", "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},

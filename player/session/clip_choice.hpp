@@ -31,8 +31,8 @@ struct FiltersChoice {
 struct ClipChoice {
     std::filesystem::path file;
     std::optional<std::filesystem::path> scene_file;
-    std::optional<PictureCamera> camera;   ///< of a single depth picture
-    std::optional<FiltersChoice> filters;  ///< before what follows, one by one
+    std::optional<SourceDescription> camera;  ///< of pictures without a scene file
+    std::optional<FiltersChoice> filters;     ///< before what follows, one by one
     std::optional<int> median, fill_holes;
     std::optional<TerraceRemoval> terraces;
     std::optional<TemporalChoice> temporal;

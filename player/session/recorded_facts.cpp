@@ -41,10 +41,15 @@ Json recorded_facts(const TouchSetup& setup) {
     if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
     if (clip.scene_file) facts["scene_file"] = clip.scene_file->string();
     if (const auto& camera = clip.camera) {
-        facts["intrinsics"] = {camera->fx, camera->fy};
-        if (camera->cx && camera->cy)
-            facts["intrinsics"].insert(facts["intrinsics"].end(), {*camera->cx, *camera->cy});
-        facts["depth_unit"] = camera->metres_per_code;
+        if (const auto& lens = camera->intrinsics) {
+            facts["intrinsics"] = {lens->fx, lens->fy};
+            if (lens->cx && lens->cy)
+                facts["intrinsics"].insert(facts["intrinsics"].end(), {*lens->cx, *lens->cy});
+            if (lens->width > 0) facts["intrinsics_size"] = {lens->width, lens->height};
+        }
+        if (camera->fov) facts["fov"] = *camera->fov;
+        if (camera->metres_per_code) facts["depth_unit"] = *camera->metres_per_code;
+        if (!camera->preset.empty()) facts["preset"] = camera->preset;
     }
     if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) facts["device"] = setup.device_words;
@@ -109,16 +114,30 @@ TouchMetric metric_named(const std::string& name) {
 }
 
 /// Of a single depth picture, what stood in for its scene file.
-std::optional<PictureCamera> camera_of(const Json& facts) {
-    if (!facts.contains("intrinsics")) return std::nullopt;
+Intrinsics intrinsics_of(const Json& facts) {
     const auto numbers = member<std::vector<double>>(facts, "intrinsics", "numbers");
     if (numbers.size() != 2 && numbers.size() != 4)
         throw std::out_of_range("intrinsics must be two numbers, or four");
-    PictureCamera camera{.fx = numbers[0], .fy = numbers[1]};
-    if (numbers.size() == 4) camera.cx = numbers[2];
-    if (numbers.size() == 4) camera.cy = numbers[3];
-    camera.metres_per_code = number(facts, "depth_unit");
-    return camera;
+    Intrinsics lens{.fx = numbers[0], .fy = numbers[1]};
+    if (numbers.size() == 4) lens.cx = numbers[2];
+    if (numbers.size() == 4) lens.cy = numbers[3];
+    if (!facts.contains("intrinsics_size")) return lens;
+    const auto size = member<std::vector<int>>(facts, "intrinsics_size", "numbers");
+    if (size.size() != 2) throw std::out_of_range("intrinsics_size must be two numbers");
+    lens.width = size[0];
+    lens.height = size[1];
+    return lens;
+}
+
+/// What was said of pictures without a scene file.
+std::optional<SourceDescription> camera_of(const Json& facts) {
+    SourceDescription known;
+    if (facts.contains("intrinsics")) known.intrinsics = intrinsics_of(facts);
+    if (facts.contains("fov")) known.fov = number(facts, "fov");
+    if (facts.contains("depth_unit")) known.metres_per_code = number(facts, "depth_unit");
+    if (facts.contains("preset")) known.preset = text(facts, "preset");
+    if (known == SourceDescription()) return std::nullopt;
+    return known;
 }
 
 std::vector<DroppedFrames> dropped_frames(const Json& facts) {

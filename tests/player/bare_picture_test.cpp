@@ -48,20 +48,36 @@ TEST_F(BarePicture, IsTouchedReplayedExportedAndDescribedByItsCamera) {
     EXPECT_EQ(exported.code, 0) << exported.err;
 }
 
-TEST_F(BarePicture, WithoutACameraATemplateOfASceneFileIsPrinted) {
-    for (const char* command : {"touch", "info"}) {
-        const Outcome refused = run_touchable({command, picture()});
-        EXPECT_EQ(refused.code, 3);
-        EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
-        EXPECT_NE(refused.err.find("{\"touchable_scene\": 1, \"width\": 60"), std::string::npos)
-            << refused.err;
-    }
+TEST_F(BarePicture, WithoutACameraIsTouchedByWhatIsGuessedAndSaid) {
+    const std::string recording = folder / "run.rec";
+    const Outcome touched = run_touchable({"touch", picture(), "--seconds", "0.1", "--record", recording});
+    ASSERT_EQ(touched.code, 0) << touched.err;
+    EXPECT_NE(touched.out.find("guessed: the camera sees 60 degrees"), std::string::npos) << touched.out;
+    EXPECT_EQ(run_touchable({"touch", "--replay", recording}).code, 0);
+    const Outcome wide = run_touchable({"touch", picture(), "--seconds", "0.1", "--fov", "90", "--preset",
+                                        "realsense", "--record", recording, "--overwrite"});
+    ASSERT_EQ(wide.code, 0) << wide.err;
+    EXPECT_EQ(run_touchable({"touch", "--replay", recording}).code, 0);
+    EXPECT_EQ(run_touchable({"info", picture(), "--preset", "none"}).code, 2);
+}
+
+TEST_F(BarePicture, ASceneFileToBeginWithIsWritten) {
+    const Outcome written = run_touchable({"init-scene", picture(), "--fov", "70"});
+    ASSERT_EQ(written.code, 0) << written.err;
+    EXPECT_NE(written.out.find("my.json"), std::string::npos);
+    EXPECT_NE(file_contents(folder / "my.json").find("guessed: a code is 1 mm"), std::string::npos);
+    EXPECT_EQ(run_touchable({"info", folder / "my.json"}).code, 0);
+    EXPECT_EQ(run_touchable({"init-scene", picture()}).code, 2) << "it is there already";
+    EXPECT_EQ(run_touchable({"init-scene", picture(), "--overwrite"}).code, 0);
+    EXPECT_EQ(run_touchable({"init-scene", picture(), "--out", picture(), "--overwrite"}).code, 2);
+    EXPECT_EQ(run_touchable({"init-scene", folder / "nothing"}).code, 3);
+    EXPECT_NE(run_touchable({"formats"}).out.find("--preset NAME"), std::string::npos);
 }
 
 TEST_F(BarePicture, ACameraThatIsNoneIsCode2) {
     for (const char* text : {"", "50", "50,50,3", "50,fifty", "50,50,1,2,3", "50,nan", "0,50", "50,50,"})
         EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", text}).code, 2) << text;
-    EXPECT_EQ(run_touchable({"info", picture(), "--depth-unit", "0.001"}).code, 2);
+    EXPECT_EQ(run_touchable({"info", picture(), "--fov", "180"}).code, 2);
     EXPECT_EQ(run({"info", picture(), "--scene", picture()}, camera).code, 2);
     EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", "50,50", "--depth-unit", "0"}).code, 2);
 }

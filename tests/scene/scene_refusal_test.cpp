@@ -196,7 +196,7 @@ TEST(SceneRefusal, WrongTypesAndValuesAreNamedByTheirPath) {
          "\"interpolation\": \"cubic\"",
          {"interpolation is \"cubic\"", "\"hold\""}},
         {"0.0005", "0", {"device_metres_per_unit is 0", "greater than 0"}},
-        {"d_%04d.png", "depth.png", {"folder.colour", "c%d.png", "depth.png", "field of digits"}},
+        {"d_%04d.png", "depth.png", {"folder.colour", "c%d.png", "depth.png", "a single picture"}},
         {"c%d.png", "%s%n", {"folder.colour", "%s%n"}},
         {"t%d.png", "\\u0000%d", {"folder.haptic", "control"}},
         {"\"first\": 0", "\"first\": -1", {"folder.first is -1"}},

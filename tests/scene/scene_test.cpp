@@ -236,10 +236,10 @@ TEST(Validate, NamesTheMemberAndTheNumber) {
          {"folder.count is -2"}},
         {"colour",
          [](Scene& s) {
-             s.folder = folder_of("%d");
-             s.folder->colour = "c.png";
+             s.folder = folder_of("d.png");
+             s.folder->colour = "c%d.png";
          },
-         {"folder.colour", "c.png"}},
+         {"folder.colour", "c%d.png", "d.png"}},
         {"haptic",
          [](Scene& s) {
              s.folder = folder_of("%d");

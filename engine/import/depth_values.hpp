@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/media/stored_image.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// Makes codes of what depth pictures hold, where those are not codes already: floats, disparities, depth
+/// without a scale, words in another order of bits. All frames are looked at first; then the scene's coding
+/// is settled by what they hold, and codes are made.
+///
+/// Integers keep every value: disparities and depth without a scale become evenly spaced codes of 1 / depth,
+/// or of depth. Floats become 65535 codes, evenly in depth or in 1 / depth, whichever is finer at the median.
+class DepthValues {
+public:
+    /// `scene` is as somebody wrote it, and stays until `settle`.
+    explicit DepthValues(const Scene& scene) : stored_(scene.stored), coding_(scene.depth) {}
+
+    /// Whether pictures like this one have to be looked at, all of them, before codes are made.
+    bool needs_all(const StoredImage& first) const {
+        return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes;
+    }
+    /// One more.
+    void look(const StoredImage& picture);
+    /// Settles `scene`'s coding; says what a code stands for now. An error where no value was valid.
+    Result<std::string> settle(Scene& scene);
+    /// As the settled scene has them; grey of 16 bits, or as it is.
+    Image codes(StoredImage picture) const;
+
+private:
+    bool is_valid(double value) const;
+    double ordered(std::uint16_t word) const;
+    template <class Work>
+    void for_each(const StoredImage& picture, Work&& work) const;
+    Result<std::string> settle_lengths(Scene& scene);
+    Result<std::string> settle_line(Scene& scene, double far, double near, bool near_is_high);
+
+    StoredDepth stored_;
+    DepthCoding coding_;  // as it was written
+    bool is_float_ = false;
+    double least_ = 0, most_ = -1;  // valid values
+    std::vector<float> sample_;     // of them, for their median
+    std::int64_t pixels_ = 0;
+
+    // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
+    bool is_settled_ = false, of_reciprocal_ = false;
+    double first_ = 0, per_value_ = 1;
+    std::uint16_t code_max_ = 65534;  // larger ones are not valid
+};
+
+}  // namespace touchable

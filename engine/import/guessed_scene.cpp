@@ -1,0 +1,354 @@
+#include "engine/import/guessed_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "engine/import/camera_file.hpp"
+#include "engine/import/number_words.hpp"
+#include "engine/import/picture_files.hpp"
+#include "engine/import/picture_groups.hpp"
+#include "engine/import/presets.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
+constexpr double soft_holes = 0.1;
+constexpr double usual_fov = 60;                         // degrees
+constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
+
+/// What the values of a picture tell of their unit.
+struct Values {
+    bool is_float = false, any = false;
+    int bits = 16;
+    double least = 0, median = 0, most = 0;  // without 0, and the largest of 16 bits
+    double upper = 0, lower = 0;             // means of the upper and the lower third
+};
+
+Values values_of(const StoredImage& picture) {
+    Values values;
+    values.is_float = !picture.values.empty();
+    values.bits = values.is_float ? 32 : 8 * picture.image.bytes_per_sample;
+    const auto width = static_cast<std::size_t>(picture.image.width);
+    const std::size_t pixels = width * static_cast<std::size_t>(picture.image.height);
+    std::vector<double> all;
+    double sums[2] = {0, 0};
+    std::size_t counts[2] = {0, 0};
+    for (std::size_t k = 0; k < pixels; ++k) {
+        double value = 0;
+        if (values.is_float) {
+            value = picture.values[k];
+        } else if (picture.image.bytes_per_sample == 2) {
+            std::uint16_t word = 0;
+            std::memcpy(&word, picture.image.samples.data() + 2 * k, 2);
+            value = word == 65535 ? 0 : word;
+        } else {
+            value = picture.image.samples[k];
+        }
+        if (!std::isfinite(value) || value == 0) continue;
+        all.push_back(value);
+        const std::size_t third = 3 * k / pixels;
+        if (third == 1) continue;
+        sums[third / 2] += value;
+        ++counts[third / 2];
+    }
+    if (all.empty()) return values;
+    values.any = true;
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::nth_element(all.begin(), middle, all.end());
+    values.median = *middle;
+    const auto [least, most] = std::minmax_element(all.begin(), all.end());
+    values.least = *least;
+    values.most = *most;
+    if (counts[0] > 0) values.upper = sums[0] / static_cast<double>(counts[0]);
+    if (counts[1] > 0) values.lower = sums[1] / static_cast<double>(counts[1]);
+    return values;
+}
+
+class Guess {
+public:
+    Guess(const SourceDescription& known, const Preset* preset) : known_(known), preset_(preset) {}
+
+    Result<void> describe(const fs::path& folder, const StoredImage& depth);
+    GuessedScene made() { return {std::move(scene_), std::move(guesses_)}; }
+    Scene& scene() { return scene_; }
+    void say(std::string guess) { guesses_.push_back("guessed: " + std::move(guess)); }
+
+private:
+    Result<void> find_camera(const fs::path& folder);
+    void take(const Intrinsics& intrinsics, const std::string& whose);
+    void take_fov(double degrees);
+    Result<void> find_unit(const Values& values);
+    void set_metric(double metres_per_code);
+    void set_relative(bool near_is_high, bool is_inverse);
+
+    const SourceDescription& known_;
+    const Preset* preset_;
+    Scene scene_;
+    std::vector<std::string> guesses_;
+    CameraFile file_;
+};
+
+/// Of pictures of another size, those of a camera with the same view.
+void Guess::take(const Intrinsics& intrinsics, const std::string& whose) {
+    double x = 1, y = 1;
+    if (intrinsics.width > 0 && intrinsics.height > 0 &&
+        (intrinsics.width != scene_.width || intrinsics.height != scene_.height)) {
+        x = static_cast<double>(scene_.width) / intrinsics.width;
+        y = static_cast<double>(scene_.height) / intrinsics.height;
+        say(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
+            " pixels and is scaled to these pictures (--intrinsics FX,FY,CX,CY says otherwise)");
+    }
+    const auto centre = [](double at, double scale) { return (at + 0.5) * scale - 0.5; };
+    scene_.camera = {intrinsics.fx * x, intrinsics.fy * y,
+                     intrinsics.cx ? centre(*intrinsics.cx, x) : 0.5 * (scene_.width - 1),
+                     intrinsics.cy ? centre(*intrinsics.cy, y) : 0.5 * (scene_.height - 1)};
+}
+
+void Guess::take_fov(double degrees) {
+    const double f = 0.5 * scene_.width / std::tan(degrees * 3.14159265358979323846 / 360);
+    scene_.camera = {f, f, 0.5 * (scene_.width - 1), 0.5 * (scene_.height - 1)};
+}
+
+Result<void> Guess::find_camera(const fs::path& folder) {
+    auto beside = camera_file_in(folder);
+    if (!beside) beside = camera_file_in(folder.parent_path().empty() ? ".." : folder.parent_path());
+    if (beside)
+        if (const auto read = read_camera_file(*beside); read.ok()) file_ = *read;
+    if (known_.intrinsics) {
+        take(*known_.intrinsics, "--intrinsics");
+    } else if (known_.fov) {
+        take_fov(*known_.fov);
+    } else if (beside) {
+        take(file_.intrinsics, beside->filename().string());
+        say("the camera is that of " + beside->string() + " (--intrinsics says otherwise)");
+    } else if (preset_ && preset_->intrinsics.fx > 0) {
+        take(preset_->intrinsics, "the camera of --preset " + std::string(preset_->name));
+    } else {
+        const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
+        take_fov(fov);
+        say("the camera sees " + short_number(fov) +
+            " degrees from left to right (--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise)");
+    }
+    return {};
+}
+
+void Guess::set_metric(double metres_per_code) {
+    DepthCoding& depth = scene_.depth;
+    depth.kind = DepthCodingKind::metric;
+    depth.scale = metres_per_code;
+    depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
+    depth.far = depth.scale * depth.code_max;
+    scene_.far_from_frames = true;
+}
+
+void Guess::set_relative(bool near_is_high, bool is_inverse) {
+    DepthCoding& depth = scene_.depth;
+    scene_.stored.kind = StoredDepth::Kind::relative;
+    depth.kind = is_inverse ? DepthCodingKind::inverse : DepthCodingKind::linear;
+    depth.near_is_high = near_is_high;
+    depth.near = assumed_near;
+    depth.far = assumed_far;
+    depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
+    say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
+        " m and its farthest for " + short_number(assumed_far) + " m, " + (near_is_high ? "large" : "small") +
+        " values near (a scene file says otherwise, touchable init-scene writes one to begin with; "
+        "--depth-unit "
+        "where values are lengths)");
+}
+
+/// By the size of what is there.
+Result<void> Guess::find_unit(const Values& values) {
+    if (!values.any) return input_error("has no depth: all values are 0, or none is finite");
+    if (known_.metres_per_code) {
+        set_metric(*known_.metres_per_code);
+        return {};
+    }
+    if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
+        scene_.stored = preset_->stored;
+        if (scene_.stored.baseline == 0) {
+            if (file_.baseline == 0)
+                return input_error("--preset " + std::string(preset_->name) +
+                                   " needs the calib.txt of the pictures beside them");
+            scene_.stored.baseline = file_.baseline;
+            scene_.stored.offset = file_.offset;
+        } else if (preset_->intrinsics.fx > 0) {  // baseline x fx is what is known
+            scene_.stored.baseline *= preset_->intrinsics.fx / scene_.camera.fx;
+        }
+        scene_.depth.kind = DepthCodingKind::inverse;
+        scene_.depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
+        scene_.depth.near = scene_.camera.fx * scene_.stored.baseline / 65536;
+        scene_.depth.far = scene_.camera.fx * scene_.stored.baseline;
+        return {};
+    }
+    if (preset_ && preset_->stored.kind == StoredDepth::Kind::relative) {
+        set_relative(true, true);
+        return {};
+    }
+    if (preset_ && preset_->metres_per_code > 0) {
+        scene_.stored = preset_->stored;
+        set_metric(preset_->metres_per_code);
+        return {};
+    }
+    const char* const otherwise = " (--depth-unit METRES says otherwise)";
+    if (values.is_float && values.least < 0) {
+        set_relative(true, true);
+    } else if (values.is_float) {
+        const bool metres = values.median < 30;
+        set_metric(metres ? 1 : 0.001);
+        say(std::string("values are ") + (metres ? "metres" : "millimetres") + ", as their median is " +
+            short_number(values.median) + otherwise);
+    } else if (values.bits == 8) {
+        const bool near_is_high = values.lower >= values.upper;
+        set_relative(near_is_high, true);
+    } else {
+        const bool fine = values.median > 12000, coarse = values.median < 100;
+        const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
+        set_metric(unit);
+        say("a code is " + short_number(1000 * unit) + " mm, as their median is " +
+            short_number(values.median) + otherwise);
+    }
+    return {};
+}
+
+Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth) {
+    scene_.width = depth.image.width;
+    scene_.height = depth.image.height;
+    scene_.metres_per_unit = 1;
+    scene_.depth_bits = depth.values.empty() && depth.image.bytes_per_sample == 1 ? 8 : 16;
+    scene_.depth.semantics = DepthSemantics::planar;
+    scene_.depth.near_is_high = true;
+    scene_.unstated = all_unstated;
+    scene_.hole_stiffness = soft_holes;
+    if (auto found = find_camera(folder); !found) return found;
+    if (auto found = find_unit(values_of(depth)); !found) return found;
+    DepthCoding& coding = scene_.depth;
+    coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] = 0;
+    const int other = preset_ && preset_->invalid > 0 ? preset_->invalid
+                      : scene_.depth_bits == 16 && depth.values.empty() && !preset_ && !known_.metres_per_code
+                          ? 65535
+                          : 0;
+    if (other > 0 && other <= coding.code_max)
+        coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
+            static_cast<std::uint16_t>(other);
+    if (!preset_ && !known_.metres_per_code) say(other > 0 ? "0 and 65535 are no depth" : "0 is no depth");
+    derive_valid_range(coding);
+    if (auto valid = validate(scene_); !valid)
+        return usage_error("--intrinsics, --fov, --depth-unit, --preset: " + valid.error().message);
+    return {};
+}
+
+Result<const Preset*> known_preset(const SourceDescription& known) {
+    if (known.preset.empty()) return static_cast<const Preset*>(nullptr);
+    if (const Preset* preset = preset_named(known.preset)) return preset;
+    std::string names;
+    for (const Preset& each : all_presets()) names += (names.empty() ? "" : ", ") + std::string(each.name);
+    return usage_error("--preset " + known.preset + " is not known: must be one of " + names);
+}
+
+/// Grey, which colour that is grey everywhere is as well.
+Result<StoredImage> read_depth(const fs::path& file) {
+    auto stored = read_stored_image(file);
+    if (stored && stored->values.empty() && stored->image.channels != 1)
+        return input_error(file.string() +
+                           ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
+    return stored;
+}
+
+/// How well a group goes as depth: 0 not at all.
+int depth_mark(const PictureGroup& group) {
+    if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height"})) return 0;
+    const auto first = read_stored_image(group.first);
+    if (!first) return 0;
+    const bool is_grey = !first->values.empty() || first->image.channels == 1;
+    if (!is_grey) return 0;
+    const bool is_deep = !first->values.empty() || first->image.bytes_per_sample == 2;
+    return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
+}
+
+bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth) {
+    if (group.pattern == depth.pattern ||
+        has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp"}))
+        return false;
+    const auto first = read_stored_image(group.first);
+    if (!first || !first->values.empty() || first->image.bytes_per_sample != 1) return false;
+    return first->image.channels == 3 ||
+           has_word(group.pattern, {"rgb", "color", "colour", "image", "grey", "gray"});
+}
+
+std::string found_there(const std::vector<PictureGroup>& groups) {
+    std::string words;
+    for (std::size_t n = 0; n < std::min<std::size_t>(groups.size(), 4); ++n)
+        words += (n == 0 ? "" : ", ") + std::to_string(groups[n].count) + " x " + groups[n].pattern;
+    return words.empty() ? "no pictures" : words + (groups.size() > 4 ? ", ..." : "");
+}
+
+}  // namespace
+
+Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
+    const auto preset = known_preset(known);
+    if (!preset) return preset.error();
+    const std::vector<PictureGroup> groups = picture_groups(folder);
+    const PictureGroup* depth = nullptr;
+    int best = 0;
+    for (const PictureGroup& group : groups)
+        if (const int mark = depth_mark(group); mark > best) {
+            best = mark;
+            depth = &group;
+        }
+    if (depth == nullptr)
+        return input_error(folder.string() + ": no pictures of depth were found (there are " +
+                           found_there(groups) + "): describe them with --scene FILE (docs/scene_file.md)");
+    const PictureGroup* colour = nullptr;
+    for (const PictureGroup& group : groups)
+        if (colour == nullptr && goes_as_colour(group, *depth) && (group.count == 1) == (depth->count == 1))
+            colour = &group;
+    const auto stored = read_depth(depth->first);
+    if (!stored) return stored.error();
+    Guess guess(known, *preset);
+    if (auto described = guess.describe(folder, *stored); !described)
+        return Error{described.error().kind, folder.string() + ": " + described.error().message};
+    Scene& scene = guess.scene();
+    scene.name = fs::weakly_canonical(folder).filename().string();
+    scene.folder.emplace();
+    scene.folder->depth = depth->pattern;
+    if (colour != nullptr) scene.folder->colour = colour->pattern;
+    for (const PictureGroup& group : groups)
+        if (has_word(group.pattern, {"haptic"}) && scene.folder->haptic.empty())
+            scene.folder->haptic = group.pattern;
+    guess.say("depth is " + depth->pattern +
+              (colour != nullptr ? ", colour is " + colour->pattern : ", there is no colour"));
+    if (depth->count > 1) {
+        const auto files = depth_files(folder, *scene.folder);
+        if (!files) return files.error();
+        const auto rate = rate_of(*files);
+        if (rate) scene.rate = *rate;
+        guess.say(short_number(static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den)) +
+                  " frames a second" + (rate ? ", by their times" : ""));
+    }
+    return guess.made();
+}
+
+Result<GuessedScene> guess_picture(const fs::path& file, const SourceDescription& known) {
+    const auto preset = known_preset(known);
+    if (!preset) return preset.error();
+    const std::string name = file.filename().string();
+    if (!is_still(name))
+        return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
+    const auto stored = read_depth(file);
+    if (!stored) return stored.error();
+    Guess guess(known, *preset);
+    if (auto described = guess.describe(file.parent_path(), *stored); !described)
+        return Error{described.error().kind, file.string() + ": " + described.error().message};
+    guess.scene().name = file.stem().string();
+    guess.scene().folder.emplace();
+    guess.scene().folder->depth = name;
+    return guess.made();
+}
+
+}  // namespace touchable

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/import/source_description.hpp"
+#include "engine/media/stored_image.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// A scene for pictures that have no scene file: what is said and known of them, and guesses for the rest.
+struct GuessedScene {
+    Scene scene;
+    std::vector<std::string> guesses;  ///< what was assumed, and how to say otherwise
+};
+
+/// Of a folder: which pictures are depth and which are colour, by their names, kinds and lists; then as for a
+/// picture. An error says what was found there.
+Result<GuessedScene> guess_folder(const std::filesystem::path& folder, const SourceDescription& known);
+
+/// Of a single picture of depth. Camera: as said, by preset, by a camera's file beside it, or 60 degrees
+/// wide. Unit: as said, by preset, or by the size of its values. `scene.folder` names it.
+Result<GuessedScene> guess_picture(const std::filesystem::path& file, const SourceDescription& known);
+
+}  // namespace touchable

@@ -1,0 +1,310 @@
+#include "engine/import/picture_files.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "engine/printable.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_files = 10'000'000;
+
+/// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
+class Numbered {
+public:
+    explicit Numbered(const std::string& text) {
+        const auto percent = text.find('%'), end = text.find('d', percent);
+        before_ = text.substr(0, percent);
+        if (end > percent + 1) digits_ = static_cast<std::size_t>(text[percent + 2] - '0');
+        after_ = text.substr(end + 1);
+    }
+    fs::path file(const fs::path& folder, std::int64_t number) const {
+        std::string field = std::to_string(number);
+        if (field.size() < digits_) field.insert(0, digits_ - field.size(), '0');
+        return folder / (before_ + field + after_);
+    }
+    /// Numbers of the files that are there, from `first` on, in order.
+    std::vector<std::int64_t> numbers(const fs::path& folder, std::int64_t first) const {
+        std::vector<std::int64_t> found;
+        const std::string before = (folder / before_).filename().string();
+        std::error_code ignored;
+        for (const auto& entry : fs::directory_iterator((folder / before_).parent_path() / "", ignored)) {
+            const std::string name = entry.path().filename().string();
+            if (!name.starts_with(before) || name.size() <= before.size() + after_.size()) continue;
+            const char* digits = name.data() + before.size();
+            std::int64_t number = 0;
+            const auto [end, failure] =
+                std::from_chars(digits, name.data() + name.size() - after_.size(), number);
+            const bool named_so = failure == std::errc() && file(folder, number).filename() == name;
+            if (named_so && number >= first) found.push_back(number);
+        }
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+
+private:
+    std::string before_, after_;
+    std::size_t digits_ = 1;
+};
+
+bool is_numbered(const std::string& pattern) {
+    return pattern.find('%') != std::string::npos;
+}
+bool is_list(const std::string& pattern) {
+    return pattern.ends_with(".txt");
+}
+
+bool is_file(const fs::path& file) {
+    std::error_code ignored;
+    return fs::is_regular_file(file, ignored);
+}
+
+Error missing(const fs::path& file, PlaneRole role, std::size_t frame, const std::string& more) {
+    return input_error(file.string() + " (" + std::string(role_name(role)) + ", frame " +
+                       std::to_string(frame) + "): is missing" + more);
+}
+
+/// Where depth's picture of number `expected` is missing and later ones are there: which numbers are missing.
+std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected, bool is_first) {
+    const auto later = pattern.numbers(folder, expected);
+    if (later.empty()) return "";
+    if (is_first)
+        return "; the first that is there is number " + std::to_string(later.front()) + ": give folder.first";
+    std::string gaps;
+    for (const std::int64_t number : later) {
+        if (number > expected) gaps += (gaps.empty() ? "" : ", ") + std::to_string(expected);
+        if (number > expected + 1) gaps += " to " + std::to_string(number - 1);
+        expected = number + 1;
+    }
+    return ", though later ones exist up to number " + std::to_string(later.back()) +
+           "; missing numbers: " + printable(gaps, 120);
+}
+
+Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& source) {
+    const Numbered pattern(source.depth);
+    PictureFiles found;
+    for (std::int64_t number = source.first; source.count == 0 || number < source.first + source.count;
+         ++number) {
+        const fs::path file = pattern.file(folder, number);
+        if (is_file(file)) {
+            found.files.push_back(file);
+            continue;
+        }
+        const bool is_first = number == source.first;
+        if (is_first || source.count > 0)
+            return missing(file, PlaneRole::depth, found.count(),
+                           is_first && source.count == 0 ? beyond(folder, pattern, number, true) : "");
+        const std::string later = beyond(folder, pattern, number, false);
+        if (!later.empty())
+            found.remark = "ends after " + std::to_string(found.count()) +
+                           " frames: " + file.filename().string() + " is missing" + later;
+        break;
+    }
+    return found;
+}
+
+/// Runs of digits by the number they are, all else by its bytes.
+bool comes_before(const std::string& a, const std::string& b) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    std::size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (!is_digit(a[i]) || !is_digit(b[j])) {
+            if (a[i] != b[j]) return a[i] < b[j];
+            ++i, ++j;
+            continue;
+        }
+        while (i < a.size() && a[i] == '0') ++i;
+        while (j < b.size() && b[j] == '0') ++j;
+        std::size_t m = i, n = j;
+        while (m < a.size() && is_digit(a[m])) ++m;
+        while (n < b.size() && is_digit(b[n])) ++n;
+        if (m - i != n - j) return m - i < n - j;
+        if (const int order = a.compare(i, m - i, b, j, n - j)) return order < 0;
+        i = m, j = n;
+    }
+    return a.size() - i < b.size() - j;
+}
+
+std::optional<double> whole_number(std::string_view text) {
+    double number = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
+    return number;
+}
+
+Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pattern) {
+    const fs::path within = (folder / pattern).parent_path();
+    const std::string name = fs::path(pattern).filename().string();
+    const auto star = name.find('*');
+    if (star == std::string::npos)
+        return input_error((folder / pattern).string() + ": its star must be in the name of a file");
+    const std::string before = name.substr(0, star), after = name.substr(star + 1);
+    std::vector<std::pair<std::string, std::string>> names;  // what the star stands for, and the name
+    std::error_code failure;
+    for (const auto& entry : fs::directory_iterator(within, failure)) {
+        const std::string other = entry.path().filename().string();
+        if (other.size() < before.size() + after.size() || !other.starts_with(before) ||
+            !other.ends_with(after) || !is_file(entry.path()))
+            continue;
+        names.emplace_back(other.substr(before.size(), other.size() - before.size() - after.size()), other);
+        if (names.size() > most_files) return input_error(within.string() + ": has too many files");
+    }
+    if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
+    std::sort(names.begin(), names.end(),
+              [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
+    PictureFiles found;
+    for (const auto& [what, file] : names) {
+        found.files.push_back(within / file);
+        if (const auto key = whole_number(what)) found.keys.push_back(*key);
+    }
+    if (found.keys.size() != found.files.size() || !std::is_sorted(found.keys.begin(), found.keys.end()))
+        found.keys.clear();
+    return found;
+}
+
+/// Lines "time name", "name", or a remark after '#'; names from the list's own folder.
+Result<PictureFiles> listed_files(const fs::path& list) {
+    std::ifstream in(list);
+    if (!in) return input_error(list.string() + ": cannot be read");
+    PictureFiles found;
+    std::size_t number = 0;
+    for (std::string line; std::getline(in, line);) {
+        ++number;
+        if (line.size() > 4096)
+            return input_error(list.string() + ", line " + std::to_string(number) + ": is too long");
+        std::istringstream words(line.substr(0, line.find('#')));
+        std::string first, second;
+        if (!(words >> first)) continue;
+        const bool has_time = static_cast<bool>(words >> second);
+        const auto time = whole_number(first);
+        if (has_time && !time)
+            return input_error(list.string() + ", line " + std::to_string(number) +
+                               ": must be a time in seconds and a file's name");
+        found.files.push_back(list.parent_path() / (has_time ? second : first));
+        if (has_time) found.keys.push_back(*time);
+        if (!is_file(found.files.back()))
+            return input_error(list.string() + ", line " + std::to_string(number) + ": " +
+                               printable(found.files.back().string()) + " is missing");
+        if (found.count() > most_files) return input_error(list.string() + ": has too many lines");
+    }
+    if (found.files.empty()) return input_error(list.string() + ": names no picture");
+    if (found.keys.size() != found.files.size()) found.keys.clear();
+    if (!std::is_sorted(found.keys.begin(), found.keys.end()))
+        return input_error(list.string() + ": its times must not go backward");
+    return found;
+}
+
+/// The nearest of sorted keys.
+std::size_t nearest(const std::vector<double>& keys, double key) {
+    const auto after = std::lower_bound(keys.begin(), keys.end(), key);
+    if (after == keys.begin()) return 0;
+    if (after == keys.end()) return keys.size() - 1;
+    const auto n = static_cast<std::size_t>(after - keys.begin());
+    return keys[n] - key < key - keys[n - 1] ? n : n - 1;
+}
+
+}  // namespace
+
+const std::string& pattern_of(const FolderSource& source, PlaneRole role) {
+    switch (role) {
+        case PlaneRole::depth:
+            return source.depth;
+        case PlaneRole::colour:
+            return source.colour;
+        case PlaneRole::haptic:
+            return source.haptic;
+        case PlaneRole::height:
+            break;
+    }
+    return source.height;
+}
+
+Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
+    return is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
+}
+
+Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
+    if (is_numbered(source.depth)) return numbered_files(folder, source);
+    if (is_still(source.depth)) {
+        if (!is_file(folder / source.depth)) return missing(folder / source.depth, PlaneRole::depth, 0, "");
+        return PictureFiles{{folder / source.depth}, {}, {}};
+    }
+    auto found = found_files(folder, source.depth);
+    if (!found) return found;
+    const auto first = std::min<std::size_t>(static_cast<std::size_t>(source.first), found->count());
+    const auto keep = [&](auto& values) {
+        if (values.empty()) return;
+        values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
+        if (source.count > 0 && values.size() > static_cast<std::size_t>(source.count))
+            values.resize(static_cast<std::size_t>(source.count));
+    };
+    keep(found->files);
+    keep(found->keys);
+    if (found->files.empty())
+        return input_error((folder / source.depth).string() + ": has no picture from folder.first on");
+    return found;
+}
+
+Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const FolderSource& source,
+                                  const PictureFiles& depth) {
+    const std::string& pattern = pattern_of(source, role);
+    PictureFiles beside;
+    if (is_numbered(pattern)) {
+        const Numbered numbered(pattern);
+        for (std::size_t frame = 0; frame < depth.count(); ++frame) {
+            beside.files.push_back(numbered.file(folder, source.first + static_cast<std::int64_t>(frame)));
+            if (!is_file(beside.files.back())) return missing(beside.files.back(), role, frame, "");
+        }
+        return beside;
+    }
+    if (is_still(pattern)) {
+        if (!is_file(folder / pattern)) return missing(folder / pattern, role, 0, "");
+        beside.files.assign(depth.count(), folder / pattern);
+        return beside;
+    }
+    const auto found = found_files(folder, pattern);
+    if (!found) return found;
+    const bool by_key = !found->keys.empty() && !depth.keys.empty();
+    for (std::size_t frame = 0; frame < depth.count(); ++frame)
+        beside.files.push_back(found->files[by_key ? nearest(found->keys, depth.keys[frame])
+                                                   : std::min(frame, found->count() - 1)]);
+    if (!by_key && found->count() != depth.count())
+        beside.remark = std::string(role_name(role)) + " has " + std::to_string(found->count()) +
+                        " pictures for depth's " + std::to_string(depth.count()) +
+                        ": paired in their order, from the first on";
+    return beside;
+}
+
+std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
+    const std::vector<double>& keys = pictures.keys;
+    if (keys.size() < 3) return {};
+    std::vector<double> steps;
+    for (std::size_t n = 1; n < keys.size(); ++n) steps.push_back(keys[n] - keys[n - 1]);
+    std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
+                     steps.end());
+    double step = steps[steps.size() / 2];
+    // Stamps since 1970 tell their unit by their size; small whole numbers only count.
+    const double last = keys.back();
+    if (last > 1e17)
+        step *= 1e-9;
+    else if (last > 1e14)
+        step *= 1e-6;
+    else if (last > 1e11)
+        step *= 1e-3;
+    else if (std::all_of(keys.begin(), keys.end(), [](double key) { return key == std::floor(key); }))
+        return {};
+    if (!(step > 1e-3 && step < 100)) return {};
+    const double rate = 1 / step, whole = std::round(rate);
+    if (whole >= 1 && std::abs(rate - whole) < 0.015 * whole)
+        return FrameRate{static_cast<std::int64_t>(whole), 1};
+    return FrameRate{static_cast<std::int64_t>(std::round(1000 * rate)), 1000};
+}
+
+}  // namespace touchable

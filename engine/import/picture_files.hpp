@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/media/plane_role.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// The files of a plane, one a frame.
+struct PictureFiles {
+    std::vector<std::filesystem::path> files;
+    /// What orders them, if anything: numbers in their names, or the times of a list. As many as files.
+    std::vector<double> keys;
+    std::string remark;  ///< of a numbered pattern: that it ends before later numbers
+
+    std::size_t count() const { return files.size(); }
+};
+
+/// What the depth pattern of `source` stands for in `folder` (FolderSource). An error names what is missing.
+Result<PictureFiles> depth_files(const std::filesystem::path& folder, const FolderSource& source);
+
+/// A file of another plane for each of `depth`: that of the same number, that which is nearest by key where
+/// both have keys, otherwise that of the same place in its row; or the same still for all.
+Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole role,
+                                  const FolderSource& source, const PictureFiles& depth);
+
+const std::string& pattern_of(const FolderSource& source, PlaneRole role);
+
+/// The files of a star pattern or a list alone.
+Result<PictureFiles> found_files(const std::filesystem::path& folder, const std::string& pattern);
+
+/// The rate at which pictures with times as keys were taken, as whole frames and seconds; nothing where keys
+/// are no times, or too few.
+std::optional<FrameRate> rate_of(const PictureFiles& pictures);
+
+}  // namespace touchable

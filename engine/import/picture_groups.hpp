@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace touchable {
+
+/// Pictures of a folder whose names differ by a number alone.
+struct PictureGroup {
+    std::string pattern;  ///< from the folder, with a star for the number; or a list; or a single file's name
+    std::filesystem::path first;
+    std::size_t count = 0;
+};
+
+/// Of the folder itself and of those in it, largest first; lists of pictures (depth.txt, rgb.txt) before
+/// those that they name.
+std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
+
+/// Whether a name, in small letters, has one of these words.
+bool has_word(const std::string& name, std::initializer_list<const char*> words);
+
+}  // namespace touchable

@@ -1,0 +1,32 @@
+#include "player/commands/formats_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "engine/import/open_clip.hpp"
+#include "engine/import/presets.hpp"
+
+namespace touchable {
+namespace {
+
+Result<void> print_formats() {
+    std::cout << "What can be opened (docs/formats.md), and the command that opens it:\n";
+    for (const ClipFormat& format : clip_formats())
+        std::cout << "  " << format.what << "\n      " << format.command << '\n';
+    std::cout << "What is known of pictures by name (--preset NAME):\n";
+    for (const Preset& preset : all_presets())
+        std::cout << "  " << preset.name
+                  << std::string(18 - std::min<std::size_t>(17, std::string(preset.name).size()), ' ')
+                  << preset.what << '\n';
+    return {};
+}
+
+}  // namespace
+
+void add_formats_command(CLI::App& app, Command& command) {
+    app.add_subcommand("formats", "what can be opened, and how")->callback([&command] {
+        command = print_formats;
+    });
+}
+
+}  // namespace touchable

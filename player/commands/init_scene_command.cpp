@@ -1,0 +1,77 @@
+#include "player/commands/init_scene_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "engine/import/guessed_scene.hpp"
+#include "engine/new_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "player/commands/camera_options.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+
+namespace touchable {
+namespace {
+
+struct InitSceneOptions {
+    std::filesystem::path pictures;
+    std::optional<std::filesystem::path> out;
+    CameraTyped camera;
+    Existing existing = Existing::keep;
+};
+
+Result<void> write_text(const std::filesystem::path& target, const std::string& text, Existing existing) {
+    NewFile file(target, existing);
+    if (auto free = file.check(); !free.ok()) return free;
+    std::ofstream out(file.path(), std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) return input_error(target.string() + ": cannot be written");
+    return file.commit();
+}
+
+Result<void> run_init_scene(const InitSceneOptions& options) {
+    const auto known = read_camera(options.camera);
+    if (!known.ok()) return known.error();
+    std::error_code ignored;
+    const bool is_folder = std::filesystem::is_directory(options.pictures, ignored);
+    if (!std::filesystem::exists(options.pictures, ignored))
+        return input_error(options.pictures.string() + ": does not exist");
+    const SourceDescription description = known->value_or(SourceDescription());
+    const auto guessed = is_folder ? guess_folder(options.pictures, description)
+                                   : guess_picture(options.pictures, description);
+    if (!guessed.ok()) return guessed.error();
+    std::filesystem::path beside = options.pictures;
+    const std::filesystem::path target = options.out ? *options.out
+                                         : is_folder ? options.pictures / "scene.json"
+                                                     : beside.replace_extension(".json");
+    const Outputs outputs{{{options.out ? "--out" : "the scene file", target}}, options.existing};
+    if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free.ok()) return free;
+    if (auto written = write_text(target, scene_to_json(guessed->scene, guessed->guesses), options.existing);
+        !written.ok())
+        return written;
+    std::cout << target.string() << '\n';
+    for (const std::string& guess : guessed->guesses) std::cout << "  " << guess << '\n';
+    return {};
+}
+
+}  // namespace
+
+void add_init_scene_command(CLI::App& app, Command& command) {
+    auto* sub =
+        app.add_subcommand("init-scene", "write the scene file of pictures that have none, guesses marked");
+    auto options = std::make_shared<InitSceneOptions>();
+    add_file_option(*sub, "PICTURES", options->pictures, "a folder of pictures, or a picture of depth")
+        ->required();
+    add_file_option(*sub, "--out", options->out,
+                    "the file; otherwise scene.json in the folder, or beside the picture");
+    add_camera_options(*sub, options->camera);
+    add_overwrite_option(*sub, options->existing);
+    sub->callback([options, &command] { command = [options] { return run_init_scene(*options); }; });
+}
+
+}  // namespace touchable

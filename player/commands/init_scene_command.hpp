@@ -1,0 +1,14 @@
+#pragma once
+
+#include "player/commands/command.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace touchable {
+
+/// `init-scene`: writes the scene file of pictures that have none.
+void add_init_scene_command(CLI::App& app, Command& command);
+
+}  // namespace touchable

@@ -1,0 +1,135 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/import/guessed_scene.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/media/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// A picture of depth, 20 x 10, with a hole.
+PlaneView write_picture(const std::filesystem::path& file, Samples& memory, int bytes = 2, int channels = 1) {
+    const PlaneView plane = test_plane(memory, 20, 10, bytes, channels, bytes == 2 ? 3000 : 200, 5, true);
+    memory[0] = memory[1] = 0;
+    EXPECT_EQ(message(write_png(file, plane)), "");
+    return plane;
+}
+
+SourceDescription camera_of(double fx, double fy, std::optional<double> unit) {
+    SourceDescription known;
+    known.intrinsics = Intrinsics{.fx = fx, .fy = fy};
+    known.metres_per_code = unit;
+    return known;
+}
+
+bool notes_have(const ClipReader& reader, const std::string& words) {
+    return std::any_of(reader.notes().begin(), reader.notes().end(),
+                       [&](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
+TEST(BarePicture, ACameraIsEnough) {
+    const TemporaryFolder folder;
+    for (const int bytes : {1, 2}) {
+        Samples memory;
+        const PlaneView plane = write_picture(folder / "my.png", memory, bytes);
+        auto reader = open_clip(folder / "my.png", std::nullopt, camera_of(30, 31, 0.0005));
+        ASSERT_EQ(message(reader), "");
+        const Scene& scene = (*reader)->scene();
+        EXPECT_EQ(scene.camera.fx, 30);
+        EXPECT_EQ(scene.camera.fy, 31);
+        EXPECT_EQ(scene.camera.cx, 9.5);
+        EXPECT_EQ(scene.camera.cy, 4.5);
+        EXPECT_EQ(scene.metres_per_unit, 1);
+        EXPECT_FALSE(scene.depth.is_valid(0));
+        EXPECT_EQ(scene.depth.depth(1000), 0.5);
+        EXPECT_FALSE(scene.far_from_frames);
+        EXPECT_FALSE(notes_have(**reader, "guessed"));
+        const auto frames = read_all(**reader);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), 1U);
+        EXPECT_TRUE(same_plane(frames->at(0).depth, plane));
+        EXPECT_EQ((*reader)->inputs(), std::vector{folder / "my.png"});
+    }
+}
+
+TEST(BarePicture, WithNothingSaidItIsGuessedAndSaid) {
+    const TemporaryFolder folder;
+    Samples memory;
+    const PlaneView plane = write_picture(folder / "my.png", memory);
+    auto reader = open_clip(folder / "my.png");
+    ASSERT_EQ(message(reader), "");
+    const Scene& scene = (*reader)->scene();
+    EXPECT_NEAR(scene.camera.fx, 10 / std::tan(M_PI / 6), 1e-12);
+    EXPECT_EQ(scene.depth.depth(1000), 1);
+    EXPECT_TRUE(notes_have(**reader, "sees 60 degrees from left to right (--fov"));
+    EXPECT_TRUE(notes_have(**reader, "a code is 1 mm"));
+    EXPECT_TRUE(notes_have(**reader, "0 and 65535 are no depth"));
+    EXPECT_TRUE(same_plane(read_all(**reader)->at(0).depth, plane));
+    SourceDescription wide;
+    wide.fov = 90;
+    reader = open_clip(folder / "my.png", std::nullopt, wide);
+    ASSERT_EQ(message(reader), "");
+    EXPECT_NEAR((*reader)->scene().camera.fx, 10, 1e-12);
+    EXPECT_FALSE(notes_have(**reader, "--fov"));
+}
+
+TEST(BarePicture, ASceneFileDescribesItWhateverFolderItSpeaksOf) {
+    const TemporaryFolder folder;
+    Samples memory;
+    const PlaneView plane = write_picture(folder / "my.png", memory);
+    Scene scene = small_scene(20, 10, 16);
+    for (const bool speaks : {false, true}) {
+        if (speaks) scene.folder = FolderSource{.depth = "d%d.png", .colour = "", .haptic = "", .height = ""};
+        write_bytes(folder / "scene.json", scene_to_json(scene));
+        auto reader = open_clip(folder / "my.png", folder / "scene.json");
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(same_plane(read_all(**reader)->at(0).depth, plane));
+    }
+}
+
+TEST(BarePicture, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
+    const TemporaryFolder folder;
+    for (const int bytes : {1, 2}) {
+        Samples memory;
+        write_picture(folder / "my.png", memory, bytes);
+        const auto guessed = guess_picture(folder / "my.png", {});
+        ASSERT_EQ(message(guessed), "");
+        write_bytes(folder / "my.json", scene_to_json(guessed->scene, guessed->guesses));
+        auto described = open_clip(folder / "my.json"), bare = open_clip(folder / "my.png");
+        ASSERT_EQ(message(described), "");
+        EXPECT_EQ((*described)->scene().depth, (*bare)->scene().depth);
+        EXPECT_TRUE(same_frame(read_all(**described)->at(0), read_all(**bare)->at(0)));
+    }
+}
+
+TEST(BarePicture, WhatMakesNoSenseIsRefused) {
+    const TemporaryFolder folder;
+    Samples memory;
+    write_picture(folder / "my.png", memory);
+    write_picture(folder / "colour.png", memory, 1, 3);
+    write_picture(folder / "100%.png", memory);
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(8, 8), 1, {})), "");
+    const auto with = [&](const char* name, double fx, double unit) {
+        return message(open_clip(folder / name, std::nullopt, camera_of(fx, 30, unit)));
+    };
+    EXPECT_NE(with("my.png", 0, 0.001).find("camera.fx is 0"), std::string::npos);
+    EXPECT_NE(with("my.png", 30, -1).find("depth.scale is -1"), std::string::npos);
+    EXPECT_NE(with("colour.png", 30, 0.001).find("is in colour"), std::string::npos);
+    EXPECT_NE(message(open_clip(folder / "colour.png")).find("is in colour"), std::string::npos);
+    EXPECT_NE(with("100%.png", 30, 0.001).find("rename it"), std::string::npos);
+    EXPECT_NE(with("clip.mkv", 30, 0.001).find("is no picture"), std::string::npos);
+    SourceDescription unknown;
+    unknown.preset = "kinekt";
+    EXPECT_NE(
+        message(open_clip(folder / "my.png", std::nullopt, unknown)).find("must be one of tum, redwood"),
+        std::string::npos);
+    Samples nothing(400, 0);
+    ASSERT_EQ(message(write_png(folder / "empty.png", {nothing.data(), 40, 20, 10, 2, 1})), "");
+    EXPECT_NE(message(open_clip(folder / "empty.png")).find("has no depth"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test

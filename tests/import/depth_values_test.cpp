@@ -1,0 +1,164 @@
+#include "engine/import/depth_values.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "engine/frame/stored_code.hpp"
+#include "tests/media/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+Scene scene_of(int width, int height) {
+    Scene scene = small_scene(width, height, 16);
+    scene.camera = {500, 500, 0.5, 0.5};
+    scene.depth.semantics = DepthSemantics::planar;
+    return scene;
+}
+
+StoredImage floats(int width, std::vector<float> values) {
+    StoredImage picture;
+    picture.image.width = width;
+    picture.image.height = static_cast<int>(values.size()) / width;
+    picture.values = std::move(values);
+    return picture;
+}
+
+StoredImage words(int width, const std::vector<std::uint16_t>& values) {
+    StoredImage picture;
+    picture.image = {width, static_cast<int>(values.size()) / width, 2, 1, {}};
+    picture.image.samples.resize(2 * values.size());
+    std::memcpy(picture.image.samples.data(), values.data(), 2 * values.size());
+    return picture;
+}
+
+/// What the settled scene says of a pixel; 0 where it is not valid.
+double depth_at(const Scene& scene, const Image& codes, int x) {
+    const std::uint16_t code = static_cast<std::uint16_t>(codes.view().sample(x, 0));
+    return scene.depth.is_valid(code) ? scene.depth.depth(code) : 0;
+}
+
+TEST(DepthValues, FloatsComeBackWithinHalfACode) {
+    const float inf = std::numeric_limits<float>::infinity();
+    const std::vector<float> depths{0.4F, 1, 1.7F, 2.5F, 3.999F, 0, -1, NAN, inf, -inf};
+    for (const double metres : {1.0, 0.001}) {
+        Scene scene = scene_of(10, 1);
+        scene.metres_per_unit = 1;
+        scene.depth.kind = DepthCodingKind::metric;
+        scene.depth.scale = metres;
+        scene.depth.near = 0;
+        scene.depth.far = 65.535;
+        scene.far_from_frames = true;
+        std::vector<float> stored;
+        for (const float depth : depths) stored.push_back(static_cast<float>(depth / metres));
+        DepthValues values(scene);
+        ASSERT_TRUE(values.needs_all(floats(10, stored)));
+        values.look(floats(10, stored));
+        const auto said = values.settle(scene);
+        ASSERT_EQ(message(said), "");
+        const Image codes = values.codes(floats(10, stored));
+        for (int x = 0; x < 5; ++x) {
+            const double wanted = depths[static_cast<std::size_t>(x)], near = scene.depth.near,
+                         far = scene.depth.far;
+            const double half = scene.depth.kind == DepthCodingKind::linear
+                                    ? 0.5 * (far - near) / scene.depth.code_max
+                                    : 0.5 * wanted * wanted * (1 / near - 1 / far) / scene.depth.code_max;
+            EXPECT_NEAR(depth_at(scene, codes, x), wanted, 1.01 * half + 1e-6 * wanted) << x << " " << *said;
+        }
+        for (int x = 5; x < 10; ++x) EXPECT_EQ(depth_at(scene, codes, x), 0) << x;
+        EXPECT_NE(said->find("half a code is"), std::string::npos);
+    }
+}
+
+TEST(DepthValues, FarSkiesDoNotTakeTheStepsFromWhatIsNear) {
+    std::vector<float> stored(1000, 0.5F);
+    for (std::size_t k = 0; k < 100; ++k) stored[k] = 10000;
+    Scene scene = scene_of(1000, 1);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 1;
+    scene.depth.near = 0;
+    scene.far_from_frames = true;
+    DepthValues values(scene);
+    values.look(floats(1000, stored));
+    ASSERT_EQ(message(values.settle(scene)), "");
+    EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
+    EXPECT_NEAR(depth_at(scene, values.codes(floats(1000, stored)), 500), 0.5, 1e-5);
+    EXPECT_NEAR(depth_at(scene, values.codes(floats(1000, stored)), 5), 10000, 800);
+}
+
+TEST(DepthValues, DisparitiesOfIntegersAreExact) {
+    for (const double scale : {1.0 / 16, -1.0}) {
+        Scene scene = scene_of(7, 1);
+        scene.depth.kind = DepthCodingKind::inverse;
+        scene.stored = {StoredDepth::Kind::disparity, 0.2, scale, scale > 0 ? 2.5 : 1092.5, false, 0};
+        scene.depth.invalid_codes[0] = 0;
+        scene.depth.invalid_code_count = 1;
+        const std::vector<std::uint16_t> stored{17, 100, 333, 999, 1000, 0, 500};
+        DepthValues values(scene);
+        values.look(words(7, stored));
+        ASSERT_EQ(message(values.settle(scene)), "");
+        EXPECT_TRUE(scene.stored.is_plain());
+        const Image codes = values.codes(words(7, stored));
+        for (int x = 0; x < 7; ++x) {
+            const double value = stored[static_cast<std::size_t>(x)];
+            const double wanted = value == 0 ? 0 : 500 * 0.2 / (scale * value + (scale > 0 ? 2.5 : 1092.5));
+            EXPECT_NEAR(depth_at(scene, codes, x), wanted, 1e-12 * wanted) << x << " scale " << scale;
+        }
+        EXPECT_GE(scene.depth.far,
+                  1.04 * scene.depth.depth(stored_code(codes.view(), scene.depth, scale > 0 ? 0 : 4, 0)));
+    }
+}
+
+TEST(DepthValues, DepthWithoutAScaleKeepsItsOrder) {
+    for (const bool near_is_high : {true, false})
+        for (const DepthCodingKind kind : {DepthCodingKind::inverse, DepthCodingKind::linear}) {
+            Scene scene = scene_of(4, 1);
+            scene.depth.kind = kind;
+            scene.depth.near = 0.5;
+            scene.depth.far = 1.5;
+            scene.depth.near_is_high = near_is_high;
+            scene.stored.kind = StoredDepth::Kind::relative;
+            const std::vector<float> stored{-0.5F, 0.25F, 0.75F, 1.5F};
+            DepthValues values(scene);
+            values.look(floats(4, stored));
+            ASSERT_EQ(message(values.settle(scene)), "");
+            const Image codes = values.codes(floats(4, stored));
+            EXPECT_NEAR(depth_at(scene, codes, near_is_high ? 3 : 0), 0.5, 1e-9);
+            EXPECT_NEAR(depth_at(scene, codes, near_is_high ? 0 : 3), 1.5, 1e-9);
+            const double q = 1 / depth_at(scene, codes, 2);  // 1.25 of 2 from the first
+            if (kind == DepthCodingKind::inverse)
+                EXPECT_NEAR(q, 2.0 / 3 + (near_is_high ? 0.625 : 0.375) * (2 - 2.0 / 3), 2e-5);
+            else
+                EXPECT_NEAR(1 / q, near_is_high ? 1.5 - 0.625 : 0.5 + 0.625, 2e-5);
+        }
+}
+
+TEST(DepthValues, WordsInAnotherOrderAreTurnedBack) {
+    Scene scene = scene_of(3, 1);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 0.001;
+    scene.stored.rotated = 3;
+    // SUN RGB-D: depth << 3 with its upper bits below.
+    const Image turned =
+        DepthValues(scene).codes(words(3, {800 << 3, static_cast<std::uint16_t>(9000 << 3 | 9000 >> 13), 5}));
+    EXPECT_EQ(turned.view().sample(0, 0), 800);
+    EXPECT_EQ(turned.view().sample(1, 0), 9000);
+    EXPECT_EQ(turned.view().sample(2, 0), 5 << 13);
+    scene.stored = {};
+    scene.stored.bytes_swapped = true;
+    EXPECT_EQ(DepthValues(scene).codes(words(3, {0x0102, 0xff00, 7})).view().sample(0, 0), 0x0201);
+}
+
+TEST(DepthValues, WithoutAValueAreRefused) {
+    Scene scene = scene_of(2, 1);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 1;
+    DepthValues values(scene);
+    values.look(floats(2, {NAN, 0}));
+    EXPECT_NE(message(values.settle(scene)).find("no frame has a valid depth"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/import/guessed_scene.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/media/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Folders as data sets have them, of small pictures.
+class GuessedFolder : public ::testing::Test {
+protected:
+    void depth(const std::string& name, int least = 400) const {
+        std::filesystem::create_directories((folder / name).parent_path());
+        Image image{16, 12, 2, 1, {}};
+        for (int k = 0; k < 16 * 12; ++k) {
+            const int code = least + 10 * (k % 16);
+            image.samples.push_back(static_cast<std::uint8_t>(code & 255));
+            image.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+        }
+        ASSERT_EQ(message(write_png(folder / name, image.view())), "");
+    }
+    void colour(const std::string& name, std::uint8_t red = 9) const {
+        std::filesystem::create_directories((folder / name).parent_path());
+        Image image{16, 12, 1, 3, std::vector<std::uint8_t>(16 * 12 * 3, red)};
+        ASSERT_EQ(message(write_png(folder / name, image.view())), "");
+    }
+    GuessedScene guess(const std::string& preset = "") const {
+        SourceDescription known;
+        known.preset = preset;
+        auto guessed = guess_folder(folder.path(), known);
+        EXPECT_EQ(message(guessed), "");
+        return guessed ? *guessed : GuessedScene{};
+    }
+    std::vector<RawFrame> frames() const {
+        auto reader = open_clip(folder.path());
+        EXPECT_EQ(message(reader), "");
+        if (!reader) return {};
+        auto read = read_all(**reader);
+        EXPECT_EQ(message(read), "");
+        return read ? *read : std::vector<RawFrame>{};
+    }
+    TemporaryFolder folder;
+};
+
+TEST_F(GuessedFolder, OfTumIsPairedByItsLists) {
+    std::string depths, colours;
+    for (int n = 0; n < 4; ++n) {
+        const std::string time = "1305031102." + std::to_string(1100 + 33 * n).substr(1);
+        depth("depth/" + time + ".png", 4000 + n);
+        depths += time + " depth/" + time + ".png\n";
+    }
+    for (int n = 0; n < 6; ++n) {
+        const std::string time = "1305031102." + std::to_string(1095 + 20 * n).substr(1);
+        colour("rgb/" + time + ".png", static_cast<std::uint8_t>(n));
+        colours += time + " rgb/" + time + ".png\n";
+    }
+    write_bytes(folder / "depth.txt", "# depth\n" + depths);
+    write_bytes(folder / "rgb.txt", colours);
+    const GuessedScene guessed = guess("tum");
+    EXPECT_EQ(guessed.scene.folder->depth, "depth.txt");
+    EXPECT_EQ(guessed.scene.folder->colour, "rgb.txt");
+    EXPECT_EQ(guessed.scene.rate.num, 30);
+    EXPECT_EQ(guessed.scene.depth.scale, 1.0 / 5000);
+    const auto read = frames();
+    ASSERT_EQ(read.size(), 4U);
+    // 100, 133, 166, 199 ms beside 95, 115, 135, 155, 175, 195.
+    const int nearest[] = {0, 2, 4, 5};
+    for (std::size_t n = 0; n < 4; ++n) {
+        EXPECT_EQ(read[n].depth.sample(0, 0), 4000 + static_cast<int>(n));
+        EXPECT_EQ(read[n].colour.row(0)[0], nearest[n]) << n;
+    }
+}
+
+TEST_F(GuessedFolder, OfSevenScenesIsKnownByItsNames) {
+    for (const char* number : {"000000", "000001", "000002"}) {
+        depth(std::string("frame-") + number + ".depth.png");
+        colour(std::string("frame-") + number + ".color.png");
+        write_bytes(folder / (std::string("frame-") + number + ".pose.txt"), "1 0 0 0");
+    }
+    const GuessedScene guessed = guess("7scenes");
+    EXPECT_EQ(guessed.scene.folder->depth, "frame-*.depth.png");
+    EXPECT_EQ(guessed.scene.folder->colour, "frame-*.color.png");
+    EXPECT_FALSE(guessed.scene.depth.is_valid(65535));
+    EXPECT_EQ(frames().size(), 3U);
+}
+
+TEST_F(GuessedFolder, WithGapsLosesNoFrame) {
+    for (const int n : {3, 4, 7, 100}) {
+        depth("depth/" + std::to_string(n) + ".png", 500 + n);
+        colour("color/" + std::to_string(n) + ".png", static_cast<std::uint8_t>(n));
+    }
+    const auto read = frames();
+    ASSERT_EQ(read.size(), 4U);
+    EXPECT_EQ(read[3].depth.sample(0, 0), 600);
+    EXPECT_EQ(read[3].colour.row(0)[0], 100);
+}
+
+TEST_F(GuessedFolder, TakesTheCameraThatLiesThere) {
+    depth("depth_0.png");
+    depth("depth_1.png");
+    write_bytes(folder / "camera_info.yaml", "camera_matrix:\n  data: [20, 0, 8.5, 0, 21, 6.5, 0, 0, 1]\n");
+    const GuessedScene guessed = guess();
+    EXPECT_EQ(guessed.scene.camera.fx, 20);
+    EXPECT_EQ(guessed.scene.camera.cy, 6.5);
+    EXPECT_TRUE(std::any_of(guessed.guesses.begin(), guessed.guesses.end(), [](const std::string& words) {
+        return words.find("camera_info.yaml (--intrinsics says otherwise)") != std::string::npos;
+    }));
+}
+
+TEST_F(GuessedFolder, OpensTheSameFromTheSceneFileThatIsWritten) {
+    for (const int n : {0, 1, 2}) {
+        depth("depth_" + std::to_string(n) + ".png", 500 + n);
+        colour("rgb_" + std::to_string(n) + ".png", static_cast<std::uint8_t>(n));
+    }
+    const auto guessed = frames();
+    const GuessedScene scene = guess();
+    write_bytes(folder / "scene.json", scene_to_json(scene.scene, scene.guesses));
+    const auto described = frames();
+    ASSERT_EQ(described.size(), guessed.size());
+    for (std::size_t n = 0; n < guessed.size(); ++n) EXPECT_TRUE(same_frame(described[n], guessed[n])) << n;
+    SourceDescription known;
+    known.fov = 50;
+    EXPECT_NE(message(open_clip(folder.path(), std::nullopt, known)).find("describes these pictures"),
+              std::string::npos);
+}
+
+TEST_F(GuessedFolder, WithoutDepthSaysWhatIsThere) {
+    colour("holiday/1.png");
+    colour("holiday/2.png");
+    EXPECT_NE(message(open_clip(folder.path()))
+                  .find("no pictures of depth were found (there are 2 x holiday/*.png)"),
+              std::string::npos);
+    const TemporaryFolder empty;
+    EXPECT_NE(message(open_clip(empty.path())).find("there are no pictures"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,98 @@
+#include "engine/import/picture_files.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/media/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+std::vector<std::string> names(const PictureFiles& found) {
+    std::vector<std::string> all;
+    for (const auto& file : found.files) all.push_back(file.filename().string());
+    return all;
+}
+
+PictureFiles found_in(const TemporaryFolder& folder, const std::string& pattern) {
+    auto found = found_files(folder.path(), pattern);
+    EXPECT_EQ(message(found), "");
+    return found ? *found : PictureFiles{};
+}
+
+using Names = std::vector<std::string>;
+
+TEST(PictureFiles, OfAStarComeInTheOrderOfTheirNumbers) {
+    const TemporaryFolder folder;
+    for (const char* name : {"d9.png", "d10.png", "d011.png", "d2.png", "e1.png", "d2.jpg"})
+        write_bytes(folder / name, "");
+    const PictureFiles found = found_in(folder, "d*.png");
+    EXPECT_EQ(names(found), (Names{"d2.png", "d9.png", "d10.png", "d011.png"}));
+    EXPECT_EQ(found.keys, (std::vector<double>{2, 9, 10, 11}));
+    EXPECT_EQ(rate_of(found), std::nullopt) << "numbers that only count";
+    EXPECT_NE(message(found_files(folder.path(), "x*.png")).find("no file has such a name"),
+              std::string::npos);
+}
+
+TEST(PictureFiles, OfOtherPlanesAreThoseNearestInTime) {
+    const TemporaryFolder folder;
+    for (const char* name :
+         {"1305031102.10.png", "1305031102.14.png", "1305031102.20.png", "1305031102.30.png"})
+        write_bytes(folder / name, "");
+    for (const char* name : {"1305031102.11.jpg", "1305031102.19.jpg", "1305031102.29.jpg"})
+        write_bytes(folder / name, "");
+    const FolderSource source{.depth = "*.png", .colour = "*.jpg", .haptic = "", .height = ""};
+    const auto depth = depth_files(folder.path(), source);
+    ASSERT_EQ(message(depth), "");
+    const auto colour = files_beside(folder.path(), PlaneRole::colour, source, *depth);
+    ASSERT_EQ(message(colour), "");
+    EXPECT_EQ(names(*colour),
+              (Names{"1305031102.11.jpg", "1305031102.11.jpg", "1305031102.19.jpg", "1305031102.29.jpg"}));
+    ASSERT_TRUE(rate_of(*depth));
+    EXPECT_EQ(rate_of(*depth)->num, 16667) << "the median of 40, 60 and 100 ms";
+}
+
+TEST(PictureFiles, OfAListHaveItsTimes) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.png", "b.png", "c.png"}) write_bytes(folder / name, "");
+    write_bytes(folder / "depth.txt", "# time name\n\n0.5 b.png\n0.533 a.png # late\n0.566  c.png\n");
+    const PictureFiles found = found_in(folder, "depth.txt");
+    EXPECT_EQ(names(found), (Names{"b.png", "a.png", "c.png"}));
+    EXPECT_EQ(found.keys, (std::vector<double>{0.5, 0.533, 0.566}));
+    EXPECT_EQ(rate_of(found)->num, 30);
+    const std::pair<const char*, const char*> bad[] = {{"0.5 x.png", "line 1: "},
+                                                       {"one a.png", "line 1: must be a time"},
+                                                       {"# nothing", "names no picture"},
+                                                       {"1 a.png\n0.5 b.png", "backward"}};
+    for (const auto& [text, words] : bad) {
+        write_bytes(folder / "depth.txt", text);
+        EXPECT_NE(message(found_files(folder.path(), "depth.txt")).find(words), std::string::npos) << text;
+    }
+}
+
+TEST(PictureFiles, OneOfMaterialsServesAllFrames) {
+    const TemporaryFolder folder;
+    for (const char* name : {"d0.png", "d1.png", "map.png"}) write_bytes(folder / name, "");
+    const FolderSource source{.depth = "d%d.png", .colour = "", .haptic = "map.png", .height = ""};
+    const auto depth = depth_files(folder.path(), source);
+    ASSERT_EQ(message(depth), "");
+    const auto haptic = files_beside(folder.path(), PlaneRole::haptic, source, *depth);
+    ASSERT_EQ(message(haptic), "");
+    EXPECT_EQ(names(*haptic), (Names{"map.png", "map.png"}));
+}
+
+TEST(PictureFiles, StampsTellTheirUnitByTheirSize) {
+    for (const double unit : {1.0, 1e3, 1e6, 1e9}) {
+        PictureFiles found;
+        for (int n = 0; n < 9; ++n) {
+            found.files.emplace_back("x");
+            found.keys.push_back((1.6e9 + 0.04 * n) * unit);
+        }
+        if (unit == 1.0) found.keys[0] += 0.001;
+        ASSERT_TRUE(rate_of(found)) << unit;
+        EXPECT_EQ(rate_of(found)->num, 25) << unit;
+        EXPECT_EQ(rate_of(found)->den, 1);
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
