@@ -16,6 +16,8 @@ Result<StoredImage> read_depth_picture(const std::filesystem::path& file) {
     auto stored = read_stored_image(file);
     if (stored && stored->image.channels != 1)
         return input_error(file.string() + ": is in colour: a picture of depth is grey");
+    if (stored && !stored->values.empty())
+        return input_error(file.string() + ": is a picture of floats: must be of integers");
     return stored;
 }
 

@@ -215,7 +215,9 @@ Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t fra
     if (!stored)
         return Error{stored.error().kind, stored.error().message + " (" + std::string(role_name(track.role)) +
                                               ", frame " + std::to_string(frame) + ")"};
-    if (track.role == PlaneRole::haptic && stored->codec != "png")
+    if (!stored->values.empty())
+        return input_error(where(track, frame) + ": is a picture of floats: must be of integers");
+    if (track.role == PlaneRole::haptic && stored->codec == "mjpeg")
         return input_error(where(track, frame) + ": is JPEG, which mixes materials; haptic is RGB PNG");
     if (track.role != PlaneRole::colour && stored->interlaced)
         return input_error(where(track, frame) + ": is an interlaced PNG: must be a plain one to be touched");
