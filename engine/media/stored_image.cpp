@@ -9,6 +9,7 @@
 #include "engine/media/netpbm_image.hpp"
 #include "engine/media/npy_stack.hpp"
 #include "engine/media/npz_file.hpp"
+#include "engine/media/tiff_image.hpp"
 
 namespace touchable {
 namespace {
@@ -46,6 +47,7 @@ constexpr PictureKind picture_kinds[] = {
     {"PGM", [](std::string_view begin) { return is_netpbm(begin, "25"); }, decode_netpbm},
     {"PPM", [](std::string_view begin) { return is_netpbm(begin, "36"); }, decode_netpbm},
     {"PFM", [](std::string_view begin) { return is_netpbm(begin, "f"); }, decode_pfm},
+    {"TIFF", is_tiff, decode_tiff},
     {"npy", is_npy, decode_npy},
     {"npz", is_npz, decode_npz},
     {"Netpbm", [](std::string_view begin) { return is_netpbm(begin, "147F"); }, refuse_netpbm},
@@ -78,6 +80,12 @@ Result<void> check_picture_size(std::int64_t width, std::int64_t height, const s
     return input_error(where + ": is " + std::to_string(width) + "x" + std::to_string(height) +
                        " pixels: must be from 1x1 to " + std::to_string(largest_side) + "x" +
                        std::to_string(largest_side));
+}
+
+Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const std::string& where) {
+    if (unpacked <= (std::uint64_t{64} << 20) || unpacked / 4096 <= packed) return {};
+    return input_error(where + ": is damaged: has " + std::to_string(packed) + " bytes for a picture of " +
+                       std::to_string(unpacked));
 }
 
 Result<std::string> read_picture_bytes(const std::filesystem::path& file) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -16,7 +17,7 @@ inline constexpr int largest_side = 16384;
 /// An image with how it was stored.
 struct StoredImage {
     Image image;               ///< of a picture of floats its size, and no samples
-    std::string codec;         ///< "png", "mjpeg", "pgm", "ppm", "pfm", "npy"
+    std::string codec;         ///< "png", "mjpeg", "pgm", "ppm", "pfm", "npy", "tiff", "exr"
     std::string pixel_format;  ///< as FFmpeg names it: "gray16be", "grayf32le"
     /// Of a sample as stored: of grey PNG also 2 and 4, of PGM those its greatest value needs; 16 where
     /// larger integers all fit.
@@ -36,6 +37,9 @@ Result<StoredImage> read_stored_image(const std::filesystem::path& file);
 /// The same of a file's bytes; messages begin with `where`.
 Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where);
 
+/// Refuses pictures of more than 64 MiB in files of less than a 4096th of that, before memory is taken for
+/// them.
+Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const std::string& where);
 /// Refuses sides of 0 and beyond `largest_side`.
 Result<void> check_picture_size(std::int64_t width, std::int64_t height, const std::string& where);
 
