@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/media/coded_image.hpp"
+#include "engine/media/exr_image.hpp"
 #include "engine/media/netpbm_image.hpp"
 #include "engine/media/npy_stack.hpp"
 #include "engine/media/npz_file.hpp"
@@ -48,6 +49,7 @@ constexpr PictureKind picture_kinds[] = {
     {"PPM", [](std::string_view begin) { return is_netpbm(begin, "36"); }, decode_netpbm},
     {"PFM", [](std::string_view begin) { return is_netpbm(begin, "f"); }, decode_pfm},
     {"TIFF", is_tiff, decode_tiff},
+    {"OpenEXR", is_exr, decode_exr},
     {"npy", is_npy, decode_npy},
     {"npz", is_npz, decode_npz},
     {"Netpbm", [](std::string_view begin) { return is_netpbm(begin, "147F"); }, refuse_netpbm},
