@@ -252,7 +252,7 @@ private:
 
     exr_const_context_t context_;
     const ExrChannel& channel_;
-    exr_decode_pipeline_t pipeline_ = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_decode_pipeline_t pipeline_{};
     bool begun_ = false;
     std::vector<std::vector<char>> numbers_;  // the chunk's, of each channel
 };

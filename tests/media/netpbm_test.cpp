@@ -7,6 +7,7 @@
 
 #include "tests/limited_memory.hpp"
 #include "tests/media/encoded_picture.hpp"
+#include "tests/media/jpeg_with_xmp.hpp"
 #include "tests/media/picture_damage.hpp"
 #include "tests/real_data.hpp"
 
@@ -152,6 +153,27 @@ TEST(Pfm, ItIsNoPictureOfIntegers) {
     const TemporaryFolder folder;
     write_bytes(folder / "depth.pfm", "Pf\n1 1\n-1\n\1\2\3\4");
     EXPECT_NE(message(read_image(folder / "depth.pfm")).find("depth.pfm: is a picture of floats"),
+              std::string::npos);
+}
+
+TEST(Netpbm, AFolderOfPgmIsAClipAndOneOfFloatsIsRefused) {
+    const TemporaryFolder folder;
+    const auto opened = [&](const std::string& depth) {
+        write_bytes(
+            folder / "scene.json",
+            R"({"touchable_scene": 1, "width": 7, "height": 5, "camera": {"fx": 9, "fy": 9, "cx": 3, "cy": 2},
+                        "depth": {"coding": "metric", "scale": 0.001, "bits": 16}, "folder": {"depth": ")" +
+                depth + "\"}}");
+        return open_clip(folder / "scene.json");
+    };
+    write_bytes(folder / "d.pgm", encoded_netpbm("pgm", AV_PIX_FMT_GRAY16BE, 14));
+    write_bytes(folder / "d.pfm", "Pf\n7 5\n-1\n" + std::string(140, '\0'));
+    auto reader = opened("d.pgm");
+    ASSERT_EQ(message(reader), "");
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    EXPECT_EQ(frames->at(0).depth.sample(6, 4), netpbm_byte(12, 4) << 8 | netpbm_byte(13, 4));
+    EXPECT_NE(message(opened("d.pfm")).find("d.pfm (depth, frame 0): is a picture of floats"),
               std::string::npos);
 }
 

@@ -6,6 +6,7 @@
 
 #include "tests/limited_memory.hpp"
 #include "tests/media/encoded_picture.hpp"
+#include "tests/media/jpeg_with_xmp.hpp"
 #include "tests/media/picture_damage.hpp"
 
 namespace touchable::test {
