@@ -151,7 +151,7 @@ Result<std::string> DepthValues::settle(Scene& scene) {
 }
 
 Image DepthValues::codes(StoredImage picture) const {
-    if (!is_settled_ && !stored_.bytes_swapped && stored_.rotated == 0) return std::move(picture.image);
+    if (!makes_codes()) return std::move(picture.image);
     Image codes{picture.image.width, picture.image.height, 2, 1, {}};
     codes.samples.resize(2 * static_cast<std::size_t>(codes.width) * static_cast<std::size_t>(codes.height));
     for_each(picture, [&](std::size_t k, double value) {

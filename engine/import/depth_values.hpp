@@ -30,7 +30,9 @@ public:
     void look(const StoredImage& picture);
     /// Settles `scene`'s coding; says what a code stands for now. An error where no value was valid.
     Result<std::string> settle(Scene& scene);
-    /// As the settled scene has them; grey of 16 bits, or as it is.
+    /// Whether pictures are not their codes already.
+    bool makes_codes() const { return is_settled_ || stored_.bytes_swapped || stored_.rotated > 0; }
+    /// As the settled scene has them: of 16 bits where it makes them.
     Image codes(StoredImage picture) const;
 
 private:

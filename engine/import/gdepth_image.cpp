@@ -7,6 +7,7 @@
 
 #include "engine/import/xmp.hpp"
 #include "engine/media/codecs.hpp"
+#include "engine/media/coded_image.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/media/stored_image.hpp"
@@ -66,7 +67,7 @@ Result<void> GdepthImage::open(const std::optional<Scene>& replacement) {
         scene_ = *replacement;
     else if (auto described = describe(*depth); !described)
         return described;
-    auto colour = decode_stored_image(*bytes, file_);
+    auto colour = decode_coded_image(*bytes, file_);
     if (!colour) return colour.error();
     infos_.push_back(
         {"colour", colour->codec, colour->pixel_format, colour->image.width, colour->image.height});
@@ -106,7 +107,7 @@ Result<Image> GdepthImage::read_depth() {
     if (!text) return text.error();
     const auto bytes = decode_base64(*text);
     if (!bytes) return refuse("its GDepth:Data is not base64");
-    auto stored = decode_stored_image(*bytes, file_ + ": depth");
+    auto stored = decode_coded_image(*bytes, file_ + ": depth");
     if (!stored) return stored.error();
     Image& image = stored->image;
     infos_.push_back({"depth", stored->codec, stored->pixel_format, image.width, image.height});
@@ -114,16 +115,8 @@ Result<Image> GdepthImage::read_depth() {
     if (stored->bits < 8)
         return refuse("its depth map is of " + std::to_string(stored->bits) + " bits: must be of 8 or 16");
     if (auto note = lossy_note(PlaneRole::depth, stored->codec)) notes_.push_back(std::move(*note));
-    if (image.channels == 1) return std::move(image);
-    Image grey{image.width, image.height, 1, 1, {}};
-    grey.samples.reserve(image.samples.size() / 3);
-    for (std::size_t k = 0; k < image.samples.size(); k += 3) {
-        const std::uint8_t* rgb = &image.samples[k];
-        if (rgb[0] != rgb[1] || rgb[1] != rgb[2])
-            return refuse("its depth map is coloured: must be grey, or red, green and blue alike");
-        grey.samples.push_back(rgb[0]);
-    }
-    return grey;
+    if (auto grey = as_grey(image)) return std::move(*grey);
+    return refuse("its depth map is coloured: must be grey, or red, green and blue alike");
 }
 
 /// A scene of what the file says, and of what it does not.

@@ -11,6 +11,8 @@
 #include "engine/import/picture_files.hpp"
 #include "engine/import/picture_groups.hpp"
 #include "engine/import/presets.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/media/npy_stack.hpp"
 
 namespace touchable {
 namespace {
@@ -85,6 +87,7 @@ private:
     void take_fov(double degrees);
     Result<void> find_unit(const Values& values);
     void set_metric(double metres_per_code);
+    void set_invalid(const StoredImage& depth);
     void set_relative(bool near_is_high, bool is_inverse);
 
     const SourceDescription& known_;
@@ -216,6 +219,20 @@ Result<void> Guess::find_unit(const Values& values) {
     return {};
 }
 
+/// Cameras write 0 where they see nothing. Depth without a scale has something everywhere.
+void Guess::set_invalid(const StoredImage& depth) {
+    if (scene_.stored.kind == StoredDepth::Kind::relative) return;
+    const bool has_words = scene_.depth_bits == 16 && depth.values.empty();
+    const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
+    const int other = preset_ ? preset_->invalid : has_words && !is_told ? 65535 : 0;
+    DepthCoding& coding = scene_.depth;
+    for (const int code : {0, other})
+        if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
+            coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
+                static_cast<std::uint16_t>(code);
+    if (!is_told) say(other > 0 ? "0 and 65535 are no depth" : "0 is no depth");
+}
+
 Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth) {
     scene_.width = depth.image.width;
     scene_.height = depth.image.height;
@@ -227,16 +244,8 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth) {
     scene_.hole_stiffness = soft_holes;
     if (auto found = find_camera(folder); !found) return found;
     if (auto found = find_unit(values_of(depth)); !found) return found;
+    set_invalid(depth);
     DepthCoding& coding = scene_.depth;
-    coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] = 0;
-    const int other = preset_ && preset_->invalid > 0 ? preset_->invalid
-                      : scene_.depth_bits == 16 && depth.values.empty() && !preset_ && !known_.metres_per_code
-                          ? 65535
-                          : 0;
-    if (other > 0 && other <= coding.code_max)
-        coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
-            static_cast<std::uint16_t>(other);
-    if (!preset_ && !known_.metres_per_code) say(other > 0 ? "0 and 65535 are no depth" : "0 is no depth");
     derive_valid_range(coding);
     if (auto valid = validate(scene_); !valid)
         return usage_error("--intrinsics, --fov, --depth-unit, --preset: " + valid.error().message);
@@ -251,9 +260,22 @@ Result<const Preset*> known_preset(const SourceDescription& known) {
     return usage_error("--preset " + known.preset + " is not known: must be one of " + names);
 }
 
-/// Grey, which colour that is grey everywhere is as well.
+/// The picture, or the first of a stack; colour that is grey everywhere as grey.
+Result<StoredImage> first_picture(const fs::path& file) {
+    Result<StoredImage> stored = Error{};
+    if (is_npy_file(file)) {
+        auto stack = open_npy_stack(file);
+        stored = stack ? stack->image(0) : stack.error();
+    } else {
+        stored = read_stored_image(file);
+    }
+    if (stored && stored->values.empty() && stored->image.channels == 3)
+        if (auto grey = as_grey(stored->image)) stored->image = std::move(*grey);
+    return stored;
+}
+
 Result<StoredImage> read_depth(const fs::path& file) {
-    auto stored = read_stored_image(file);
+    auto stored = first_picture(file);
     if (stored && stored->values.empty() && stored->image.channels != 1)
         return input_error(file.string() +
                            ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
@@ -263,7 +285,7 @@ Result<StoredImage> read_depth(const fs::path& file) {
 /// How well a group goes as depth: 0 not at all.
 int depth_mark(const PictureGroup& group) {
     if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height"})) return 0;
-    const auto first = read_stored_image(group.first);
+    const auto first = first_picture(group.first);
     if (!first) return 0;
     const bool is_grey = !first->values.empty() || first->image.channels == 1;
     if (!is_grey) return 0;

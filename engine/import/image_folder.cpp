@@ -8,12 +8,21 @@
 #include "engine/import/picture_files.hpp"
 #include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
+#include "engine/media/npy_stack.hpp"
 #include "engine/media/plane_role.hpp"
 #include "engine/media/stored_image.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
+
+/// Of a single file that holds a stack of pictures; null of others.
+Result<std::shared_ptr<ImageStack>> stack_in(const std::vector<std::filesystem::path>& files) {
+    if (files.size() != 1 || !is_npy_file(files.front())) return std::shared_ptr<ImageStack>();
+    auto stack = open_npy_stack(files.front());
+    if (!stack) return stack.error();
+    return std::make_shared<ImageStack>(std::move(*stack));
+}
 
 class ImageFolderReader final : public ClipReader {
 public:
@@ -35,6 +44,7 @@ private:
     struct Track {
         PlaneRole role;
         std::vector<std::filesystem::path> files;  // one a frame
+        std::shared_ptr<ImageStack> stack;         // that holds all of them
     };
 
     static std::string where(const Track& track, std::int64_t frame) {
@@ -74,6 +84,9 @@ Result<void> ImageFolderReader::find_files() {
     auto depth = depth_files(folder_, source);
     if (!depth) return depth.error();
     if (!depth->remark.empty()) notes_.push_back(depth->remark);
+    auto stack = stack_in(depth->files);
+    if (!stack) return stack.error();
+    if (*stack) depth->files.resize(static_cast<std::size_t>((*stack)->count()), depth->files.front());
     for (const PlaneRole role : all_roles) {
         if (pattern_of(source, role).empty()) continue;
         auto found = role == PlaneRole::depth ? depth : files_beside(folder_, role, source, *depth);
@@ -81,7 +94,7 @@ Result<void> ImageFolderReader::find_files() {
         if (role != PlaneRole::depth && !found->remark.empty()) notes_.push_back(found->remark);
         for (const auto& file : found->files)
             if (inputs().empty() || inputs().back() != file) add_input(file);
-        tracks_.push_back({role, std::move(found->files)});
+        tracks_.push_back({role, std::move(found->files), role == PlaneRole::depth ? *stack : nullptr});
     }
     count_ = static_cast<std::int64_t>(depth->count());
     return {};
@@ -139,11 +152,18 @@ Result<void> ImageFolderReader::find_far_plane() {
 }
 
 Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t frame) const {
-    auto stored = read_stored_image(track.files[static_cast<std::size_t>(frame)]);
+    const auto& file = track.files[static_cast<std::size_t>(frame)];
+    auto stored = track.stack ? track.stack->image(frame) : read_stored_image(file);
     if (!stored)
         return Error{stored.error().kind, stored.error().message + " (" + std::string(role_name(track.role)) +
                                               ", frame " + std::to_string(frame) + ")"};
-    if (track.role == PlaneRole::haptic && stored->codec != "png")
+    if (!stored->values.empty() && track.role != PlaneRole::depth)
+        return input_error(where(track, frame) + ": is a picture of floats: must be of integers");
+    const bool is_grey = (track.role == PlaneRole::depth && scene_.depth.kind != DepthCodingKind::hue) ||
+                         track.role == PlaneRole::height;
+    if (is_grey && stored->image.channels == 3)
+        if (auto grey = as_grey(stored->image)) stored->image = std::move(*grey);
+    if (track.role == PlaneRole::haptic && stored->codec == "mjpeg")
         return input_error(where(track, frame) + ": is JPEG, which mixes materials; haptic is RGB PNG");
     if (track.role != PlaneRole::colour && stored->interlaced)
         return input_error(where(track, frame) + ": is an interlaced PNG: must be a plain one to be touched");
@@ -164,13 +184,10 @@ Result<Plane> ImageFolderReader::plane(const Track& track, std::int64_t frame) c
 }
 
 Result<Plane> ImageFolderReader::fitted(const Track& track, std::int64_t frame, StoredImage stored) const {
-    const int bits = stored.bits;
-    if (track.role != PlaneRole::depth)
-        return fit_plane(track.role, plane_from(std::move(stored.image), bits), scene_, where(track, frame));
-    Image codes = values_.codes(std::move(stored));
-    const bool are_made = codes.bytes_per_sample == 2 && bits < 16;
-    return fit_plane(track.role, plane_from(std::move(codes), are_made ? 16 : bits), scene_,
-                     where(track, frame));
+    const bool is_made = track.role == PlaneRole::depth && values_.makes_codes();
+    const int bits = is_made ? 16 : stored.bits;
+    Image image = is_made ? values_.codes(std::move(stored)) : std::move(stored.image);
+    return fit_plane(track.role, plane_from(std::move(image), bits), scene_, where(track, frame));
 }
 
 Result<void> ImageFolderReader::seek(std::int64_t frame) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <fstream>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "engine/import/guessed_scene.hpp"
 #include "engine/import/image_folder.hpp"
 #include "engine/media/matroska_reader.hpp"
+#include "engine/media/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
@@ -41,14 +41,8 @@ struct Candidate {
 bool is_jpeg(const Candidate& candidate) {
     return candidate.begin.starts_with("\xff\xd8\xff");
 }
-/// By what a picture of depth begins with: PNG, PGM and PFM, TIFF, EXR, NumPy.
 bool is_picture(const Candidate& candidate) {
-    using namespace std::string_view_literals;
-    constexpr std::string_view begins[] = {
-        "\x89PNG\r\n\x1a\n"sv, "P2"sv,        "P5"sv,        "Pf"sv, "II*\0"sv, "MM\0*"sv,
-        "\x76\x2f\x31\x01"sv,  "\x93NUMPY"sv, "PK\x03\x04"sv};
-    return std::any_of(std::begin(begins), std::end(begins),
-                       [&](std::string_view begin) { return candidate.begin.starts_with(begin); });
+    return !picture_kind(candidate.begin).empty() && !is_jpeg(candidate);
 }
 /// Also one that is cut to nearly nothing, of which its reader tells best what is wrong.
 bool is_matroska(const Candidate& candidate) {

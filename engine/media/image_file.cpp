@@ -6,76 +6,16 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/media/decoded_picture.hpp"
 #include "engine/media/ffmpeg.hpp"
-#include "engine/media/picture_decoder.hpp"
-#include "engine/media/stored_image.hpp"
 
 namespace touchable {
 namespace {
-
-constexpr std::size_t largest_file = std::size_t{256} << 20;
 
 Error file_error(const std::filesystem::path& file, const std::string& what) {
     return input_error(file.string() + ": " + what);
 }
 Error out_of_memory() {
     return {ErrorKind::internal, "out of memory"};
-}
-
-Error too_large(const std::string& where) {
-    return input_error(where + ": is larger than 256 MiB: not a picture this program reads");
-}
-
-Image packed_grey(const PlaneView& plane) {
-    const auto row_bytes = static_cast<std::size_t>(plane.width * plane.bytes_per_sample);
-    Image image{plane.width, plane.height, plane.bytes_per_sample, 1, {}};
-    image.samples.resize(row_bytes * static_cast<std::size_t>(plane.height));
-    for (int y = 0; y < plane.height; ++y)
-        std::memcpy(image.samples.data() + row_bytes * static_cast<std::size_t>(y), plane.row(y), row_bytes);
-    return image;
-}
-
-/// The grey of formats that `grey_samples` does not see: 16 bits as PNG has them (high byte first), and grey
-/// with alpha. Nothing for other formats.
-std::optional<Image> grey_of_png(const AVFrame& frame) {
-    const bool deep = frame.format == AV_PIX_FMT_GRAY16BE || frame.format == AV_PIX_FMT_YA16BE;
-    const bool alpha = frame.format == AV_PIX_FMT_YA8 || frame.format == AV_PIX_FMT_YA16BE;
-    if (!deep && !alpha) return std::nullopt;
-    const int bytes = deep ? 2 : 1, step = alpha ? 2 * bytes : bytes;
-    Image image{frame.width, frame.height, bytes, 1, {}};
-    image.samples.resize(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height) *
-                         static_cast<std::size_t>(bytes));
-    std::uint8_t* to = image.samples.data();
-    for (int y = 0; y < frame.height; ++y) {
-        const std::uint8_t* from = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
-        for (int x = 0; x < frame.width; ++x, from += step, to += bytes) {
-            const auto sample = static_cast<std::uint16_t>(deep ? from[0] << 8 | from[1] : from[0]);
-            if (deep)
-                std::memcpy(to, &sample, 2);
-            else
-                *to = from[0];
-        }
-    }
-    return image;
-}
-
-Result<Image> image_from(const std::string& where, const AVFrame& frame) {
-    if (auto grey = grey_of_png(frame)) return std::move(*grey);
-    if (const auto plane = grey_samples(frame)) return packed_grey(*plane);
-    const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-    if (format.comp[0].depth == 8) {
-        auto rgb = rgb_converted(frame);
-        return rgb ? std::move(rgb) : input_error(where + ": " + rgb.error().message);
-    }
-    return input_error(where + ": has pixel format " + format_name(frame) +
-                       "; grey of 8 or 16 bits and colour of 8 bits are read");
-}
-
-/// FFmpeg spreads grey of 2 and 4 bits over 8.
-void gather(Image& image, int bits) {
-    const int step = 255 / ((1 << bits) - 1);
-    for (std::uint8_t& sample : image.samples) sample = static_cast<std::uint8_t>(sample / step);
 }
 
 /// What the PNG encoder takes: the plane's samples, those of 16 bits with their high byte first.
@@ -128,40 +68,17 @@ Result<PacketPtr> encode_png(const AVFrame& frame) {
 
 }  // namespace
 
-Result<std::string> read_picture_bytes(const std::filesystem::path& file) {
-    std::error_code failure;
-    const auto size = std::filesystem::file_size(file, failure);
-    if (failure) return file_error(file, "cannot be read: " + failure.message());
-    if (size == 0) return file_error(file, "is empty");
-    if (size > largest_file) return too_large(file.string());
-    std::string bytes(static_cast<std::size_t>(size), '\0');
-    std::ifstream in(file, std::ios::binary);
-    if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
-        return file_error(file, std::string("cannot be read: ") + std::strerror(errno));
-    return bytes;
-}
-
-Result<StoredImage> read_stored_image(const std::filesystem::path& file) {
-    const auto bytes = read_picture_bytes(file);
-    if (!bytes) return bytes.error();
-    return decode_stored_image(*bytes, file.string());
-}
-
-Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where) {
-    if (bytes.size() > largest_file) return too_large(where);
-    const auto picture = decode_picture(bytes, where);
-    if (!picture) return picture.error();
-    auto image = image_from(where, *picture->frame);
-    if (!image) return image.error();
-    if (picture->bits < 8) gather(*image, picture->bits);
-    return StoredImage{std::move(*image), avcodec_get_name(picture->codec), format_name(*picture->frame),
-                       picture->bits, picture->interlaced};
-}
-
-Result<Image> read_image(const std::filesystem::path& file) {
-    auto stored = read_stored_image(file);
-    if (!stored) return stored.error();
-    return std::move(stored->image);
+std::optional<Image> as_grey(const Image& image) {
+    if (image.channels == 1) return image;
+    const auto bytes = static_cast<std::size_t>(image.bytes_per_sample);
+    Image grey{image.width, image.height, image.bytes_per_sample, 1, {}};
+    grey.samples.resize(image.samples.size() / 3);
+    const std::uint8_t* from = image.samples.data();
+    for (std::size_t at = 0; at < grey.samples.size(); at += bytes, from += 3 * bytes) {
+        if (std::memcmp(from, from + bytes, 2 * bytes) != 0) return std::nullopt;
+        std::memcpy(grey.samples.data() + at, from, bytes);
+    }
+    return grey;
 }
 
 Result<void> write_png(NewFile& file, const PlaneView& image) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "engine/frame/plane_view.hpp"
@@ -27,8 +28,10 @@ struct Image {
     }
 };
 
-/// PNG or JPEG as stored: grey of 8 or 16 bits, or RGB of 8; palettes become RGB, alpha is dropped.
+/// A picture as stored: grey of 8 or 16 bits, or RGB of 8; palettes become RGB, alpha is dropped.
 Result<Image> read_image(const std::filesystem::path& file);
+/// Grey, or grey that is stored as RGB: red, green and blue the same everywhere. Nothing of colour.
+std::optional<Image> as_grey(const Image& image);
 /// Lossless. Grey of 8 or 16 bits, or RGB of 8. Whoever owns `file` commits it.
 Result<void> write_png(NewFile& file, const PlaneView& image);
 /// The same, and gives it its name, over an earlier file.
