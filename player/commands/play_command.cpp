@@ -77,7 +77,7 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
 /// A WAV file is written, so that its name says so.
 CLI::Validator ends_in_wav() {
     return {[](std::string& name) {
-                return std::filesystem::path(name).extension() == ".wav"
+                return CLI::detail::to_lower(std::filesystem::path(name).extension()) == ".wav"
                            ? std::string()
                            : name + " is no name of a WAV file; right would be one that ends in .wav";
             },
@@ -86,7 +86,7 @@ CLI::Validator ends_in_wav() {
 
 CLI::Validator ends_as_film() {
     return {[](std::string& name) {
-                const auto end = std::filesystem::path(name).extension();
+                const std::string end = CLI::detail::to_lower(std::filesystem::path(name).extension());
                 return end == ".mp4" || end == ".mkv"
                            ? std::string()
                            : name + " is no name of a film; right would be one that ends in .mp4 or .mkv";
@@ -208,7 +208,8 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     add_file_option(sub, "--settings", o.settings_file,
                     "where settings are kept from one window to the next, instead of this person's own file");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
-    add_file_option(sub, "--video", o.video, "keep what the window shows as this film, .mp4 or .mkv")
+    add_file_option(sub, "--video", o.video,
+                    "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
         ->check(ends_as_film());
     auto* kiosk = sub.add_flag("--kiosk", words.kiosk,
                                "for a place where nobody watches over it: full screen, again and again, an "

@@ -177,6 +177,12 @@ void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) 
     if (!begun_) {
         begun_ = end;
         begun_cpu_ms_ = thread_cpu_ms();
+        if (film_)
+            sound_->film(
+                [film = film_.get()](std::int64_t first, std::span<const StereoSample> samples) {
+                    film->add_sound(first, samples);
+                },
+                end);
         figures_.first_picture_ms = 1000 * seconds_between(asked_for_, end);
     }
     ++figures_.pictures;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/media/image_file.hpp"
+#include "engine/media/sound_track.hpp"
 #include "player/session/recording.hpp"
 #include "player/session/repeating_hand.hpp"
 #include "tests/media/film_reader.hpp"
@@ -293,11 +294,12 @@ TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
     EXPECT_EQ(kept.code, 2);
 }
 
-TEST(HeadlessWindow, FilmShowsWhatTheWindowDid) {
+TEST(HeadlessWindow, FilmShowsWhatTheWindowDidAndSoundsAsIt) {
     const TemporaryFolder folder;
     const std::string film = (folder / "film.mkv").string();
     // The other size, and the panel in the right half from then on.
-    const Shot shot = shot_of(still(), "0.5 size 640x480\n0.5 panel\n", "1", {"--video", film});
+    const Shot shot = shot_of(still(), "0 move 160 130\n0.2 press left\n0.5 size 640x480\n0.5 panel\n", "1",
+                              {"--video", film});
     EXPECT_NE(shot.outcome.out.find("film "), std::string::npos) << shot.outcome.out;
     const auto seen = seen_in_film(film);
     ASSERT_GE(seen.size(), 30U);
@@ -314,6 +316,14 @@ TEST(HeadlessWindow, FilmShowsWhatTheWindowDid) {
     EXPECT_GT(light_in(seen.front(), 100, 220), 30) << "black";
     EXPECT_GT(light_in(seen.back(), 100, 180), 20) << "black";
     EXPECT_GT(std::abs(light_in(seen.front(), 210, 310) - light_in(seen.back(), 210, 310)), 3) << "no panel";
+    auto track = SoundTrack::open(film);
+    ASSERT_TRUE(track.ok() && *track);
+    std::vector<StereoSample> heard(48'000);
+    (*track)->read(heard);
+    const auto is_silent = [](const StereoSample& sample) { return sample.left == 0 && sample.right == 0; };
+    const auto first = std::find_if_not(heard.begin(), heard.end(), is_silent) - heard.begin();
+    EXPECT_GE(first, 0.2 * 48'000) << "before the finger pressed";
+    EXPECT_LT(first, 48'000) << "no tap";
     const auto refused = run_touchable({"play", still().string(), "--headless", "--seconds", "0.2", "--video",
                                         (folder / "film.avi").string()});
     EXPECT_EQ(refused.code, 2);
