@@ -94,11 +94,21 @@ CLI::Validator ends_as_film() {
             ""};
 }
 
+bool ends_by_itself(const std::vector<ScriptedInput>& script) {
+    return std::any_of(script.begin(), script.end(), [](const ScriptedInput& input) {
+        const auto* const command = std::get_if<WindowCommand>(&input.what);
+        return command && command->verb == WindowVerb::quit;
+    });
+}
+
 Result<PlayOptions> read_words(const PlayWords& words) {
     for (const double number : {words.seconds_value, words.options.screenshot_s})
         if (std::isnan(number)) return usage_error("--seconds and --at must be numbers");
     for (const double number : words.idle)
         if (std::isnan(number)) return usage_error("--idle must be two numbers");
+    if (!words.idle.empty() && words.idle[1] < words.idle[0])
+        return usage_error(
+            "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
     PlayOptions options = words.options;
     const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
     if (!size.ok()) return size.error();
@@ -125,9 +135,11 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         if (!words.idle.empty()) options.kiosk = KioskTimes{words.idle[0], words.idle[1]};
     }
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
-    if (options.headless && !options.seconds)
+    if (options.headless && !options.seconds && !ends_by_itself(options.script))
         return usage_error(
-            "--headless: nobody can close what nobody sees; --seconds or --screenshot says when it ends");
+            "--headless: nobody can close what nobody sees; --seconds, --screenshot, or quit in --script "
+            "says "
+            "when it ends");
     if (auto free = check_files(options, words.script); !free.ok()) return free.error();
     return options;
 }

@@ -78,6 +78,7 @@ private:
     void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
     KeptSettings to_keep() const;
+    Error interruption() const;
     void say(std::string words, bool bad = false);
     /// What was refused.
     void say(const Result<void>& done);
