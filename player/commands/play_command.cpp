@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/printable.hpp"
 #include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/file_option.hpp"
@@ -188,6 +189,9 @@ Result<void> run_play(PlayOptions options) {
     if (!figures.ok()) return figures.error();
     print(*figures);
     print_film(*figures);
+    // Otherwise it was told when it was met.
+    if (!figures->sound_fault.empty() && !options.headless && !options.kiosk)
+        std::cerr << "touchable: warning: " << printable(figures->sound_fault, 500) << '\n';
     if (!figures->not_kept.empty())
         std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';
     return {};

@@ -24,7 +24,7 @@ std::vector<std::string> place_words(const OpenedClip& clip, const WatchedMoment
     if (!pointer) return {};
     const auto met = pick(field, camera, pointer->x, pointer->y);
     if (!met) return {};
-    if (!met->drawn) return {"hole"};
+    if (!met->drawn) return {"no depth here:", "nothing to touch"};
     const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
     const PixelValues values = values_at(field, moment.held.pair, x, y);
     std::vector<std::string> lines{words_of("pixel %d, %d", x, y)};

@@ -26,8 +26,6 @@ Result<void> WindowLoop::open() {
     ask_for_clip(options_.session.clip);
     if (auto opened = open_parts(); !opened.ok()) return opened;
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
-    if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
-        say(playback_->toggle_loop());
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
@@ -135,9 +133,18 @@ Result<void> WindowLoop::turn() {
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     go_on_opening();
+    note_sound();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
     if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
     return {};
+}
+
+/// Once for each clip.
+void WindowLoop::note_sound() {
+    const std::string fault = sound_->clip_fault();
+    if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
+    if (figures_.sound_fault.empty()) figures_.sound_fault = fault;
+    say(fault, true);
 }
 
 double WindowLoop::now_s() const {
@@ -219,7 +226,9 @@ void WindowLoop::say(const Result<void>& done) {
 
 void WindowLoop::say(std::string words, bool bad) {
     // Who sees no window, or is no visitor, is told what went wrong all the same.
-    if (bad && (options_.headless || kiosk_))
+    constexpr std::size_t most_told = 100;
+    const bool is_told = bad && kiosk_ && (told_.size() == most_told || !told_.insert(words).second);
+    if (bad && (options_.headless || kiosk_) && !is_told)
         std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
     message_ = std::move(words);
     message_is_bad_ = bad;

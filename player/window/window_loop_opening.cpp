@@ -130,6 +130,8 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     picture_.forget();
     frames_shown_.forget();
     playback_.emplace(*clip_);
+    if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
+        say(playback_->toggle_loop());
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
     return {};

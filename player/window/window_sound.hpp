@@ -43,6 +43,8 @@ public:
     /// No finger is heard; the clip's own sound is.
     void silence_fingers(bool silent) { fingers_silent_.store(silent, std::memory_order_relaxed); }
     bool is_muted() const { return muted_.load(std::memory_order_relaxed); }
+    /// Why a clip with a sound track is silent, or in part; otherwise nothing.
+    std::string clip_fault() const { return clip_->fault(); }
     /// In a few words, for a person.
     std::string state() const;
     /// Completes the file. After the last session's end.
