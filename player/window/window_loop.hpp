@@ -10,6 +10,7 @@
 
 #include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
+#include "player/window/force_scale.hpp"
 #include "player/window/frames_shown.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/kept_settings.hpp"
@@ -145,6 +146,7 @@ private:
     Clock::time_point frame_came_at_;
     FramesShown frames_shown_;
     PictureGovernor governor_;
+    ForceScale force_scale_;
     PlayFigures figures_;
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
     ClipOpening<Ready> opening_;  // ends before what it works on

@@ -21,6 +21,8 @@ constexpr const char* first_words =
     "move over the picture, and hold the left button to touch it; ? shows all keys";
 
 constexpr const char* end_words = "the end: Space plays it again, L repeats it";
+constexpr const char* end_first_words =
+    "the end: Space plays it again; hold the left button over the picture to touch it";
 
 }  // namespace
 
@@ -142,6 +144,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.in_effect.b_is_on;
+    facts.most_newtons = force_scale_.most_newtons(facts.forces, now_s());
     facts.figures.push_back(sound_->state());
     facts.is_kiosk = kiosk_.has_value();
     if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
@@ -160,7 +163,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     if (failure)
         facts.message = failure->message;
     else if (!clip_->fingers().was_pressed())
-        facts.message = first_words;
+        facts.message = facts.at_end ? end_first_words : first_words;
     else if (facts.at_end)
         facts.message = end_words;
     return facts;
