@@ -86,9 +86,11 @@ Result<void> WindowLoop::draw_opening() {
         return drawn;
     PanelFacts facts;
     if (!kiosk_) facts.message = opening_.words() + " ...";
-    layer_->begin(size.width, size.height, 0.02, {});
-    panel_->draw_message(facts, static_cast<float>(size.width));
-    layer_->end();
+    for (int k = 0; k < 2; ++k) {  // a box of words has its size the second time
+        layer_->begin(size.width, size.height, 0.02, {});
+        panel_->draw_message(facts, static_cast<float>(size.width));
+        layer_->end();
+    }
     return graphics.finish();
 }
 
