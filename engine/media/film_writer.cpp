@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/film_sound.hpp"
 #include "engine/media/track_codecs.hpp"
 #include "engine/media/track_encoder.hpp"
 
@@ -14,6 +15,9 @@ namespace {
 
 /// Where players can begin, in pictures.
 constexpr std::int64_t film_access_interval = 2 * FilmWriter::pictures_per_second;
+constexpr std::int64_t samples_per_picture = SoundTrack::rate / FilmWriter::pictures_per_second;
+/// Pictures and sound lie no farther apart in the file.
+constexpr std::int64_t most_pictures_apart = 2 * FilmWriter::pictures_per_second;
 
 int even(double side) {
     return std::max(2, static_cast<int>(std::floor(side)) / 2 * 2);
@@ -31,6 +35,7 @@ public:
     FfmpegFilm(const std::filesystem::path& file, Existing existing) : output_(file, existing) {}
     Result<void> open(const char* format);
     Result<void> add(const PlaneView& picture, std::int64_t place) override;
+    Result<void> add_sound(std::int64_t sample, std::span<const StereoSample> samples) override;
     Result<void> finish(std::int64_t end) override;
 
 private:
@@ -45,6 +50,7 @@ private:
     NewFile output_;
     std::unique_ptr<AVFormatContext, FilmCloser> muxer_;
     CodecPtr codec_;
+    FilmSound sound_;
     FramePtr picture_;  // the newest, as it is encoded
     ScalerPtr scaler_;
     int from_width_ = 0, from_height_ = 0;  // of what the scaler takes
@@ -83,6 +89,8 @@ Result<void> FfmpegFilm::begin(int width, int height) {
         return refuse("out of memory");
     stream->time_base = codec_->time_base;
     stream->avg_frame_rate = codec_->framerate;
+    const bool is_exact = std::strcmp(muxer_->oformat->name, "matroska") == 0;
+    if (auto opened = check_status(sound_.open(*muxer_, is_exact)); !opened.ok()) return opened;
     return check_status(avformat_write_header(muxer_.get(), nullptr));
 }
 
@@ -123,6 +131,8 @@ Result<void> FfmpegFilm::fit(const PlaneView& picture) {
 /// The newest picture.
 Result<void> FfmpegFilm::repeat_until(std::int64_t end) {
     for (; next_ < end; ++next_) {
+        const std::int64_t least_heard = (next_ - most_pictures_apart) * samples_per_picture;
+        if (auto filled = check_status(sound_.fill_until(least_heard)); !filled.ok()) return filled;
         picture_->pts = next_;
         picture_->pict_type = next_ % film_access_interval == 0 ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
         PacketPtr packet(av_packet_alloc());
@@ -133,7 +143,8 @@ Result<void> FfmpegFilm::repeat_until(std::int64_t end) {
         packet->stream_index = 0;
         packet->duration = 1;
         av_packet_rescale_ts(packet.get(), codec_->time_base, muxer_->streams[0]->time_base);
-        if (auto written = check_status(av_write_frame(muxer_.get(), packet.get())); !written.ok())
+        if (auto written = check_status(av_interleaved_write_frame(muxer_.get(), packet.get()));
+            !written.ok())
             return written;
     }
     return {};
@@ -148,9 +159,24 @@ Result<void> FfmpegFilm::add(const PlaneView& picture, std::int64_t place) {
     return fit(picture);
 }
 
+Result<void> FfmpegFilm::add_sound(std::int64_t sample, std::span<const StereoSample> samples) {
+    if (!picture_) return refuse("its sound came before its first picture");
+    const std::int64_t late = std::clamp<std::int64_t>(sound_.next() - sample, 0, std::ssize(samples));
+    samples = samples.subspan(static_cast<std::size_t>(late));
+    if (samples.empty()) return {};
+    const std::int64_t end = sample + late + std::ssize(samples);
+    if (auto repeated = repeat_until(end / samples_per_picture - most_pictures_apart); !repeated.ok())
+        return repeated;
+    if (auto filled = check_status(sound_.fill_until(sample)); !filled.ok()) return filled;
+    return check_status(sound_.add(samples));
+}
+
 Result<void> FfmpegFilm::finish(std::int64_t end) {
     if (!picture_) return refuse("there was no picture");
     if (auto repeated = repeat_until(std::max(end, next_ + 1)); !repeated.ok()) return repeated;
+    if (auto filled = check_status(sound_.fill_until(next_ * samples_per_picture)); !filled.ok())
+        return filled;
+    if (auto heard = check_status(sound_.finish()); !heard.ok()) return heard;
     if (auto written = check_status(av_write_trailer(muxer_.get())); !written.ok()) return written;
     const int status = avio_closep(&muxer_->pb);
     if (status < 0) return refuse(ffmpeg_text(status));
@@ -161,8 +187,11 @@ Result<void> FfmpegFilm::finish(std::int64_t end) {
 
 Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& file, Existing existing) {
     silence_ffmpeg();
-    const bool is_mp4 = file.extension() == ".mp4";
-    if (!is_mp4 && file.extension() != ".mkv")
+    std::string end = file.extension().string();
+    for (char& letter : end)
+        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+    const bool is_mp4 = end == ".mp4";
+    if (!is_mp4 && end != ".mkv")
         return usage_error(file.string() +
                            " is no name of a film; right would be one that ends in .mp4 or .mkv");
     auto film = std::make_unique<FfmpegFilm>(file, existing);

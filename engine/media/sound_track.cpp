@@ -113,11 +113,14 @@ public:
         }
     }
 
+    bool is_damaged() const override { return is_damaged_; }
+
 private:
     /// Takes one frame out of the decoder, or puts a packet into it.
     void decode() {
         const int status = avcodec_receive_frame(decoder_.get(), frame_.get());
         if (status >= 0) return take();
+        if (status != AVERROR(EAGAIN) && status != AVERROR_EOF) note_fault();
         if (status == AVERROR_EOF || (status != AVERROR(EAGAIN) && ++faults_ > most_faults)) {
             ended_ = true;
             return;
@@ -130,8 +133,11 @@ private:
             }
         } while (packet_->stream_index != stream_.index);
         // What cannot be decoded is left out; the times of what follows make up for it.
-        (void)avcodec_send_packet(decoder_.get(), packet_.get());
+        if (avcodec_send_packet(decoder_.get(), packet_.get()) < 0) note_fault();
     }
+
+    /// After a jump a decoder may lack what came before, which is no damage.
+    void note_fault() { is_damaged_ = is_damaged_ || next_.has_value(); }
 
     /// Resamples the frame, and leaves out what nobody waits for any more.
     void take() {
@@ -197,7 +203,7 @@ private:
     std::optional<std::int64_t> next_;  // that the next frame begins with, unless it says otherwise
     std::vector<StereoSample> decoded_;
     std::int64_t begin_ = 0;  // that they begin with
-    bool ended_ = false;
+    bool ended_ = false, is_damaged_ = false;
     int faults_ = 0;  // of the decoder since the last seek
 };
 

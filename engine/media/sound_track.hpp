@@ -29,6 +29,8 @@ public:
     virtual void seek(std::int64_t sample) = 0;
     /// Fills `to` with what follows. What is damaged, before the track's begin or after its end is silence.
     virtual void read(std::span<StereoSample> to) = 0;
+    /// Whether any of what was read so far is silent because it is damaged.
+    virtual bool is_damaged() const = 0;
 };
 
 }  // namespace touchable

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/printable.hpp"
 #include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/file_option.hpp"
@@ -77,7 +78,7 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
 /// A WAV file is written, so that its name says so.
 CLI::Validator ends_in_wav() {
     return {[](std::string& name) {
-                return std::filesystem::path(name).extension() == ".wav"
+                return CLI::detail::to_lower(std::filesystem::path(name).extension()) == ".wav"
                            ? std::string()
                            : name + " is no name of a WAV file; right would be one that ends in .wav";
             },
@@ -86,7 +87,7 @@ CLI::Validator ends_in_wav() {
 
 CLI::Validator ends_as_film() {
     return {[](std::string& name) {
-                const auto end = std::filesystem::path(name).extension();
+                const std::string end = CLI::detail::to_lower(std::filesystem::path(name).extension());
                 return end == ".mp4" || end == ".mkv"
                            ? std::string()
                            : name + " is no name of a film; right would be one that ends in .mp4 or .mkv";
@@ -94,11 +95,21 @@ CLI::Validator ends_as_film() {
             ""};
 }
 
+bool ends_by_itself(const std::vector<ScriptedInput>& script) {
+    return std::any_of(script.begin(), script.end(), [](const ScriptedInput& input) {
+        const auto* const command = std::get_if<WindowCommand>(&input.what);
+        return command && command->verb == WindowVerb::quit;
+    });
+}
+
 Result<PlayOptions> read_words(const PlayWords& words) {
     for (const double number : {words.seconds_value, words.options.screenshot_s})
         if (std::isnan(number)) return usage_error("--seconds and --at must be numbers");
     for (const double number : words.idle)
         if (std::isnan(number)) return usage_error("--idle must be two numbers");
+    if (!words.idle.empty() && words.idle[1] < words.idle[0])
+        return usage_error(
+            "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
     PlayOptions options = words.options;
     const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
     if (!size.ok()) return size.error();
@@ -125,9 +136,11 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         if (!words.idle.empty()) options.kiosk = KioskTimes{words.idle[0], words.idle[1]};
     }
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
-    if (options.headless && !options.seconds)
+    if (options.headless && !options.seconds && !ends_by_itself(options.script))
         return usage_error(
-            "--headless: nobody can close what nobody sees; --seconds or --screenshot says when it ends");
+            "--headless: nobody can close what nobody sees; --seconds, --screenshot, or quit in --script "
+            "says "
+            "when it ends");
     if (auto free = check_files(options, words.script); !free.ok()) return free.error();
     return options;
 }
@@ -176,6 +189,9 @@ Result<void> run_play(PlayOptions options) {
     if (!figures.ok()) return figures.error();
     print(*figures);
     print_film(*figures);
+    // Otherwise it was told when it was met.
+    if (!figures->sound_fault.empty() && !options.headless && !options.kiosk)
+        std::cerr << "touchable: warning: " << printable(figures->sound_fault, 500) << '\n';
     if (!figures->not_kept.empty())
         std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';
     return {};
@@ -208,7 +224,8 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     add_file_option(sub, "--settings", o.settings_file,
                     "where settings are kept from one window to the next, instead of this person's own file");
     add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
-    add_file_option(sub, "--video", o.video, "keep what the window shows as this film, .mp4 or .mkv")
+    add_file_option(sub, "--video", o.video,
+                    "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
         ->check(ends_as_film());
     auto* kiosk = sub.add_flag("--kiosk", words.kiosk,
                                "for a place where nobody watches over it: full screen, again and again, an "

@@ -50,17 +50,26 @@ Meaning meaning_of(Overlay kind, const Scene& scene) {
     }
 }
 
+struct SeenRange {
+    ValueRange shown, all;
+};
+
 /// Over some thirty thousand of the pixels; of depths without the outermost ones, nor what is at the far
 /// plane, where backgrounds are.
-ValueRange seen_range(Scalar scalar, const HeightField& field, ScalarRows& rows, std::vector<float>& row) {
+SeenRange seen_range(Scalar scalar, const HeightField& field, ScalarRows& rows, std::vector<float>& row) {
     const int step = 1 + std::max(field.width(), field.height()) / 256;
     const auto most = static_cast<float>(scalar == Scalar::depth ? 0.999 * field.scene().depth.far
                                                                  : std::numeric_limits<float>::max());
     std::vector<float> values;
+    float least = std::numeric_limits<float>::max(), greatest = std::numeric_limits<float>::lowest();
     for (int y = step / 2; y < field.height(); y += step) {
         rows.read(y, row.data());
-        for (int x = step / 2; x < field.width(); x += step)
-            if (const float value = row[static_cast<std::size_t>(x)]; value < most) values.push_back(value);
+        for (int x = step / 2; x < field.width(); x += step) {
+            const float value = row[static_cast<std::size_t>(x)];
+            if (value < most) values.push_back(value);
+            if (value < least) least = value;
+            if (value > greatest) greatest = value;
+        }
     }
     if (values.empty()) return {};
     const auto quantile = [&](std::size_t percent) {
@@ -69,7 +78,8 @@ ValueRange seen_range(Scalar scalar, const HeightField& field, ScalarRows& rows,
         return static_cast<double>(*at);
     };
     const std::size_t outermost = scalar == Scalar::depth ? 1 : 0;
-    return {quantile(outermost), quantile(100 - outermost)};
+    return {{quantile(outermost), quantile(100 - outermost)},
+            {static_cast<double>(least), static_cast<double>(greatest)}};
 }
 
 /// Ends that are farther apart than what roundings make.
@@ -129,12 +139,14 @@ void Overlays::paint_values(Overlay kind, const HeightField& field, const FrameP
     std::vector<float> row(static_cast<std::size_t>(width));
     std::vector<std::uint32_t> indices(row.size());
     rows_.begin(meaning.scalar, field, pair);
-    const ValueRange range = apart(
-        ranges_[static_cast<std::size_t>(kind)].update(seen_range(meaning.scalar, field, rows_, row), field));
+    const SeenRange seen = seen_range(meaning.scalar, field, rows_, row);
+    const ValueRange range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
     OverlayScale& scale = picture_.scale;
     scale.name = meaning.name;
     scale.unit = meaning.unit;
     scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
+    scale.is_less = range.greatest > range.least && seen.all.least < range.least;
+    scale.is_more = range.greatest > range.least && seen.all.greatest > range.greatest;
     scale.least_is_light = kind == Overlay::depth;  // what is near is light
     std::array<PackedColour, 257> colours{};
     for (std::size_t k = 0; k < 256; ++k) colours[k] = colour_ramp()[scale.least_is_light ? 255 - k : k];

@@ -39,11 +39,12 @@ struct OverlayScale {
         PackedColour colour;
         std::string words;
     };
-    std::string name;  ///< "depth"
-    std::string unit;  ///< "mm"; may be empty
-    ValueRange range;  ///< in that unit; two equal ends: it is the same everywhere
+    std::string name;                       ///< "depth"
+    std::string unit;                       ///< "mm"; may be empty
+    ValueRange range;                       ///< in that unit; two equal ends: it is the same everywhere
     bool least_is_light = false;
     std::vector<Class> classes;  ///< where there are any there is no scale
+    bool is_less = false, is_more = false;  ///< some of what is seen lies beyond that end, and has its colour
 
     /// Where a value is on the ramp, 0 to 1; of what is the same everywhere, the middle.
     double share_of(double value) const;

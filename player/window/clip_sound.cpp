@@ -102,6 +102,7 @@ void ClipSound::run() {
         Block& to = place_of(*number);
         to.number = *number;
         to.samples = samples;
+        if (track->is_damaged()) fault_ = file_.string() + ": its sound is damaged, and silent where it is";
     }
 }
 

@@ -31,7 +31,7 @@ public:
     /// Copies the samples from `first` on; silence where there are none, or none yet, which is false. Any
     /// thread; waits for no decoding.
     bool read(std::int64_t first, std::span<StereoSample> to);
-    /// Why a clip with a sound track is silent; otherwise nothing. Any thread.
+    /// Why a clip with a sound track is silent, or in part; otherwise nothing. Any thread.
     std::string fault() const;
 
     static constexpr std::int64_t block = 4096;  ///< samples that are decoded at once

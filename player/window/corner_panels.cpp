@@ -23,6 +23,11 @@ std::string short_text(const char* format, Values... values) {
     return words;
 }
 
+/// `beyond`: what lies there has the same colour.
+std::string end_of_scale(double value, const char* beyond) {
+    return beyond + short_text("%.4g", value);
+}
+
 /// A key's name as keyboards print it.
 std::string printed(std::string key) {
     if (key[0] >= 'a' && key[0] <= 'z') key[0] = static_cast<char>(key[0] - 'a' + 'A');
@@ -153,8 +158,8 @@ void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom,
                                ramp_colour(scale_of.least_is_light ? 1 - share : share));
         }
         ImGui::Dummy(ImVec2(wide, tall));
-        const std::string least = short_text("%.4g", scale_of.range.least),
-                          most = short_text("%.4g", scale_of.range.greatest);
+        const std::string least = end_of_scale(scale_of.range.least, scale_of.is_less ? "< " : ""),
+                          most = end_of_scale(scale_of.range.greatest, scale_of.is_more ? "> " : "");
         ImGui::TextDisabled("%s", least.c_str());
         ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + wide - ImGui::CalcTextSize(most.c_str()).x);
         ImGui::TextDisabled("%s", most.c_str());

@@ -35,19 +35,23 @@ void draw_circle(ImDrawList& list, const glm::dvec2& at, double radius, double f
 }
 
 /// On a ground of its own, to be read on any surface.
-void draw_newtons(ImDrawList& list, ImVec2 at, double newtons, float scale) {
+void draw_newtons(ImDrawList& list, const FingerHalo& halo, double ring, std::vector<LabelBox>& labels,
+                  float scale) {
     char words[32];
-    std::snprintf(words, sizeof words, "%.1f N", newtons);
-    const ImVec2 size = ImGui::CalcTextSize(words);
+    std::snprintf(words, sizeof words, "%.1f N", halo.newtons);
+    const ImVec2 text = ImGui::CalcTextSize(words);
     const float x = 5 * scale, y = 2 * scale;
-    list.AddRectFilled(ImVec2(at.x, at.y - size.y / 2 - y),
-                       ImVec2(at.x + size.x + 2 * x, at.y + size.y / 2 + y), IM_COL32(14, 17, 22, 190),
-                       5 * scale);
-    list.AddText(ImVec2(at.x + x, at.y - size.y / 2), light_ink, words);
+    const glm::dvec2 size(text.x + 2 * x, text.y + 2 * y);
+    const auto place = place_label(halo.at, ring + 5.0 * static_cast<double>(scale), size, labels);
+    if (!place) return;
+    labels.push_back({*place, *place + size});
+    const ImVec2 at = point(*place);
+    list.AddRectFilled(at, point(*place + size), IM_COL32(14, 17, 22, 190), 5 * scale);
+    list.AddText(ImVec2(at.x + x, at.y + y), light_ink, words);
 }
 
 /// The force of an arrow that is too short on the screen to tell it.
-void draw_end_on(ImDrawList& list, const FingerHalo& halo, double ring, float scale) {
+void draw_end_on(ImDrawList& list, const FingerHalo& halo, float scale) {
     const float arm = static_cast<float>(halo.radius) * 0.42F;
     const ImVec2 at = point(halo.at);
     if (halo.towards_eye) {
@@ -60,10 +64,27 @@ void draw_end_on(ImDrawList& list, const FingerHalo& halo, double ring, float sc
             list.AddLine(ImVec2(at.x - arm, at.y + arm), ImVec2(at.x + arm, at.y - arm), ink, thick);
         }
     }
-    draw_newtons(list, ImVec2(at.x + static_cast<float>(ring) + 5 * scale, at.y), halo.newtons, scale);
 }
 
 }  // namespace
+
+std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const glm::dvec2& size,
+                                      std::span<const LabelBox> taken) {
+    const glm::dvec2 half = size / 2.0;
+    const glm::dvec2 places[] = {{at.x + gap, at.y - half.y},
+                                 {at.x - gap - size.x, at.y - half.y},
+                                 {at.x - half.x, at.y - gap - size.y},
+                                 {at.x - half.x, at.y + gap}};
+    for (const glm::dvec2& least : places) {
+        const glm::dvec2 most = least + size;
+        const bool is_free = std::none_of(taken.begin(), taken.end(), [&](const LabelBox& other) {
+            return least.x < other.most.x && other.least.x < most.x && least.y < other.most.y &&
+                   other.least.y < most.y;
+        });
+        if (is_free) return least;
+    }
+    return std::nullopt;
+}
 
 std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const MarkSizes& sizes,
                                      const HeightField& field, const ViewCamera& camera) {
@@ -91,8 +112,13 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
     constexpr double all = 2 * std::numbers::pi, least_newtons = 0.05;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const auto ring_of = [scale](const FingerHalo& halo) {
+        return halo.radius + 2.0 * static_cast<double>(scale);
+    };
+    std::vector<LabelBox> taken;  // by rings, and by labels
+    for (const FingerHalo& halo : halos) taken.push_back({halo.at - ring_of(halo), halo.at + ring_of(halo)});
     for (const FingerHalo& halo : halos) {
-        const double ring = halo.radius + 2.0 * static_cast<double>(scale);
+        const double ring = ring_of(halo);
         const double length = glm::length(halo.arrow);
         const bool pushes = halo.touching && halo.newtons > least_newtons;
         const bool end_on = length < 1.9 * halo.radius;
@@ -104,7 +130,9 @@ void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
         }
         draw_circle(list, halo.at, ring + static_cast<double>(scale), from, to, 2.2F * scale, dark_ink);
         draw_circle(list, halo.at, ring, from, to, (halo.touching ? 2.0F : 1.4F) * scale, light_ink);
-        if (pushes && end_on) draw_end_on(list, halo, ring, scale);
+        if (!pushes || !end_on) continue;
+        draw_end_on(list, halo, scale);
+        draw_newtons(list, halo, ring, taken, scale);
     }
 }
 

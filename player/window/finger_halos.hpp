@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec2.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,9 +26,18 @@ struct FingerHalo {
 std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const MarkSizes& sizes,
                                      const HeightField& field, const ViewCamera& camera);
 
+/// What is taken of a picture, pixels.
+struct LabelBox {
+    glm::dvec2 least, most;
+};
+/// The upper left of a label of this size beside `at`, `gap` from it: to the right, the left, above or below,
+/// where nothing is taken. Nothing where all of that is.
+std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const glm::dvec2& size,
+                                      std::span<const LabelBox> taken);
+
 /// Below all panels, between ImGuiLayer's `begin` and `draw`. A force whose arrow is seen end on is told by a
 /// point in a circle, as the tip of an arrow that comes, or a cross, as the feathers of one that goes, and by
-/// its newtons.
+/// its newtons, where there is room.
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale);
 
 }  // namespace touchable

@@ -84,6 +84,8 @@ public:
     }
 
     Result<void> health() const override {
+        if (connection_.has_lost_window())
+            return Error{ErrorKind::gpu, "another program has destroyed the window"};
         if (!connection_.is_lost()) return {};
         return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
     }

@@ -70,6 +70,14 @@ SessionOptions OpenedClip::session_options(const FeltSettings& felt) const {
     return with_felt(std::move(session), felt);
 }
 
+/// The arrow of the greatest force stays within a third of the picture.
+MarkSizes OpenedClip::sizes_for(double max_newtons) const {
+    constexpr double whole_newtons = 5;  // up to that an arrow is as long as in any picture
+    MarkSizes sizes = mark_sizes(*scene_, middle_);
+    sizes.length_per_newton *= std::min(1.0, whole_newtons / max_newtons);
+    return sizes;
+}
+
 /// What a setup says of the clip by these settings.
 void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
     scene_ = setup.scene;
@@ -98,7 +106,8 @@ Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_to
     if (!first.ok()) return first.error();
     const Subject subject = subject_of(HeightField(*scene_, *first));
     view_.emplace(*scene_, subject.middle);
-    sizes_ = mark_sizes(*scene_, subject.middle);
+    middle_ = subject.middle;
+    sizes_ = sizes_for(s.settings.guard.max_force);
     ready_ = std::move(*setup);
     return {};
 }
@@ -229,6 +238,7 @@ Result<void> OpenedClip::take(Change change) {
     constexpr std::int64_t least_ns = 20'000'000, most_ns = 3'000'000'000;
     reading_ns_ = std::clamp(change.reading_ns, least_ns, most_ns);
     take_over(session_->setup(), change.felt);
+    sizes_ = sizes_for(session_->setup().settings.guard.max_force);
     trails_ = FingerTrails();
     if (!goes_on_to(change, now)) lead_from(change, now);
     return {};

@@ -100,6 +100,7 @@ private:
     void begin_listening();
     void lead_from(const Change& change, const PlaybackState& to);
     nlohmann::ordered_json facts_of_part() const;
+    MarkSizes sizes_for(double max_newtons) const;
 
     /// `--record`, and the hash that the forces of a part must have again.
     class Record final : public TouchSink {
@@ -126,6 +127,7 @@ private:
     std::optional<PointerFingers> fingers_;
     std::optional<WindowView> view_;
     FingerTrails trails_;
+    glm::dvec3 middle_{0.0};  // of what is seen, at first
     MarkSizes sizes_{};
     std::unique_ptr<TouchSetup> ready_;  // until it is begun
     WatchedFigures ended_;               // of the sessions before

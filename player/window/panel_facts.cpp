@@ -24,7 +24,7 @@ std::vector<std::string> place_words(const OpenedClip& clip, const WatchedMoment
     if (!pointer) return {};
     const auto met = pick(field, camera, pointer->x, pointer->y);
     if (!met) return {};
-    if (!met->drawn) return {"hole"};
+    if (!met->drawn) return {"no depth here:", "nothing to touch"};
     const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
     const PixelValues values = values_at(field, moment.held.pair, x, y);
     std::vector<std::string> lines{words_of("pixel %d, %d", x, y)};
@@ -55,14 +55,6 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
                 (picture.graphics().gpu().empty() ? "the CPU" : picture.graphics().gpu())};
 }
 
-/// A round number of newtons that the bar goes up to.
-double bar_newtons(const std::vector<double>& forces) {
-    const double most = forces.empty() ? 0 : *std::max_element(forces.begin(), forces.end());
-    double bar = 2;
-    while (bar < most) bar = bar < 5 ? 5 : (bar < 10 ? 10 : bar * 2);
-    return bar;
-}
-
 }  // namespace
 
 PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const WatchedMoment& moment,
@@ -86,7 +78,6 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
         std::min(moment.felt.fingers.size(), static_cast<std::size_t>(clip.fingers().count()));
     for (std::size_t k = 0; k < fingers; ++k)
         facts.forces.push_back(glm::length(moment.felt.fingers[k].force.force));
-    facts.most_newtons = bar_newtons(facts.forces);
     facts.place.lines = place_words(clip, moment, field, camera);
     facts.felt = {clip.felt().values(), clip.in_effect(), clip.filters()};
     facts.figures = figure_words(clip, picture, moment);

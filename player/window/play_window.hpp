@@ -67,6 +67,7 @@ struct PlayFigures {
     double tick_late_us_p99 = 0;
     std::int64_t film_pictures = 0, film_left_out = 0;
     std::string painter, gpu, builder;  ///< gpu: that draws; empty: none
+    std::string sound_fault;            ///< the first of all clips' own sound; empty: none
     std::string not_kept;               ///< why settings could not be kept; empty: they are
     std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };

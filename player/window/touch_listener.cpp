@@ -9,6 +9,9 @@ namespace {
 
 constexpr double seconds_per_tick = 0.001;
 constexpr double creep = 1e-4;  // m/s: slower than that it is stuck
+/// From a session's begin on, in which forces come back by the guard's ramp: what is new then is the surface,
+/// and no finger has met it.
+constexpr std::int64_t settling_ticks = 100;
 
 }  // namespace
 
@@ -42,6 +45,7 @@ HeardFinger TouchListener::hear(const TouchTick& tick, std::size_t finger) {
         heard.newtons = static_cast<float>(std::sqrt(std::max(newtons * newtons - along * along, 0.0)));
         if (before.stuck && heard.slip > creep) heard.let_go = static_cast<float>(changed);
     }
+    if (tick.tick < settling_ticks) heard.met = heard.change = heard.let_go = 0;
     before = {contact.touching, stays && heard.slip <= creep, contact.goal, force};
     return heard;
 }

@@ -23,6 +23,7 @@ public:
     void begin(PlaybackClock clock, std::int64_t end_ns) {
         clock_ = std::move(clock);
         end_ns_ = end_ns;
+        sound_.begin_session();
         begun_.store(true, std::memory_order_release);
     }
     Result<void> take(const TouchTick& tick) override;

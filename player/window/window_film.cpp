@@ -49,19 +49,47 @@ void WindowFilm::add(Image picture) {
     changed_.notify_all();
 }
 
+void WindowFilm::add_sound(std::int64_t sample, std::span<const StereoSample> samples) {
+    const std::lock_guard lock(mutex_);
+    if (sound_waits_ + samples.size() > most_sound || !encoded_.ok()) return;
+    const bool goes_on =
+        !sounds_.empty() && sounds_.back().first + std::ssize(sounds_.back().samples) == sample;
+    if (!goes_on) sounds_.push_back({sample, {}});
+    sounds_.back().samples.insert(sounds_.back().samples.end(), samples.begin(), samples.end());
+    sound_waits_ += samples.size();
+    if (sound_waits_ > much_sound) changed_.notify_all();
+}
+
+bool WindowFilm::has_work() const {
+    return !waiting_.empty() || sound_waits_ > much_sound || (stopping_ && sound_waits_ > 0);
+}
+
+Result<void> WindowFilm::encode(const std::optional<Picture>& picture, const std::vector<Sound>& sounds) {
+    if (picture)
+        if (auto added = film_->add(picture->image.view(), picture->place); !added.ok()) return added;
+    for (const Sound& sound : sounds)
+        if (auto added = film_->add_sound(sound.first, sound.samples); !added.ok()) return added;
+    return {};
+}
+
 /// Until it is to stop and nothing waits, or the film cannot be written.
 void WindowFilm::encode() {
     std::unique_lock lock(mutex_);
     while (encoded_.ok()) {
-        changed_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
-        if (waiting_.empty()) return;
-        const Picture next = std::move(waiting_.front());
-        waiting_.pop_front();
+        changed_.wait(lock, [this] { return stopping_ || has_work(); });
+        if (!has_work()) return;
+        std::optional<Picture> picture;
+        if (!waiting_.empty()) {
+            picture = std::move(waiting_.front());
+            waiting_.pop_front();
+        }
+        const std::vector<Sound> sounds = std::exchange(sounds_, {});
+        sound_waits_ = 0;
         lock.unlock();
-        auto added = film_->add(next.image.view(), next.place);
+        auto added = encode(picture, sounds);
         lock.lock();
         encoded_ = std::move(added);
-        --in_use_;
+        if (picture) --in_use_;
     }
 }
 

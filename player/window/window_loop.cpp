@@ -1,5 +1,7 @@
 #include "player/window/window_loop.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <ctime>
 #include <initializer_list>
@@ -24,8 +26,6 @@ Result<void> WindowLoop::open() {
     ask_for_clip(options_.session.clip);
     if (auto opened = open_parts(); !opened.ok()) return opened;
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
-    if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
-        say(playback_->toggle_loop());
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
     if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
@@ -70,10 +70,8 @@ Result<void> WindowLoop::open_parts() {
 Result<PlayFigures> WindowLoop::run() {
     last_picture_ = Clock::now();
     Result<void> ended;
-    const Error by_a_person{ErrorKind::interrupted,
-                            "interrupted; what was asked for is written, up to there"};
     if (!clip_) {  // closed while the first one was opened
-        if (interrupted()) return by_a_person;
+        if (interrupted()) return interruption();
         return std::move(figures_);
     }
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
@@ -88,15 +86,34 @@ Result<PlayFigures> WindowLoop::run() {
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     sum_up();
     if (!failure_) failure_ = clip_->failure();
-    const Result<void> filmed = film_ ? film_->finish(now_s()) : Result<void>();
+    const bool is_filmed = film_ && (begun_ || !interrupted());
+    const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
     if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
     for (const auto* done :
          std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &filmed, &kept})
         if (!done->ok()) return done->error();
-    if (interrupted()) return by_a_person;
+    if (interrupted()) return interruption();
     return std::move(figures_);
+}
+
+/// Ended by a person's signal: what is kept of what was asked for.
+Error WindowLoop::interruption() const {
+    std::string written, missing;
+    const auto add = [&](const char* option, bool is_asked_for, bool is_written) {
+        std::string& to = is_written ? written : missing;
+        if (is_asked_for) to += (to.empty() ? "" : ", ") + std::string(option);
+    };
+    add("--record", options_.record.has_value(), clip_ != nullptr);
+    add("--sound", options_.sound.has_value(), clip_ != nullptr);
+    add("--video", options_.video.has_value(), begun_.has_value());
+    add("--screenshot", options_.screenshot.has_value(), false);
+    std::string words = "interrupted";
+    if (!begun_) words += " before the first picture";
+    if (!written.empty()) words += "; written up to there: " + written;
+    if (!missing.empty()) words += "; not written: " + missing;
+    return {ErrorKind::interrupted, std::move(words)};
 }
 
 /// Draws where something is to be seen, takes what has come, and does it.
@@ -116,9 +133,18 @@ Result<void> WindowLoop::turn() {
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     go_on_opening();
+    note_sound();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
     if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
     return {};
+}
+
+/// Once for each clip.
+void WindowLoop::note_sound() {
+    const std::string fault = sound_->clip_fault();
+    if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
+    if (figures_.sound_fault.empty()) figures_.sound_fault = fault;
+    say(fault, true);
 }
 
 double WindowLoop::now_s() const {
@@ -200,14 +226,30 @@ void WindowLoop::say(const Result<void>& done) {
 
 void WindowLoop::say(std::string words, bool bad) {
     // Who sees no window, or is no visitor, is told what went wrong all the same.
-    if (bad && (options_.headless || kiosk_))
+    constexpr std::size_t most_told = 100;
+    const bool is_told = bad && kiosk_ && (told_.size() == most_told || !told_.insert(words).second);
+    if (bad && (options_.headless || kiosk_) && !is_told)
         std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
     message_ = std::move(words);
     message_is_bad_ = bad;
     message_at_ = Clock::now();
 }
 
+namespace {
+
+/// Each clip that is opened is read, built and drawn by threads of its own, and by default malloc has eight
+/// places for each core, of which every thread takes another one. What one has freed no other uses, so that
+/// memory would grow with every clip. The haptic thread has no need of any.
+void share_memory_among_threads() {
+#ifdef __GLIBC__
+    mallopt(M_ARENA_MAX, 2);
+#endif
+}
+
+}  // namespace
+
 Result<PlayFigures> play_in_window(const PlayOptions& options) {
+    share_memory_among_threads();
     WindowLoop window(options);
     if (auto opened = window.open(); !opened.ok()) return opened.error();
     return window.run();

@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
+#include "player/window/force_scale.hpp"
 #include "player/window/frames_shown.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/kept_settings.hpp"
@@ -77,7 +79,10 @@ private:
     void watch_over();
     void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
+    void try_again();
+    void note_sound();
     KeptSettings to_keep() const;
+    Error interruption() const;
     void say(std::string words, bool bad = false);
     /// What was refused.
     void say(const Result<void>& done);
@@ -111,7 +116,9 @@ private:
     std::unique_ptr<OpenedClip> clip_;
     std::optional<PlaybackControl> playback_;
     std::optional<KioskWatch> kiosk_;
-    bool is_inviting_ = false, said_failure_ = false;
+    bool is_inviting_ = false;
+    std::set<std::string> told_;  // on the terminal, by a kiosk: once each
+    double tried_again_s_ = 0;    // to open its clip
     double begun_anew_s_ = 0, shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
     SettingsFile settings_;
@@ -131,7 +138,7 @@ private:
     Clock::time_point last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     WhatIsSeen seen_;
-    std::string message_, shown_message_;
+    std::string message_, shown_message_, sound_fault_;
     std::size_t place_lines_ = 0;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;
@@ -139,6 +146,7 @@ private:
     Clock::time_point frame_came_at_;
     FramesShown frames_shown_;
     PictureGovernor governor_;
+    ForceScale force_scale_;
     PlayFigures figures_;
     std::optional<Ready> ready_;  // a change, until the clip has come to where it begins
     ClipOpening<Ready> opening_;  // ends before what it works on

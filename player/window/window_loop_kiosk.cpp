@@ -47,10 +47,7 @@ glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
 /// Invites when nobody has been there for a while, and forgets what the last visitor did.
 void WindowLoop::watch_over() {
     const double now = now_s();
-    if (const auto failure = clip_->session().clip_failure(); failure && !said_failure_) {
-        said_failure_ = true;
-        say(failure->message, true);
-    }
+    try_again();
     if (kiosk_->begins_anew(now)) begin_anew();
     const auto invited = kiosk_->invites(now);
     sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
@@ -59,6 +56,17 @@ void WindowLoop::watch_over() {
     // A clip that did not say how long it is could not be told to loop.
     const bool ended = clip_->frames() == 0 && clip_->session().playback().at_end;
     if (ended && now > begun_anew_s_ + 1) begin_anew();
+}
+
+/// A clip that broke off may have come back: a disk that was away, a file that was being written.
+void WindowLoop::try_again() {
+    const auto failure =
+        clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
+    if (!failure) return;
+    if (!told_.contains(failure->message)) say(failure->message, true);
+    if (now_s() < tried_again_s_ + options_.kiosk->reset_s || ready_ || opening_.is_busy()) return;
+    tried_again_s_ = now_s();
+    ask_for_clip(options_.session.clip);
 }
 
 /// A finger that goes by itself over the picture, and really touches it: nearer to the middle where there is

@@ -130,6 +130,8 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     picture_.forget();
     frames_shown_.forget();
     playback_.emplace(*clip_);
+    if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)
+        say(playback_->toggle_loop());
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
     return {};
@@ -140,13 +142,18 @@ Result<void> WindowLoop::wait_for_clip() {
     screen_->set_title(opening_.words() + " ... - touchable");
     if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
     while (!clip_ && !quit_ && !interrupted()) {
+        bool is_resized = false;
         for (const InputEvent& event : screen_->poll(std::chrono::milliseconds(2)))
-            if (kiosk_ && !is_for_visitors(event))
+            if (event.kind == InputEvent::Kind::resized)
+                is_resized = true;
+            else if (kiosk_ && !is_for_visitors(event))
                 continue;
             else if (event.kind == InputEvent::Kind::close ||
                      (event.kind == InputEvent::Kind::key && event.word == "escape"))
                 quit_ = true;
         if (auto there = screen_->health(); !there.ok()) return there;
+        if (is_resized)
+            if (auto drawn = draw_opening(); !drawn.ok()) return drawn;
         auto made = opening_.take();
         if (!made) continue;
         if (!made->ok()) return made->error();

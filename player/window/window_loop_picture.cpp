@@ -21,6 +21,8 @@ constexpr const char* first_words =
     "move over the picture, and hold the left button to touch it; ? shows all keys";
 
 constexpr const char* end_words = "the end: Space plays it again, L repeats it";
+constexpr const char* end_first_words =
+    "the end: Space plays it again; hold the left button over the picture to touch it";
 
 }  // namespace
 
@@ -84,9 +86,11 @@ Result<void> WindowLoop::draw_opening() {
         return drawn;
     PanelFacts facts;
     if (!kiosk_) facts.message = opening_.words() + " ...";
-    layer_->begin(size.width, size.height, 0.02, {});
-    panel_->draw_message(facts, static_cast<float>(size.width));
-    layer_->end();
+    for (int k = 0; k < 2; ++k) {  // a box of words has its size the second time
+        layer_->begin(size.width, size.height, 0.02, {});
+        panel_->draw_message(facts, static_cast<float>(size.width));
+        layer_->end();
+    }
     return graphics.finish();
 }
 
@@ -142,6 +146,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
     facts.felt.b_is_on = felt_.in_effect.b_is_on;
+    facts.most_newtons = force_scale_.most_newtons(facts.forces, now_s());
     facts.figures.push_back(sound_->state());
     facts.is_kiosk = kiosk_.has_value();
     if (kiosk_) facts.invited_s = kiosk_->invites(now_s());
@@ -160,7 +165,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     if (failure)
         facts.message = failure->message;
     else if (!clip_->fingers().was_pressed())
-        facts.message = first_words;
+        facts.message = facts.at_end ? end_first_words : first_words;
     else if (facts.at_end)
         facts.message = end_words;
     return facts;
@@ -177,6 +182,12 @@ void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) 
     if (!begun_) {
         begun_ = end;
         begun_cpu_ms_ = thread_cpu_ms();
+        if (film_)
+            sound_->film(
+                [film = film_.get()](std::int64_t first, std::span<const StereoSample> samples) {
+                    film->add_sound(first, samples);
+                },
+                end);
         figures_.first_picture_ms = 1000 * seconds_between(asked_for_, end);
     }
     ++figures_.pictures;

@@ -1,6 +1,7 @@
 #include "player/window/window_sound.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace touchable {
 namespace {
@@ -26,6 +27,10 @@ void WindowSound::take(HeardTick tick, std::int64_t passed) {
     tick.muted = is_muted();
     if (fingers_silent_.load(std::memory_order_relaxed)) tick.fingers = {};
     if (output_) ticks_->push(tick);
+    if (is_filmed_.load(std::memory_order_acquire)) {
+        const auto since = std::chrono::steady_clock::now() - film_begun_;
+        film_->take(tick, passed, *clip_, std::chrono::floor<std::chrono::milliseconds>(since).count());
+    }
     if (!file_) return;
     for (std::int64_t k = std::min(passed, longest_gap); k > 1; --k) {
         kept_.render(going_on(tick), *clip_, samples_);
@@ -33,6 +38,12 @@ void WindowSound::take(HeardTick tick, std::int64_t passed) {
     }
     kept_.render(tick, *clip_, samples_);
     file_->add(samples_);
+}
+
+void WindowSound::film(FilmedSound::Keep keep, std::chrono::steady_clock::time_point begun) {
+    film_.emplace(std::move(keep));
+    film_begun_ = begun;
+    is_filmed_.store(true, std::memory_order_release);
 }
 
 std::string WindowSound::state() const {

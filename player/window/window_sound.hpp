@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "player/window/filmed_sound.hpp"
 #include "player/window/heard_ticks.hpp"
 #include "player/window/sound_file.hpp"
 #include "player/window/sound_output.hpp"
@@ -27,14 +29,22 @@ public:
     /// A session's thread, one at a time. `passed`: ticks since the one before, of which the others are not
     /// known.
     void take(HeardTick tick, std::int64_t passed);
+    /// Another session's ticks come next. Any thread.
+    void begin_session() {
+        if (is_filmed_.load(std::memory_order_acquire)) film_->align();
+    }
 
     // The window's.
     /// The clip's own sound, if it has any, is that of this file from now on.
     void open_clip(const std::filesystem::path& file) { clip_->open(file); }
+    /// A film that began at `begun` gets what is heard from now on. Once; sessions end before `keep` does.
+    void film(FilmedSound::Keep keep, std::chrono::steady_clock::time_point begun);
     void set_muted(bool muted) { muted_.store(muted, std::memory_order_relaxed); }
     /// No finger is heard; the clip's own sound is.
     void silence_fingers(bool silent) { fingers_silent_.store(silent, std::memory_order_relaxed); }
     bool is_muted() const { return muted_.load(std::memory_order_relaxed); }
+    /// Why a clip with a sound track is silent, or in part; otherwise nothing.
+    std::string clip_fault() const { return clip_->fault(); }
     /// In a few words, for a person.
     std::string state() const;
     /// Completes the file. After the last session's end.
@@ -46,6 +56,9 @@ private:
     std::atomic<bool> muted_{false}, fingers_silent_{false};
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
+    std::optional<FilmedSound> film_;
+    std::chrono::steady_clock::time_point film_begun_;
+    std::atomic<bool> is_filmed_{false};
     std::unique_ptr<SoundFile> file_;
     HeardSound kept_;  // what the file has: of every tick, whatever the loudspeakers do
     ContactSound::Samples samples_{};

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "engine/media/film_writer.hpp"
 #include "engine/media/image_file.hpp"
+#include "engine/media/sound_track.hpp"
 #include "tests/media/film_reader.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -37,6 +39,40 @@ TEST(Film, ShowsEachPictureFromItsPlaceOnAtThirtyASecond) {
             // The wide one is half as high, with black above and below.
             EXPECT_NEAR(seen[k].at(32, 4), k >= 5 && k < 7 ? 235 : 16, 6) << k;
         }
+    }
+}
+
+/// Root of the mean square of the left channel.
+double loudness(SoundTrack& track, double from_s, double to_s) {
+    std::vector<StereoSample> samples(static_cast<std::size_t>((to_s - from_s) * SoundTrack::rate));
+    track.seek(std::lround(from_s * SoundTrack::rate));
+    track.read(samples);
+    double sum = 0;
+    for (const StereoSample& sample : samples) sum += static_cast<double>(sample.left * sample.left);
+    return std::sqrt(sum / static_cast<double>(samples.size()));
+}
+
+TEST(Film, SoundsWhereItsSoundWasPlacedHoweverLatePicturesAre) {
+    for (const char* name : {"film.mp4", "film.MKV"}) {
+        const TemporaryFolder folder;
+        auto film = FilmWriter::create(folder / name, Existing::keep);
+        ASSERT_TRUE(film.ok()) << film.error().message;
+        std::vector<StereoSample> tone(9600);  // 0.2 s
+        for (std::size_t k = 0; k < tone.size(); ++k)
+            tone[k].left = tone[k].right = 0.5F * static_cast<float>(std::sin(0.06 * static_cast<double>(k)));
+        EXPECT_FALSE((*film)->add_sound(0, tone).ok()) << "before its first picture";
+        ASSERT_TRUE((*film)->add(grey(64, 48, 128).view(), 0).ok());
+        ASSERT_TRUE((*film)->add_sound(24'000, tone).ok());
+        ASSERT_TRUE((*film)->add_sound(14'400, tone).ok()) << "is left out";
+        ASSERT_TRUE((*film)->add_sound(48'000 * 6, tone).ok());
+        ASSERT_TRUE((*film)->finish(200).ok());
+        EXPECT_EQ(seen_in_film(folder / name).size(), 200U);
+        auto track = SoundTrack::open(folder / name);
+        ASSERT_TRUE(track.ok() && *track) << name;
+        EXPECT_LT(loudness(**track, 0, 0.48), 0.002) << name;
+        EXPECT_NEAR(loudness(**track, 0.51, 0.69), 0.354, 0.02) << name;
+        EXPECT_LT(loudness(**track, 0.72, 5.98), 0.002) << name;
+        EXPECT_NEAR(loudness(**track, 6.01, 6.19), 0.354, 0.02) << name;
     }
 }
 

@@ -185,6 +185,7 @@ TEST(Overlays, TheScaleOfDepthLeavesOutOutliersAndTheFarPlane) {
     const double unit = painted.scene.metres_per_unit * (scale.unit == "m" ? 1 : 1000);
     EXPECT_NEAR(scale.range.least, 2 * coding.near * unit, 0.02 * coding.near * unit);
     EXPECT_NEAR(scale.range.greatest, 3 * coding.near * unit, 0.02 * coding.near * unit);
+    EXPECT_TRUE(scale.is_less && scale.is_more) << "there are some that its ends do not tell";
 }
 
 TEST(Overlays, WhatIsTheSameEverywhereIsOneColour) {

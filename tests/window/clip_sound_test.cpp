@@ -3,10 +3,13 @@
 
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "engine/media/film_writer.hpp"
+#include "engine/media/image_file.hpp"
 #include "player/window/heard_sound.hpp"
 #include "tests/media/sounding_clip.hpp"
 #include "tests/temporary_folder.hpp"
@@ -149,6 +152,31 @@ TEST_F(ClipHeard, IsFoundWhereverTheClipGoes) {
     const auto heard = hear(7.77, 20);
     for (std::size_t k = 48; k < heard.size(); ++k)
         ASSERT_NEAR(heard[k].left, sound_[372'960 + k].left, 1e-4) << k;
+}
+
+TEST(ClipSound, SaysThatATrackIsDamagedOnceItMeetsThePlace) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder / "film.mkv";
+    auto film = FilmWriter::create(file, Existing::keep);
+    ASSERT_TRUE(film.ok());
+    const Image grey{64, 48, 1, 3, std::vector<std::uint8_t>(64 * 48 * 3, 128)};
+    ASSERT_TRUE((*film)->add(grey.view(), 0).ok());
+    ASSERT_TRUE((*film)->add_sound(0, tone(480, 1.5)).ok());  // FLAC, which knows when it is not whole
+    ASSERT_TRUE((*film)->finish(45).ok());
+    const auto fault_of = [](const std::filesystem::path& clip) {
+        ClipSound sound;
+        sound.open(clip);
+        std::vector<StereoSample> samples(60'000);
+        for (int k = 0; k < 10'000 && !sound.read(0, samples); ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return sound.fault();
+    };
+    EXPECT_EQ(fault_of(file), "");
+    std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+    bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));
+    bytes << std::string(6000, '\xAA');
+    bytes.close();
+    EXPECT_NE(fault_of(file).find("film.mkv: its sound is damaged"), std::string::npos);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/media/image_file.hpp"
+#include "engine/media/sound_track.hpp"
 #include "player/session/recording.hpp"
 #include "player/session/repeating_hand.hpp"
 #include "tests/media/film_reader.hpp"
@@ -249,9 +250,27 @@ TEST(HeadlessWindow, IsRefusedWhereItCouldNotEnd) {
     const auto endless = run_touchable({"play", globe().string(), "--headless"});
     EXPECT_EQ(endless.code, 2);
     EXPECT_TRUE(endless.one_line_of_error()) << endless.err;
+    const TemporaryFolder folder;
+    std::ofstream(folder / "script") << "0.1 quit\n";
+    const std::string film = (folder / "FILM.MP4").string();
+    const auto ends = run_touchable({"play", globe().string(), "--headless", "--size", "320x240", "--script",
+                                     (folder / "script").string(), "--video", film});
+    EXPECT_EQ(ends.code, 0) << ends.err;
+    EXPECT_FALSE(seen_in_film(film).empty());
     const auto none = run_touchable({"play", "nowhere.mkv", "--headless", "--seconds", "1"});
     EXPECT_EQ(none.code, 3);
     EXPECT_TRUE(none.one_line_of_error()) << none.err;
+}
+
+TEST(HeadlessWindow, InterruptedBeforeItsFirstPictureSaysThatNothingIsWritten) {
+    const TemporaryFolder folder;
+    const auto ended = run_interrupted_at_once({"play", globe().string(), "--headless", "--seconds", "9",
+                                                "--video", (folder / "film.mkv").string()});
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    EXPECT_TRUE(ended.one_line_of_error()) << ended.err;
+    EXPECT_EQ(ended.err.find("is written"), std::string::npos) << ended.err;
+    EXPECT_EQ(ended.err.find("; written"), std::string::npos) << ended.err;
+    EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
 TEST(HeadlessWindow, NeverWritesOverWhatItShows) {
@@ -280,24 +299,31 @@ TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
     const std::string visit =
         "0 overlay depth\n0 turn 40\n0 move 160 110\n0.05 key escape\n0.05 drop nowhere\n";
     const Shot during = shot_of(still(), visit, "0.4", {"--kiosk", "--idle", "5", "9"});
-    const Shot after = shot_of(still(), visit, "1.2", {"--kiosk", "--idle", "9", "0.3"});
+    const Shot after = shot_of(still(), visit, "1.2", {"--kiosk", "--idle", "0.3", "0.3"});
     const Shot plain = shot_of(still(), "", "0.4", {"--kiosk"});
     const Shot invited = shot_of(still(), "", "1.4", {"--kiosk", "--idle", "0.1", "9"});
     EXPECT_EQ(invited.outcome.err, "");
     EXPECT_GT(differences(during.image, plain.image, 60, 60, 260, 180), 3000);
-    EXPECT_EQ(differences(after.image, plain.image, 100, 130, 260, 230), 0);
+    // Beside the bar, the words, and the finger that invites.
+    EXPECT_GT(differences(during.image, plain.image, 100, 40, 160, 120), 1000);
+    EXPECT_LT(differences(after.image, plain.image, 100, 40, 160, 120), 100);
     EXPECT_GT(differences(invited.image, plain.image, 60, 180, 260, 230), 2000) << "no words";
     EXPECT_GT(differences(invited.image, plain.image, 60, 60, 260, 150), 60) << "no finger";
     const auto kept = run_touchable(
         {"play", still().string(), "--headless", "--seconds", "0.2", "--kiosk", "--settings", "play.json"});
     EXPECT_EQ(kept.code, 2);
+    const auto backward = run_touchable(
+        {"play", still().string(), "--headless", "--seconds", "0.2", "--kiosk", "--idle", "60", "20"});
+    EXPECT_EQ(backward.code, 2);
+    EXPECT_TRUE(backward.one_line_of_error()) << backward.err;
 }
 
-TEST(HeadlessWindow, FilmShowsWhatTheWindowDid) {
+TEST(HeadlessWindow, FilmShowsWhatTheWindowDidAndSoundsAsIt) {
     const TemporaryFolder folder;
     const std::string film = (folder / "film.mkv").string();
     // The other size, and the panel in the right half from then on.
-    const Shot shot = shot_of(still(), "0.5 size 640x480\n0.5 panel\n", "1", {"--video", film});
+    const Shot shot = shot_of(still(), "0 move 160 130\n0.2 press left\n0.5 size 640x480\n0.5 panel\n", "1",
+                              {"--video", film});
     EXPECT_NE(shot.outcome.out.find("film "), std::string::npos) << shot.outcome.out;
     const auto seen = seen_in_film(film);
     ASSERT_GE(seen.size(), 30U);
@@ -314,6 +340,14 @@ TEST(HeadlessWindow, FilmShowsWhatTheWindowDid) {
     EXPECT_GT(light_in(seen.front(), 100, 220), 30) << "black";
     EXPECT_GT(light_in(seen.back(), 100, 180), 20) << "black";
     EXPECT_GT(std::abs(light_in(seen.front(), 210, 310) - light_in(seen.back(), 210, 310)), 3) << "no panel";
+    auto track = SoundTrack::open(film);
+    ASSERT_TRUE(track.ok() && *track);
+    std::vector<StereoSample> heard(48'000);
+    (*track)->read(heard);
+    const auto is_silent = [](const StereoSample& sample) { return sample.left == 0 && sample.right == 0; };
+    const auto first = std::find_if_not(heard.begin(), heard.end(), is_silent) - heard.begin();
+    EXPECT_GE(first, 0.2 * 48'000) << "before the finger pressed";
+    EXPECT_LT(first, 48'000) << "no tap";
     const auto refused = run_touchable({"play", still().string(), "--headless", "--seconds", "0.2", "--video",
                                         (folder / "film.avi").string()});
     EXPECT_EQ(refused.code, 2);

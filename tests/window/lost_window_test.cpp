@@ -112,6 +112,31 @@ TEST_F(LostWindow, LeavesTheLastSurfaceOfAClipThatBreaks) {
     EXPECT_TRUE(read_image(folder_ / "shot.png").ok());
 }
 
+TEST_F(LostWindow, OfAKioskOpensAClipThatComesBack) {
+    const auto file = options_.session.clip.file, aside = folder_ / "aside.mkv";
+    std::filesystem::copy(file, aside);
+    options_.record.reset();
+    options_.painter = "cpu";
+    options_.kiosk = KioskTimes{60, 0.3};
+    options_.seconds = 2.6;
+    for (const double seconds : {2.3, 2.45})
+        options_.script.push_back(
+            {seconds, WindowCommand{WindowVerb::screenshot, 0,
+                                    (folder_ / (std::to_string(seconds) + ".png")).string()}});
+    const auto played = play([&] {
+        std::filesystem::resize_file(file, 20'000);
+        std::this_thread::sleep_for(800ms);
+        std::filesystem::copy(aside, file, std::filesystem::copy_options::overwrite_existing);
+    });
+    EXPECT_FALSE(played.ok()) << "it says in the end what was wrong";
+    const auto picture = [&](double seconds) {
+        return read_image(folder_ / (std::to_string(seconds) + ".png"));
+    };
+    const auto first = picture(2.3), second = picture(2.45);
+    ASSERT_TRUE(first.ok() && second.ok());
+    EXPECT_TRUE(first->samples != second->samples) << "it stands still";
+}
+
 TEST_F(LostWindow, SaysInTheEndThatAClipBeforeTheLastBroke) {
     const std::string other = (folder_ / "other.mkv").string();
     ASSERT_EQ(run_touchable({"make", "globe", other, "--size", "64x48", "--frames", "3"}).code, 0);

@@ -94,6 +94,25 @@ kill -9 $server
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
 }
 
+TEST(RealWindow, EndsWithAWindowThatAnotherProgramDestroysAndKeepsWhatWasRecorded) {
+    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
+            .code,
+        0);
+    const int code = with_display(
+        folder, "play globe.mkv --size 400x300 --painter cpu --record hand.touch --video film.mkv", R"(
+xdotool mousemove 200 140 sleep 0.6 windowclose $(head -1 window)
+)");
+    EXPECT_EQ(code, 4);
+    const std::string err = file_contents(folder / "err");
+    EXPECT_NE(err.find("destroyed"), std::string::npos) << err;
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    EXPECT_TRUE(std::filesystem::exists(folder / "hand.touch"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "film.mkv"));
+}
+
 TEST(RealWindow, WithoutADisplayIsOneLineThatSaysWhatToDo) {
     const TemporaryFolder folder;
     ASSERT_EQ(

@@ -139,6 +139,25 @@ TEST_F(HeardGlobe, RoughLandIsLouderThanTheSmoothSea) {
     EXPECT_GT(wav.loudness(2200, 2700), 1.5 * wav.loudness(700, 1200));
 }
 
+TEST_F(HeardGlobe, SurfaceThatIsAnotherAllAtOnceIsNoTap) {
+    fingers_->set_pointer(sea);
+    go_on(300);
+    fingers_->press(true);
+    go_on(800);
+    listener_.emplace(*sound_, shown_->scene.width);  // other settings, with the finger where it was
+    listener_->begin(PlaybackClock(shown_->scene.rate), 0);
+    tick_ = 0;
+    go_on(200);
+    fingers_->press(false);
+    go_on(300);
+    fingers_->press(true);
+    go_on(300);
+    const Wav wav = heard();
+    EXPECT_GT(wav.loudness(300, 500), 0.002) << "no tap";
+    EXPECT_LT(wav.loudness(1100, 1300), 1e-4);
+    EXPECT_GT(wav.loudness(1600, 1900), 0.002) << "no tap";
+}
+
 TEST_F(HeardGlobe, IsSilentWhileMuted) {
     sound_->set_muted(true);
     EXPECT_EQ(sound_->state(), "sound off");
