@@ -303,6 +303,27 @@ bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth) {
            has_word(group.pattern, {"rgb", "color", "colour", "image", "grey", "gray"});
 }
 
+/// The picture of the same name in another form, or with another word for depth in it.
+std::optional<fs::path> colour_beside(const fs::path& depth) {
+    const std::string stem = depth.stem().string();
+    std::vector<std::string> stems{stem};
+    for (const char* of_depth : {"depth", "Depth", "disp0", "disparity"})
+        if (const auto at = stem.find(of_depth); at != std::string::npos)
+            for (const char* of_colour : {"color", "colour", "rgb", "image", "Color", "im0"})
+                stems.push_back(std::string(stem).replace(at, std::string(of_depth).size(), of_colour));
+    for (const std::string& other : stems)
+        for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm"}) {
+            const fs::path file = depth.parent_path() / (other + extension);
+            std::error_code ignored;
+            if (file == depth || !fs::is_regular_file(file, ignored)) continue;
+            const auto picture = read_stored_image(file);
+            if (picture && picture->values.empty() && picture->image.channels == 3 &&
+                picture->image.bytes_per_sample == 1)
+                return file;
+        }
+    return {};
+}
+
 std::string found_there(const std::vector<PictureGroup>& groups) {
     std::string words;
     for (std::size_t n = 0; n < std::min<std::size_t>(groups.size(), 4); ++n)
@@ -370,6 +391,10 @@ Result<GuessedScene> guess_picture(const fs::path& file, const SourceDescription
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;
+    if (const auto colour = colour_beside(file)) {
+        guess.scene().folder->colour = colour->filename().string();
+        guess.say("colour is " + guess.scene().folder->colour);
+    }
     return guess.made();
 }
 

@@ -85,6 +85,7 @@ void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
     in_effect_ = felt_in(setup);
     filters_ = filters_in_words(setup.scene, setup.filters);
     builder_why_ = setup.builder_why;
+    notes_ = setup.notes;
     if (setup.filters) clip_.measured = MeasuredFrames{setup.filters->measured, setup.filters->damage};
 }
 

@@ -74,8 +74,11 @@ public:
     const std::string& filters() const { return filters_; }
     /// Why this builder makes the surface; empty: it was asked for.
     const std::string& builder_why() const { return builder_why_; }
+    /// What its reader has to say, such as what it guessed.
+    const std::vector<std::string>& notes() const { return notes_; }
     /// Moments of its cuts that have come by so far, seconds.
     std::vector<double> cuts() const;
+    bool is_still() const { return frames_ == 1; }
     std::int64_t frames() const { return frames_; }  ///< 0 where nobody knows
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
     const PointerDevice& device() const { return *device_; }
@@ -116,6 +119,7 @@ private:
     FeltSettings felt_;
     std::map<std::string, std::string> in_effect_;
     std::string name_, filters_, builder_why_;
+    std::vector<std::string> notes_;
     std::set<std::int64_t> cuts_;  // frames, of sessions before this one
     std::int64_t frames_ = 0;
     std::shared_ptr<PointerDevice> device_;

@@ -74,6 +74,7 @@ private:
     Result<void> take(Ready& ready);
     Result<void> show(std::unique_ptr<OpenedClip> clip);
     bool note_failure();
+    void tell_guesses();
     std::string words_of_opening() const;
     void reset();
     void watch_over();

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <chrono>
+#include <iostream>
 #include <utility>
 
+#include "engine/printable.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -134,7 +136,19 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
         say(playback_->toggle_loop());
     pointer_ = PointerInput();
     screen_->set_title(clip_->name() + " - touchable");
+    tell_guesses();
     return {};
+}
+
+/// What nobody said of the clip: one who touches it is to know that its size may be another.
+void WindowLoop::tell_guesses() {
+    bool any = false;
+    for (const std::string& note : clip_->notes()) {
+        if (!note.starts_with("guessed: ")) continue;
+        any = true;
+        std::cerr << "touchable: " << printable(note, 500) << '\n';
+    }
+    if (any && !kiosk_) say("camera and unit are guessed: touchable info tells how to say them");
 }
 
 /// The first one. Whoever closes the window meanwhile has closed it.

@@ -165,8 +165,8 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     if (failure)
         facts.message = failure->message;
     else if (!clip_->fingers().was_pressed())
-        facts.message = facts.at_end ? end_first_words : first_words;
-    else if (facts.at_end)
+        facts.message = facts.at_end && !clip_->is_still() ? end_first_words : first_words;
+    else if (facts.at_end && !clip_->is_still())
         facts.message = end_words;
     return facts;
 }

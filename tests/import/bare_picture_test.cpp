@@ -76,6 +76,22 @@ TEST(BarePicture, WithNothingSaidItIsGuessedAndSaid) {
     EXPECT_FALSE(notes_have(**reader, "--fov"));
 }
 
+TEST(BarePicture, ColourBesideItIsItsColour) {
+    for (const auto& [depth, colour] :
+         {std::pair{"room_depth.png", "room_color.png"}, {"d/my.png", "d/my.jpg"}}) {
+        const TemporaryFolder folder;
+        std::filesystem::create_directories(folder / "d");
+        Samples memory;
+        write_picture(folder / depth, memory);
+        const PlaneView picture =
+            write_picture(folder / colour, memory, 1, 3);  // PNG, whatever its name says
+        auto reader = open_clip(folder / depth);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(same_plane(read_all(**reader)->at(0).colour, picture));
+        EXPECT_TRUE(notes_have(**reader, "colour is"));
+    }
+}
+
 TEST(BarePicture, ASceneFileDescribesItWhateverFolderItSpeaksOf) {
     const TemporaryFolder folder;
     Samples memory;
