@@ -81,22 +81,27 @@ std::optional<Image> as_grey(const Image& image) {
     return grey;
 }
 
-Result<void> write_png(NewFile& file, const PlaneView& image) {
+Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& image,
+                          const std::filesystem::path& name) {
     silence_ffmpeg();
-    if (auto usable = file.check(); !usable) return usable;
     if (image.empty() || image.width < 1 || image.height < 1 ||
         !(image.channels == 1 || (image.channels == 3 && image.bytes_per_sample == 1)))
         return Error{ErrorKind::internal,
-                     file.target().string() + ": only grey and 8-bit RGB pictures are written as PNG"};
+                     name.string() + ": only grey and 8-bit RGB pictures are written as PNG"};
     auto frame = png_input(image);
     if (!frame) return frame.error();
     auto packet = encode_png(**frame);
     if (!packet) return packet.error();
-    std::ofstream out(file.path(), std::ios::binary);
+    std::ofstream out(path, std::ios::binary);
     out.write(reinterpret_cast<const char*>((*packet)->data), (*packet)->size);
     out.close();
-    if (!out) return file_error(file.target(), std::string("cannot be written: ") + std::strerror(errno));
+    if (!out) return file_error(name, std::string("cannot be written: ") + std::strerror(errno));
     return {};
+}
+
+Result<void> write_png(NewFile& file, const PlaneView& image) {
+    if (auto usable = file.check(); !usable) return usable;
+    return write_png_to(file.path(), image, file.target());
 }
 
 Result<void> write_png(const std::filesystem::path& file, const PlaneView& image) {
