@@ -58,27 +58,30 @@ Result<void> write_scene(const fs::path& path, const Scene& scene, const fs::pat
 class HiddenFolder {
 public:
     explicit HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) {
-        fs::create_directory(path_, failure_);
+        if (!fs::create_directory(path_, failure_)) return;
+        opened_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     }
     HiddenFolder(const HiddenFolder&) = delete;
     HiddenFolder& operator=(const HiddenFolder&) = delete;
     ~HiddenFolder() {
-        std::error_code ignored;
-        if (!failure_) fs::remove_all(path_, ignored);
+        remove();
+        if (opened_ >= 0) close(opened_);
     }
     const fs::path& path() const { return path_; }
     const std::error_code& failure() const { return failure_; }
-    /// Safe on the disk, as far as its file system can.
+    /// All in it safe on the disk, as far as its file system can.
     void sync() const {
-        const int opened = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-        if (opened < 0) return;
-        syncfs(opened);
-        close(opened);
+        if (opened_ >= 0) syncfs(opened_);
+    }
+    void remove() const {
+        std::error_code ignored;
+        if (!failure_) fs::remove_all(path_, ignored);
     }
 
 private:
     fs::path path_;
     std::error_code failure_;
+    int opened_ = -1;
 };
 
 /// What both kinds have in common: frames come in order, into a hidden folder, and are whole or nothing.
@@ -111,7 +114,9 @@ public:
     Result<void> finish() override {
         if (!complete_)
             if (auto ended = complete(); !ended) return ended.error();
-        return name_it();
+        auto named = name_it();
+        if (named.ok()) hidden_.remove();
+        return named;
     }
 
 protected:
