@@ -127,7 +127,7 @@ protected:
     virtual Result<void> name_it() = 0;
 
     Result<void> write_picture(const std::string& name, const PlaneView& plane) const {
-        return write_png_to(hidden_.path() / name, plane, place_ / name);
+        return write_png_to(hidden_.path() / name, plane, place_ / name, PngEffort::quick);
     }
     /// The scene of the pictures that are here, without their names.
     Scene scene_of_pictures() const {
