@@ -8,6 +8,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "engine/import/open_clip.hpp"
 #include "engine/media/image_file.hpp"
@@ -159,6 +160,29 @@ TEST_F(Convert, AFolderPacksIntoOneClipAndOneMapServesAWholeVideo) {
     EXPECT_EQ(hash_of(at("packed.mkv")), hash);
     EXPECT_PRED2(says, convert({at("packed.mkv"), at("unpacked")}), "one picture for all frames");
     EXPECT_EQ(hash_of(at("unpacked")), hash);
+}
+
+/// What a camera's file has in an order of its own comes out as plain codes.
+TEST_F(Convert, WordsThatAreSwappedAreTurnedBackOnce) {
+    make("moving", {"--bits", "16"});
+    convert({at("clip.mkv"), at("folder")});
+    for (int n = 0; n < 6; ++n) {
+        const std::string file = at("folder/depth_00000" + std::to_string(n) + ".png");
+        auto picture = read_image(file);
+        ASSERT_TRUE(picture.ok());
+        for (std::size_t k = 0; k < picture->samples.size(); k += 2)
+            std::swap(picture->samples[k], picture->samples[k + 1]);
+        ASSERT_TRUE(write_png(file, picture->view()).ok());
+    }
+    auto scene = nlohmann::json::parse(file_contents(at("folder/scene.json")));
+    scene["depth"]["bytes"] = "swapped";
+    std::ofstream(at("folder/scene.json")) << scene;
+    const std::string before = hash_of(at("clip.mkv"));
+    EXPECT_EQ(hash_of(at("folder")), before);
+    convert({at("folder"), at("packed.mkv")});
+    EXPECT_EQ(hash_of(at("packed.mkv")), before);
+    convert({at("folder"), at("pictures")});
+    EXPECT_EQ(hash_of(at("pictures")), before);
 }
 
 TEST_F(Convert, SaysWhatColourLosesAndThatNothingElseDoes) {
