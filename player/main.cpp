@@ -14,6 +14,7 @@
 #include "player/commands/check_command.hpp"
 #include "player/commands/command.hpp"
 #include "player/commands/compare_command.hpp"
+#include "player/commands/convert_command.hpp"
 #include "player/commands/export_command.hpp"
 #include "player/commands/formats_command.hpp"
 #include "player/commands/info_command.hpp"
@@ -94,6 +95,7 @@ int run(int argc, char** argv) {
     add_formats_command(app, command);
     add_init_scene_command(app, command);
     add_export_command(app, command);
+    add_convert_command(app, command);
     add_compare_command(app, command);
     add_plot_command(app, command);
     add_check_command(app, command);

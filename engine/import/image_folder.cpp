@@ -45,6 +45,8 @@ private:
         PlaneRole role;
         std::vector<std::filesystem::path> files;  // one a frame
         std::shared_ptr<ImageStack> stack;         // that holds all of them
+        Plane still{};                             // the picture of every frame
+        bool is_still() const { return !stack && files.size() > 1 && files.front() == files.back(); }
     };
 
     static std::string where(const Track& track, std::int64_t frame) {
@@ -102,7 +104,7 @@ Result<void> ImageFolderReader::find_files() {
 
 /// How frame 0 is stored stands for all.
 Result<void> ImageFolderReader::read_first() {
-    for (const Track& track : tracks_) {
+    for (Track& track : tracks_) {
         auto stored = read(track, 0);
         if (!stored) return stored.error();
         const Image& image = stored->image;
@@ -113,8 +115,11 @@ Result<void> ImageFolderReader::read_first() {
         if (auto note = lossy_note(track.role, stored->codec)) notes_.push_back(std::move(*note));
         if (track.role == PlaneRole::depth && values_.needs_all(*stored))
             if (auto looked = look_at_all(); !looked) return looked;
+        if (track.role == PlaneRole::haptic && image.channels == 1)
+            notes_.push_back(take_grey_haptic(scene_));
         auto fits = fitted(track, 0, std::move(*stored));
         if (!fits) return fits.error();
+        if (track.is_still()) track.still = *fits;
         if (track.role != PlaneRole::depth) continue;
         RawFrame frame;
         add_plane(frame, PlaneRole::depth, std::move(*fits));
@@ -164,13 +169,14 @@ Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t fra
     if (is_grey && stored->image.channels == 3)
         if (auto grey = as_grey(stored->image)) stored->image = std::move(*grey);
     if (track.role == PlaneRole::haptic && stored->codec == "mjpeg")
-        return input_error(where(track, frame) + ": is JPEG, which mixes materials; haptic is RGB PNG");
+        return input_error(where(track, frame) + ": is JPEG, which mixes materials; haptic is PNG");
     if (track.role != PlaneRole::colour && stored->interlaced)
         return input_error(where(track, frame) + ": is an interlaced PNG: must be a plain one to be touched");
     return stored;
 }
 
 Result<Plane> ImageFolderReader::plane(const Track& track, std::int64_t frame) const {
+    if (!track.still.view.empty()) return track.still;
     auto stored = read(track, frame);
     if (!stored) return stored.error();
     const TrackInfo& info = infos_[static_cast<std::size_t>(&track - tracks_.data())];

@@ -90,12 +90,24 @@ public:
     virtual ~ClipWriter() = default;
     /// Every frame has the planes of the first one, and the next number. Times come from the scene's rate.
     virtual Result<void> write(const RawFrame& frame) = 0;
-    /// Completes the file and gives it its name; without this nothing is left behind.
+    /// Completes the clip, which has no name yet, and gives where it can be opened until `finish`. May be
+    /// left out.
+    virtual Result<std::filesystem::path> complete() = 0;
+    /// Gives the complete clip its name; without this nothing is left behind.
     virtual Result<void> finish() = 0;
 };
+
+/// The sound of another file as it is stored there (stored_sound.hpp), of a stretch of that file's pictures.
+struct SoundPart {
+    std::filesystem::path file;
+    std::int64_t from_ns = 0;  ///< time 0 of the clip
+    std::int64_t to_ns = 0;
+};
+
 /// A size that no clip can hold is told by the first `write`, as an error of kind usage.
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
                                                 const ClipStorage& storage = {},
-                                                Existing existing = Existing::replace);
+                                                Existing existing = Existing::replace,
+                                                const std::optional<SoundPart>& sound = {});
 
 }  // namespace touchable

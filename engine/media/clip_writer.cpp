@@ -9,6 +9,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/stored_sound.hpp"
 #include "engine/media/track_writer.hpp"
 #include "engine/new_file.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -39,11 +40,19 @@ struct MuxerCloser {
 class MatroskaWriter final : public ClipWriter {
 public:
     MatroskaWriter(const std::filesystem::path& path, Scene scene, const ClipStorage& storage,
-                   Existing existing)
-        : scene_(std::move(scene)), storage_(storage), output_(path, existing) {}
+                   Existing existing, std::unique_ptr<StoredSound> sound)
+        : scene_(std::move(scene)), storage_(storage), output_(path, existing), sound_(std::move(sound)) {}
     Result<void> open();
     Result<void> write(const RawFrame& frame) override { return keep(write_frame(frame)); }
-    Result<void> finish() override { return keep(complete()); }
+    Result<std::filesystem::path> complete() override {
+        if (auto ended = keep(end()); !ended) return ended.error();
+        return output_.path();
+    }
+    Result<void> finish() override {
+        if (!complete_)
+            if (auto ended = keep(end()); !ended) return ended;
+        return output_.commit();
+    }
 
 private:
     Error refuse(const std::string& what) const {
@@ -52,12 +61,14 @@ private:
     Result<void> keep(Result<void> result);
     Result<void> check_status(int status) const;
     Result<void> write_frame(const RawFrame& frame);
-    Result<void> complete();
+    Result<void> end();
     Result<void> open_tracks(const RawFrame& first);
     Result<void> begin_file();
     Result<void> add_track(const TrackWriter& track);
     Result<void> write_complete();
     Result<void> write_picture(std::size_t track);
+    Result<void> add_sound();
+    Result<void> write_sound(std::int64_t until_ms);
     Result<void> attach_scene();
     Result<void> check_frame(const RawFrame& frame) const;
     std::int64_t time_ms(std::int64_t frame) const {
@@ -67,12 +78,14 @@ private:
     Scene scene_;
     ClipStorage storage_;
     NewFile output_;
+    std::unique_ptr<StoredSound> sound_;  // null: none
     std::unique_ptr<AVFormatContext, MuxerCloser> muxer_;
     std::vector<TrackWriter> tracks_;  // track k is stream k
     std::array<Shape, all_roles.size()> shapes_;
     std::int64_t frames_ = 0;
     bool begun_ = false;  // the file, once it is known how all tracks are coded
-    bool over_ = false;   // finished, or failed
+    bool over_ = false;   // complete, or failed
+    bool complete_ = false;
 };
 
 /// What went wrong once is not written over.
@@ -115,7 +128,8 @@ Result<void> MatroskaWriter::check_frame(const RawFrame& frame) const {
         if (plane.empty()) continue;
         if (plane.width != scene_.width || plane.height != scene_.height)
             return misuse(name + " is not of the scene's size");
-        if (role == PlaneRole::colour && plane.channels != 3) return misuse("colour is not RGB");
+        if ((role == PlaneRole::colour || role == PlaneRole::haptic) && plane.channels != 3)
+            return misuse(name + " is not RGB");
         if (auto fits = check_plane(role, plane, scene_, "frame " + number + ", " + name); !fits) return fits;
     }
     return {};
@@ -124,6 +138,7 @@ Result<void> MatroskaWriter::check_frame(const RawFrame& frame) const {
 Result<void> MatroskaWriter::attach_scene() {
     Scene scene = scene_;
     scene.folder.reset();  // the frames are here now
+    scene.stored = {};     // as codes
     const std::string json = scene_to_json(scene);
     AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream) return refuse("out of memory");
@@ -176,11 +191,38 @@ Result<void> MatroskaWriter::add_track(const TrackWriter& track) {
 Result<void> MatroskaWriter::begin_file() {
     for (const TrackWriter& track : tracks_)
         if (auto added = add_track(track); !added) return added;
+    if (auto added = add_sound(); !added) return added;
     if (auto attached = attach_scene(); !attached) return attached;
     av_dict_set_int(&muxer_->metadata, clip_tags::version_tag, clip_format_version, 0);
     av_dict_set(&muxer_->metadata, clip_tags::rate_tag, clip_tags::rate_text(scene_.rate).c_str(), 0);
     begun_ = true;
     return check_status(avformat_write_header(muxer_.get(), nullptr));
+}
+
+/// The stream after those of the pictures.
+Result<void> MatroskaWriter::add_sound() {
+    if (!sound_) return {};
+    AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
+    if (!stream || avcodec_parameters_copy(stream->codecpar, &sound_->codec()) < 0)
+        return refuse("out of memory");
+    stream->codecpar->codec_tag = 0;  // the other container's
+    stream->time_base = {1, 1000};
+    return {};
+}
+
+/// What is heard up to then.
+Result<void> MatroskaWriter::write_sound(std::int64_t until_ms) {
+    if (!sound_) return {};
+    const auto stream = static_cast<int>(tracks_.size());
+    while (true) {
+        const auto packet = sound_->next(until_ms);
+        if (!packet) return packet.error();
+        if (!*packet) return {};
+        (*packet)->stream_index = stream;
+        av_packet_rescale_ts(packet->get(), {1, 1000}, muxer_->streams[stream]->time_base);
+        if (auto written = check_status(av_write_frame(muxer_.get(), packet->get())); !written)
+            return written;
+    }
 }
 
 Result<void> MatroskaWriter::write_picture(std::size_t track) {
@@ -190,6 +232,7 @@ Result<void> MatroskaWriter::write_picture(std::size_t track) {
     if (auto added = add_block_addition(*packet, codec, picture.frames); !added) return added;
     packet->stream_index = static_cast<int>(track);
     packet->pts = packet->dts = time_ms(picture.frame);
+    if (auto written = write_sound(packet->pts); !written) return written;
     packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);
     av_packet_rescale_ts(packet, {1, 1000}, muxer_->streams[track]->time_base);
     return check_status(av_write_frame(muxer_.get(), packet));
@@ -224,22 +267,24 @@ Result<void> MatroskaWriter::write_frame(const RawFrame& frame) {
     return write_complete();
 }
 
-Result<void> MatroskaWriter::complete() {
+Result<void> MatroskaWriter::end() {
     if (over_) return Error{ErrorKind::internal, "the clip is finished already, or has failed"};
     if (frames_ == 0) return refuse("not written: no frame was given");
     for (TrackWriter& track : tracks_) track.end();
     if (auto written = write_complete(); !written) return written;
+    if (auto written = write_sound(time_ms(frames_)); !written) return written;
     if (auto written = check_status(av_write_trailer(muxer_.get())); !written) return written;
     const int status = avio_closep(&muxer_->pb);
     if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
-    over_ = true;
-    return output_.commit();
+    over_ = complete_ = true;
+    return {};
 }
 
 }  // namespace
 
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
-                                                const ClipStorage& storage, Existing existing) {
+                                                const ClipStorage& storage, Existing existing,
+                                                const std::optional<SoundPart>& sound) {
     silence_ffmpeg();
     if (auto valid = validate(scene); !valid)
         return input_error(path.string() + ": " + valid.error().message);
@@ -249,7 +294,13 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
         return input_error(path.string() + ": not written: the scene's rate is " +
                            clip_tags::rate_text(scene.rate) + " frames/s; a clip has at most " +
                            std::to_string(clip_tags::fastest_rate));
-    auto writer = std::make_unique<MatroskaWriter>(path, scene, storage, existing);
+    std::unique_ptr<StoredSound> heard;
+    if (sound) {
+        auto opened = StoredSound::open(*sound);
+        if (!opened) return opened.error();
+        heard = std::move(*opened);
+    }
+    auto writer = std::make_unique<MatroskaWriter>(path, scene, storage, existing, std::move(heard));
     if (auto opened = writer->open(); !opened) return opened.error();
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }

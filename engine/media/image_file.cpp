@@ -43,7 +43,7 @@ Result<FramePtr> png_input(const PlaneView& image) {
     return frame;
 }
 
-Result<PacketPtr> encode_png(const AVFrame& frame) {
+Result<PacketPtr> encode_png(const AVFrame& frame, PngEffort effort) {
     const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_PNG);
     if (!codec) return Error{ErrorKind::internal, "this FFmpeg has no PNG encoder"};
     CodecPtr encoder(avcodec_alloc_context3(codec));
@@ -55,8 +55,10 @@ Result<PacketPtr> encode_png(const AVFrame& frame) {
     encoder->time_base = {1, 1};
     encoder->thread_count = 1;
     encoder->flags |= AV_CODEC_FLAG_BITEXACT;
+    const bool quick = effort == PngEffort::quick;
+    if (quick) encoder->compression_level = 3;
     AVDictionary* options = nullptr;
-    av_dict_set(&options, "pred", "mixed", 0);
+    av_dict_set(&options, "pred", quick ? "up" : "mixed", 0);
     int status = avcodec_open2(encoder.get(), codec, &options);
     av_dict_free(&options);
     if (status >= 0) status = avcodec_send_frame(encoder.get(), &frame);
@@ -81,22 +83,27 @@ std::optional<Image> as_grey(const Image& image) {
     return grey;
 }
 
-Result<void> write_png(NewFile& file, const PlaneView& image) {
+Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& image,
+                          const std::filesystem::path& name, PngEffort effort) {
     silence_ffmpeg();
-    if (auto usable = file.check(); !usable) return usable;
     if (image.empty() || image.width < 1 || image.height < 1 ||
         !(image.channels == 1 || (image.channels == 3 && image.bytes_per_sample == 1)))
         return Error{ErrorKind::internal,
-                     file.target().string() + ": only grey and 8-bit RGB pictures are written as PNG"};
+                     name.string() + ": only grey and 8-bit RGB pictures are written as PNG"};
     auto frame = png_input(image);
     if (!frame) return frame.error();
-    auto packet = encode_png(**frame);
+    auto packet = encode_png(**frame, effort);
     if (!packet) return packet.error();
-    std::ofstream out(file.path(), std::ios::binary);
+    std::ofstream out(path, std::ios::binary);
     out.write(reinterpret_cast<const char*>((*packet)->data), (*packet)->size);
     out.close();
-    if (!out) return file_error(file.target(), std::string("cannot be written: ") + std::strerror(errno));
+    if (!out) return file_error(name, std::string("cannot be written: ") + std::strerror(errno));
     return {};
+}
+
+Result<void> write_png(NewFile& file, const PlaneView& image) {
+    if (auto usable = file.check(); !usable) return usable;
+    return write_png_to(file.path(), image, file.target(), PngEffort::thorough);
 }
 
 Result<void> write_png(const std::filesystem::path& file, const PlaneView& image) {

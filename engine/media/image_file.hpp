@@ -34,6 +34,11 @@ Result<Image> read_image(const std::filesystem::path& file);
 std::optional<Image> as_grey(const Image& image);
 /// Lossless. Grey of 8 or 16 bits, or RGB of 8. Whoever owns `file` commits it.
 Result<void> write_png(NewFile& file, const PlaneView& image);
+/// Quick: half the time, for 5 % more bytes of a photograph and fewer of smooth depth.
+enum class PngEffort { quick, thorough };
+/// The same into a file of whatever name; messages speak of `name`.
+Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& image,
+                          const std::filesystem::path& name, PngEffort effort);
 /// The same, and gives it its name, over an earlier file.
 Result<void> write_png(const std::filesystem::path& file, const PlaneView& image);
 

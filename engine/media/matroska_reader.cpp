@@ -245,6 +245,8 @@ Result<void> MatroskaReader::describe() {
         const TrackInfo& info = infos_.emplace_back(track.pictures->info());
         const PlaneRole role = track.pictures->role();
         has_haptic = has_haptic || role == PlaneRole::haptic;
+        if (role == PlaneRole::haptic && info.pixel_format.starts_with("gray"))
+            notes_.push_back(take_grey_haptic(scene_));
         if (info.width != scene_.width || info.height != scene_.height)
             notes_.push_back(resampling_note(role, info.width, info.height, scene_));
         if (info.lossless) continue;

@@ -107,11 +107,25 @@ Plane resampled(const PlaneView& plane, int width, int height) {
                [bytes](std::uint8_t* to, const std::uint8_t* from) { std::memcpy(to, from, bytes); }));
 }
 
+/// What a sample of grey counts for: 2 and 4 bits have whole numbers.
+int white_of(int bits) {
+    return bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;
+}
+
 Plane grey_as_rgb(const PlaneView& plane, int bits, int width, int height) {
-    const int white = bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;  // 2 and 4 bits: whole numbers
-    return plane_from(mapped(plane, width, height, 3, [white](std::uint8_t* to, const std::uint8_t* from) {
-        to[0] = to[1] = to[2] = static_cast<std::uint8_t>(white * *from);
-    }));
+    return plane_from(
+        mapped(plane, width, height, 3, [white = white_of(bits)](std::uint8_t* to, const std::uint8_t* from) {
+            to[0] = to[1] = to[2] = static_cast<std::uint8_t>(white * *from);
+        }));
+}
+
+/// Frictions are the same everywhere (take_grey_haptic).
+Plane grey_as_stiffness(const PlaneView& plane, int bits, int width, int height) {
+    return plane_from(
+        mapped(plane, width, height, 3, [white = white_of(bits)](std::uint8_t* to, const std::uint8_t* from) {
+            to[0] = static_cast<std::uint8_t>(white * *from);
+            to[1] = to[2] = 0;
+        }));
 }
 
 /// A track of 10 bits holds no code beyond 1023: read as one of 16 bits, all of it would lie at one plane.
@@ -168,10 +182,10 @@ Plane plane_from(Image image, int bits) {
 Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where) {
     if (role == PlaneRole::depth) return check_depth(plane, scene, where);
     if (role == PlaneRole::height) return check_height(plane, scene, where);
-    const bool grey_colour = role == PlaneRole::colour && plane.channels == 1;
-    if (plane.bytes_per_sample == 1 && (plane.channels == 3 || grey_colour)) return {};
-    return input_error(std::string(where) + ": is " + kind_text(plane) + "; " + std::string(role_name(role)) +
-                       (role == PlaneRole::colour ? " is 8-bit RGB or grey" : " is 8-bit RGB"));
+    if (plane.bytes_per_sample == 1 && (plane.channels == 3 || plane.channels == 1)) return {};
+    return input_error(
+        std::string(where) + ": is " + kind_text(plane) + "; " + std::string(role_name(role)) +
+        (role == PlaneRole::colour ? " is 8-bit RGB or grey" : " is 8-bit RGB, or grey for stiffness alone"));
 }
 
 Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where) {
@@ -184,12 +198,24 @@ Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::st
                            ", but the scene is " + size_text(scene.width, scene.height));
     if (role == PlaneRole::colour && view.channels == 1)
         return grey_as_rgb(view, plane.bits, scene.width, scene.height);
+    if (role == PlaneRole::haptic && view.channels == 1)
+        return grey_as_stiffness(view, plane.bits, scene.width, scene.height);
     return same_size ? std::move(plane) : resampled(view, scene.width, scene.height);
 }
 
 std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene) {
     return std::string(role_name(role)) + " is " + size_text(width, height) +
            ": resampled to the nearest pixel of depth's " + size_text(scene.width, scene.height);
+}
+
+std::string take_grey_haptic(Scene& scene) {
+    const double held = scene.default_properties.static_friction,
+                 sliding = scene.default_properties.dynamic_friction;
+    scene.haptic.static_friction = {held, held};
+    scene.haptic.dynamic_friction = {sliding, sliding};
+    return "haptic is grey: stiffness alone, " + number_text(scene.haptic.stiffness.min) + " to " +
+           number_text(scene.haptic.stiffness.max) + " N/mm; friction " + number_text(held) + " static, " +
+           number_text(sliding) + " dynamic everywhere, as the scene's default_properties have it";
 }
 
 std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene) {

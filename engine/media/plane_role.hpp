@@ -37,13 +37,17 @@ Plane plane_from(Image image, int bits = 0);
 /// depth_bits, height beyond its code_max. Says nothing about the size. Messages begin with `where`.
 Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where);
 
-/// A checked plane of the scene's size: grey colour becomes RGB, and planes other than depth are resampled to
-/// the nearest sample; a depth plane of another size is refused, and one whose samples have too few bits for
-/// the codes that the scene speaks of.
+/// A checked plane of the scene's size: grey colour becomes RGB, grey haptic stiffness (take_grey_haptic),
+/// and planes other than depth are resampled to the nearest sample; a depth plane of another size is refused,
+/// and one whose samples have too few bits for the codes that the scene speaks of.
 Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where);
 
 /// What a person should know about a plane that `fit_plane` resamples.
 std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene);
+
+/// Grey haptic pictures are stiffness alone. Makes `scene` say that whatever their green and blue are,
+/// friction is that of its default_properties, and gives what a person should know.
+std::string take_grey_haptic(Scene& scene);
 
 /// What a person should know about touch planes a clip does not have; nothing where it has a haptic plane.
 std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/sound_container.hpp"
 
 extern "C" {
 #include <libswresample/swresample.h>
@@ -16,55 +17,23 @@ extern "C" {
 namespace touchable {
 namespace {
 
-constexpr const char* kinds_of_files = "matroska,mov,wav";
 /// Where times in the file say otherwise by less, samples follow each other without a gap.
 constexpr std::int64_t tolerance = SoundTrack::rate / 50;
 constexpr int most_faults = 1000;
 constexpr double farthest_s = 1e9;  // a time beyond is none
 constexpr std::int64_t longest_frame = std::int64_t{SoundTrack::rate} * 10;
 
-struct ContainerCloser {
-    void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
-};
-using ContainerPtr = std::unique_ptr<AVFormatContext, ContainerCloser>;
 struct ResamplerDeleter {
     void operator()(SwrContext* resampler) const { swr_free(&resampler); }
 };
 using ResamplerPtr = std::unique_ptr<SwrContext, ResamplerDeleter>;
-
-/// Null where the file is of another kind.
-ContainerPtr open_container(const std::filesystem::path& file) {
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "format_whitelist", kinds_of_files, 0);
-    AVFormatContext* container = nullptr;
-    const int status = avformat_open_input(&container, file_url(file).c_str(), nullptr, &options);
-    av_dict_free(&options);
-    return ContainerPtr(status < 0 ? nullptr : container);
-}
-
-/// Seconds at which the clip's first frame is shown: 0 where there is none near the file's begin. Goes on
-/// through the file.
-double begin_of(AVFormatContext& container, AVPacket& packet) {
-    constexpr int most_packets = 1000;
-    const int pictures = av_find_best_stream(&container, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-    if (pictures < 0) return 0;
-    double seconds = 0;
-    for (int k = 0; k < most_packets && av_read_frame(&container, &packet) >= 0; ++k) {
-        const bool is_first = packet.stream_index == pictures && packet.pts != AV_NOPTS_VALUE;
-        if (is_first)
-            seconds = static_cast<double>(packet.pts) * av_q2d(container.streams[pictures]->time_base);
-        av_packet_unref(&packet);
-        if (is_first) break;
-    }
-    return seconds;
-}
 
 class FfmpegSoundTrack final : public SoundTrack {
 public:
     FfmpegSoundTrack(ContainerPtr container, int stream, CodecPtr decoder, PacketPtr packet, FramePtr frame)
         : container_(std::move(container)),
           stream_(*container_->streams[stream]),
-          begin_s_(begin_of(*container_, *packet)),
+          begin_s_(begin_of_pictures(*container_, *packet)),
           decoder_(std::move(decoder)),
           packet_(std::move(packet)),
           frame_(std::move(frame)) {
@@ -213,8 +182,7 @@ Result<std::unique_ptr<SoundTrack>> SoundTrack::open(const std::filesystem::path
     std::unique_ptr<SoundTrack> none;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) return none;
-    silence_ffmpeg();
-    ContainerPtr container = open_container(file);
+    ContainerPtr container = open_sound_container(file);
     if (!container) return none;
     const AVCodec* codec = nullptr;
     const int stream = av_find_best_stream(container.get(), AVMEDIA_TYPE_AUDIO, -1, -1, &codec, 0);

@@ -189,11 +189,11 @@ Result<Plane> TrackDecoder::plane(FramePtr frame) {
                                (role_ == PlaneRole::depth ? ", or RGB of 8 bits for hue" : ""));
         return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame)), bits};
     }
-    if (const auto grey = grey_samples(*frame); grey && role_ == PlaneRole::colour)
+    if (const auto grey = grey_samples(*frame))
         return Plane{*grey, std::shared_ptr<const AVFrame>(std::move(frame))};
     if (role_ == PlaneRole::haptic && !is_rgb8(*frame))
         return input_error(where() + ": has pixel format " + info_.pixel_format +
-                           ", which mixes materials; haptic is RGB of 8 bits, such as bgr0 or gbrp");
+                           ", which mixes materials; haptic is RGB of 8 bits, such as bgr0 or gbrp, or grey");
     if (is_rgb8(*frame)) return plane_from(rgb_exact(*frame));
     auto rgb = converter_.converted(*frame);
     if (!rgb) return input_error(where() + ": " + rgb.error().message);

@@ -22,7 +22,7 @@ public:
         std::int64_t number = 0;     ///< of the first frame that shows it, from 0
         std::int64_t frames = 1;     ///< that show it
         std::int64_t timestamp = 0;  ///< in the stream's time base
-        Plane plane;  ///< as stored; colour as 8-bit RGB or as grey, haptic as 8-bit RGB; none if left out
+        Plane plane;  ///< as stored; colour and haptic as 8-bit RGB or as grey; none if left out
     };
 
     /// `file` names the clip in messages.

@@ -202,7 +202,8 @@ void add_export_command(CLI::App& app, Command& command) {
     add_overwrite_option(*sub, options->existing);
     auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
     auto* many = sub->add_option("--frames", typed->many,
-                                 "A-B or all: each frame n into the folder's n/, without mesh")
+                                 "A-B or all: each frame n into the folder's n/, without mesh. To unpack a "
+                                 "whole clip so that it opens as one: touchable convert")
                      ->excludes(one);
     add_picture_options(*sub, options->picture);
     sub->add_flag("--mesh", *mesh, "with --frames: write the meshes too")->needs(many);

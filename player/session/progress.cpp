@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -28,8 +29,23 @@ Progress::Progress(std::string what, std::int64_t total) : what_(std::move(what)
 
 void Progress::at(std::int64_t done) {
     if (!line_.is_due()) return;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
     line_.show(what_ + ' ' + std::to_string(done) +
-               (total_ > 0 ? " of " + std::to_string(total_) : std::string()));
+               (total_ > 0 ? " of " + std::to_string(total_) : std::string()) +
+               pace_in_words(done, total_, elapsed.count()));
+}
+
+std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds) {
+    if (done <= 0 || seconds < 1) return "";
+    const double per_second = static_cast<double>(done) / seconds;
+    char words[80];
+    std::snprintf(words, sizeof words, per_second < 10 ? ", %.1f/s" : ", %.0f/s", per_second);
+    if (total <= done) return words;
+    const std::int64_t left = std::llround(std::ceil(static_cast<double>(total - done) / per_second));
+    const std::string in_words = words;
+    if (left < 100) return in_words + ", " + std::to_string(left) + " s left";
+    if (left < 6000) return in_words + ", " + std::to_string((left + 59) / 60) + " min left";
+    return in_words + ", " + std::to_string((left + 3599) / 3600) + " h left";
 }
 
 }  // namespace touchable

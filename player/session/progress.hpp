@@ -24,7 +24,8 @@ private:
     std::chrono::steady_clock::time_point last_{};
 };
 
-/// A status line that counts up while long work runs.
+/// A status line that counts up while long work runs, and after the first second says how fast, and how long
+/// it takes still.
 class Progress {
 public:
     /// `what`: "making frame". `total` <= 0: the end is not known.
@@ -34,7 +35,12 @@ public:
 private:
     std::string what_;
     std::int64_t total_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     StatusLine line_;
 };
+
+/// ", 120/s, 3 s left", of work of which so much was done in so many seconds; `total` <= 0: no end is known.
+/// Nothing in the first second.
+std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds);
 
 }  // namespace touchable

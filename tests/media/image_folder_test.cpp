@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "engine/media/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
@@ -215,8 +217,8 @@ TEST(ImageFolder, ImagesThatDoNotFitAreNamed) {
                  "(depth, frame 1): is " + size + " gray, but");
     EXPECT_PRED2(says, refused("depth_000.png", grey(memory, columns, rows)),
                  "is 8-bit grey, but the scene's depth.bits, 16, needs 16-bit grey");
-    EXPECT_PRED2(says, refused("haptic_000.png", grey(memory, columns, rows)),
-                 "(haptic, frame 0): is 8-bit grey; haptic is 8-bit RGB");
+    EXPECT_PRED2(says, refused("haptic_000.png", grey(memory, columns, rows, 2)),
+                 "(haptic, frame 0): is 16-bit grey; haptic is 8-bit RGB, or grey for stiffness alone");
     EXPECT_PRED2(says, refused("colour_000.png", grey(memory, columns, rows, 2)),
                  "(colour, frame 0): is 16-bit grey; colour is");
     EXPECT_PRED2(says, refused("height_000.png", test_plane(memory, columns, rows, 1, 3, 255, 1, true)),
@@ -294,6 +296,73 @@ TEST(ImageFolder, PicturesWithoutANumberAreAClipOfOneFrame) {
     for (const FolderSource& wrong : {second, two, mixed}) {
         write_bytes(folder / "scene.json", scene_to_json(folder_scene(wrong)));
         EXPECT_NE(message(open_clip(folder.path())), "");
+    }
+}
+
+/// A map of the ground that is not filmed.
+TEST(ImageFolder, AStillOfAnotherPlaneServesAWholeVideo) {
+    const TemporaryFolder folder;
+    write_folder(folder, folder_scene(all_source), 3, {true, true, true});
+    auto expected = read_clip(folder / "scene.json");
+    ASSERT_EQ(message(expected), "");
+    for (const char* name : {"haptic", "height"})
+        std::filesystem::rename(folder / (std::string(name) + "_000.png"),
+                                folder / (std::string(name) + ".png"));
+    write_bytes(
+        folder / "scene.json",
+        scene_to_json(folder_scene({"depth_%03d.png", "colour_%03d.png", "haptic.png", "height.png", 0, 0})));
+    auto reader = open_clip(folder.path());
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 3);
+    EXPECT_EQ((*reader)->inputs().size(), 2 * 3U + 2 + 1);
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    for (std::size_t n = 0; n < 3; ++n) {
+        (*expected)[n].haptic = expected->front().haptic;
+        (*expected)[n].height = expected->front().height;
+        EXPECT_TRUE(same_frame((*frames)[n], (*expected)[n])) << n;
+    }
+    // The same as a clip: of each frame, from anywhere.
+    auto writer = create_clip(folder / "clip.mkv", (*reader)->scene(), exact_clip);
+    ASSERT_EQ(message(writer), "");
+    for (const RawFrame& frame : *frames) ASSERT_EQ(message((*writer)->write(frame)), "");
+    ASSERT_EQ(message((*writer)->finish()), "");
+    const auto clip = read_clip(folder / "clip.mkv");
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(clip->size(), 3U);
+    EXPECT_TRUE(same_frame((*clip)[2], (*frames)[2]));
+    std::filesystem::remove(folder / "haptic.png");
+    EXPECT_NE(refusal(folder).find("haptic.png (haptic, frame 0): is missing"), std::string::npos);
+}
+
+TEST(ImageFolder, GreyHapticIsStiffnessAlone) {
+    const TemporaryFolder folder;
+    Scene scene = folder_scene({"depth_%03d.png", "", "haptic.png", "", 0, 0});
+    scene.haptic.stiffness = {0.5, 3};
+    scene.default_properties = {700, 0.37, 0.21};
+    write_folder(folder, scene, 2, {});
+    Samples memory;
+    const PlaneView map = grey(memory, columns, rows);
+    ASSERT_EQ(message(write_png(folder / "haptic.png", map)), "");
+    auto reader = open_clip(folder.path());
+    ASSERT_EQ(message(reader), "");
+    const auto& notes = (*reader)->notes();
+    EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+        return note.find(
+                   "haptic is grey: stiffness alone, 0.5 to 3 N/mm; friction 0.37 static, 0.21 dynamic") == 0;
+    }));
+    const auto frame = (*reader)->next();
+    ASSERT_EQ(message(frame), "");
+    const HapticRanges& felt = (*reader)->scene().haptic;
+    for (const auto& [x, y] : {std::pair{0, 0}, {columns - 1, rows - 1}, {7, 5}}) {
+        const PlaneView& rgb = (*frame)->haptic;
+        const HapticProperties properties = felt.at(static_cast<std::uint8_t>(rgb.sample(x, y, 0)),
+                                                    static_cast<std::uint8_t>(rgb.sample(x, y, 1)),
+                                                    static_cast<std::uint8_t>(rgb.sample(x, y, 2)));
+        EXPECT_DOUBLE_EQ(properties.stiffness, 500 + 2500 * map.sample(x, y) / 255.0);
+        EXPECT_EQ(properties.static_friction, 0.37);
+        EXPECT_EQ(properties.dynamic_friction, 0.21);
     }
 }
 

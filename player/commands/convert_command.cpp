@@ -1,0 +1,189 @@
+#include "player/commands/convert_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "engine/printable.hpp"
+#include "player/commands/clip_options.hpp"
+#include "player/commands/file_option.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/commands/word_option.hpp"
+
+namespace touchable {
+
+namespace {
+
+constexpr std::int64_t last_frame = 999'999'999;
+
+struct ConvertTyped {
+    ClipTyped clip;
+    ConvertOptions options;
+    std::optional<std::string> from, to, crop, size;
+    std::string every = "1";
+    const CLI::Option *archive = nullptr, *exact_colour = nullptr, *every_typed = nullptr;
+};
+
+/// "45", a frame; "1.5s", a time.
+Result<ClipMoment> read_moment(const std::string& option, std::string_view text) {
+    const auto refused = [&] {
+        return usage_error(
+            option + " '" + printable(text) +
+            "' is no moment; right would be a frame's number, such as 45, or seconds, such as 1.5s");
+    };
+    if (!text.ends_with('s')) {
+        const auto frame = read_whole_number<std::int64_t>(option, text, 0, last_frame);
+        if (!frame.ok()) return refused();
+        return ClipMoment{*frame};
+    }
+    text.remove_suffix(1);
+    double seconds = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+    const bool is_time =
+        failure == std::errc() && end == text.data() + text.size() && seconds >= 0 && seconds <= 1e6;
+    if (!is_time) return refused();
+    return ClipMoment{0, std::llround(seconds * 1e9)};
+}
+
+/// "X,Y,WxH".
+Result<PixelBox> read_crop(const std::string& text) {
+    const auto refused = [&] {
+        return usage_error(
+            "--crop '" + printable(text) +
+            "' is no part of a picture; right would be X,Y,WxH: the column and row that it begins "
+            "with, from 0, and its size, such as 100,50,320x240");
+    };
+    const std::string_view view = text;
+    const std::size_t first = view.find(','), second = view.find(',', first + 1);
+    if (first == std::string_view::npos || second == std::string_view::npos) return refused();
+    const auto x = read_whole_number("--crop", view.substr(0, first), 0, 16383);
+    const auto y = read_whole_number("--crop", view.substr(first + 1, second - first - 1), 0, 16383);
+    const auto size = read_pixel_size("--crop", view.substr(second + 1), 1, 16384);
+    if (!x.ok() || !y.ok() || !size.ok()) return refused();
+    return PixelBox{*x, *y, size->width, size->height};
+}
+
+Result<ClipForm> read_form(const std::filesystem::path& out) {
+    if (!out.has_filename()) return ClipForm::folder;
+    std::string ending = out.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (ending == ".mkv") return ClipForm::archive;
+    if (ending == ".png") return ClipForm::still;
+    std::error_code ignored;
+    if (ending.empty() || std::filesystem::is_directory(out, ignored)) return ClipForm::folder;
+    return usage_error(
+        "OUT '" + printable(out.string()) +
+        "' is no name of a clip; right would be NAME.mkv, NAME.png, or the name of a folder, which "
+        "ends in / if it has a dot");
+}
+
+/// An option that would do nothing is refused.
+Result<void> refuse_idle_options(const ConvertTyped& typed) {
+    const auto only = [&](bool given, const char* option, const char* what) -> Result<void> {
+        if (!given) return {};
+        return usage_error(std::string(option) + " is for " + what);
+    };
+    const bool archive = typed.options.form == ClipForm::archive,
+               still = typed.options.form == ClipForm::still;
+    const char* why = "clips, NAME.mkv; pictures keep every value";
+    if (auto checked = only(!archive && typed.archive->count() > 0, "--archive", why); !checked.ok())
+        return checked;
+    if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
+        !checked.ok())
+        return checked;
+    const char* one = "clips and folders; NAME.png is one frame, --from says which";
+    if (auto checked = only(still && typed.to, "--to", one); !checked.ok()) return checked;
+    return only(still && typed.every_typed->count() > 0, "--every", one);
+}
+
+Result<ConvertOptions> read_words(const ConvertTyped& typed) {
+    ConvertTyped read = typed;
+    ConvertOptions& options = read.options;
+    const auto form = read_form(options.out);
+    if (!form.ok()) return form.error();
+    options.form = *form;
+    if (auto fits = refuse_idle_options(read); !fits.ok()) return fits.error();
+    const auto choice = read_clip(typed.clip);
+    if (!choice.ok()) return choice.error();
+    options.clip = *choice;
+    if (typed.from) {
+        const auto moment = read_moment("--from", *typed.from);
+        if (!moment.ok()) return moment.error();
+        options.from = *moment;
+    }
+    if (typed.to) {
+        const auto moment = read_moment("--to", *typed.to);
+        if (!moment.ok()) return moment.error();
+        options.to = *moment;
+    }
+    const auto every = read_whole_number<std::int64_t>("--every", typed.every, 1, 1'000'000);
+    if (!every.ok()) return every.error();
+    options.every = *every;
+    if (typed.crop) {
+        const auto crop = read_crop(*typed.crop);
+        if (!crop.ok()) return crop.error();
+        options.crop = *crop;
+    }
+    if (typed.size) {
+        const auto size = read_pixel_size("--size", *typed.size, 1, 16384);
+        if (!size.ok()) return size.error();
+        options.size = *size;
+    }
+    return options;
+}
+
+}  // namespace
+
+void add_convert_command(CLI::App& app, Command& command) {
+    auto* sub = app.add_subcommand("convert", "write a clip as a clip, a folder of pictures or one picture");
+    auto typed = std::make_shared<ConvertTyped>();
+    ConvertOptions& options = typed->options;
+    add_clip_options(*sub, typed->clip)->required();
+    add_file_option(
+        *sub, "OUT", options.out,
+        "NAME.mkv: a clip; a name without a dot, or that ends in /: a folder of pictures that opens as it "
+        "is; NAME.png: a depth picture, with its scene file NAME.json")
+        ->required();
+    add_camera_options(*sub, typed->clip.camera);
+    add_overwrite_option(*sub, options.existing);
+    typed->archive =
+        add_word_option<Archive>(*sub, "--archive", options.storage.archive,
+                                 "of a clip. fast: decodes quickest (default); small: fewest bytes",
+                                 {{"fast", Archive::fast}, {"small", Archive::small}});
+    typed->exact_colour =
+        sub->add_flag("--exact-colour", options.storage.exact_colour,
+                      "of a clip: colour keeps every value too; otherwise it is as good as the "
+                      "eye can tell");
+    sub->add_option("--from", typed->from, "the first frame: its number, from 0, or seconds such as 1.5s");
+    sub->add_option("--to", typed->to, "the last frame: its number, or the seconds at which it ends");
+    typed->every_typed =
+        sub->add_option("--every", typed->every, "only each Nth frame; the rate is so much lower")
+            ->type_name("N");
+    sub->add_option("--crop", typed->crop, "only these pixels: first column and row, and size")
+        ->type_name("X,Y,WxH");
+    sub->add_option(
+           "--size", typed->size,
+           "pictures of this size, after --crop: of depth, haptic and height the nearest samples, of "
+           "colour the mean. Needs --allow-lossy")
+        ->type_name("WxH");
+    sub->add_flag(
+        "--allow-lossy", options.allow_lossy,
+        "values of what is touched may change; the report says by how much, and what that does to the "
+        "force");
+    sub->callback([typed, &command] {
+        command = [typed]() -> Result<void> {
+            const auto chosen = read_words(*typed);
+            if (!chosen.ok()) return chosen.error();
+            return run_convert(*chosen);
+        };
+    });
+}
+
+}  // namespace touchable

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "engine/media/clip.hpp"
+#include "engine/media/clip_part.hpp"
+#include "engine/new_file.hpp"
+#include "engine/result.hpp"
+#include "player/commands/command.hpp"
+#include "player/commands/typed_numbers.hpp"
+#include "player/session/clip_choice.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace touchable {
+
+/// A moment of a clip as a person says it: the number of a frame, or its time.
+struct ClipMoment {
+    std::int64_t frame = 0;
+    std::optional<std::int64_t> time_ns{};  ///< in place of the number
+};
+
+/// What a clip becomes, by its name.
+enum class ClipForm {
+    archive,  ///< NAME.mkv
+    folder,   ///< a name without an extension, or that ends in /
+    still     ///< NAME.png: one frame
+};
+
+struct ConvertOptions {
+    ClipChoice clip;  ///< of which filters do not count
+    std::filesystem::path out;
+    ClipForm form = ClipForm::archive;
+    Existing existing = Existing::keep;
+    ClipStorage storage{};           ///< of an archive
+    std::optional<ClipMoment> from;  ///< the first frame; nothing: the clip's
+    std::optional<ClipMoment> to;    ///< the last frame, or the time at which it ends
+    std::int64_t every = 1;
+    std::optional<PixelBox> crop;
+    std::optional<PixelSize> size;
+    bool allow_lossy = false;  ///< that values of what is touched may change
+};
+
+/// Writes a clip in another form, or a part of it. Depth, haptic and height keep every value: what is written
+/// is read again and compared before it gets its name; colour too, and what it loses is told. What would lose
+/// more is refused (ErrorKind::usage) unless that is allowed, and then what is lost is told.
+Result<void> run_convert(const ConvertOptions& options);
+
+void add_convert_command(CLI::App& app, Command& command);
+
+}  // namespace touchable

@@ -1,0 +1,97 @@
+#include "player/commands/convert_report.hpp"
+
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+
+#include "engine/media/image_folder_writer.hpp"
+
+namespace touchable {
+
+namespace {
+
+[[gnu::format(printf, 1, 2)]] std::string worded(const char* form, ...) {
+    std::array<char, 256> words{};
+    va_list values;
+    va_start(values, form);
+    std::vsnprintf(words.data(), words.size(), form, values);
+    va_end(values);
+    return words.data();
+}
+
+std::string how_stored(const TrackInfo& track, bool is_still) {
+    return track.codec + (is_still ? ", one picture for all frames" : "");
+}
+
+std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized) {
+    if (loss.changed == 0 && !resized) return "every value kept";
+    const std::string share =
+        worded("%.3g %% of the values differ, by %d at most, RMS %.3g",
+               100.0 * static_cast<double>(loss.changed) / static_cast<double>(loss.samples), loss.largest,
+               loss.rms());
+    if (role == PlaneRole::colour)
+        return (resized ? "averaged: " : "as good as the eye can tell: ") + share +
+               (resized ? "" : " (--exact-colour keeps every value)");
+    std::string words = "LOST: of the pixels before, " + share;
+    if (role != PlaneRole::depth) return words;
+    words += worded("; depths by %.3g mm at most, RMS %.3g mm", 1000 * loss.largest_metres,
+                    1000 * loss.rms_metres());
+    if (loss.appeared + loss.disappeared > 0)
+        words += worded("; %lld pixels lost their depth, %lld without one have one now",
+                        static_cast<long long>(loss.disappeared), static_cast<long long>(loss.appeared));
+    return words;
+}
+
+std::string forces_in_words(const ForceComparison& forces) {
+    if (forces.both == 0) return "a standard stroke never touches both: what it feels cannot be compared";
+    return worded(
+        "on a standard stroke %.2g degrees off on average, 95 %% at most %.2g; %.2g N, at most %.2g "
+        "of %.2g N (mean)",
+        forces.direction_degrees.mean, forces.direction_degrees.p95, forces.difference_n.mean,
+        forces.difference_n.max, forces.mean_a_n);
+}
+
+std::string line(const std::string& name, const std::string& words) {
+    return "  " + name + std::string(name.size() < 8 ? 8 - name.size() : 1, ' ') + words + "\n";
+}
+
+/// A still's files beside its depth.
+std::string files_beside(const ConvertOptions& options, const Converted& done) {
+    const auto files = still_files(options.out);
+    std::string words = files[1].string() + " describes it, and is what opens it";
+    for (const TrackInfo& track : done.tracks)
+        if (track.role != "depth")
+            words += "; " + options.out.stem().string() + "_" + track.role + ".png is its " + track.role;
+    return words;
+}
+
+}  // namespace
+
+std::string report_to_text(const ConvertOptions& options, const Converted& done) {
+    const Scene& scene = done.scene;
+    const bool resized = options.size.has_value();
+    std::string text = options.out.string() + ": " + std::to_string(done.frames) +
+                       (done.frames == 1 ? " frame, " : " frames, ") + std::to_string(scene.width) + "x" +
+                       std::to_string(scene.height);
+    if (options.form != ClipForm::still)
+        text += worded(", %.6g frames/s",
+                       static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den));
+    text += "\n";
+    for (const TrackInfo& track : done.tracks) {
+        const auto role = role_named(track.role);
+        if (!role) continue;
+        const bool is_still = done.frames > 1 && scene.folder && options.form == ClipForm::folder &&
+                              ((*role == PlaneRole::colour && touchable::is_still(scene.folder->colour)) ||
+                               (*role == PlaneRole::haptic && touchable::is_still(scene.folder->haptic)) ||
+                               (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
+        text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized) +
+                                     " (" + how_stored(track, is_still) + ")");
+    }
+    if (!done.sound.empty()) text += line("sound", done.sound);
+    if (done.forces) text += line("force", forces_in_words(*done.forces));
+    if (options.form == ClipForm::still) text += line("scene", files_beside(options, done));
+    for (const std::string& note : done.notes) text += line("note", note);
+    return text;
+}
+
+}  // namespace touchable

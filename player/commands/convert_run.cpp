@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/import/open_clip.hpp"
+#include "engine/media/image_folder_writer.hpp"
+#include "engine/media/resized_frame.hpp"
+#include "engine/media/stored_sound.hpp"
+#include "player/commands/convert_command.hpp"
+#include "player/commands/convert_report.hpp"
+#include "player/commands/outputs.hpp"
+#include "player/session/interrupt.hpp"
+#include "player/session/memory.hpp"
+#include "player/session/progress.hpp"
+#include "player/session/standard_stroke.hpp"
+
+namespace touchable {
+
+namespace {
+namespace fs = std::filesystem;
+
+/// A folder that is there already: an empty one is filled, one that such a run wrote may be replaced.
+Result<void> check_folder(const ConvertOptions& options, const std::vector<NamedFile>& inputs) {
+    std::error_code failure;
+    if (!fs::exists(fs::symlink_status(options.out, failure))) return {};
+    if (!fs::is_directory(options.out, failure))
+        return usage_error("OUT " + options.out.string() +
+                           " is there already and no folder; give another name");
+    if (fs::is_empty(options.out, failure)) return {};
+    std::vector<NamedFile> there;
+    for (const auto& entry : fs::directory_iterator(options.out, failure))
+        there.push_back({"OUT", entry.path()});
+    if (auto apart = check_outputs({there, Existing::replace}, inputs); !apart.ok()) return apart;
+    if (options.existing == Existing::keep)
+        return usage_error("OUT " + options.out.string() +
+                           " is there already; give another name, or --overwrite");
+    if (!is_image_folder(options.out))
+        return usage_error("OUT " + options.out.string() +
+                           " holds other files than a clip's pictures, which --overwrite would not spare; "
+                           "give another name");
+    return {};
+}
+
+Result<void> check_places(const ConvertOptions& options, const ClipReader& reader) {
+    std::vector<NamedFile> inputs;
+    if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
+    add_inputs(inputs, options.clip.file, reader);
+    if (options.form == ClipForm::folder) return check_folder(options, inputs);
+    std::vector<NamedFile> outputs;
+    if (options.form == ClipForm::archive) outputs.push_back({"OUT", options.out});
+    if (options.form == ClipForm::still)
+        for (const fs::path& file : still_files(options.out)) outputs.push_back({"OUT", file});
+    return check_outputs({outputs, options.existing}, inputs);
+}
+
+/// Which frames: those whose time begins before the end that was named.
+ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
+    const FrameRate& rate = clip.scene().rate;
+    ClipPart part{.every = options.every, .crop = options.crop};
+    if (options.from)
+        part.first = options.from->time_ns ? rate.frame_at(*options.from->time_ns) : options.from->frame;
+    if (options.to)
+        part.last = options.to->time_ns ? rate.frame_at(*options.to->time_ns - 1) : options.to->frame;
+    const auto frames = clip.frame_count();
+    if (options.to && options.to->time_ns && frames && *part.last >= *frames) part.last.reset();
+    if (options.form == ClipForm::still) part.last = part.first;
+    return part;
+}
+
+class Conversion {
+public:
+    explicit Conversion(const ConvertOptions& options) : options_(options) {}
+    /// `at_work`: what memory is needed for, once that is known.
+    Result<void> run(std::string& at_work);
+
+private:
+    Result<std::unique_ptr<ClipReader>> open_source() const;
+    Result<void> check_loss() const;
+    Result<void> open_writer();
+    std::optional<SoundPart> chosen_sound();
+    RawFrame as_written(const RawFrame& frame) const;
+    Result<void> write();
+    Result<void> compare(ClipReader& written);
+    Result<void> check(const fs::path& written);
+
+    const ConvertOptions& options_;
+    ClipPart part_;
+    std::unique_ptr<ClipReader> source_;
+    std::unique_ptr<ClipWriter> writer_;
+    Converted done_;
+};
+
+Result<std::unique_ptr<ClipReader>> Conversion::open_source() const {
+    auto clip = options_.clip.open();
+    if (!clip.ok()) return clip;
+    return part_of_clip(std::move(*clip), part_);
+}
+
+/// Samples of another size are others; where that is wanted it has to be said.
+Result<void> Conversion::check_loss() const {
+    const Scene& scene = source_->scene();
+    const auto& size = options_.size;
+    if (!size || options_.allow_lossy || (size->width == scene.width && size->height == scene.height))
+        return {};
+    return usage_error("--size " + std::to_string(size->width) + "x" + std::to_string(size->height) +
+                       " changes what is touched: the pictures are " + std::to_string(scene.width) + "x" +
+                       std::to_string(scene.height) +
+                       "; say --allow-lossy as well, and the report tells what is lost");
+}
+
+/// What is kept of the clip's sound; says what becomes of it.
+std::optional<SoundPart> Conversion::chosen_sound() {
+    const auto sound = sound_of(options_.clip.file);
+    if (!sound) return std::nullopt;
+    if (options_.form != ClipForm::archive || !sound->storable) {
+        done_.sound = "LOST: " + sound->codec +
+                      (sound->storable ? ", which pictures cannot hold" : ", which a clip cannot hold");
+        return std::nullopt;
+    }
+    done_.sound = "kept as it is (" + sound->codec + ")";
+    // On the clock of the clip as it is.
+    const FrameRate& rate = source_->scene().rate;
+    const FrameRate whole{rate.num * part_.every, rate.den};
+    const std::int64_t frames = source_->frame_count().value_or(std::int64_t{1} << 32);
+    const std::int64_t from_ns = whole.time_ns(part_.first);
+    return SoundPart{options_.clip.file, from_ns, from_ns + rate.time_ns(frames)};
+}
+
+Result<void> Conversion::open_writer() {
+    done_.scene = source_->scene();
+    if (options_.size) done_.scene = resized_scene(done_.scene, options_.size->width, options_.size->height);
+    auto writer = [&]() -> Result<std::unique_ptr<ClipWriter>> {
+        const auto sound = chosen_sound();
+        switch (options_.form) {
+            case ClipForm::folder:
+                return create_image_folder(options_.out, done_.scene, options_.existing);
+            case ClipForm::still:
+                return create_still(options_.out, done_.scene, options_.existing);
+            case ClipForm::archive:
+                break;
+        }
+        return create_clip(options_.out, done_.scene, options_.storage, options_.existing, sound);
+    }();
+    if (!writer.ok()) return writer.error();
+    writer_ = std::move(*writer);
+    return {};
+}
+
+RawFrame Conversion::as_written(const RawFrame& frame) const {
+    return options_.size ? resized_frame(frame, options_.size->width, options_.size->height) : frame;
+}
+
+Result<void> Conversion::write() {
+    Progress progress("converting frame", source_->frame_count().value_or(0));
+    while (true) {
+        if (interrupted()) return interrupted_error();
+        const auto frame = source_->next();
+        if (!frame.ok()) return frame.error();
+        if (!*frame) return {};
+        progress.at(++done_.frames);
+        if (auto written = writer_->write(as_written(**frame)); !written.ok()) return written;
+    }
+}
+
+/// What was written against what was read. Where nothing was to be lost, nothing is.
+Result<void> Conversion::compare(ClipReader& written) {
+    if (auto back = source_->rewind(); !back.ok()) return back;
+    Progress progress("comparing frame", done_.frames);
+    for (std::int64_t number = 0; number < done_.frames; ++number) {
+        if (interrupted()) return interrupted_error();
+        progress.at(number + 1);
+        const auto before = source_->next(), now = written.next();
+        if (!before.ok()) return before.error();
+        if (!now.ok()) return now.error();
+        if (!*before || !*now || !same_touch_planes(as_written(**before), **now))
+            return Error{ErrorKind::internal, options_.out.string() + ": not written: frame " +
+                                                  std::to_string(number) +
+                                                  " comes back otherwise than it was"};
+        add_loss(**before, **now, done_.scene, done_.losses);
+    }
+    return {};
+}
+
+Result<void> Conversion::check(const fs::path& written) {
+    auto reader = open_clip(written);
+    if (!reader.ok()) return reader.error();
+    done_.scene = (*reader)->scene();
+    done_.tracks = (*reader)->tracks();
+    if (auto compared = compare(**reader); !compared.ok()) return compared;
+    const auto lost = [&](PlaneRole role) {
+        return done_.losses[static_cast<std::size_t>(role)].changed > 0;
+    };
+    if (!lost(PlaneRole::depth) && !lost(PlaneRole::haptic) && !lost(PlaneRole::height)) return {};
+    auto before = open_source();
+    auto now = open_clip(written);
+    if (!before.ok()) return before.error();
+    if (!now.ok()) return now.error();
+    auto forces = compare_by_stroke(std::move(*before), std::move(*now));
+    if (!forces.ok()) return forces.error();
+    done_.forces = std::move(*forces);
+    return {};
+}
+
+Result<void> Conversion::run(std::string& at_work) {
+    auto clip = options_.clip.open();
+    if (!clip.ok()) return clip.error();
+    at_work = frames_in_words((*clip)->scene());
+    if (auto free = check_places(options_, **clip); !free.ok()) return free;
+    done_.notes = (*clip)->notes();
+    part_ = part_of(options_, **clip);
+    auto source = part_of_clip(std::move(*clip), part_);
+    if (!source.ok()) return source.error();
+    source_ = std::move(*source);
+    if (auto allowed = check_loss(); !allowed.ok()) return allowed;
+    if (auto opened = open_writer(); !opened.ok()) return opened;
+    if (auto written = write(); !written.ok()) return written;
+    const auto written = writer_->complete();
+    if (!written.ok()) return written.error();
+    if (auto checked = check(*written); !checked.ok()) return checked;
+    if (auto named = writer_->finish(); !named.ok()) return named;
+    std::cout << report_to_text(options_, done_);
+    return {};
+}
+
+}  // namespace
+
+Result<void> run_convert(const ConvertOptions& options) {
+    std::string at_work = "the frames of " + options.clip.file.string();
+    return within_memory(at_work, [&] { return Conversion(options).run(at_work); });
+}
+
+}  // namespace touchable

@@ -1,0 +1,92 @@
+#include "player/session/standard_stroke.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "engine/surface/surface_builder.hpp"
+#include "player/session/chosen_filters.hpp"
+#include "player/session/clip_workspace.hpp"
+#include "player/session/field_probe.hpp"
+#include "player/session/surface_feed.hpp"
+#include "player/session/touch_session.hpp"
+
+namespace touchable {
+
+namespace {
+
+constexpr const char* wandering = "wander:seed=1";
+
+/// Goals of one finger that were given before.
+class GoalsAgain final : public Hand {
+public:
+    explicit GoalsAgain(const ForceTable& before) : before_(before) {}
+    int fingers() const override { return 1; }
+    void goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) override {
+        goals[0] = before_.at(static_cast<std::size_t>(tick), 0).goal;
+    }
+
+private:
+    const ForceTable& before_;
+};
+
+class ForcesInHand final : public TouchSink {
+public:
+    Result<void> take(const TouchTick& tick) override {
+        table.samples.push_back({tick.goals[0], tick.forces[0].force, tick.contacts[0].touching});
+        return {};
+    }
+    ForceTable table{1, {}};
+};
+
+struct Stroke {
+    ForceTable forces;
+    double metres_per_scene_unit = 0;
+};
+
+/// Wanders, or repeats what was done `before`.
+Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) {
+    reader->leave_out_colour();
+    Scene scene = reader->scene();
+    if (auto settled = settle_filters(reader, scene); !settled.ok()) return settled.error();
+    auto builder = make_cpu_builder(scene);
+    SurfaceFeed feed(std::move(reader), std::move(builder), scene);
+    feed.leave_out_hash();
+    const auto first = feed.pair_at(0);
+    if (!first.ok()) return first.error();
+    Workspace workspace = clip_workspace(scene, *first->prev.frame);
+    if (before) workspace.metres_per_scene_unit = before->metres_per_scene_unit;
+
+    std::unique_ptr<Hand> hand;
+    if (before) {
+        hand = std::make_unique<GoalsAgain>(before->forces);
+    } else {
+        const HeightField field(scene, *first);
+        auto made = make_hand(wandering, 1, workspace, FieldProbe(field));
+        if (!made.ok()) return made.error();
+        hand = std::move(*made);
+    }
+    TouchSessionSettings settings;
+    settings.ticks = standard_stroke_ticks;
+    settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
+    const auto solver = TouchSolver::create(scene, settings.touch);
+    if (!solver.ok()) return solver.error();
+    ForcesInHand forces;
+    std::array<TouchSink*, 1> sinks{&forces};
+    if (auto ran = TouchSession(scene, feed, *hand, *solver, settings).run(sinks); !ran.ok())
+        return ran.error();
+    return Stroke{std::move(forces.table), workspace.metres_per_scene_unit};
+}
+
+}  // namespace
+
+Result<ForceComparison> compare_by_stroke(std::unique_ptr<ClipReader> a, std::unique_ptr<ClipReader> b) {
+    const auto of_a = stroke(std::move(a), nullptr);
+    if (!of_a.ok()) return of_a.error();
+    const auto of_b = stroke(std::move(b), &*of_a);
+    if (!of_b.ok()) return of_b.error();
+    return compare_forces(of_a->forces, of_b->forces);
+}
+
+}  // namespace touchable

@@ -1,0 +1,349 @@
+// Clips in other forms: the same to the touch, or what is lost is told.
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "engine/import/open_clip.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "player/commands/convert_command.hpp"
+#include "player/session/touch_figures.hpp"
+#include "player/session/touch_setup.hpp"
+#include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+
+namespace touchable::test {
+namespace {
+namespace fs = std::filesystem;
+
+class Convert : public ::testing::Test {
+protected:
+    Convert() { fs::create_directory(folder / "out"); }
+    std::string at(const std::string& name) const { return folder / name; }
+    void make(const std::string& scene, const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> words{"--size", "64x48", "--frames", "6"};
+        words.insert(words.end(), more.begin(), more.end());
+        make_clip(scene, at("clip.mkv"), words);
+    }
+    /// In this process, which takes a tenth of the time of a program's start.
+    static Outcome run_convert(std::vector<std::string> words) {
+        CLI::App app;
+        Command command;
+        add_convert_command(app, command);
+        std::ostringstream out;
+        std::streambuf* const usual = std::cout.rdbuf(out.rdbuf());
+        words.insert(words.begin(), "convert");
+        std::reverse(words.begin(), words.end());
+        Outcome outcome{0, "", ""};
+        try {
+            app.parse(words);
+            const auto done = command();
+            if (!done.ok()) outcome = {exit_code(done.error().kind), "", done.error().message};
+        } catch (const CLI::ParseError& error) {
+            outcome = {2, "", error.what()};
+        }
+        std::cout.rdbuf(usual);
+        outcome.out = out.str();
+        return outcome;
+    }
+    static std::string convert(const std::vector<std::string>& words) {
+        const Outcome run = run_convert(words);
+        EXPECT_EQ(run.code, 0) << run.err;
+        return run.out;
+    }
+    static std::string hash_of(const std::string& clip) {
+        SessionOptions options;
+        options.clip.file = clip;
+        options.fingers = 2;
+        options.ticks = 700;
+        auto setup = setup_from_options(options);
+        EXPECT_TRUE(setup.ok()) << setup.error().message;
+        if (!setup.ok()) return "";
+        TouchSetup& s = **setup;
+        TouchFigures figures;
+        std::array<TouchSink*, 1> sinks{&figures};
+        EXPECT_TRUE(TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(sinks).ok());
+        EXPECT_NE(figures.to_json().at("contact_ticks"), 0);
+        return figures.force_hash();
+    }
+    /// There and back, by every way that keeps all.
+    void expect_same_forces() const {
+        const std::string before = hash_of(at("clip.mkv"));
+        convert({at("clip.mkv"), at("folder")});
+        EXPECT_EQ(hash_of(at("folder")), before);
+        convert({at("folder"), at("small.mkv"), "--archive", "small"});
+        EXPECT_EQ(hash_of(at("small.mkv")), before);
+        convert({at("small.mkv"), at("fast.mkv"), "--exact-colour"});
+        EXPECT_EQ(hash_of(at("fast.mkv")), before);
+        convert({at("fast.mkv"), at("again") + "/"});
+        EXPECT_EQ(hash_of(at("again/scene.json")), before);
+    }
+    void expect_refused(const std::vector<std::string>& words, const std::string& fragment,
+                        int code = 2) const {
+        const Outcome run = run_convert(words);
+        EXPECT_EQ(run.code, code) << run.err;
+        EXPECT_EQ(run.err.find('\n'), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find(fragment), std::string::npos) << fragment << " is missing in: " << run.err;
+        EXPECT_TRUE(names_in(folder / "out").empty());
+    }
+    TemporaryFolder folder;
+};
+
+bool says(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+TEST_F(Convert, GlobeOf8BitsFeelsTheSame) {
+    make("globe", {"--bits", "8"});
+    expect_same_forces();
+}
+TEST_F(Convert, GlobeOf16BitsFeelsTheSame) {
+    make("globe", {"--bits", "16"});
+    expect_same_forces();
+}
+TEST_F(Convert, MovingDepthOf12BitsFeelsTheSame) {
+    make("moving", {"--bits", "12"});
+    expect_same_forces();
+}
+
+TEST_F(Convert, DepthAsHueFeelsTheSame) {
+    Scene scene;
+    scene.width = 64;
+    scene.height = 48;
+    scene.camera = {60, 60, 31.5, 23.5};
+    scene.depth.kind = DepthCodingKind::hue;
+    scene.depth.near_is_high = false;
+    scene.depth.near = 100;
+    scene.depth.far = 900;
+    scene.depth.code_max = DepthCoding::hue_circle;
+    derive_valid_range(scene.depth);
+    auto writer = create_clip(at("clip.mkv"), scene);
+    ASSERT_TRUE(writer.ok()) << writer.error().message;
+    std::vector<std::uint8_t> rgb(64 * 48 * 3);
+    for (int n = 0; n < 3; ++n) {
+        for (int k = 0; k < 64 * 48; ++k) {  // between red and yellow, rolling
+            const auto pixel = static_cast<std::size_t>(3 * k);
+            rgb[pixel] = 255;
+            rgb[pixel + 1] = static_cast<std::uint8_t>(60 + k / 64 + k % 64 + 5 * n);
+        }
+        RawFrame frame;
+        frame.number = n;
+        frame.depth = {rgb.data(), 64 * 3, 64, 48, 1, 3};
+        ASSERT_TRUE((*writer)->write(frame).ok());
+    }
+    ASSERT_TRUE((*writer)->finish().ok());
+    writer->reset();
+    expect_same_forces();
+}
+
+TEST_F(Convert, AFolderPacksIntoOneClipAndOneMapServesAWholeVideo) {
+    make("moving");
+    convert({at("clip.mkv"), at("folder")});
+    // Stiffness as somebody paints it.
+    std::vector<std::uint8_t> grey(64 * 48);
+    for (std::size_t k = 0; k < grey.size(); ++k) grey[k] = static_cast<std::uint8_t>(k % 64 * 4);
+    ASSERT_TRUE(write_png(at("folder/haptic.png"), PlaneView{grey.data(), 64, 64, 48, 1, 1}).ok());
+    auto scene = nlohmann::json::parse(file_contents(at("folder/scene.json")));
+    scene["folder"]["haptic"] = "haptic.png";
+    std::ofstream(at("folder/scene.json")) << scene;
+    const std::string hash = hash_of(at("folder"));
+    EXPECT_NE(hash, hash_of(at("clip.mkv")));
+    const std::string told = convert({at("folder"), at("packed.mkv")});
+    EXPECT_PRED2(says, told, "haptic is grey: stiffness alone");
+    EXPECT_EQ(hash_of(at("packed.mkv")), hash);
+    EXPECT_PRED2(says, convert({at("packed.mkv"), at("unpacked")}), "one picture for all frames");
+    EXPECT_EQ(hash_of(at("unpacked")), hash);
+}
+
+/// What a camera's file has in an order of its own comes out as plain codes.
+TEST_F(Convert, WordsThatAreSwappedAreTurnedBackOnce) {
+    make("moving", {"--bits", "16"});
+    convert({at("clip.mkv"), at("folder")});
+    for (int n = 0; n < 6; ++n) {
+        const std::string file = at("folder/depth_00000" + std::to_string(n) + ".png");
+        auto picture = read_image(file);
+        ASSERT_TRUE(picture.ok());
+        for (std::size_t k = 0; k < picture->samples.size(); k += 2)
+            std::swap(picture->samples[k], picture->samples[k + 1]);
+        ASSERT_TRUE(write_png(file, picture->view()).ok());
+    }
+    auto scene = nlohmann::json::parse(file_contents(at("folder/scene.json")));
+    scene["depth"]["bytes"] = "swapped";
+    std::ofstream(at("folder/scene.json")) << scene;
+    const std::string before = hash_of(at("clip.mkv"));
+    EXPECT_EQ(hash_of(at("folder")), before);
+    convert({at("folder"), at("packed.mkv")});
+    EXPECT_EQ(hash_of(at("packed.mkv")), before);
+    convert({at("folder"), at("pictures")});
+    EXPECT_EQ(hash_of(at("pictures")), before);
+}
+
+TEST_F(Convert, SaysWhatColourLosesAndThatNothingElseDoes) {
+    make("globe", {"--exact-colour"});
+    const std::string told = convert({at("clip.mkv"), at("out/seen.mkv")});
+    EXPECT_PRED2(says, told, "depth   every value kept");
+    EXPECT_PRED2(says, told, "haptic  every value kept");
+    EXPECT_PRED2(says, told, "height  every value kept");
+    EXPECT_PRED2(says, told, "colour  as good as the eye can tell");
+    EXPECT_PRED2(says, convert({at("clip.mkv"), at("out/exact.mkv"), "--exact-colour"}),
+                 "colour  every value kept");
+    EXPECT_PRED2(says, convert({at("clip.mkv"), at("out/pictures")}), "colour  every value kept");
+}
+
+TEST_F(Convert, OtherSizesAreRefusedUnlessAllowedAndThenSayWhatTheyDoToTheForce) {
+    make("globe");
+    expect_refused({at("clip.mkv"), at("out/half.mkv"), "--size", "32x24"}, "--allow-lossy");
+    const std::string told =
+        convert({at("clip.mkv"), at("out/half.mkv"), "--size", "32x24", "--allow-lossy"});
+    EXPECT_PRED2(says, told, "depth   LOST");
+    EXPECT_PRED2(says, told, "degrees off on average");
+    EXPECT_PRED2(says, told, " N, at most ");
+    // What is no change needs no leave.
+    convert({at("clip.mkv"), at("out/whole.mkv"), "--size", "64x48"});
+    EXPECT_EQ(hash_of(at("out/whole.mkv")), hash_of(at("clip.mkv")));
+}
+
+TEST_F(Convert, TakesThePartThatIsAskedFor) {
+    make("moving");
+    const auto frames_of = [](const std::string& clip) {
+        auto reader = open_clip(clip);
+        EXPECT_TRUE(reader.ok());
+        return reader.ok() ? (*reader)->frame_count() : std::nullopt;
+    };
+    convert({at("clip.mkv"), at("numbers"), "--from", "1", "--to", "4"});
+    EXPECT_EQ(frames_of(at("numbers")), 4);
+    convert(
+        {at("clip.mkv"), at("seconds"), "--from", "0.04s", "--to", "0.1s"});  // frames 1 and 2: 0.033, 0.067
+    EXPECT_EQ(frames_of(at("seconds")), 2);
+    EXPECT_EQ(file_contents(at("seconds/depth_000000.png")), file_contents(at("numbers/depth_000000.png")));
+    convert({at("clip.mkv"), at("sparse.mkv"), "--every", "4", "--crop", "8,6,32x30", "--to", "60s"});
+    EXPECT_EQ(frames_of(at("sparse.mkv")), 2);
+    const auto scene = (*open_clip(at("sparse.mkv")))->scene();
+    EXPECT_EQ(scene.rate.num * 4, scene.rate.den * 30);
+    EXPECT_EQ(scene.width, 32);
+    const std::string told = convert({at("clip.mkv"), at("one.png"), "--from", "5"});
+    EXPECT_PRED2(says, told, "one.json describes it");
+    EXPECT_EQ(frames_of(at("one.json")), 1);
+    EXPECT_EQ(file_contents(at("one.png")), file_contents([&] {
+                  convert({at("clip.mkv"), at("all")});
+                  return at("all/depth_000005.png");
+              }()));
+}
+
+TEST_F(Convert, WhatCannotBeIsRefusedAndLeavesNothing) {
+    make("globe");
+    const std::string clip = at("clip.mkv");
+    expect_refused({clip, at("out/a.mp4")}, "is no name of a clip");
+    expect_refused({clip, at("out/a"), "--archive", "small"}, "--archive is for clips");
+    expect_refused({clip, at("out/a.png"), "--exact-colour"}, "--exact-colour is for clips");
+    expect_refused({clip, at("out/a.png"), "--to", "3"}, "--to is for");
+    expect_refused({clip, at("out/a.png"), "--every", "3"}, "--every is for");
+    for (const char* wrong : {"x", "", "1.5", "-1", "s", "nans", "1e99s", "infs"})
+        expect_refused({clip, at("out/a"), "--from", wrong}, "--from");
+    for (const char* wrong : {"1", "1,2", "1,2,3", "a,b,3x3", "1,2,0x3", "-1,2,3x3", "1,2,3x3,4"})
+        expect_refused({clip, at("out/a"), std::string("--crop=") + wrong}, "--crop");
+    expect_refused({clip, at("out/a"), "--crop", "60,0,5x5"}, "not within the clip's 64x48");
+    expect_refused({clip, at("out/a"), "--from", "6"}, "it has 6 frames, 0 to 5");
+    expect_refused({clip, at("out/a"), "--to", "6"}, "it has 6 frames, 0 to 5");
+    expect_refused({clip, at("out/a"), "--from", "3", "--to", "2"}, "begin before it ends");
+    expect_refused({clip, at("out/a"), "--every", "0"}, "--every");
+    expect_refused({clip, at("out/none/a")}, "there is no folder", 3);
+    expect_refused({at("none.mkv"), at("out/a")}, "does not exist", 3);
+    for (const char* small : {"1x1", "3x3"})  // FFV1 and H.264 have limits of their own, folders have none
+        convert({clip, at(std::string("s") + small), "--crop", std::string("30,20,") + small});
+}
+
+TEST_F(Convert, NeverReplacesWhatItReadsByAnyName) {
+    make("globe");
+    const std::string clip = at("clip.mkv"), bytes = file_contents(clip);
+    fs::create_hard_link(clip, at("hard.mkv"));
+    fs::create_symlink(clip, at("soft.mkv"));
+    fs::create_directory_symlink(folder.path(), at("elsewhere"));
+    for (const std::string& name :
+         {clip, at("hard.mkv"), at("soft.mkv"), at("out/../clip.mkv"), at("elsewhere/clip.mkv")})
+        expect_refused({clip, name, "--overwrite"}, "which it would replace");
+    EXPECT_EQ(file_contents(clip), bytes);
+
+    convert({clip, at("folder")});
+    const auto names = names_in(folder / "folder");
+    fs::create_directory_symlink(folder / "folder", at("link"));
+    for (const std::string& name : {at("folder"), at("folder/"), at("link"), at("out/../folder/")})
+        for (const std::string& input : {at("folder"), at("folder/scene.json")})
+            expect_refused({input, name, "--overwrite"}, "which it would replace");
+    for (const char* name : {"folder/depth_000000.png", "folder/haptic_000003.png"})
+        expect_refused({at("folder"), at(name), "--overwrite"}, "which it would replace");
+    EXPECT_EQ(names_in(folder / "folder"), names);
+    EXPECT_EQ(hash_of(at("folder")), hash_of(clip));
+    // Nor a scene file that describes it from elsewhere.
+    fs::copy_file(folder / "folder/scene.json", folder / "one.json");
+    expect_refused({at("folder"), at("one.png"), "--scene", at("one.json"), "--overwrite"},
+                   "which it would replace");
+}
+
+TEST_F(Convert, ReplacesEarlierOutputOnlyWhereItMay) {
+    make("globe");
+    const std::string clip = at("clip.mkv");
+    for (const char* name : {"a.mkv", "a.png", "a"}) {
+        convert({clip, at(name)});
+        expect_refused({clip, at(name)}, "--overwrite");
+        convert({clip, at(name), "--overwrite", "--from", "2"});
+    }
+    EXPECT_EQ(names_in(folder / "a").front(), "colour_000000.png");
+    EXPECT_FALSE(fs::exists(at("a/depth_000004.png")));  // there are four frames now
+    std::ofstream(at("a/notes.txt")) << "mine";
+    expect_refused({clip, at("a"), "--overwrite"}, "holds other files");
+    std::ofstream(at("file")) << "mine";
+    expect_refused({clip, at("file"), "--overwrite"}, "no folder");
+    EXPECT_EQ(names_in(folder.path()),
+              (std::vector<std::string>{"a", "a.json", "a.mkv", "a.png", "a_colour.png", "a_haptic.png",
+                                        "a_height.png", "clip.mkv", "file", "out"}));
+}
+
+TEST_F(Convert, AsAProgramFeelsTheSame) {
+    make("globe");
+    ASSERT_EQ(run_touchable({"convert", at("clip.mkv"), at("folder")}).code, 0);
+    ASSERT_EQ(run_touchable({"convert", at("folder"), at("again.mkv")}).code, 0);
+    EXPECT_EQ(force_hash({at("again.mkv"), "--seconds", "1"}),
+              force_hash({at("clip.mkv"), "--seconds", "1"}));
+    const Outcome refused = run_touchable({"convert", at("clip.mkv"), at("clip.mkv"), "--overwrite"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
+}
+
+/// A clip of many frames that is quickly made: all are one picture.
+TEST_F(Convert, InterruptedLeavesNothing) {
+    make_clip("noise", at("one.mkv"), {"--size", "320x240", "--frames", "1", "--bits", "16"});
+    convert({at("one.mkv"), at("long")});
+    for (int n = 1; n < 2000; ++n) {
+        const std::string number = std::to_string(1'000'000 + n).substr(1);
+        fs::create_hard_link(at("long/depth_000000.png"), at("long/depth_" + number + ".png"));
+    }
+    auto scene = nlohmann::json::parse(file_contents(at("long/scene.json")));
+    scene["folder"]["count"] = 0;
+    std::ofstream(at("long/scene.json")) << scene;
+    for (const char* name : {"out/a", "out/a.mkv"}) {
+        const Outcome run = run_interrupted({"convert", at("long"), at(name)}, folder / "out");
+        EXPECT_EQ(run.code, 130) << run.err;
+        EXPECT_TRUE(names_in(folder / "out").empty());
+    }
+}
+
+TEST_F(Convert, FullDiskLeavesNothing) {
+    make_clip("noise", at("clip.mkv"), {"--frames", "3"});
+    for (const char* name : {"out/a", "out/a.mkv", "out/a.png"}) {
+        const Outcome run = run_on_full_disk({"convert", at("clip.mkv"), at(name)}, 4);
+        EXPECT_EQ(run.code, 3) << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_TRUE(names_in(folder / "out").empty());
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
