@@ -1,7 +1,6 @@
 #include "engine/import/dynamic_depth.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <vector>
 
