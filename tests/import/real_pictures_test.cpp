@@ -70,10 +70,11 @@ TEST(RealPictures, MidasIsInverseDepthWithoutAScale) {
     const std::string bytes = read_bytes(file);
     std::vector<float> values(640 * 640);
     std::memcpy(values.data(), bytes.data() + bytes.size() - 4 * values.size(), 4 * values.size());
-    const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    const double range = *most - *least, f = 320 / std::tan(M_PI / 6);
+    const double least = *std::min_element(values.begin(), values.end()),
+                 range = *std::max_element(values.begin(), values.end()) - least,
+                 f = 320 / std::tan(M_PI / 6);
     const auto depth = [&](int x, int y) {
-        const double share = (values[static_cast<std::size_t>(640 * y + x)] - *least) / range;
+        const double share = (values[static_cast<std::size_t>(640 * y + x)] - least) / range;
         return 1 / (1 / 1.5 + share * (1 / 0.5 - 1 / 1.5));
     };
     // Half of one of 65534 steps of 1/depth, 1.33 in all, at 1.5 m.
