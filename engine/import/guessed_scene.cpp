@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/import/camera_file.hpp"
+#include "engine/import/known_camera.hpp"
 #include "engine/import/number_words.hpp"
 #include "engine/import/picture_files.hpp"
 #include "engine/import/picture_groups.hpp"
@@ -21,7 +22,6 @@ namespace fs = std::filesystem;
 
 /// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
 constexpr double soft_holes = 0.1;
-constexpr double usual_fov = 60;                         // degrees
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
 /// What the values of a picture tell of their unit.
@@ -99,23 +99,15 @@ private:
 
 /// Of pictures of another size, those of a camera with the same view.
 void Guess::take(const Intrinsics& intrinsics, const std::string& whose) {
-    double x = 1, y = 1;
     if (intrinsics.width > 0 && intrinsics.height > 0 &&
-        (intrinsics.width != scene_.width || intrinsics.height != scene_.height)) {
-        x = static_cast<double>(scene_.width) / intrinsics.width;
-        y = static_cast<double>(scene_.height) / intrinsics.height;
+        (intrinsics.width != scene_.width || intrinsics.height != scene_.height))
         say(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
             " pixels and is scaled to these pictures (--intrinsics FX,FY,CX,CY says otherwise)");
-    }
-    const auto centre = [](double at, double scale) { return (at + 0.5) * scale - 0.5; };
-    scene_.camera = {intrinsics.fx * x, intrinsics.fy * y,
-                     intrinsics.cx ? centre(*intrinsics.cx, x) : 0.5 * (scene_.width - 1),
-                     intrinsics.cy ? centre(*intrinsics.cy, y) : 0.5 * (scene_.height - 1)};
+    scene_.camera = scaled_camera(intrinsics, scene_.width, scene_.height);
 }
 
 void Guess::take_fov(double degrees) {
-    const double f = 0.5 * scene_.width / std::tan(degrees * 3.14159265358979323846 / 360);
-    scene_.camera = {f, f, 0.5 * (scene_.width - 1), 0.5 * (scene_.height - 1)};
+    scene_.camera = camera_of_fov(degrees, scene_.width, scene_.height);
 }
 
 Result<void> Guess::find_camera(const fs::path& folder) {

@@ -9,9 +9,10 @@
 
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
-#include "engine/import/gdepth_image.hpp"
 #include "engine/import/guessed_scene.hpp"
+#include "engine/import/heic_image.hpp"
 #include "engine/import/image_folder.hpp"
+#include "engine/import/jpeg_depth.hpp"
 #include "engine/media/matroska_reader.hpp"
 #include "engine/media/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -44,6 +45,9 @@ bool is_jpeg(const Candidate& candidate) {
 bool is_picture(const Candidate& candidate) {
     return !picture_kind(candidate.begin).empty() && !is_jpeg(candidate);
 }
+bool is_heic(const Candidate& candidate) {
+    return is_heif(candidate.begin);
+}
 /// Also one that is cut to nearly nothing, of which its reader tells best what is wrong.
 bool is_matroska(const Candidate& candidate) {
     return candidate.begin.starts_with("\x1a\x45\xdf\xa3") || candidate.begin.size() < 4;
@@ -62,7 +66,9 @@ Opened open_picture(const Candidate& candidate) {
 /// With depth in its metadata, or of depth itself where somebody says what it is.
 Opened open_jpeg(const Candidate& candidate) {
     const bool is_described = !(candidate.known == SourceDescription());
-    return is_described ? open_picture(candidate) : open_gdepth_image(candidate.file, candidate.scene);
+    return is_described && !has_jpeg_depth(candidate.file)
+               ? open_picture(candidate)
+               : open_jpeg_depth(candidate.file, candidate.scene, candidate.known);
 }
 
 /// The first that recognises a file opens it.
@@ -75,7 +81,12 @@ constexpr Format formats[] = {
     {is_matroska,
      [](const Candidate& c) { return open_matroska_clip(c.file, c.scene); },
      {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
-    {is_jpeg, open_jpeg, {"a JPEG with depth in its metadata (GDepth)", "touchable play portrait.jpg"}},
+    {is_jpeg,
+     open_jpeg,
+     {"a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"}},
+    {is_heic,
+     [](const Candidate& c) { return open_heic_image(c.file, c.scene, c.known); },
+     {"a phone's HEIC, HEIF or AVIF with depth (portraits)", "touchable play portrait.heic"}},
     {is_picture,
      open_picture,
      {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
@@ -86,7 +97,7 @@ constexpr Format formats[] = {
 };
 
 std::string first_bytes(const std::filesystem::path& file) {
-    std::array<char, 8> first{};
+    std::array<char, 12> first{};
     std::ifstream in(file, std::ios::binary);
     in.read(first.data(), first.size());
     return {first.data(), static_cast<std::size_t>(in.gcount())};
@@ -95,7 +106,7 @@ std::string first_bytes(const std::filesystem::path& file) {
 Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene,
                  const SourceDescription& known) {
     const Candidate candidate{file, first_bytes(file), scene, known};
-    const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate);
+    const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate);
     if (describes_itself && !(known == SourceDescription()))
         return usage_error(file.string() +
                            ": is no picture, so --intrinsics, --fov, --depth-unit and --preset say "
@@ -108,7 +119,7 @@ Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& 
     return input_error(
         file.string() +
         ": is not a Matroska file, nor a picture of depth (PNG, PGM, TIFF, PFM, EXR, NumPy), nor a "
-        "JPEG with depth, nor a Depthkit video with " +
+        "JPEG or HEIC with depth, nor a Depthkit video with " +
         depthkit_metadata_name(file).string() + " beside it");
 }
 

@@ -1,8 +1,11 @@
 #include "engine/import/xmp.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
+
+#include "engine/import/jpeg_segments.hpp"
 
 namespace touchable {
 namespace {
@@ -17,25 +20,6 @@ std::size_t big_endian(std::string_view bytes) {
     std::size_t number = 0;
     for (const char byte : bytes) number = number << 8 | static_cast<unsigned char>(byte);
     return number;
-}
-
-/// The contents of a JPEG's segments APP1, up to its picture. Nothing where a segment is cut.
-std::optional<std::vector<std::string_view>> app1_segments(std::string_view jpeg) {
-    std::vector<std::string_view> segments;
-    if (!jpeg.starts_with("\xff\xd8"sv)) return std::nullopt;
-    jpeg.remove_prefix(2);
-    while (jpeg.size() >= 4 && jpeg[0] == '\xff') {
-        if (jpeg[1] == '\xff') {  // fill byte
-            jpeg.remove_prefix(1);
-            continue;
-        }
-        if (jpeg[1] == '\xda') return segments;
-        const std::size_t length = big_endian(jpeg.substr(2, 2));  // of itself and the content
-        if (length < 2 || length > jpeg.size() - 2) return std::nullopt;
-        if (jpeg[1] == '\xe1') segments.push_back(jpeg.substr(4, length - 2));
-        jpeg.remove_prefix(2 + length);
-    }
-    return std::nullopt;
 }
 
 struct Piece {
@@ -83,12 +67,12 @@ public:
     explicit TagReader(std::string_view text) : rest_(text) {}
 
     /// False where the text is not well-formed.
-    bool read(XmpProperties& properties) {
+    bool read(XmpEntries& entries) {
         while (skip_past("<")) {
             const bool declares = rest_.starts_with("!") || rest_.starts_with("?") || rest_.starts_with("/");
             const bool whole = rest_.starts_with("!--") ? skip_past("-->")
                                : declares               ? skip_past(">")
-                                                        : read_tag(properties);
+                                                        : read_tag(entries);
             if (!whole) return false;
         }
         return true;
@@ -110,30 +94,31 @@ private:
         rest_.remove_prefix(end);
         return taken;
     }
-    bool read_tag(XmpProperties& properties);
-    bool read_attribute(XmpProperties& properties);
+    bool read_tag(XmpEntries& entries);
+    bool read_attribute(XmpEntries& entries);
 
     std::string_view rest_;
 };
 
-bool TagReader::read_tag(XmpProperties& properties) {
+bool TagReader::read_tag(XmpEntries& entries) {
     const std::string_view name = take_until(" \t\r\n/>");
     if (name.empty()) return false;
+    entries.push_back({std::string(name), std::nullopt});
     while (true) {
         skip_space();
         if (rest_.starts_with("/>")) return true;
         if (rest_.starts_with(">")) break;
-        if (!read_attribute(properties)) return false;
+        if (!read_attribute(entries)) return false;
     }
     rest_.remove_prefix(1);
     const auto end = std::min(rest_.find('<'), rest_.size());
     const std::string closing = "</" + std::string(name) + ">";
     if (rest_.substr(end).starts_with(closing))
-        properties.insert_or_assign(std::string(name), std::string(rest_.substr(0, end)));
+        entries.push_back({std::string(name), std::string(rest_.substr(0, end))});
     return true;
 }
 
-bool TagReader::read_attribute(XmpProperties& properties) {
+bool TagReader::read_attribute(XmpEntries& entries) {
     const std::string_view name = take_until(" \t\r\n=/><\"'");
     skip_space();
     if (name.empty() || !rest_.starts_with("=")) return false;
@@ -145,7 +130,7 @@ bool TagReader::read_attribute(XmpProperties& properties) {
     const std::string_view value = take_until(quote);
     if (rest_.empty()) return false;
     rest_.remove_prefix(1);
-    properties.insert_or_assign(std::string(name), std::string(value));
+    entries.push_back({std::string(name), std::string(value)});
     return true;
 }
 
@@ -158,29 +143,49 @@ int base64_digit(char c) {
 
 }  // namespace
 
-std::optional<XmpProperties> parse_xmp(std::string_view packet) {
+std::optional<XmpEntries> parse_xmp_entries(std::string_view packet) {
+    XmpEntries entries;
+    if (!TagReader(packet).read(entries)) return std::nullopt;
+    return entries;
+}
+
+XmpProperties properties_of(const XmpEntries& entries) {
     XmpProperties properties;
-    if (!TagReader(packet).read(properties)) return std::nullopt;
+    for (const XmpEntry& entry : entries)
+        if (entry.value) properties.insert_or_assign(entry.name, *entry.value);
     return properties;
 }
 
-Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& where) {
+std::optional<XmpProperties> parse_xmp(std::string_view packet) {
+    const auto entries = parse_xmp_entries(packet);
+    if (!entries) return std::nullopt;
+    return properties_of(*entries);
+}
+
+Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::string& where) {
     const auto segments = app1_segments(jpeg);
     if (!segments) return input_error(where + ": is not a whole JPEG: a segment before its picture is cut");
     const auto packet = std::find_if(segments->begin(), segments->end(), [](std::string_view segment) {
         return segment.starts_with(packet_header);
     });
-    if (packet == segments->end()) return XmpProperties{};
-    auto properties = parse_xmp(packet->substr(packet_header.size()));
-    if (!properties) return input_error(where + ": its XMP is not well-formed");
-    const auto guid = properties->find("xmpNote:HasExtendedXMP");
-    if (guid == properties->end()) return std::move(*properties);
+    if (packet == segments->end()) return XmpEntries{};
+    auto entries = parse_xmp_entries(packet->substr(packet_header.size()));
+    if (!entries) return input_error(where + ": its XMP is not well-formed");
+    const XmpProperties properties = properties_of(*entries);
+    const auto guid = properties.find("xmpNote:HasExtendedXMP");
+    if (guid == properties.end()) return std::move(*entries);
     auto text = joined(pieces_of(*segments, guid->second), where);
     if (!text) return text.error();
-    auto extended = parse_xmp(*text);
+    auto extended = parse_xmp_entries(*text);
     if (!extended) return input_error(where + ": its extended XMP is not well-formed");
-    properties->merge(*extended);
-    return std::move(*properties);
+    std::move(entries->begin(), entries->end(), std::back_inserter(*extended));
+    return std::move(*extended);
+}
+
+Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& where) {
+    const auto entries = read_jpeg_xmp_entries(jpeg, where);
+    if (!entries) return entries.error();
+    return properties_of(*entries);
 }
 
 std::optional<std::string> decode_base64(std::string_view text) {

@@ -89,8 +89,8 @@ TEST(GdepthJpeg, IsAClipOfOneFrame) {
     for (int v = 0; v < 256; ++v)  // as the format's description has it
         EXPECT_NEAR(scene.depth.depth(static_cast<std::uint16_t>(v)), 10.0 * 2 / (10 - v / 255.0 * (10 - 2)),
                     1e-12);
-    EXPECT_TRUE(has_note(**clip, "metres are assumed"));
-    EXPECT_TRUE(has_note(**clip, "60 degrees across are assumed"));
+    EXPECT_TRUE(has_note(**clip, "guessed: lengths are metres"));
+    EXPECT_TRUE(has_note(**clip, "guessed: the camera sees 60 degrees from left to right (--fov"));
     EXPECT_FALSE(has_note(**clip, "resampled"));
     EXPECT_EQ((*clip)->frame_count(), 1);
     ASSERT_EQ((*clip)->tracks().size(), 2U);
@@ -125,7 +125,7 @@ TEST(GdepthJpeg, SaysWhatItsDepthsMean) {
     EXPECT_EQ(scene.depth.semantics, DepthSemantics::range);
     for (int v = 0; v < 256; ++v)
         EXPECT_DOUBLE_EQ(scene.depth.depth(static_cast<std::uint16_t>(v)), 200.0 + 4 * v);
-    EXPECT_FALSE(has_note(**clip, "metres are assumed"));
+    EXPECT_FALSE(has_note(**clip, "metres"));
 }
 
 TEST(GdepthJpeg, DepthMayBeOfSixteenBits) {
@@ -165,7 +165,7 @@ TEST(GdepthJpeg, ASceneFileReplacesWhatIsAssumed) {
     auto clip = open_clip(folder / "still.jpg", folder / "scene.json");
     ASSERT_EQ(message(clip), "");
     EXPECT_EQ((*clip)->scene().name, "small");
-    EXPECT_FALSE(has_note(**clip, "assumed"));
+    EXPECT_FALSE(has_note(**clip, "guessed"));
     const double deepest = 3.0 * depth_at(wide - 1, high - 1);
     EXPECT_DOUBLE_EQ((*clip)->scene().depth.far, 1.05 * deepest);
 }

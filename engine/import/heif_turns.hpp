@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string_view>
+
+#include "engine/import/orientation.hpp"
+
+namespace touchable {
+
+/// How each picture of a HEIF file is turned and mirrored, by its number; those without such properties are
+/// left out. libheif applies them and does not tell. Of a file that is cut, what is there.
+std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file);
+
+}  // namespace touchable

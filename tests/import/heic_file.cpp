@@ -1,0 +1,212 @@
+#include "tests/import/heic_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "tests/media/jpeg_with_xmp.hpp"
+
+namespace touchable::test {
+namespace {
+
+std::uint64_t number_at(const std::string& bytes, std::size_t at, std::size_t length) {
+    std::uint64_t value = 0;
+    for (std::size_t k = 0; k < length; ++k)
+        value = value << 8 | static_cast<unsigned char>(bytes.at(at + k));
+    return value;
+}
+
+void check(const heif_error& error) {
+    ASSERT_EQ(error.code, heif_error_Ok) << error.message;
+}
+
+heif_image* picture_of(const Image& from, int bits) {
+    heif_image* image = nullptr;
+    const bool grey = from.channels == 1;
+    check(heif_image_create(from.width, from.height, grey ? heif_colorspace_monochrome : heif_colorspace_RGB,
+                            grey ? heif_chroma_monochrome : heif_chroma_interleaved_RGB, &image));
+    const heif_channel channel = grey ? heif_channel_Y : heif_channel_interleaved;
+    check(heif_image_add_plane(image, channel, from.width, from.height, bits));
+    int stride = 0;
+    std::uint8_t* to = heif_image_get_plane(image, channel, &stride);
+    const auto row = static_cast<std::size_t>(from.width * from.channels * from.bytes_per_sample);
+    for (int y = 0; y < from.height; ++y)
+        std::memcpy(to + static_cast<std::ptrdiff_t>(stride) * y, from.view().row(y), row);
+    return image;
+}
+
+heif_error append(heif_context*, const void* data, std::size_t size, void* user) {
+    static_cast<std::string*>(user)->append(static_cast<const char*>(data), size);
+    return {heif_error_Ok, heif_suberror_Unspecified, "ok"};
+}
+
+std::string box(const std::string& type, const std::string& content) {
+    return big_endian(content.size() + 8, 4) + type + content;
+}
+
+/// Calls work(type, content) for each box and puts together what it makes of their contents.
+template <class Work>
+std::string mapped_boxes(const std::string& boxes, Work&& work) {
+    std::string made;
+    for (std::size_t at = 0; at < boxes.size();) {
+        const std::size_t length = number_at(boxes, at, 4);
+        const std::string type = boxes.substr(at + 4, 4);
+        made += box(type, work(type, boxes.substr(at + 8, length - 8)));
+        at += length;
+    }
+    return made;
+}
+
+/// One more association of an item, one byte each as libheif writes them.
+std::string associated(std::string ipma, std::uint64_t item, int property) {
+    EXPECT_EQ(number_at(ipma, 0, 4), 0U) << "version and flags";
+    std::size_t at = 8;
+    while (number_at(ipma, at, 2) != item) at += 3 + number_at(ipma, at + 2, 1);
+    const std::size_t count = number_at(ipma, at + 2, 1);
+    ipma[at + 2] = static_cast<char>(count + 1);
+    return ipma.insert(at + 3 + count, 1, static_cast<char>(0x80 | property));
+}
+
+/// Places in the file that moved.
+std::string moved(std::string iloc, std::uint64_t by) {
+    const std::uint64_t version = number_at(iloc, 0, 1), sizes = number_at(iloc, 4, 2);
+    const std::size_t offset = sizes >> 12 & 15, length = sizes >> 8 & 15, base = sizes >> 4 & 15;
+    EXPECT_LT(version, 2U);
+    std::size_t at = 8;
+    for (auto items = number_at(iloc, 6, 2); items > 0; --items) {
+        const bool in_file = version == 0 || number_at(iloc, at + 2, 2) == 0;
+        at += (version == 0 ? 4 : 6) + base;
+        const auto extents = number_at(iloc, at, 2);
+        at += 2;
+        for (std::uint64_t k = 0; k < extents; ++k, at += offset + length)
+            if (in_file)
+                iloc.replace(at, offset,
+                             big_endian(number_at(iloc, at, offset) + by, static_cast<int>(offset)));
+    }
+    return iloc;
+}
+
+std::string with_auxiliary(const std::string& file, std::uint64_t primary, std::uint64_t depth,
+                           const std::string& subtypes, bool is_av1) {
+    const std::string type =
+        is_av1 ? "urn:mpeg:mpegB:cicp:systems:auxiliary:depth" : "urn:mpeg:hevc:2015:auxid:2";
+    const std::string property = box("auxC", std::string(4, '\0') + type + '\0' + subtypes);
+    const std::string reference =
+        box("auxl", big_endian(depth, 2) + big_endian(1, 2) + big_endian(primary, 2));
+    const auto changed_meta = [&](const std::string& meta, std::uint64_t by) {
+        bool has_references = false;
+        int properties = 0;
+        std::string made = mapped_boxes(meta.substr(4), [&](const std::string& kind, std::string content) {
+            if (kind == "iref") {
+                has_references = true;
+                return content + reference;
+            }
+            if (kind == "iloc") return moved(content, by);
+            if (kind != "iprp") return content;
+            return mapped_boxes(content, [&](const std::string& inner, const std::string& listed) {
+                if (inner == "ipma") return associated(listed, depth, properties + 1);
+                mapped_boxes(listed, [&](const std::string&, const std::string&) {
+                    ++properties;
+                    return std::string();
+                });
+                return listed + property;
+            });
+        });
+        return meta.substr(0, 4) + made +
+               (has_references ? std::string() : box("iref", std::string(4, '\0') + reference));
+    };
+    return mapped_boxes(file, [&](const std::string& kind, const std::string& content) {
+        if (kind != "meta") return content;
+        return changed_meta(content, changed_meta(content, 0).size() - content.size());
+    });
+}
+
+class BitWriter {
+public:
+    void put(std::uint64_t value, int count) {
+        for (int k = count - 1; k >= 0; --k) bits_.push_back((value >> k & 1) != 0);
+    }
+    /// Exp-Golomb.
+    void put_unsigned(unsigned value) {
+        int length = 0;
+        while (value + 1 >= 2U << length) ++length;
+        put(0, length);
+        put(value + 1, length + 1);
+    }
+    /// Sign, exponent, and a mantissa of 24 bits.
+    void put_real(double value) {
+        int exponent = 0;
+        const double fraction = std::frexp(std::abs(value), &exponent);  // 0.5 to 1
+        put(value < 0 ? 1 : 0, 1);
+        put(static_cast<std::uint64_t>(exponent - 1 + 31), 7);
+        put(23, 5);
+        put(static_cast<std::uint64_t>(std::lround((2 * fraction - 1) * 16777216)), 24);
+    }
+    std::string bytes() const {
+        std::string bytes((bits_.size() + 7) / 8, '\0');
+        for (std::size_t k = 0; k < bits_.size(); ++k)
+            if (bits_[k]) bytes[k / 8] = static_cast<char>(bytes[k / 8] | 128 >> k % 8);
+        return bytes;
+    }
+
+private:
+    std::vector<bool> bits_;
+};
+
+}  // namespace
+
+std::string depth_info_sei(const DepthInfo& info) {
+    BitWriter writer;
+    const double values[] = {info.z_near, info.z_far, info.d_min, info.d_max};
+    for (const double value : values) writer.put(std::isnan(value) ? 0 : 1, 1);
+    writer.put_unsigned(static_cast<unsigned>(info.type));
+    if (!std::isnan(info.d_min) || !std::isnan(info.d_max)) writer.put_unsigned(0);
+    for (const double value : values)
+        if (!std::isnan(value)) writer.put_real(value);
+    writer.put(1, 1);
+    const std::string payload = writer.bytes();
+    const std::string unit = std::string("\x4e\x01\xb1", 3) + static_cast<char>(payload.size()) + payload;
+    const std::string sized = big_endian(unit.size(), 4) + unit;
+    return big_endian(sized.size(), 4) + sized;
+}
+
+std::string HeicFile::bytes() const {
+    heif_context* context = heif_context_alloc();
+    heif_encoder* encoder = nullptr;
+    check(heif_context_get_encoder_for_format(context, format, &encoder));
+    heif_encoder_set_lossless(encoder, 1);
+    heif_encoding_options* options = heif_encoding_options_alloc();
+    heif_color_profile_nclx* luma = heif_nclx_color_profile_alloc();  // otherwise grey is made colour
+    heif_nclx_color_profile_set_matrix_coefficients(luma, 1);
+    for (const bool is_depth : {false, true}) {
+        if (is_depth && !has_depth) continue;
+        heif_image* image = picture_of(is_depth ? depth : colour, is_depth ? depth_bits : 8);
+        heif_image_handle* handle = nullptr;
+        options->output_nclx_profile = is_depth && depth.channels == 1 ? luma : nullptr;
+        options->image_orientation = is_depth ? depth_turn : colour_turn;
+        check(heif_context_encode_image(context, image, encoder, options, &handle));
+        const std::string& xmp = is_depth ? depth_xmp : std::string();
+        if (!xmp.empty())
+            check(heif_context_add_XMP_metadata(context, handle, xmp.data(), static_cast<int>(xmp.size())));
+        if (!is_depth && !exif.empty())
+            check(
+                heif_context_add_exif_metadata(context, handle, exif.data(), static_cast<int>(exif.size())));
+        heif_image_handle_release(handle);
+        heif_image_release(image);
+    }
+    heif_item_id ids[2] = {0, 0};  // in the order in which they were written
+    heif_context_get_list_of_top_level_image_IDs(context, ids, 2);
+    std::string file;
+    heif_writer writer{1, append};
+    check(heif_context_write(context, &writer, &file));
+    heif_encoding_options_free(options);
+    heif_nclx_color_profile_free(luma);
+    heif_encoder_release(encoder);
+    heif_context_free(context);
+    if (!has_depth) return file;
+    return with_auxiliary(file, ids[0], ids[1], depth_sei, format == heif_compression_AV1);
+}
+
+}  // namespace touchable::test
