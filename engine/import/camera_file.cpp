@@ -164,12 +164,8 @@ std::optional<CameraFile> from_colmap(const std::string& text) {
 std::optional<CameraFile> parsed(const std::string& text) {
     const auto begin = text.find_first_not_of(" \t\r\n");
     if (begin != std::string::npos && text[begin] == '{') {
-        try {
-            if (const auto found = in_object(checked_json::parse(text))) return CameraFile{*found};
-        } catch (const checked_json::Refusal&) {
-        } catch (const Json::exception&) {
-        }
-        return {};
+        const auto found = intrinsics_in_json(text);
+        return found ? std::optional(CameraFile{*found}) : std::nullopt;
     }
     if (auto found = from_calib(text)) return found;
     if (auto found = from_yaml(text)) return found;
@@ -180,6 +176,15 @@ std::optional<CameraFile> parsed(const std::string& text) {
 }
 
 }  // namespace
+
+std::optional<Intrinsics> intrinsics_in_json(const std::string& text) {
+    try {
+        return in_object(checked_json::parse(text));
+    } catch (const checked_json::Refusal&) {
+    } catch (const Json::exception&) {
+    }
+    return {};
+}
 
 Result<CameraFile> read_camera_file(const fs::path& file) {
     std::error_code failure;

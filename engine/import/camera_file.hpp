@@ -20,6 +20,9 @@ struct CameraFile {
 /// numbers. An error says what a file that is none of these should have.
 Result<CameraFile> read_camera_file(const std::filesystem::path& file);
 
+/// What an object of JSON, such as those files are, says of a camera.
+std::optional<Intrinsics> intrinsics_in_json(const std::string& text);
+
 /// The camera file that lies in a folder, by the names those programs give it; nothing where none does, or
 /// none can be read.
 std::optional<std::filesystem::path> camera_file_in(const std::filesystem::path& folder);

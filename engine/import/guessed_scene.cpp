@@ -76,7 +76,8 @@ class Guess {
 public:
     Guess(const SourceDescription& known, const Preset* preset) : known_(known), preset_(preset) {}
 
-    Result<void> describe(const fs::path& folder, const StoredImage& depth);
+    Result<void> describe(const fs::path& folder, const StoredImage& depth,
+                          const DepthCoding* coding = nullptr);
     GuessedScene made() { return {std::move(scene_), std::move(guesses_)}; }
     Scene& scene() { return scene_; }
     void say(std::string guess) { guesses_.push_back("guessed: " + std::move(guess)); }
@@ -214,7 +215,7 @@ Result<void> Guess::find_unit(const Values& values) {
 /// Cameras write 0 where they see nothing. Depth without a scale has something everywhere.
 void Guess::set_invalid(const StoredImage& depth) {
     if (scene_.stored.kind == StoredDepth::Kind::relative) return;
-    const bool has_words = scene_.depth_bits == 16 && depth.values.empty();
+    const bool has_words = scene_.depth_bits == 16 && depth.values.empty() && depth.bits == 16;
     const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
     const int other = preset_ ? preset_->invalid : has_words && !is_told ? 65535 : 0;
     DepthCoding& coding = scene_.depth;
@@ -225,7 +226,7 @@ void Guess::set_invalid(const StoredImage& depth) {
     if (!is_told) say(other > 0 ? "0 and 65535 are no depth" : "0 is no depth");
 }
 
-Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth) {
+Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, const DepthCoding* coding) {
     scene_.width = depth.image.width;
     scene_.height = depth.image.height;
     scene_.metres_per_unit = 1;
@@ -235,10 +236,13 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth) {
     scene_.unstated = all_unstated;
     scene_.hole_stiffness = soft_holes;
     if (auto found = find_camera(folder); !found) return found;
-    if (auto found = find_unit(values_of(depth)); !found) return found;
-    set_invalid(depth);
-    DepthCoding& coding = scene_.depth;
-    derive_valid_range(coding);
+    if (coding) {
+        scene_.depth = *coding;
+    } else {
+        if (auto found = find_unit(values_of(depth)); !found) return found;
+        set_invalid(depth);
+    }
+    derive_valid_range(scene_.depth);
     if (auto valid = validate(scene_); !valid)
         return usage_error("--intrinsics, --fov, --depth-unit, --preset: " + valid.error().message);
     return {};
@@ -366,6 +370,15 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         guess.say(short_number(static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den)) +
                   " frames a second" + (rate ? ", by their times" : ""));
     }
+    return guess.made();
+}
+
+Result<GuessedScene> guess_scene(const fs::path& folder, const StoredImage& depth,
+                                 const SourceDescription& known, const DepthCoding* coding) {
+    const auto preset = known_preset(known);
+    if (!preset) return preset.error();
+    Guess guess(known, *preset);
+    if (auto described = guess.describe(folder, depth, coding); !described) return described.error();
     return guess.made();
 }
 

@@ -21,6 +21,11 @@ struct GuessedScene {
 /// picture. An error says what was found there.
 Result<GuessedScene> guess_folder(const std::filesystem::path& folder, const SourceDescription& known);
 
+/// Of depth as in this picture, in a folder that may have a camera's file. Where `coding` is given it stands,
+/// and nothing of the picture but its size counts. The scene says nothing of files.
+Result<GuessedScene> guess_scene(const std::filesystem::path& folder, const StoredImage& depth,
+                                 const SourceDescription& known, const DepthCoding* coding = nullptr);
+
 /// Of a single picture of depth. Camera: as said, by preset, by a camera's file beside it, or 60 degrees
 /// wide. Unit: as said, by preset, or by the size of its values. `scene.folder` names it.
 Result<GuessedScene> guess_picture(const std::filesystem::path& file, const SourceDescription& known);

@@ -10,9 +10,13 @@
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/guessed_scene.hpp"
+#include "engine/import/guessed_video.hpp"
 #include "engine/import/heic_image.hpp"
 #include "engine/import/image_folder.hpp"
 #include "engine/import/jpeg_depth.hpp"
+#include "engine/import/video_clip.hpp"
+#include "engine/media/clip_tags.hpp"
+#include "engine/media/demuxer.hpp"
 #include "engine/media/matroska_reader.hpp"
 #include "engine/media/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -48,12 +52,43 @@ bool is_picture(const Candidate& candidate) {
 bool is_heic(const Candidate& candidate) {
     return is_heif(candidate.begin);
 }
-/// Also one that is cut to nearly nothing, of which its reader tells best what is wrong.
+/// Without anything that makes a clip of ours of it.
+bool is_foreign_matroska(const std::filesystem::path& file) {
+    const auto opened = Demuxer::open_matroska(file);
+    if (!opened || (*opened)->tag(clip_tags::version_tag) || (*opened)->attachment(clip_tags::scene_file))
+        return false;
+    const AVFormatContext& container = (*opened)->container();
+    for (unsigned k = 0; k < container.nb_streams; ++k)
+        if (av_dict_get(container.streams[k]->metadata, clip_tags::role_tag, nullptr, 0)) return false;
+    return true;
+}
+/// Also one that is cut, even to nearly nothing, of which its reader tells best what is wrong.
 bool is_matroska(const Candidate& candidate) {
-    return candidate.begin.starts_with("\x1a\x45\xdf\xa3") || candidate.begin.size() < 4;
+    if (candidate.begin.size() < 4) return true;
+    return candidate.begin.starts_with("\x1a\x45\xdf\xa3") && !is_foreign_matroska(candidate.file);
 }
 bool is_depthkit(const Candidate& candidate) {
     return depthkit_metadata_of(candidate.file).has_value();
+}
+
+bool is_video(const Candidate& candidate) {
+    return begins_like_video(candidate.begin) && !is_heic(candidate) && !is_matroska(candidate) &&
+           !is_depthkit(candidate);
+}
+
+/// A scene stands for what is in it, also where it speaks of another file.
+Opened open_video(const Candidate& candidate) {
+    const auto folder = candidate.file.parent_path();
+    if (!candidate.scene) {
+        auto guessed = guess_video(candidate.file, candidate.known);
+        if (!guessed) return guessed.error();
+        return open_video_clip(folder, guessed->scene, std::move(guessed->guesses));
+    }
+    Scene scene = *candidate.scene;
+    scene.folder.reset();
+    if (!scene.video) scene.video.emplace().values = usual_values(scene.depth.kind);
+    scene.video->depth = candidate.file.filename().string();
+    return open_video_clip(folder, scene);
 }
 
 Opened open_picture(const Candidate& candidate) {
@@ -94,6 +129,11 @@ constexpr Format formats[] = {
     {is_depthkit,
      [](const Candidate& c) { return open_depthkit_clip(c.file, *depthkit_metadata_of(c.file), c.scene); },
      {"a Depthkit video with its metadata beside it", "touchable play Take.mp4"}},
+    {is_video,
+     open_video,
+     {"a video of depth, alone or beside its colour: grey, or hue as of Record3D (.mp4, .mov, .webm, .mkv, "
+      ".avi)",
+      "touchable play depth.webm"}},
 };
 
 std::string first_bytes(const std::filesystem::path& file) {
@@ -106,7 +146,8 @@ std::string first_bytes(const std::filesystem::path& file) {
 Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene,
                  const SourceDescription& known) {
     const Candidate candidate{file, first_bytes(file), scene, known};
-    const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate);
+    const bool describes_itself =
+        !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) && !is_video(candidate);
     if (describes_itself && !(known == SourceDescription()))
         return usage_error(file.string() +
                            ": is no picture, so --intrinsics, --fov, --depth-unit and --preset say "
@@ -114,13 +155,17 @@ Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& 
     if (describes_itself && scene && !scene->stored.is_plain())
         return usage_error(file.string() +
                            ": the scene's depth.coding is of pictures in files, not of videos");
+    if (file.extension() == ".r3d")
+        return input_error(file.string() +
+                           ": is a recording of Record3D in its own format: export it there as MP4 (RGBD "
+                           "video), then: touchable play EXPORT.mp4");
     for (const Format& format : formats)
         if (format.recognises(candidate)) return format.open(candidate);
-    return input_error(
-        file.string() +
-        ": is not a Matroska file, nor a picture of depth (PNG, PGM, TIFF, PFM, EXR, NumPy), nor a "
-        "JPEG or HEIC with depth, nor a Depthkit video with " +
-        depthkit_metadata_name(file).string() + " beside it");
+    return input_error(file.string() +
+                       ": is not a Matroska file, nor a video, nor a picture of depth (PNG, PGM, TIFF, PFM, "
+                       "EXR, NumPy), nor a "
+                       "JPEG or HEIC with depth, nor a Depthkit video with " +
+                       depthkit_metadata_name(file).string() + " beside it");
 }
 
 Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,
@@ -129,7 +174,9 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     if (!scene) return scene.error();
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
-    auto reader = is_file ? open_file(path, *scene, {}) : open_image_folder(path, *scene);
+    auto reader = is_file        ? open_file(path, *scene, {})
+                  : scene->video ? open_video_clip(path, *scene)
+                                 : open_image_folder(path, *scene);
     if (reader) (*reader)->add_input(scene_file);
     return reader;
 }
@@ -151,12 +198,18 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
 
 }  // namespace
 
+bool is_video_file(const std::filesystem::path& file) {
+    const std::optional<Scene> none;
+    const SourceDescription nothing;
+    return is_video({file, first_bytes(file), none, nothing});
+}
+
 std::vector<ClipFormat> clip_formats() {
     std::vector<ClipFormat> said;
     for (const Format& format : formats) said.push_back(format.said);
     said.push_back({"a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...)",
                     "touchable play FOLDER"});
-    said.push_back({"a folder or a picture with a scene file (docs/scene_file.md)",
+    said.push_back({"a folder, a picture, a video or two with a scene file (docs/scene_file.md)",
                     "touchable play FOLDER --scene scene.json"});
     return said;
 }

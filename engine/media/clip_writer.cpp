@@ -138,7 +138,8 @@ Result<void> MatroskaWriter::check_frame(const RawFrame& frame) const {
 Result<void> MatroskaWriter::attach_scene() {
     Scene scene = scene_;
     scene.folder.reset();  // the frames are here now
-    scene.stored = {};     // as codes
+    scene.video.reset();
+    scene.stored = {};  // as codes
     const std::string json = scene_to_json(scene);
     AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream) return refuse("out of memory");

@@ -13,10 +13,11 @@ struct Codec {
 
 /// What this program writes, and what cameras, Depthkit and editors export.
 constexpr std::array codecs{
-    Codec{AV_CODEC_ID_FFV1, false}, Codec{AV_CODEC_ID_PNG, false},   Codec{AV_CODEC_ID_FFVHUFF, false},
-    Codec{AV_CODEC_ID_MJPEG, true}, Codec{AV_CODEC_ID_MPEG4, true},  Codec{AV_CODEC_ID_H264, true},
-    Codec{AV_CODEC_ID_HEVC, true},  Codec{AV_CODEC_ID_PRORES, true}, Codec{AV_CODEC_ID_VP9, true},
-    Codec{AV_CODEC_ID_AV1, true},   Codec{AV_CODEC_ID_HAP, true}};
+    Codec{AV_CODEC_ID_FFV1, false},    Codec{AV_CODEC_ID_PNG, false},   Codec{AV_CODEC_ID_FFVHUFF, false},
+    Codec{AV_CODEC_ID_MJPEG, true},    Codec{AV_CODEC_ID_MPEG4, true},  Codec{AV_CODEC_ID_H264, true},
+    Codec{AV_CODEC_ID_HEVC, true},     Codec{AV_CODEC_ID_PRORES, true}, Codec{AV_CODEC_ID_VP9, true},
+    Codec{AV_CODEC_ID_AV1, true},      Codec{AV_CODEC_ID_HAP, true},    Codec{AV_CODEC_ID_VP8, true},
+    Codec{AV_CODEC_ID_RAWVIDEO, false}};
 
 constexpr const char* own_codec = "t3dz";
 

@@ -18,6 +18,8 @@ namespace {
 /// Frames one stream may run ahead of another, and what they all may hold while they wait.
 constexpr std::size_t queue_limit = 64, queued_bytes_limit = std::size_t{1} << 30;
 
+constexpr std::uint64_t largest_trailer = 1 << 16;
+
 std::optional<std::string> entry(const AVDictionary* dictionary, const char* name) {
     const AVDictionaryEntry* found = av_dict_get(dictionary, name, nullptr, 0);
     if (!found) return std::nullopt;
@@ -25,7 +27,7 @@ std::optional<std::string> entry(const AVDictionary* dictionary, const char* nam
 }
 
 /// Whether a QuickTime file's outermost boxes, each a length, a type and a content, fill it exactly. FFmpeg
-/// is content with a last box that is cut.
+/// is content with a last box that is cut. Record3D puts JSON behind the last box.
 bool boxes_are_whole(const std::filesystem::path& file) {
     std::error_code failure;
     const std::uint64_t length = std::filesystem::file_size(file, failure);
@@ -38,6 +40,8 @@ bool boxes_are_whole(const std::filesystem::path& file) {
         if (in.gcount() < 8) return false;
         in.clear();  // a last box may be shorter than a long head
         const std::uint64_t stated = AV_RB32(head.data());
+        const bool is_text = head[0] == '{' && head[1] == '"' && length - position < largest_trailer;
+        if (is_text && position > 0) return true;
         const std::uint64_t size = stated == 0   ? length - position  // to the end of the file
                                    : stated == 1 ? AV_RB64(head.data() + 8)
                                                  : stated;
@@ -45,6 +49,24 @@ bool boxes_are_whole(const std::filesystem::path& file) {
         position += size;
     }
     return position == length && length > 0;
+}
+
+/// Whether an AVI file is as long as its first chunk says; what may follow are further ones of a large file.
+bool riff_is_whole(const std::filesystem::path& file) {
+    std::error_code failure;
+    const std::uint64_t length = std::filesystem::file_size(file, failure);
+    std::ifstream in(file, std::ios::binary);
+    while (!failure && length > 0) {
+        std::array<std::uint8_t, 8> head{};
+        const auto position = static_cast<std::uint64_t>(in.tellg());
+        in.read(reinterpret_cast<char*>(head.data()), head.size());
+        if (in.gcount() < 8) return false;
+        const std::uint64_t end = position + 8 + AV_RL32(head.data() + 4);
+        if (end > length) return false;
+        if (end + 8 > length) return true;  // a byte of padding at most
+        in.seekg(static_cast<std::streamoff>(end));
+    }
+    return false;
 }
 
 }  // namespace
@@ -58,6 +80,16 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const std::filesystem::
     if (!boxes_are_whole(file))
         return input_error(file.string() + ": is truncated, or no QuickTime or MP4 file");
     return open(file, "mov", "QuickTime or MP4");
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const std::filesystem::path& file) {
+    std::array<char, 4> first{};
+    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
+    const std::string_view begin(first.data(), first.size());
+    if (begin == "\x1a\x45\xdf\xa3") return open_matroska(file);
+    if (begin != "RIFF") return open_quicktime(file);
+    if (!riff_is_whole(file)) return input_error(file.string() + ": is truncated, or no AVI file");
+    return open(file, "avi", "AVI");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open(const std::filesystem::path& file, const char* format,

@@ -20,6 +20,9 @@ public:
     /// QuickTime, and MP4, which is made of the same boxes.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(const std::filesystem::path& file);
 
+    /// Any of these, or AVI, as its first bytes tell.
+    static Result<std::unique_ptr<Demuxer>> open_video(const std::filesystem::path& file);
+
     const AVFormatContext& container() const { return *container_; }
     /// A tag of the whole file.
     std::optional<std::string> tag(const char* name) const;

@@ -58,6 +58,8 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     if (!decoder) return decoder.error();
     track.decoder_ = std::move(*decoder);
     track.codec_ = stream.codecpar->codec_id;
+    // Versions 0 and 1, which have no header of their own, have no checksums either.
+    track.has_slice_checksums_ = track.codec_ == AV_CODEC_ID_FFV1 && stream.codecpar->extradata_size > 0;
     track.pixels_ = std::int64_t{stream.codecpar->width} * stream.codecpar->height;
     if (auto read = track.read_tags(stream); !read) return read.error();
     return track;
@@ -94,7 +96,7 @@ Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
     bool sound = (packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && addition.has_value() == *has_additions_;
     if (addition) sound = sound && addition->sound;
     if (!addition && codec_ == AV_CODEC_ID_NONE) sound = false;  // its only checksum
-    if (!addition && codec_ == AV_CODEC_ID_FFV1) sound = sound && ffv1_slices_intact(packet);
+    if (!addition && has_slice_checksums_) sound = sound && ffv1_slices_intact(packet);
     if (sound) return addition ? addition->frames : 1;
     return input_error(where() + ": is damaged: its checksum is missing or wrong");
 }
@@ -129,25 +131,48 @@ Result<void> TrackDecoder::send(const AVPacket* packet) {
     return {};
 }
 
-Result<std::optional<TrackDecoder::Picture>> TrackDecoder::receive() {
+Result<FramePtr> TrackDecoder::decoded() {
     FramePtr frame(av_frame_alloc());
     if (!frame) return Error{ErrorKind::internal, "out of memory"};
     const int status = decoder_->receive(*frame);
-    if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return std::optional<Picture>{};
+    if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return FramePtr{};
     if (status < 0) return undecodable(where(), status);
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
         return input_error(where() + ": is damaged");
     if (auto same = check_format(*frame); !same) return same.error();
-    const std::int64_t timestamp = frame->best_effort_timestamp;
-    auto decoded = plane(std::move(frame));
-    if (!decoded) return decoded.error();
+    return frame;
+}
+
+/// For how many frames the picture that came out stays.
+std::int64_t TrackDecoder::passed() {
     std::int64_t frames = 1;
     if (!frames_.empty()) {
         frames = frames_.front();
         frames_.pop_front();
     }
     received_ += frames;
-    return std::optional(Picture{received_ - frames, frames, timestamp, std::move(*decoded)});
+    return frames;
+}
+
+Result<std::optional<TrackDecoder::Decoded>> TrackDecoder::receive_frame() {
+    auto frame = decoded();
+    if (!frame) return frame.error();
+    if (!*frame) return std::optional<Decoded>{};
+    passed();
+    const std::int64_t timestamp = (*frame)->best_effort_timestamp;
+    return std::optional(Decoded{timestamp, std::move(*frame)});
+}
+
+Result<std::optional<TrackDecoder::Picture>> TrackDecoder::receive() {
+    auto received = decoded();
+    if (!received) return received.error();
+    if (!*received) return std::optional<Picture>{};
+    FramePtr frame = std::move(*received);
+    const std::int64_t timestamp = frame->best_effort_timestamp;
+    auto made = plane(std::move(frame));
+    if (!made) return made.error();
+    const std::int64_t frames = passed();
+    return std::optional(Picture{received_ - frames, frames, timestamp, std::move(*made)});
 }
 
 Result<void> TrackDecoder::check_format(const AVFrame& frame) {

@@ -52,11 +52,19 @@ public:
     void restart(std::int64_t number);
     /// The next picture; nothing while another packet is needed, or when all are out.
     Result<std::optional<Picture>> receive();
+    /// The same as FFmpeg decodes it, of a track whose pictures are not planes but hold them.
+    struct Decoded {
+        std::int64_t timestamp = 0;  ///< in the stream's time base
+        FramePtr frame;
+    };
+    Result<std::optional<Decoded>> receive_frame();
 
 private:
     TrackDecoder() = default;
     Result<void> read_tags(const AVStream& stream);
     Result<std::int64_t> frames_of(const AVPacket& packet);
+    Result<FramePtr> decoded();
+    std::int64_t passed();
     Result<void> check_format(const AVFrame& frame);
     Result<Plane> plane(FramePtr frame);
     Result<Plane> joined(const AVFrame& frame) const;
@@ -70,6 +78,7 @@ private:
     std::int64_t pixels_ = 0;
     RgbConverter converter_;
     bool says_lossless_ = false;
+    bool has_slice_checksums_ = false;   // as FFV1 has them from version 3 on
     int stated_bits_ = 0;                // of samples stored as two bytes apart; 0: they are not
     std::optional<bool> has_additions_;  // all packets or none, as the first has them
     std::deque<std::int64_t> frames_;    // that the pictures of packets sent, not received, stay

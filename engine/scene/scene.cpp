@@ -264,10 +264,34 @@ Result<void> check_folder(const FolderSource& folder) {
     return check_still(folder);
 }
 
+Result<void> check_video(const Scene& scene) {
+    const VideoSource& video = *scene.video;
+    if (scene.folder) return input_error("video: must be left out where there is a folder");
+    for (const auto& [member, name] : {std::pair<const char*, const std::string&>{"video.depth", video.depth},
+                                       {"video.colour", video.colour}}) {
+        const bool clean = std::none_of(name.begin(), name.end(), [](char c) { return c >= 0 && c < 0x20; });
+        if (!clean || (name.empty() && &name == &video.depth))
+            return input_error(std::string(member) + " is " + in_quotes(name) +
+                               ": must be the name of a file, without control characters");
+    }
+    if (video.layout != VideoLayout::alone && !video.colour.empty())
+        return input_error("video.colour is " + in_quotes(video.colour) +
+                           ": must be left out, because by video.layout colour is beside depth");
+    const bool is_hue = scene.depth.kind == DepthCodingKind::hue;
+    if ((video.values == VideoValues::hue) != is_hue)
+        return input_error(std::string("video.values: must be ") +
+                           (is_hue ? "hue, as depth.coding is" : "grey or mean, as depth.coding is not hue"));
+    return {};
+}
+
 }  // namespace
 
 bool is_still(std::string_view pattern) {
     return pattern.find_first_of("%*") == std::string_view::npos && !pattern.ends_with(".txt");
+}
+
+VideoValues usual_values(DepthCodingKind kind) {
+    return kind == DepthCodingKind::hue ? VideoValues::hue : VideoValues::grey;
 }
 
 double largest_height(const HeightCoding& height, const DepthCoding& depth) {
@@ -315,7 +339,8 @@ Result<void> validate(const Scene& scene) {
                        ? check_length("device_metres_per_unit", *scene.device_metres_per_unit)
                        : Result<void>{};
         },
-        [&] { return scene.folder ? check_folder(*scene.folder) : Result<void>{}; });
+        [&] { return scene.folder ? check_folder(*scene.folder) : Result<void>{}; },
+        [&] { return scene.video ? check_video(scene) : Result<void>{}; });
 }
 
 }  // namespace touchable

@@ -104,6 +104,22 @@ struct FolderSource {
 /// Whether a pattern names a single picture.
 bool is_still(std::string_view pattern);
 
+/// Where depth is in each picture of a video. Colour is the other half.
+enum class VideoLayout { alone, left, right, top, bottom };
+/// What of a pixel its depth is: its grey value or luma as stored, (R + G + B) / 3, or for coding hue its
+/// colour.
+enum class VideoValues { grey, mean, hue };
+
+VideoValues usual_values(DepthCodingKind kind);
+
+/// A video of depth, or one that has colour beside depth in each picture.
+struct VideoSource {
+    std::string depth;
+    std::string colour;  ///< another video; empty: none, or in the other half
+    VideoLayout layout = VideoLayout::alone;
+    VideoValues values = VideoValues::grey;
+};
+
 /// What pictures hold where it is not the codes of `Scene::depth`. Whoever reads them makes codes of it, by
 /// what is in all frames, and settles that coding then.
 struct StoredDepth {
@@ -127,6 +143,7 @@ struct Scene {
     std::string name;
     int width = 0, height = 0;  ///< of the depth plane, 1 to 16384 pixels
     FrameRate rate;
+    bool rate_unstated = false;  ///< a video's own rate stands then, which its reader sets
     double metres_per_unit = 0.001;
     Camera camera;
     DepthCoding depth;
@@ -144,6 +161,7 @@ struct Scene {
     /// Device metres per scene unit (S of F = k S (P - G)); without it the Workspace's default.
     std::optional<double> device_metres_per_unit;
     std::optional<FolderSource> folder;
+    std::optional<VideoSource> video;  ///< beside a folder: neither, or one of them
     /// Metric coding without `far`: the reader finds it in the frames (largest valid depth plus 5 %), derives
     /// the valid range anew and clears this. Until then depth.far is the depth of code_max.
     bool far_from_frames = false;

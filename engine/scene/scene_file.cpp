@@ -36,6 +36,13 @@ constexpr std::pair<const char*, HeightUnits> unit_names[] = {{"levels", HeightU
                                                               {"world", HeightUnits::world}};
 constexpr std::pair<const char*, FrameInterpolation> interpolation_names[] = {
     {"hold", FrameInterpolation::hold}, {"linear", FrameInterpolation::linear}};
+constexpr std::pair<const char*, VideoLayout> layout_names[] = {{"alone", VideoLayout::alone},
+                                                                {"left", VideoLayout::left},
+                                                                {"right", VideoLayout::right},
+                                                                {"top", VideoLayout::top},
+                                                                {"bottom", VideoLayout::bottom}};
+constexpr std::pair<const char*, VideoValues> value_names[] = {
+    {"grey", VideoValues::grey}, {"mean", VideoValues::mean}, {"hue", VideoValues::hue}};
 
 constexpr std::pair<const char*, bool> temporal_names[] = {{"off", false}, {"on", true}};
 constexpr std::pair<const char*, TerraceRemoval> terrace_names[] = {
@@ -194,17 +201,29 @@ FolderSource read_folder(const Node& node) {
     return folder;
 }
 
+VideoSource read_video(const Node& node, const Scene& scene) {
+    node.allow_only({"depth", "colour", "layout", "values"});
+    VideoSource video;
+    video.depth = node["depth"].text();
+    if (node.has("colour")) video.colour = node["colour"].text();
+    if (node.has("layout")) video.layout = node["layout"].one_of(layout_names);
+    video.values = usual_values(scene.depth.kind);
+    if (node.has("values")) video.values = node["values"].one_of(value_names);
+    return video;
+}
+
 Scene read_scene(const Node& node) {
     check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
                      "depth", "height_map", "haptic", "default_properties", "hole_stiffness", "filter",
-                     "interpolation", "device_metres_per_unit", "folder", "remarks"});
+                     "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
     Scene scene;
     if (node.has("remarks"))
         for (const Node& remark : node["remarks"].elements(0, 1000, "an array of texts")) remark.text();
     if (node.has("name")) scene.name = node["name"].text();
     scene.width = node["width"].whole();
     scene.height = node["height"].whole();
+    scene.rate_unstated = !node.has("rate");
     if (node.has("rate")) scene.rate = read_rate(node["rate"]);
     if (node.has("metres_per_unit")) scene.metres_per_unit = node["metres_per_unit"].number();
     scene.camera = read_camera(node["camera"], scene.width, scene.height);
@@ -220,6 +239,7 @@ Scene read_scene(const Node& node) {
     if (node.has("device_metres_per_unit"))
         scene.device_metres_per_unit = node["device_metres_per_unit"].number();
     if (node.has("folder")) scene.folder = read_folder(node["folder"]);
+    if (node.has("video")) scene.video = read_video(node["video"], scene);
     return scene;
 }
 
@@ -309,6 +329,14 @@ OrderedJson write_folder(const FolderSource& folder) {
     return json;
 }
 
+OrderedJson write_video(const VideoSource& video) {
+    OrderedJson json = {{"depth", video.depth}};
+    if (!video.colour.empty()) json["colour"] = video.colour;
+    json["layout"] = name_of(layout_names, video.layout);
+    json["values"] = name_of(value_names, video.values);
+    return json;
+}
+
 }  // namespace
 
 Result<Scene> parse_scene(std::string_view json, std::string_view where) {
@@ -371,6 +399,7 @@ std::string scene_to_json(const Scene& scene, const std::vector<std::string>& re
     if (scene.hole_stiffness) json["hole_stiffness"] = *scene.hole_stiffness;
     if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;
     if (scene.folder) json["folder"] = write_folder(*scene.folder);
+    if (scene.video) json["video"] = write_video(*scene.video);
     return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 

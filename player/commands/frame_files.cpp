@@ -38,6 +38,7 @@ Scene as_still(Scene scene, const RawFrame& raw) {
     const auto name_of = [](const PlaneView& plane, const char* name) {
         return plane.empty() ? std::string() : std::string(name);
     };
+    scene.video.reset();
     scene.folder = FolderSource{"depth.png",
                                 name_of(raw.colour, "colour.png"),
                                 name_of(raw.haptic, "haptic.png"),
@@ -52,6 +53,7 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
     scene.depth = surface.coding;
     scene.depth_bits = 16;
     scene.folder.reset();
+    scene.video.reset();
     const auto whole = nlohmann::ordered_json::parse(scene_to_json(scene));
     return nlohmann::ordered_json{{"depth", whole.at("depth")}}.dump(2);
 }

@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "engine/import/guessed_scene.hpp"
+#include "engine/import/guessed_video.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/new_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/commands/camera_options.hpp"
@@ -42,8 +44,9 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (!std::filesystem::exists(options.pictures, ignored))
         return input_error(options.pictures.string() + ": does not exist");
     const SourceDescription description = known->value_or(SourceDescription());
-    const auto guessed = is_folder ? guess_folder(options.pictures, description)
-                                   : guess_picture(options.pictures, description);
+    const auto guessed = is_folder                         ? guess_folder(options.pictures, description)
+                         : is_video_file(options.pictures) ? guess_video(options.pictures, description)
+                                                           : guess_picture(options.pictures, description);
     if (!guessed.ok()) return guessed.error();
     std::filesystem::path beside = options.pictures;
     const std::filesystem::path target = options.out ? *options.out
@@ -62,10 +65,11 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
 }  // namespace
 
 void add_init_scene_command(CLI::App& app, Command& command) {
-    auto* sub =
-        app.add_subcommand("init-scene", "write the scene file of pictures that have none, guesses marked");
+    auto* sub = app.add_subcommand(
+        "init-scene", "write the scene file of pictures or a video that have none, guesses marked");
     auto options = std::make_shared<InitSceneOptions>();
-    add_file_option(*sub, "PICTURES", options->pictures, "a folder of pictures, or a picture of depth")
+    add_file_option(*sub, "PICTURES", options->pictures,
+                    "a folder of pictures, or a picture or video of depth")
         ->required();
     add_file_option(*sub, "--out", options->out,
                     "the file; otherwise scene.json in the folder, or beside the picture");

@@ -1,0 +1,226 @@
+#include "engine/import/guessed_video.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <optional>
+#include <utility>
+
+#include "engine/import/camera_file.hpp"
+#include "engine/import/video_picture.hpp"
+#include "engine/media/video_file.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* otherwise = " (a scene file's video.layout and values say otherwise)";
+
+/// What Record3D writes behind the pictures of its MP4: {"intrinsicMatrix": [nine numbers], ...}.
+std::optional<Intrinsics> record3d_camera(const fs::path& file) {
+    constexpr std::streamoff longest = 1 << 16;
+    std::ifstream in(file, std::ios::binary);
+    in.seekg(0, std::ios::end);
+    const std::streamoff length = in.tellg();
+    in.seekg(std::max<std::streamoff>(0, length - longest));
+    std::string tail(static_cast<std::size_t>(std::clamp<std::streamoff>(length, 0, longest)), '\0');
+    in.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+    const auto named = tail.rfind("\"intrinsicMatrix\"");
+    const auto begin = named == std::string::npos ? named : tail.rfind('{', named);
+    const auto end = tail.rfind('}');
+    if (!in || begin == std::string::npos || end == std::string::npos || end < named) return {};
+    return intrinsics_in_json(tail.substr(begin, end + 1 - begin));
+}
+
+/// What the colours of a part look like.
+struct Look {
+    bool is_grey = false, is_hue = false;
+    bool is_even = true;  ///< the same everywhere: a bar, and no depth
+};
+
+/// A margin is left out: codecs mix colours across the border of two halves.
+Look look_of(const PlaneView& rgb) {
+    constexpr int codec_noise = 24, dark = 48;
+    const int margin = std::min({16, rgb.width / 8, rgb.height / 8});
+    std::int64_t pixels = 0, grey = 0, lit = 0, vivid = 0;
+    int least = 255, most = 0;
+    for (int y = margin; y < rgb.height - margin; ++y)
+        for (int x = margin; x < rgb.width - margin; ++x) {
+            const std::uint8_t* pixel = rgb.row(y) + 3 * std::ptrdiff_t{x};
+            const auto [low, high] = std::minmax({pixel[0], pixel[1], pixel[2]});
+            least = std::min<int>(least, low);
+            most = std::max<int>(most, high);
+            ++pixels;
+            grey += high - low <= codec_noise;
+            if (high < dark) continue;
+            ++lit;
+            vivid += 5 * (high - low) >= 3 * high;
+        }
+    return {100 * grey >= 99 * pixels, 10 * lit >= pixels && 10 * vivid >= 9 * lit, most - least <= 8};
+}
+
+struct Found {
+    VideoLayout layout;
+    bool is_hue;
+    const char* what;
+};
+
+std::optional<Found> find_depth(VideoPicture& picture) {
+    constexpr Found alone{VideoLayout::alone, false, "depth is grey and has no colour beside it"};
+    if (!picture.has_colours()) return alone;
+    const auto rgb = picture.rgb();
+    if (!rgb) return {};
+    const Look whole = look_of(rgb->view);
+    if (whole.is_grey) return alone;
+    if (whole.is_hue) return Found{VideoLayout::alone, true, "depth is hue and has no colour beside it"};
+    for (const Found& half :
+         {Found{VideoLayout::left, false, "depth is the left half, which is grey, colour the right one"},
+          Found{VideoLayout::right, false, "depth is the right half, which is grey, colour the left one"},
+          Found{VideoLayout::top, false, "depth is the upper half, which is grey, colour the lower one"},
+          Found{VideoLayout::bottom, false,
+                "depth is the lower half, which is grey, colour the upper one"}}) {
+        const auto part = depth_part(half.layout, picture.width(), picture.height());
+        if (!part) continue;
+        const Look depth = look_of(part_of(rgb->view, *part));
+        const Look colour =
+            look_of(part_of(rgb->view, colour_part(half.layout, picture.width(), picture.height())));
+        if (depth.is_grey && !depth.is_even && !colour.is_grey) return half;
+    }
+    return {};
+}
+
+DepthCoding hue_coding(double near, double far) {
+    constexpr int dark = 77;  // sum of three: three tenths of one channel
+    DepthCoding coding;
+    coding.kind = DepthCodingKind::hue;
+    coding.semantics = DepthSemantics::planar;
+    coding.near_is_high = false;
+    coding.near = near;
+    coding.far = far;
+    coding.code_max = DepthCoding::hue_circle;
+    coding.least_sum = dark;
+    return coding;
+}
+
+/// z = 3 m x hue. Red, 0, is no depth.
+DepthCoding record3d_coding() {
+    constexpr double whole_circle = 3, practically_nothing = 1e-9;  // metres
+    DepthCoding coding = hue_coding(practically_nothing, whole_circle);
+    coding.invalid_code_count = 1;
+    return coding;
+}
+
+class VideoGuess {
+public:
+    VideoGuess(const fs::path& file, const SourceDescription& known) : file_(file), known_(known) {}
+    Result<GuessedScene> make();
+
+private:
+    Result<GuessedScene> of_hue(const PicturePart& part, const DepthCoding& coding) const;
+    Result<GuessedScene> of_grey(VideoPicture& picture, const PicturePart& part);
+    Result<GuessedScene> described(const StoredImage& depth, const DepthCoding* coding = nullptr) const;
+    Error refuse(const std::string& what) const { return input_error(file_.string() + ": " + what); }
+
+    const fs::path& file_;
+    SourceDescription known_;
+    VideoSource source_;
+};
+
+Result<GuessedScene> VideoGuess::described(const StoredImage& depth, const DepthCoding* coding) const {
+    auto guessed = guess_scene(file_.parent_path(), depth, known_, coding);
+    if (!guessed) return Error{guessed.error().kind, file_.string() + ": " + guessed.error().message};
+    return guessed;
+}
+
+Result<GuessedScene> VideoGuess::of_hue(const PicturePart& part, const DepthCoding& coding) const {
+    if (known_.metres_per_code)
+        return usage_error(file_.string() +
+                           ": --depth-unit is of grey depth, and here depth is hue: a scene file's "
+                           "depth.near and far say what hues stand for");
+    StoredImage size;
+    size.image = {part.width, part.height, 1, 3, {}};
+    return described(size, &coding);
+}
+
+/// Samples of up to 11 bits are guessed as those of 8 are: they are too few for lengths.
+Result<GuessedScene> VideoGuess::of_grey(VideoPicture& picture, const PicturePart& part) {
+    constexpr int fewest_of_lengths = 12;
+    auto plane = picture.depth(VideoValues::grey, part);
+    if (!plane) {
+        source_.values = VideoValues::mean;
+        plane = picture.depth(VideoValues::mean, part);
+    }
+    if (!plane) return plane.error();
+    const int bits = picture.bits(), bytes = bits < fewest_of_lengths ? 1 : 2;
+    StoredImage stored;
+    stored.bits = bits < fewest_of_lengths ? 8 : bits;
+    stored.image = {part.width, part.height, bytes, 1, {}};
+    for (int y = 0; y < part.height; ++y)
+        for (int x = 0; x < part.width; ++x) {
+            const auto code =
+                static_cast<std::uint16_t>(plane->view.sample(x, y) >> (bytes == 1 ? bits - 8 : 0));
+            const auto* bytes_of = reinterpret_cast<const std::uint8_t*>(&code);
+            if (bytes == 1)
+                stored.image.samples.push_back(static_cast<std::uint8_t>(code));
+            else
+                stored.image.samples.insert(stored.image.samples.end(), bytes_of, bytes_of + 2);
+        }
+    auto guessed = described(stored);
+    if (!guessed) return guessed;
+    Scene& scene = guessed->scene;
+    scene.depth_bits = bits;
+    scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
+    if (scene.far_from_frames) scene.depth.far = scene.depth.scale * scene.depth.code_max;
+    derive_valid_range(scene.depth);
+    return guessed;
+}
+
+Result<GuessedScene> VideoGuess::make() {
+    auto video = VideoFile::open(file_, PlaneRole::depth);
+    if (!video) return video.error();
+    auto frame = (*video)->next();
+    if (!frame) return frame.error();
+    if (!*frame) return refuse("has no frames");
+    RgbConverter converter;
+    VideoPicture picture(std::move(*frame), converter, (*video)->where(0));
+    const auto camera = record3d_camera(file_);
+    const auto found = camera ? Found{VideoLayout::left, true,
+                                      "as Record3D exports it: depth is the left half, 3 m x hue, and the "
+                                      "camera is what the file's end says"}
+                              : find_depth(picture);
+    if (!found)
+        return refuse(
+            "is a video in colour in which no depth was found: frame 0, " + std::to_string(picture.width()) +
+            "x" + std::to_string(picture.height()) +
+            ", has no grey half and is no map of hues; a scene file with \"video\" says where depth "
+            "is (docs/scene_file.md), then: touchable play SCENE.json");
+    const auto part = depth_part(found->layout, picture.width(), picture.height());
+    if (!part) return refuse("is of odd width: Record3D's have two halves");
+    source_ = {file_.filename().string(), "", found->layout,
+               found->is_hue ? VideoValues::hue : VideoValues::grey};
+    if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
+    constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
+    auto guessed = found->is_hue
+                       ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
+                       : of_grey(picture, *part);
+    if (!guessed) return guessed;
+    Scene& scene = guessed->scene;
+    scene.name = file_.stem().string();
+    scene.rate = (*video)->rate();
+    scene.video = source_;
+    guessed->guesses.insert(guessed->guesses.begin(), "guessed: " + std::string(found->what) + otherwise);
+    if (found->is_hue && !camera)
+        guessed->guesses.push_back(
+            "guessed: red is 0.5 m and the whole circle of hues goes to 1.5 m (a scene file's depth.near and "
+            "far say otherwise, touchable init-scene writes one to begin with)");
+    return guessed;
+}
+
+}  // namespace
+
+Result<GuessedScene> guess_video(const fs::path& file, const SourceDescription& known) {
+    return VideoGuess(file, known).make();
+}
+
+}  // namespace touchable

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/media/clip.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// Whether a file's first 12 bytes are those of a container of videos: Matroska or WebM, QuickTime or MP4,
+/// AVI.
+bool begins_like_video(std::string_view begin);
+
+/// The video, or the two, that the scene's VideoSource names in `folder`. `notes` as for open_image_folder.
+Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
+                                                    std::vector<std::string> notes = {});
+
+}  // namespace touchable

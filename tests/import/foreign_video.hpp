@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "engine/media/ffmpeg.hpp"
+
+namespace touchable::test {
+
+/// A video as other programs write it.
+struct ForeignVideo {
+    const char* codec = "ffv1";  ///< FFmpeg's encoder
+    AVPixelFormat format = AV_PIX_FMT_GRAY8;
+    int width = 32, height = 16, frames = 3;
+    AVRational rate{30, 1};
+    AVColorRange range = AVCOL_RANGE_UNSPECIFIED;
+    int interval = 1;                            ///< of pictures that decoding can begin with
+    std::function<std::int64_t(int)> time_of{};  ///< of a frame, in units of 1 / rate
+};
+
+inline bool can_encode(const char* codec) {
+    return avcodec_find_encoder_by_name(codec) != nullptr;
+}
+
+/// `fill` sets the samples of a frame. The container is that of the file's name.
+void write_video(const std::filesystem::path& file, const ForeignVideo& video,
+                 const std::function<void(AVFrame& frame, int number)>& fill);
+
+/// Sets a sample of a plane, of one byte or two.
+void set_sample(AVFrame& frame, int plane, int x, int y, int value);
+
+}  // namespace touchable::test

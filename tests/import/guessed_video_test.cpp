@@ -1,0 +1,211 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/frame/stored_code.hpp"
+#include "engine/import/guessed_video.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/import/foreign_video.hpp"
+#include "tests/media/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+bool is_noted(const ClipReader& reader, const std::string& words) {
+    return std::any_of(reader.notes().begin(), reader.notes().end(),
+                       [&](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
+using Rgb = std::array<int, 3>;
+
+/// Of full saturation; `code` from 0 to 1535.
+Rgb of_hue(int code) {
+    const int sector = code / 256, f = code % 256, up = f * 255 / 256, down = 255 - up;
+    constexpr int m = 0, M = 255;
+    const Rgb sectors[] = {{M, up, m}, {down, M, m}, {m, M, up}, {m, down, M}, {up, m, M}, {M, m, down}};
+    return sectors[sector];
+}
+
+/// Packed RGB without loss.
+template <class Colour>
+void write_rgb(const std::filesystem::path& file, int width, int height, Colour&& colour) {
+    ForeignVideo video{"png", AV_PIX_FMT_RGB24, width, height};
+    video.frames = 2;
+    write_video(file, video, [&](AVFrame& frame, int) {
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const Rgb rgb = colour(x, y);
+                for (int c = 0; c < 3; ++c)
+                    frame.data[0][std::ptrdiff_t{frame.linesize[0]} * y + 3 * x + c] =
+                        static_cast<std::uint8_t>(rgb[static_cast<std::size_t>(c)]);
+            }
+    });
+}
+
+void write_grey(const std::filesystem::path& file, const char* codec = "ffv1",
+                AVPixelFormat format = AV_PIX_FMT_GRAY8, int most = 255) {
+    write_video(file, {codec, format}, [&](AVFrame& frame, int n) {
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 32; ++x)
+                set_sample(frame, 0, x, y, std::min(most, (most / 64) * (x + 2 * y + n)));
+        for (int plane = 1; plane < 3 && frame.data[plane]; ++plane)
+            for (int y = 0; y < 8; ++y)
+                for (int x = 0; x < 16; ++x) set_sample(frame, plane, x, y, 128);
+    });
+}
+
+TEST(GuessedVideo, GreyAloneIsRelativeDepth) {
+    const TemporaryFolder folder;
+    for (const AVPixelFormat format : {AV_PIX_FMT_GRAY8, AV_PIX_FMT_GRAY10LE}) {
+        const int most = format == AV_PIX_FMT_GRAY8 ? 255 : 1023;
+        write_grey(folder / "d.mkv", "ffv1", format, most);
+        auto clip = open_clip(folder / "d.mkv");
+        ASSERT_EQ(message(clip), "");
+        const Scene& scene = (*clip)->scene();
+        EXPECT_EQ(scene.name, "d");
+        EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
+        EXPECT_TRUE(scene.depth.near_is_high);  // brighter below
+        EXPECT_NEAR(scene.depth.depth(0), 1.5, 1e-12);
+        EXPECT_NEAR(scene.depth.depth(static_cast<std::uint16_t>(most)), 0.5, 1e-12);
+        EXPECT_NEAR(scene.camera.fx, 16 / std::tan(M_PI / 6), 1e-12);
+        EXPECT_TRUE(is_noted(**clip, "guessed: depth is grey and has no colour beside it"));
+        EXPECT_TRUE(is_noted(**clip, "sees 60 degrees"));
+        EXPECT_TRUE(is_noted(**clip, "its nearest is taken for 0.5 m and its farthest for 1.5 m"));
+        EXPECT_EQ(read_all(**clip)->size(), 3U);
+    }
+}
+
+TEST(GuessedVideo, SixteenBitsAreMillimetresAndOptionsSayOtherwise) {
+    const TemporaryFolder folder;
+    write_grey(folder / "d.mkv", "ffv1", AV_PIX_FMT_GRAY16LE, 3000);
+    auto clip = open_clip(folder / "d.mkv");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().depth.depth(1000), 1);
+    EXPECT_TRUE(is_noted(**clip, "a code is 1 mm"));
+    SourceDescription known;
+    known.intrinsics = Intrinsics{.fx = 30, .fy = 31};
+    known.metres_per_code = 0.0005;
+    clip = open_clip(folder / "d.mkv", {}, known);
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().depth.depth(1000), 0.5);
+    EXPECT_EQ((*clip)->scene().camera.fy, 31);
+}
+
+TEST(GuessedVideo, LossyGreyIsReadFromTheFilesThatPeopleHave) {
+    const TemporaryFolder folder;
+    for (const auto& [codec, name, is_lossy] : {std::tuple{"mpeg4", "d.mp4", true},
+                                                {"mpeg4", "d.avi", true},
+                                                {"libx264", "d.mp4", true},
+                                                {"libvpx-vp9", "d.webm", true}}) {
+        if (!can_encode(codec)) continue;
+        write_grey(folder / name, codec, AV_PIX_FMT_YUV420P);
+        auto clip = open_clip(folder / name);
+        ASSERT_EQ(message(clip), "") << codec;
+        EXPECT_TRUE(is_noted(**clip, "depth is grey")) << codec;
+        EXPECT_TRUE(is_noted(**clip, "which changes values")) << codec;
+        const auto frames = read_all(**clip);
+        ASSERT_EQ(message(frames), "") << codec;
+        ASSERT_EQ(frames->size(), 3U);
+        for (int n = 0; n < 3; ++n)
+            for (int y = 0; y < 16; ++y)
+                for (int x = 0; x < 32; ++x)
+                    ASSERT_NEAR((*frames)[static_cast<std::size_t>(n)].depth.sample(x, y),
+                                std::min(255, 3 * (x + 2 * y + n)), std::string(codec) == "mpeg4" ? 12 : 0)
+                        << codec << " " << x << "," << y << " of frame " << n;
+    }
+}
+
+TEST(GuessedVideo, OneMapOfHuesIsDepthAlone) {
+    const TemporaryFolder folder;
+    const auto code = [](int x, int y) { return 40 * x + 10 * y; };
+    write_rgb(folder / "d.mov", 32, 16, [&](int x, int y) { return of_hue(code(x, y)); });
+    auto clip = open_clip(folder / "d.mov");
+    ASSERT_EQ(message(clip), "");
+    const Scene& scene = (*clip)->scene();
+    EXPECT_EQ(scene.depth.kind, DepthCodingKind::hue);
+    EXPECT_TRUE(is_noted(**clip, "guessed: red is 0.5 m"));
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 32; ++x)
+            EXPECT_NEAR(stored_code((*frames)[1].depth, scene.depth, x, y), code(x, y), 2);
+}
+
+TEST(GuessedVideo, Record3dIsKnownByTheCameraAtItsEnd) {
+    const TemporaryFolder folder;
+    const auto code = [](int x, int y) { return 256 + 30 * x + 10 * y; };
+    write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
+        return x < 32 ? of_hue(code(x, y)) : Rgb{10 * y, 90, 200};
+    });
+    const std::string video = read_bytes(folder / "d.mp4");
+    for (const char* matrix : {"[40.5,0,0,0,41.5,0,15.25,8.5,1]", "[40.5,0,15.25,0,41.5,8.5,0,0,1]"}) {
+        write_bytes(folder / "d.mp4",
+                    video + R"({"intrinsicMatrix":)" + matrix + R"(,"rangeOfEncodedDepth":[0,3]})");
+        auto clip = open_clip(folder / "d.mp4");
+        ASSERT_EQ(message(clip), "");
+        const Scene& scene = (*clip)->scene();
+        EXPECT_EQ(scene.width, 32);
+        EXPECT_EQ(scene.camera.fx, 40.5);
+        EXPECT_EQ(scene.camera.fy, 41.5);
+        EXPECT_EQ(scene.camera.cx, 15.25);
+        EXPECT_EQ(scene.camera.cy, 8.5);
+        for (const int each : {1, 512, 1535}) {
+            const double metres = 3.0 * each / 1536;
+            EXPECT_NEAR(scene.depth.depth(static_cast<std::uint16_t>(each)), metres, 1e-6 * metres);
+        }
+        EXPECT_FALSE(scene.depth.is_valid(0));
+        EXPECT_TRUE(is_noted(**clip, "as Record3D exports it"));
+        const auto frames = read_all(**clip);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), 2U);
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 32; ++x) {
+                EXPECT_NEAR(stored_code((*frames)[0].depth, scene.depth, x, y), code(x, y), 2);
+                EXPECT_EQ((*frames)[0].colour.sample(x, y, 0), 10 * y);
+            }
+    }
+    for (std::size_t length = video.size() - 40; length < video.size(); length += 3) {
+        write_bytes(folder / "d.mp4", video.substr(0, length));
+        EXPECT_NE(message(open_clip(folder / "d.mp4")).find("is truncated"), std::string::npos);
+    }
+}
+
+TEST(GuessedVideo, AVideoInColourIsRefusedSayingWhatWasSeen) {
+    const TemporaryFolder folder;
+    write_rgb(folder / "d.mov", 32, 16, [](int x, int y) { return Rgb{90 + 3 * x, 120, 60 + 4 * y}; });
+    const std::string said = message(open_clip(folder / "d.mov"));
+    EXPECT_NE(said.find("no depth was found: frame 0, 32x16, has no grey half"), std::string::npos) << said;
+    EXPECT_NE(said.find("touchable play SCENE.json"), std::string::npos);
+    write_bytes(folder / "take.r3d", std::string("PK\3\4 and more", 13));
+    EXPECT_NE(message(open_clip(folder / "take.r3d")).find("export it there as MP4"), std::string::npos);
+}
+
+TEST(GuessedVideo, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
+    const TemporaryFolder folder;
+    write_grey(folder / "grey.mkv");
+    write_grey(folder / "deep.mkv", "ffv1", AV_PIX_FMT_GRAY12LE, 3000);
+    write_rgb(folder / "hue.mov", 32, 16, [](int x, int y) { return of_hue(40 * x + 10 * y); });
+    write_rgb(folder / "halves.mov", 32, 16, [](int x, int y) {
+        return x >= 16 ? Rgb{9 * y, 9 * y, 9 * y} : Rgb{200, 10 * y, 30};
+    });
+    for (const char* name : {"grey.mkv", "deep.mkv", "hue.mov", "halves.mov"}) {
+        const auto guessed = guess_video(folder / name, {});
+        ASSERT_EQ(message(guessed), "") << name;
+        write_bytes(folder / "scene.json", scene_to_json(guessed->scene, guessed->guesses));
+        auto described = open_clip(folder / "scene.json"),
+             again = open_clip(folder / name, folder / "scene.json");
+        ASSERT_EQ(message(described), "") << name;
+        ASSERT_EQ(message(again), "") << name;
+        auto bare = open_clip(folder / name);
+        EXPECT_EQ((*described)->scene().depth, (*bare)->scene().depth) << name;
+        const auto frames = read_all(**bare), same = read_all(**described), third = read_all(**again);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(same->size(), frames->size());
+        EXPECT_TRUE(same_frame(same->back(), frames->back())) << name;
+        EXPECT_TRUE(same_frame(third->back(), frames->back())) << name;
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
