@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/import/camera_file.hpp"
+#include "engine/import/depthkit_clip.hpp"
 #include "engine/import/video_picture.hpp"
 #include "engine/media/video_file.hpp"
 
@@ -194,7 +195,8 @@ Result<GuessedScene> VideoGuess::make() {
             "is a video in colour in which no depth was found: frame 0, " + std::to_string(picture.width()) +
             "x" + std::to_string(picture.height()) +
             ", has no grey half and is no map of hues; a scene file with \"video\" says where depth "
-            "is (docs/scene_file.md), then: touchable play SCENE.json");
+            "is (docs/scene_file.md), then: touchable play SCENE.json; a Depthkit video needs " +
+            depthkit_metadata_name(file_).string() + " beside it");
     const auto part = depth_part(found->layout, picture.width(), picture.height());
     if (!part) return refuse("is of odd width: Record3D's have two halves");
     source_ = {file_.filename().string(), "", found->layout,

@@ -54,6 +54,9 @@ MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational ti
 }
 
 Result<std::unique_ptr<VideoFile>> VideoFile::open(const std::filesystem::path& file, PlaneRole role) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored))
+        return input_error(file.string() + ": is no file: must be a video");
     std::unique_ptr<VideoFile> video(new VideoFile(file, role));
     if (auto opened = video->rewind(); !opened) return opened.error();
     if (auto read = video->read_times(); !read) return read.error();

@@ -353,8 +353,8 @@ TEST(VideoClip, WhatDoesNotFitIsOneLineThatNamesIt) {
         {linear8, named + R"(, "layout": "middle")", "video.layout is"},
         {linear8, named + R"(, "layout": "left", "colour": "c.mov")", "video.colour is \"c.mov\""},
         {linear8, named + R"(, "values": "hue")", "video.values: must be grey or mean"},
-        {linear8, R"("depth": "none.mkv")", "none.mkv: cannot be read"},
-        {linear8, named + R"(, "colour": "none.mov")", "none.mov: is truncated, or no QuickTime"},
+        {linear8, R"("depth": "none.mkv")", "none.mkv: is no file: must be a video"},
+        {linear8, named + R"(, "colour": "none.mov")", "none.mov: is no file: must be a video"},
         {linear8, R"("depth": "scene.json")", "scene.json: is truncated, or no QuickTime"},
         {R"("coding": "disparity", "baseline": 0.1)", named, "must be linear, inverse, metric"},
     };
@@ -375,7 +375,7 @@ TEST(VideoClip, ATruncatedVideoIsNeverTakenForAWholeOne) {
         });
         const std::string whole = read_bytes(folder / name);
         ASSERT_EQ(message(read_clip(folder / name)), "") << name;
-        for (std::size_t length = 0; length < whole.size(); length += 23) {
+        for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 25) {
             write_bytes(folder / name, whole.substr(0, length));
             ASSERT_FALSE(read_clip(folder / name).ok()) << name << ": " << length << " of " << whole.size();
         }
@@ -392,7 +392,7 @@ TEST(VideoClip, ChangedBytesNeverDoHarm) {
         });
         const std::string whole = read_bytes(folder / name);
         Numbers numbers(7);
-        for (int attempt = 0; attempt < 100; ++attempt) {
+        for (int attempt = 0; attempt < 30; ++attempt) {
             std::string changed = whole;
             for (int k = 1 + numbers.below(3); k > 0; --k)
                 changed[static_cast<std::size_t>(numbers.below(static_cast<int>(changed.size())))] =
@@ -401,7 +401,7 @@ TEST(VideoClip, ChangedBytesNeverDoHarm) {
             refused += !read_clip(folder / name).ok();
         }
     }
-    EXPECT_GT(refused, 10);
+    EXPECT_GT(refused, 5);
 }
 
 }  // namespace

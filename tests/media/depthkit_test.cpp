@@ -166,7 +166,7 @@ TEST(Depthkit, AVideoWithoutMetadataIsRefusedSayingWhatIsMissing) {
     const TemporaryFolder folder;
     write_quicktime(folder / "Clip.mov", noise(1), {24, 1});
     EXPECT_NE(
-        message(open_clip(folder / "Clip.mov")).find("Depthkit video with Clip.Metadata.asset beside it"),
+        message(open_clip(folder / "Clip.mov")).find("Depthkit video needs Clip.Metadata.asset beside it"),
         std::string::npos);
     write_bytes(folder / "Other.mov", "no video at all");
     write_bytes(folder / "Other.Metadata.asset", metadata);
