@@ -132,6 +132,7 @@ protected:
     /// The scene of the pictures that are here, without their names.
     Scene scene_of_pictures() const {
         Scene scene = scene_;
+        scene.video.reset();
         scene.folder.emplace();
         scene.stored = {};  // codes
         return scene;
@@ -299,6 +300,7 @@ Result<void> check_place(const fs::path& place, const Scene& scene) {
                            place.parent_path().string());
     Scene pictures = scene;
     pictures.folder.reset();
+    pictures.video.reset();
     if (auto valid = validate(pictures); !valid)
         return input_error(place.string() + ": " + valid.error().message);
     return {};
