@@ -14,7 +14,7 @@
 #include "engine/import/depth_photo.hpp"
 #include "engine/import/exif.hpp"
 #include "engine/import/heif_depth_meaning.hpp"
-#include "engine/import/heif_turns.hpp"
+#include "engine/import/heif_properties.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -49,6 +49,11 @@ std::optional<Image> packed_channel(const heif_image* image, heif_channel channe
     return packed;
 }
 
+bool has_its_size(const Image& image, const heif_image_handle* handle) {
+    return image.width == heif_image_handle_get_width(handle) &&
+           image.height == heif_image_handle_get_height(handle);
+}
+
 class HeicImage {
 public:
     HeicImage(std::string bytes, std::string where) : bytes_(std::move(bytes)), where_(std::move(where)) {}
@@ -56,11 +61,16 @@ public:
 
 private:
     Error refuse(const std::string& what) const { return input_error(where_ + ": " + what); }
+    Error damaged(const std::string& what, const Image& image) const {
+        return refuse("is damaged: " + what + " is " + std::to_string(image.width) + "x" +
+                      std::to_string(image.height) + ", not as it says");
+    }
     Error refuse(const std::string& what, const heif_error& why) const {
         return refuse(what + ": " + printable(why.message));
     }
     Result<void> open();
-    Result<void> check_size(const heif_image_handle* handle, const std::string& what) const;
+    Result<void> limit_sizes();
+    Result<void> check_size(std::int64_t width, std::int64_t height, const std::string& what) const;
     Result<void> read_depth();
     Result<void> read_colour();
     void orient();
@@ -106,12 +116,29 @@ Result<void> HeicImage::open() {
         error.code != heif_error_Ok)
         return refuse("has depth that cannot be read", error);
     depth_.reset(handle);
-    if (auto checked = check_size(primary_.get(), "its picture"); !checked) return checked;
-    return check_size(depth_.get(), "its depth");
+    return limit_sizes();
 }
 
-Result<void> HeicImage::check_size(const heif_image_handle* handle, const std::string& what) const {
-    const int width = heif_image_handle_get_width(handle), height = heif_image_handle_get_height(handle);
+/// Pictures put together of tiles have one more size, in their own data: libheif holds that against a limit.
+Result<void> HeicImage::limit_sizes() {
+    std::int64_t largest = 0;
+    const auto admit = [&](std::int64_t width, std::int64_t height, const std::string& what) {
+        largest = std::max({largest, width, height});
+        return check_size(width, height, what);
+    };
+    for (const CodedSize& size : read_heif_coded_sizes(bytes_))
+        if (auto checked = admit(size.width, size.height, "a picture in it"); !checked) return checked;
+    for (const auto& [picture, what] :
+         {std::pair{primary_.get(), "its picture"}, {depth_.get(), "its depth"}})
+        if (auto checked =
+                admit(heif_image_handle_get_width(picture), heif_image_handle_get_height(picture), what);
+            !checked)
+            return checked;
+    heif_context_set_maximum_image_size_limit(context_.get(), static_cast<int>(largest));
+    return {};
+}
+
+Result<void> HeicImage::check_size(std::int64_t width, std::int64_t height, const std::string& what) const {
     if (auto checked = check_picture_size(width, height, where_ + ": " + what); !checked) return checked;
     return check_expansion(3 * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
                            bytes_.size(), where_ + ": " + what);
@@ -140,6 +167,7 @@ Result<void> HeicImage::read_depth() {
         if (is_rgb && (!colour || colour->samples != grey->samples))
             return refuse("its depth is coloured: must be grey, or red, green and blue alike");
     }
+    if (!has_its_size(*grey, depth_.get())) return damaged("its depth", *grey);
     depth.image = std::move(*grey);
     return {};
 }
@@ -155,6 +183,7 @@ Result<void> HeicImage::read_colour() {
     const HeifImagePtr image(decoded);
     auto rgb = packed_channel(image.get(), heif_channel_interleaved, 1, 3);
     if (!rgb) return refuse("its picture cannot be decoded");
+    if (!has_its_size(*rgb, primary_.get())) return damaged("its picture", *rgb);
     photo_.colour.codec = codec();
     photo_.colour.pixel_format = "rgb24";
     photo_.colour.image = std::move(*rgb);

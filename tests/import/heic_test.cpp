@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/import/heif_properties.hpp"
 #include "tests/import/exif_bytes.hpp"
 #include "tests/import/heic_file.hpp"
 #include "tests/limited_memory.hpp"
@@ -240,6 +241,22 @@ TEST_F(Heic, AvifIsReadAsWell) {
     const RawFrame frame = frame_of(clip);
     EXPECT_EQ((*clip)->tracks()[0].codec, "av1");
     EXPECT_GT(frame.depth.sample(deep_wide - 1, 0), frame.depth.sample(0, 0));
+}
+
+/// Their decoder's memory goes by these.
+TEST_F(Heic, CodedSizesAreKnownBeforeAnythingIsDecoded) {
+    HeicFile file = heic_portrait();
+    for (const int bits : {8, 10}) {
+        file.depth = heic_depth(bits);
+        file.depth_bits = bits;
+        const auto sizes = read_heif_coded_sizes(file.bytes());
+        ASSERT_EQ(sizes.size(), 2U);
+        EXPECT_EQ(sizes[0].width, 96U);
+        EXPECT_EQ(sizes[0].height, 64U);
+        EXPECT_EQ(sizes[1].width, 72U);
+        EXPECT_EQ(sizes[1].height, 64U);  // 48 and what the encoder adds
+    }
+    EXPECT_TRUE(read_heif_coded_sizes(file.bytes().substr(0, 60)).empty());
 }
 
 TEST_F(Heic, WithoutDepthOrDamagedSaysSo) {

@@ -1,8 +1,8 @@
-#include "engine/import/heif_turns.hpp"
+#include "engine/import/heif_properties.hpp"
 
 #include <cstddef>
 #include <optional>
-#include <vector>
+#include <string>
 
 namespace touchable {
 namespace {
@@ -73,7 +73,85 @@ std::optional<Orientation> turn_of(const HeifBox& property) {
     return std::nullopt;
 }
 
+/// Bits of an H.265 unit, without the bytes that keep start codes out of it; 0 after the last.
+class UnitBits {
+public:
+    explicit UnitBits(std::string_view unit) {
+        for (const char byte : unit) {
+            const bool is_inserted = byte == 3 && bytes_.size() >= 2 && zeros_ >= 2;
+            zeros_ = byte == 0 ? zeros_ + 1 : 0;
+            if (!is_inserted) bytes_ += byte;
+        }
+    }
+    void skip(std::size_t count) { at_ += count; }
+    std::uint32_t number(int count) {
+        std::uint32_t value = 0;
+        for (; count > 0; --count, ++at_) {
+            const unsigned byte = at_ / 8 < bytes_.size() ? static_cast<unsigned char>(bytes_[at_ / 8]) : 0U;
+            value = value << 1 | (byte >> (7 - at_ % 8) & 1U);
+        }
+        return value;
+    }
+    /// Exp-Golomb.
+    std::uint32_t exp_golomb() {
+        int zeros = 0;
+        while (zeros < 32 && number(1) == 0) ++zeros;
+        return zeros > 31 ? ~0U : (1U << zeros) - 1 + number(zeros);
+    }
+
+private:
+    std::string bytes_;
+    int zeros_ = 0;
+    std::size_t at_ = 0;
+};
+
+/// Of a sequence parameter set (H.265, 7.3.2.2).
+CodedSize size_of_sequence(std::string_view unit) {
+    constexpr std::size_t unit_header = 16, profile = 88, level = 8;  // bits
+    UnitBits bits(unit);
+    bits.skip(unit_header + 4);
+    const std::uint32_t layers = bits.number(3);  // above the first
+    bits.skip(1 + profile + level);
+    std::size_t of_layers = 0;
+    for (std::uint32_t k = 0; k < layers; ++k) {
+        if (bits.number(1) != 0) of_layers += profile;
+        if (bits.number(1) != 0) of_layers += level;
+    }
+    if (layers > 0) bits.skip(2 * (std::size_t{8} - layers));
+    bits.skip(of_layers);
+    bits.exp_golomb();                         // its number
+    if (bits.exp_golomb() == 3) bits.skip(1);  // 4:4:4, whose planes may be apart
+    CodedSize size;
+    size.width = bits.exp_golomb();
+    size.height = bits.exp_golomb();
+    return size;
+}
+
 }  // namespace
+
+/// By their names, not by the boxes around them: libheif reads boxes whose lengths are wrong as well.
+std::vector<CodedSize> read_heif_coded_sizes(std::string_view file) {
+    constexpr std::string_view name = "hvcC", version = "\x01";
+    constexpr std::size_t most_boxes = 4096, most_bytes = 4096, fixed_bytes = 22;
+    constexpr std::uint64_t sequence_unit = 33;
+    std::vector<CodedSize> sizes;
+    std::size_t boxes = 0;
+    for (auto at = file.find(name); at < file.size() && boxes < most_boxes; at = file.find(name, at + 1)) {
+        const std::string_view content = file.substr(at + name.size(), most_bytes);
+        if (!content.starts_with(version)) continue;
+        ++boxes;
+        HeifBytes bytes(content);
+        bytes.take(fixed_bytes);
+        for (auto kinds = bytes.number(1); kinds > 0 && !bytes.at_end(); --kinds) {
+            const std::uint64_t kind = bytes.number(1) & 63U;
+            for (auto units = bytes.number(2); units > 0 && !bytes.at_end(); --units) {
+                const std::string_view unit = bytes.take(static_cast<std::size_t>(bytes.number(2)));
+                if (kind == sequence_unit) sizes.push_back(size_of_sequence(unit));
+            }
+        }
+    }
+    return sizes;
+}
 
 std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file) {
     const std::string_view properties = find_box(without_version(find_box(file, "meta")), "iprp");
