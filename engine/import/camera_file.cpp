@@ -19,6 +19,10 @@ using checked_json::Json;
 
 constexpr std::size_t longest_file = 1 << 20;
 
+bool is_side(double pixels) {
+    return pixels >= 1 && pixels <= 16384;
+}
+
 /// All numbers of a text, whatever stands between them.
 std::vector<double> numbers_in(std::string_view text) {
     std::vector<double> numbers;
@@ -62,11 +66,14 @@ double number_of(const Json& object, std::initializer_list<const char*> names) {
 std::optional<Intrinsics> in_object(const Json& json, int depth = 0) {
     if (!json.is_object() || depth > 4) return {};
     std::optional<Intrinsics> found;
+    const auto centre = [&](std::initializer_list<const char*> names) {
+        const double at = number_of(json, names);
+        return at == 0 ? std::optional<double>() : std::optional(at);  // the middle where it is not said
+    };
+    const auto cx = centre({"ppx", "cx"}), cy = centre({"ppy", "cy"});
     const double fx = number_of(json, {"fx", "focal_length_x"}),
                  fy = number_of(json, {"fy", "focal_length_y"});
-    if (fx > 0)
-        found =
-            Intrinsics{fx, fy > 0 ? fy : fx, number_of(json, {"ppx", "cx"}), number_of(json, {"ppy", "cy"})};
+    if (fx > 0) found = Intrinsics{fx, fy > 0 ? fy : fx, cx, cy};
     for (const char* name : {"intrinsic_matrix", "K", "k", "intrinsicMatrix", "camera_matrix"}) {
         if (found || !json.contains(name)) continue;
         std::vector<double> numbers;
@@ -77,7 +84,7 @@ std::optional<Intrinsics> in_object(const Json& json, int depth = 0) {
     if (found) {
         const double width = number_of(json, {"width", "w", "image_width"}),
                      height = number_of(json, {"height", "h", "image_height"});
-        if (width >= 1 && width <= 16384 && height >= 1 && height <= 16384) {
+        if (is_side(width) && is_side(height)) {
             found->width = static_cast<int>(width);
             found->height = static_cast<int>(height);
         }
@@ -106,7 +113,7 @@ std::vector<double> numbers_after(const std::string& text, const std::string& wo
         } else if (is_inside && is_word && line.compare(begin, 4, "data") == 0) {
             found = line.substr(begin + 5) + '\n';
         } else if (is_inside && is_word && line.compare(begin, 4, "rows") != 0 &&
-                   line.compare(begin, 4, "cols") != 0) {
+                   line.compare(begin, 3, "dt:") != 0 && line.compare(begin, 4, "cols") != 0) {
             break;
         } else if (is_inside && !is_word) {
             found += line + '\n';
@@ -120,7 +127,7 @@ std::optional<CameraFile> from_yaml(const std::string& text) {
         if (auto found = from_matrix(numbers_after(text, word))) {
             const auto width = numbers_after(text, "image_width:"),
                        height = numbers_after(text, "image_height:");
-            if (width.size() == 1 && height.size() == 1 && width[0] <= 16384 && height[0] <= 16384) {
+            if (width.size() == 1 && height.size() == 1 && is_side(width[0]) && is_side(height[0])) {
                 found->width = static_cast<int>(width[0]);
                 found->height = static_cast<int>(height[0]);
             }
@@ -131,9 +138,14 @@ std::optional<CameraFile> from_yaml(const std::string& text) {
 
 /// Middlebury: cam0=[f 0 cx; 0 f cy; 0 0 1], doffs=, baseline= (mm), width=, height=.
 std::optional<CameraFile> from_calib(const std::string& text) {
-    const auto found = from_matrix(numbers_after(text, "cam0="));
+    auto found = from_matrix(numbers_after(text, "cam0="));
     const auto baseline = numbers_after(text, "baseline="), offset = numbers_after(text, "doffs=");
     if (!found || baseline.size() != 1) return {};
+    const auto width = numbers_after(text, "width="), height = numbers_after(text, "height=");
+    if (width.size() == 1 && height.size() == 1 && is_side(width[0]) && is_side(height[0])) {
+        found->width = static_cast<int>(width[0]);
+        found->height = static_cast<int>(height[0]);
+    }
     return CameraFile{*found, baseline[0] / 1000, offset.size() == 1 ? offset[0] : 0};
 }
 
@@ -146,6 +158,7 @@ std::optional<CameraFile> from_colmap(const std::string& text) {
         std::string model;
         Intrinsics found;
         if (!(words >> id >> model >> found.width >> found.height)) continue;
+        if (!is_side(found.width) || !is_side(found.height)) continue;
         std::vector<double> p;
         for (double number = 0; words >> number;) p.push_back(number);
         const bool one_focal = model.starts_with("SIMPLE_") || model == "RADIAL";
@@ -186,6 +199,20 @@ std::optional<Intrinsics> intrinsics_in_json(const std::string& text) {
     return {};
 }
 
+namespace {
+
+/// Open3D's word for how many codes a metre has.
+double codes_per_metre_in_json(const std::string& text) {
+    try {
+        return std::max(0.0, number_of(checked_json::parse(text), {"depth_scale"}));
+    } catch (const checked_json::Refusal&) {
+    } catch (const Json::exception&) {
+    }
+    return 0;
+}
+
+}  // namespace
+
 Result<CameraFile> read_camera_file(const fs::path& file) {
     std::error_code failure;
     if (!fs::is_regular_file(file, failure)) return input_error(file.string() + ": is no file");
@@ -193,10 +220,12 @@ Result<CameraFile> read_camera_file(const fs::path& file) {
     std::string text(longest_file + 1, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(in.gcount()));
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);  // a mark that says UTF-8
     const auto found = text.size() <= longest_file ? parsed(text) : std::nullopt;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0 && value < 1e6; };
     if (found && is_length(found->intrinsics.fx) && is_length(std::abs(found->intrinsics.fy))) {
         CameraFile camera = *found;
+        camera.codes_per_metre = codes_per_metre_in_json(text);
         camera.intrinsics.fy = std::abs(camera.intrinsics.fy);
         return camera;
     }

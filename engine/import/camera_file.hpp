@@ -11,8 +11,9 @@ namespace touchable {
 /// What a camera's own file says.
 struct CameraFile {
     Intrinsics intrinsics;
-    double baseline = 0;  ///< metres; of a stereo pair, otherwise 0
-    double offset = 0;    ///< of its disparities, pixels
+    double baseline = 0;         ///< metres; of a stereo pair, otherwise 0
+    double offset = 0;           ///< of its disparities, pixels
+    double codes_per_metre = 0;  ///< of its depth; 0: not said
 };
 
 /// Intrinsics as programs write them: JSON of RealSense (fx, ppx), Open3D (intrinsic_matrix), Record3D and

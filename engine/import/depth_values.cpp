@@ -14,6 +14,9 @@ namespace {
 constexpr std::uint16_t no_depth = 65535;  // a code beyond every code_max here
 constexpr double far_margin = 1.05;        // the far plane lies so much farther than what is farthest
 
+constexpr double most_beyond = 1e5, most_before = 1e3;  // times the median
+constexpr double most_range = 9e5;  // from near to far, of the million that a scene may have
+
 /// Every so many pixels tell the median as well as all.
 constexpr std::int64_t sample_step = 97;
 constexpr std::size_t most_samples = 100'000;
@@ -38,7 +41,7 @@ bool DepthValues::is_valid(double value) const {
     if (stored_.kind == StoredDepth::Kind::disparity) return stored_.scale * value + stored_.offset > 0;
     if (stored_.kind == StoredDepth::Kind::relative) return true;
     if (coding_.kind != DepthCodingKind::metric) return value >= 0 && value <= 1;
-    return value > 0 && coding_.scale * value >= coding_.near;
+    return value >= lower_ && value <= upper_ && value > 0 && coding_.scale * value >= coding_.near;
 }
 
 /// The number that a stored word stands for.
@@ -71,17 +74,21 @@ void DepthValues::look(const StoredImage& picture) {
 /// Depths themselves, as floats.
 Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     DepthCoding& depth = scene.depth;
-    const double near = depth.scale * least_, deepest = depth.scale * most_;
-    const double far =
-        scene.far_from_frames || depth.far > deepest * far_margin ? deepest * far_margin : depth.far;
     const auto middle = sample_.begin() + static_cast<std::ptrdiff_t>(sample_.size() / 2);
     std::nth_element(sample_.begin(), middle, sample_.end());
     const double median = depth.scale * *middle;
+    // What is so much farther or nearer than most of it stands for something else.
+    const double deepest = std::min(depth.scale * most_, median * most_beyond),
+                 near = std::max({depth.scale * least_, median / most_before, deepest / most_range});
+    const double far =
+        scene.far_from_frames || depth.far > deepest * far_margin ? deepest * far_margin : depth.far;
     of_reciprocal_ = median * median * (1 / near - 1 / far) < far - near;
     depth.kind = of_reciprocal_ ? DepthCodingKind::inverse : DepthCodingKind::linear;
     depth.near_is_high = of_reciprocal_;
     depth.near = near;
     depth.far = far;
+    lower_ = near / depth.scale * (1 - 1e-6);
+    upper_ = far / depth.scale;
     const double from = of_reciprocal_ ? depth.scale / far : near / depth.scale,
                  to = of_reciprocal_ ? depth.scale / near : far / depth.scale;
     first_ = from;
@@ -99,6 +106,8 @@ Result<std::string> DepthValues::settle_line(Scene& scene, double far, double ne
     depth.near_is_high = near_is_high;
     first_ = std::min(far, near);
     const double range = std::abs(near - far);
+    // Without a scale all values are depths: none has to be left for what is none.
+    if (!is_float_ && range > code_max_ && stored_.kind == StoredDepth::Kind::relative) code_max_ = no_depth;
     if (!is_float_ && range > code_max_)
         return input_error("depth has values from " + range_words(first_, first_ + range) +
                            ": of 65536, one has to be free");

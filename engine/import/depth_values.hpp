@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,6 +53,7 @@ private:
 
     // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
     bool is_settled_ = false, of_reciprocal_ = false;
+    double lower_ = 0, upper_ = std::numeric_limits<double>::max();  // of lengths
     double first_ = 0, per_value_ = 1;
     std::uint16_t code_max_ = 65534;  // larger ones are not valid
 };

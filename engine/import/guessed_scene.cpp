@@ -1,8 +1,6 @@
 #include "engine/import/guessed_scene.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -12,6 +10,7 @@
 #include "engine/import/picture_files.hpp"
 #include "engine/import/picture_groups.hpp"
 #include "engine/import/presets.hpp"
+#include "engine/import/value_survey.hpp"
 #include "engine/media/image_file.hpp"
 #include "engine/media/npy_stack.hpp"
 
@@ -24,61 +23,13 @@ namespace fs = std::filesystem;
 constexpr double soft_holes = 0.1;
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
-/// What the values of a picture tell of their unit.
-struct Values {
-    bool is_float = false, any = false;
-    int bits = 16;
-    double least = 0, median = 0, most = 0;  // without 0, and the largest of 16 bits
-    double upper = 0, lower = 0;             // means of the upper and the lower third
-};
-
-Values values_of(const StoredImage& picture) {
-    Values values;
-    values.is_float = !picture.values.empty();
-    values.bits = values.is_float ? 32 : 8 * picture.image.bytes_per_sample;
-    const auto width = static_cast<std::size_t>(picture.image.width);
-    const std::size_t pixels = width * static_cast<std::size_t>(picture.image.height);
-    std::vector<double> all;
-    double sums[2] = {0, 0};
-    std::size_t counts[2] = {0, 0};
-    for (std::size_t k = 0; k < pixels; ++k) {
-        double value = 0;
-        if (values.is_float) {
-            value = picture.values[k];
-        } else if (picture.image.bytes_per_sample == 2) {
-            std::uint16_t word = 0;
-            std::memcpy(&word, picture.image.samples.data() + 2 * k, 2);
-            value = word == 65535 ? 0 : word;
-        } else {
-            value = picture.image.samples[k];
-        }
-        if (!std::isfinite(value) || value == 0) continue;
-        all.push_back(value);
-        const std::size_t third = 3 * k / pixels;
-        if (third == 1) continue;
-        sums[third / 2] += value;
-        ++counts[third / 2];
-    }
-    if (all.empty()) return values;
-    values.any = true;
-    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-    std::nth_element(all.begin(), middle, all.end());
-    values.median = *middle;
-    const auto [least, most] = std::minmax_element(all.begin(), all.end());
-    values.least = *least;
-    values.most = *most;
-    if (counts[0] > 0) values.upper = sums[0] / static_cast<double>(counts[0]);
-    if (counts[1] > 0) values.lower = sums[1] / static_cast<double>(counts[1]);
-    return values;
-}
-
 class Guess {
 public:
     Guess(const SourceDescription& known, const Preset* preset) : known_(known), preset_(preset) {}
 
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
                           const DepthCoding* coding = nullptr);
-    GuessedScene made() { return {std::move(scene_), std::move(guesses_)}; }
+    GuessedScene made() { return {std::move(scene_), std::move(guesses_), std::move(inputs_)}; }
     Scene& scene() { return scene_; }
     void say(std::string guess) { guesses_.push_back("guessed: " + std::move(guess)); }
 
@@ -86,7 +37,8 @@ private:
     Result<void> find_camera(const fs::path& folder);
     void take(const Intrinsics& intrinsics, const std::string& whose);
     void take_fov(double degrees);
-    Result<void> find_unit(const Values& values);
+    Result<void> find_unit(const SurveyedValues& values);
+    void guess_unit(const SurveyedValues& values);
     void set_metric(double metres_per_code);
     void set_invalid(const StoredImage& depth);
     void set_relative(bool near_is_high, bool is_inverse);
@@ -95,6 +47,7 @@ private:
     const Preset* preset_;
     Scene scene_;
     std::vector<std::string> guesses_;
+    std::vector<fs::path> inputs_;
     CameraFile file_;
 };
 
@@ -112,10 +65,13 @@ void Guess::take_fov(double degrees) {
 }
 
 Result<void> Guess::find_camera(const fs::path& folder) {
-    auto beside = camera_file_in(folder);
-    if (!beside) beside = camera_file_in(folder.parent_path().empty() ? ".." : folder.parent_path());
-    if (beside)
+    const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder);
+    auto beside = camera_file_in(here);
+    if (!beside) beside = camera_file_in(here.parent_path());
+    if (beside) {
         if (const auto read = read_camera_file(*beside); read.ok()) file_ = *read;
+        inputs_.push_back(*beside);
+    }
     if (known_.intrinsics) {
         take(*known_.intrinsics, "--intrinsics");
     } else if (known_.fov) {
@@ -159,10 +115,14 @@ void Guess::set_relative(bool near_is_high, bool is_inverse) {
 }
 
 /// By the size of what is there.
-Result<void> Guess::find_unit(const Values& values) {
+Result<void> Guess::find_unit(const SurveyedValues& values) {
     if (!values.any) return input_error("has no depth: all values are 0, or none is finite");
     if (known_.metres_per_code) {
         set_metric(*known_.metres_per_code);
+        const double median = values.median * *known_.metres_per_code;
+        if (!(median > 1e-3 && median < 1000))
+            say("the median depth is " + short_number(median) +
+                " m: --depth-unit is the metres that a stored 1 stands for, such as 0.001");
         return {};
     }
     if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
@@ -172,7 +132,7 @@ Result<void> Guess::find_unit(const Values& values) {
                 return input_error("--preset " + std::string(preset_->name) +
                                    " needs the calib.txt of the pictures beside them");
             scene_.stored.baseline = file_.baseline;
-            scene_.stored.offset = file_.offset;
+            scene_.stored.offset = file_.offset * scene_.camera.fx / file_.intrinsics.fx;
         } else if (preset_->intrinsics.fx > 0) {  // baseline x fx is what is known
             scene_.stored.baseline *= preset_->intrinsics.fx / scene_.camera.fx;
         }
@@ -191,17 +151,25 @@ Result<void> Guess::find_unit(const Values& values) {
         set_metric(preset_->metres_per_code);
         return {};
     }
-    const char* const otherwise = " (--depth-unit METRES says otherwise)";
-    if (values.is_float && values.least < 0) {
-        set_relative(true, true);
+    if (file_.codes_per_metre > 0) {
+        set_metric(1 / file_.codes_per_metre);
+        return {};
+    }
+    guess_unit(values);
+    return {};
+}
+
+void Guess::guess_unit(const SurveyedValues& values) {
+    const std::string otherwise = " (--depth-unit METRES says otherwise)";
+    const bool is_signed = values.negative > 0.01;
+    if (values.bits == 8 || values.is_normalised || is_signed) {
+        // Networks that guess depth write more for what is nearer.
+        set_relative(is_signed || values.lower >= values.upper, true);
     } else if (values.is_float) {
         const bool metres = values.median < 30;
         set_metric(metres ? 1 : 0.001);
         say(std::string("values are ") + (metres ? "metres" : "millimetres") + ", as their median is " +
             short_number(values.median) + otherwise);
-    } else if (values.bits == 8) {
-        const bool near_is_high = values.lower >= values.upper;
-        set_relative(near_is_high, true);
     } else {
         const bool fine = values.median > 12000, coarse = values.median < 100;
         const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
@@ -209,7 +177,6 @@ Result<void> Guess::find_unit(const Values& values) {
         say("a code is " + short_number(1000 * unit) + " mm, as their median is " +
             short_number(values.median) + otherwise);
     }
-    return {};
 }
 
 /// Cameras write 0 where they see nothing. Depth without a scale has something everywhere.
@@ -239,7 +206,7 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
     if (coding) {
         scene_.depth = *coding;
     } else {
-        if (auto found = find_unit(values_of(depth)); !found) return found;
+        if (auto found = find_unit(survey_values(depth)); !found) return found;
         set_invalid(depth);
     }
     derive_valid_range(scene_.depth);
@@ -332,7 +299,12 @@ std::string found_there(const std::vector<PictureGroup>& groups) {
 Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
     const auto preset = known_preset(known);
     if (!preset) return preset.error();
-    const std::vector<PictureGroup> groups = picture_groups(folder);
+    std::vector<PictureGroup> groups = picture_groups(folder);
+    constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
+    if (groups.size() > most_groups) groups.resize(most_groups);
+    for (const PictureGroup& group : groups)
+        if (has_word(group.pattern, {"depth"}))
+            if (const auto first = first_picture(group.first); !first) return first.error();
     const PictureGroup* depth = nullptr;
     int best = 0;
     for (const PictureGroup& group : groups)
@@ -360,6 +332,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     for (const PictureGroup& group : groups)
         if (has_word(group.pattern, {"haptic"}) && scene.folder->haptic.empty())
             scene.folder->haptic = group.pattern;
+    for (const std::string& remark : unusable_lists(folder)) guess.say(remark);
     guess.say("depth is " + depth->pattern +
               (colour != nullptr ? ", colour is " + colour->pattern : ", there is no colour"));
     if (depth->count > 1) {

@@ -14,7 +14,8 @@ namespace touchable {
 /// A scene for pictures that have no scene file: what is said and known of them, and guesses for the rest.
 struct GuessedScene {
     Scene scene;
-    std::vector<std::string> guesses;  ///< what was assumed, and how to say otherwise
+    std::vector<std::string> guesses;           ///< what was assumed, and how to say otherwise
+    std::vector<std::filesystem::path> inputs;  ///< files that were read for it, beside pictures
 };
 
 /// Of a folder: which pictures are depth and which are colour, by their names, kinds and lists; then as for a

@@ -53,6 +53,11 @@ private:
         return track.files[static_cast<std::size_t>(frame)].string() + " (" +
                std::string(role_name(track.role)) + ", frame " + std::to_string(frame) + ")";
     }
+    /// The folder, or the one picture that is read.
+    std::string name() const {
+        const auto& files = tracks_.front().files;
+        return files.front() == files.back() ? files.front().string() : folder_.string();
+    }
     Result<void> find_files();
     Result<void> read_first();
     Result<void> look_at_all();
@@ -94,6 +99,7 @@ Result<void> ImageFolderReader::find_files() {
         auto found = role == PlaneRole::depth ? depth : files_beside(folder_, role, source, *depth);
         if (!found) return found.error();
         if (role != PlaneRole::depth && !found->remark.empty()) notes_.push_back(found->remark);
+        if (!found->list.empty()) add_input(found->list);
         for (const auto& file : found->files)
             if (inputs().empty() || inputs().back() != file) add_input(file);
         tracks_.push_back({role, std::move(found->files), role == PlaneRole::depth ? *stack : nullptr});
@@ -138,7 +144,7 @@ Result<void> ImageFolderReader::look_at_all() {
         values_.look(*stored);
     }
     auto note = values_.settle(scene_);
-    if (!note) return input_error(folder_.string() + ": " + note.error().message);
+    if (!note) return input_error(name() + ": " + note.error().message);
     notes_.push_back(std::move(*note));
     return {};
 }
@@ -151,7 +157,7 @@ Result<void> ImageFolderReader::find_far_plane() {
         if (auto added = search.add(depth->view); !added) return added;
     }
     auto note = search.settle(scene_);
-    if (!note) return input_error(folder_.string() + ": " + note.error().message);
+    if (!note) return input_error(name() + ": " + note.error().message);
     notes_.push_back(std::move(*note));
     return {};
 }

@@ -91,11 +91,20 @@ Opened open_video(const Candidate& candidate) {
     return open_video_clip(folder, scene);
 }
 
+/// What was read to guess is not to be written over.
+Opened with_inputs(Opened reader, const std::vector<std::filesystem::path>& inputs) {
+    if (reader)
+        for (const auto& input : inputs) (*reader)->add_input(input);
+    return reader;
+}
+
 Opened open_picture(const Candidate& candidate) {
     if (candidate.scene) return open_bare_picture(candidate.file, *candidate.scene);
     auto guessed = guess_picture(candidate.file, candidate.known);
     if (!guessed) return guessed.error();
-    return open_bare_picture(candidate.file, std::move(guessed->scene), std::move(guessed->guesses));
+    return with_inputs(
+        open_bare_picture(candidate.file, std::move(guessed->scene), std::move(guessed->guesses)),
+        guessed->inputs);
 }
 
 /// With depth in its metadata, or of depth itself where somebody says what it is.
@@ -193,7 +202,8 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
     if (has_own) return open_described(folder, own);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
-    return open_image_folder(folder, guessed->scene, std::move(guessed->guesses));
+    return with_inputs(open_image_folder(folder, guessed->scene, std::move(guessed->guesses)),
+                       guessed->inputs);
 }
 
 }  // namespace
@@ -235,8 +245,10 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
         return open_described(path.parent_path(), path);
     }
     if (scene_file) return open_described(path, *scene_file);
-    return is_folder ? open_folder(path, known)
-                     : open_file(path, std::nullopt, known.value_or(SourceDescription()));
+    auto reader = is_folder ? open_folder(path, known)
+                            : open_file(path, std::nullopt, known.value_or(SourceDescription()));
+    if (known && !known->file.empty()) return with_inputs(std::move(reader), {known->file});
+    return reader;
 }
 
 }  // namespace touchable

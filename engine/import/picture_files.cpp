@@ -159,6 +159,11 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
     if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
     std::sort(names.begin(), names.end(),
               [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
+    if (std::all_of(names.begin(), names.end(),
+                    [](const auto& name) { return whole_number(name.first).has_value(); }))
+        std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
+            return whole_number(a.first) < whole_number(b.first);
+        });
     PictureFiles found;
     for (const auto& [what, file] : names) {
         found.files.push_back(within / file);
@@ -174,6 +179,7 @@ Result<PictureFiles> listed_files(const fs::path& list) {
     std::ifstream in(list);
     if (!in) return input_error(list.string() + ": cannot be read");
     PictureFiles found;
+    found.list = list;
     std::size_t number = 0;
     for (std::string line; std::getline(in, line);) {
         ++number;
@@ -234,7 +240,7 @@ Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& sou
     if (is_numbered(source.depth)) return numbered_files(folder, source);
     if (is_still(source.depth)) {
         if (!is_file(folder / source.depth)) return missing(folder / source.depth, PlaneRole::depth, 0, "");
-        return PictureFiles{{folder / source.depth}, {}, {}};
+        return PictureFiles{{folder / source.depth}, {}, {}, {}};
     }
     auto found = found_files(folder, source.depth);
     if (!found) return found;
@@ -271,6 +277,7 @@ Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const 
     }
     const auto found = found_files(folder, pattern);
     if (!found) return found;
+    beside.list = found->list;
     const bool by_key = !found->keys.empty() && !depth.keys.empty();
     for (std::size_t frame = 0; frame < depth.count(); ++frame)
         beside.files.push_back(found->files[by_key ? nearest(found->keys, depth.keys[frame])

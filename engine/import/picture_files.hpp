@@ -17,7 +17,8 @@ struct PictureFiles {
     std::vector<std::filesystem::path> files;
     /// What orders them, if anything: numbers in their names, or the times of a list. As many as files.
     std::vector<double> keys;
-    std::string remark;  ///< of a numbered pattern: that it ends before later numbers
+    std::filesystem::path list;  ///< that names them, if one does
+    std::string remark;          ///< of a numbered pattern: that it ends before later numbers
 
     std::size_t count() const { return files.size(); }
 };

@@ -26,6 +26,8 @@ bool is_picture(const fs::path& file) {
     return std::find(std::begin(extensions), std::end(extensions), extension) != std::end(extensions);
 }
 
+constexpr const char* list_names[] = {"rgb.txt", "color.txt", "colour.txt", "depth.txt"};
+
 /// A name with a star for its last number: a run of digits, or two with a point between them.
 std::string starred(const std::string& name) {
     const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
@@ -65,6 +67,16 @@ bool has_word(const std::string& name, std::initializer_list<const char*> words)
                        [&](const char* word) { return small.find(word) != std::string::npos; });
 }
 
+std::vector<std::string> unusable_lists(const fs::path& folder) {
+    std::vector<std::string> remarks;
+    std::error_code ignored;
+    for (const char* list : list_names)
+        if (fs::is_regular_file(folder / list, ignored))
+            if (const auto listed = found_files(folder, list); !listed.ok())
+                remarks.push_back(std::string(list) + " is not used: " + listed.error().message);
+    return remarks;
+}
+
 std::vector<PictureGroup> picture_groups(const fs::path& folder) {
     std::map<std::string, PictureGroup> found;
     std::size_t entries = 0;
@@ -81,7 +93,7 @@ std::vector<PictureGroup> picture_groups(const fs::path& folder) {
     std::stable_sort(groups.begin(), groups.end(),
                      [](const PictureGroup& a, const PictureGroup& b) { return a.count > b.count; });
     // TUM's lists pair pictures by their times.
-    for (const char* list : {"rgb.txt", "color.txt", "colour.txt", "depth.txt"})
+    for (const char* list : list_names)
         if (fs::is_regular_file(folder / list, ignored))
             if (const auto listed = found_files(folder, list);
                 listed.ok() && is_picture(listed->files.front()))

@@ -18,6 +18,9 @@ struct PictureGroup {
 /// those that they name.
 std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
 
+/// Of lists there that cannot be used: why not.
+std::vector<std::string> unusable_lists(const std::filesystem::path& folder);
+
 /// Whether a name, in small letters, has one of these words.
 bool has_word(const std::string& name, std::initializer_list<const char*> words);
 

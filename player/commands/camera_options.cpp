@@ -68,6 +68,9 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
         return std::optional(known);
     }
     std::error_code ignored;
+    if (numbers.empty() && typed.intrinsics->find_first_of("./") != std::string::npos &&
+        !std::filesystem::exists(*typed.intrinsics, ignored))
+        return input_error(printable(*typed.intrinsics) + ": does not exist: must be a file of the camera");
     if (!std::filesystem::exists(*typed.intrinsics, ignored))
         return usage_error(
             "--intrinsics '" + printable(*typed.intrinsics) +
@@ -76,6 +79,7 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
     const auto file = read_camera_file(*typed.intrinsics);
     if (!file.ok()) return file.error();
     known.intrinsics = file->intrinsics;
+    known.file = *typed.intrinsics;
     return std::optional(known);
 }
 

@@ -187,7 +187,7 @@ void tell_picture(const ClipFacts& facts, Lines& lines) {
     const Scene& scene = facts.scene;
     const double rate = static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den);
     std::ostream& out = lines.line("picture") << scene.width << "x" << scene.height << " pixels, ";
-    if (facts.frames) out << *facts.frames << " frames, ";
+    if (facts.frames) out << *facts.frames << (*facts.frames == 1 ? " frame, " : " frames, ");
     out << rate << " frames/s";
     if (facts.frames) out << ", " << static_cast<double>(*facts.frames) / rate << " s";
     out << '\n';

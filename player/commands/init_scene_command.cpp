@@ -43,6 +43,8 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     const bool is_folder = std::filesystem::is_directory(options.pictures, ignored);
     if (!std::filesystem::exists(options.pictures, ignored))
         return input_error(options.pictures.string() + ": does not exist");
+    if (!is_folder && !std::filesystem::is_regular_file(options.pictures, ignored))
+        return input_error(options.pictures.string() + ": is neither a file nor a folder");
     const SourceDescription description = known->value_or(SourceDescription());
     const auto guessed = is_folder                         ? guess_folder(options.pictures, description)
                          : is_video_file(options.pictures) ? guess_video(options.pictures, description)
@@ -54,10 +56,12 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
                                                      : beside.replace_extension(".json");
     const Outputs outputs{{{options.out ? "--out" : "the scene file", target}}, options.existing};
     if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free.ok()) return free;
+    if (std::filesystem::exists(target, ignored) && !read_scene_file(target).ok())
+        return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
     if (auto written = write_text(target, scene_to_json(guessed->scene, guessed->guesses), options.existing);
         !written.ok())
         return written;
-    std::cout << target.string() << '\n';
+    std::cout << target.string() << " is written; touchable " << target.string() << " opens it\n";
     for (const std::string& guess : guessed->guesses) std::cout << "  " << guess << '\n';
     return {};
 }

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "engine/printable.hpp"
@@ -118,6 +120,9 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     auto clip = read_clip(words.clip);
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
+    std::error_code ignored;
+    if (!std::filesystem::exists(options.session.clip.file, ignored))
+        return input_error(options.session.clip.file.string() + ": does not exist");
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
     options.session.playback = std::move(*playback);
@@ -246,12 +251,14 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {{"The clip", {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--start", "--rate", "--loop"}},
-                  {"The window",
-                   {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
-                    "--record", "--sound", "--video", "--settings", "--overwrite"}},
-                  {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
-                  {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    } groups[] = {
+        {"The clip",
+         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--start", "--rate", "--loop"}},
+        {"The window",
+         {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
+          "--sound", "--video", "--settings", "--overwrite"}},
+        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }

@@ -34,6 +34,10 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
         {"header:\n  seq: 0\nheight: 480\nwidth: 640\nK: [500.0, 0.0, 320.5, 0.0, 501.0, 240.25, 0.0, 0.0, "
          "1.0]\nR: [1.0]\n",
          wanted},
+        {"%YAML:1.0\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [500, 0, 320.5, 0, 501, "
+         "240.25, 0, 0, 1]\n",
+         wanted},
+        {"\xef\xbb\xbf{\"fx\": 500, \"fy\": 501}", {500, 501}},
         {"500 0 320.5\n0 501 240.25\n0 0 1\n", wanted},
         {"5e2 0 320.5 0\n0 501 240.25 0\n0 0 1 0\n0 0 0 1\n", wanted},
         {"# Camera list\n1 PINHOLE 640 480 500 501 321 240.75\n", {500, 501, 320.5, 240.25, 640, 480}},
@@ -42,7 +46,7 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
     const CameraFile stereo = read(folder,
                                    "cam0=[500 0 320.5; 0 501 240.25; 0 0 1]\ncam1=[1 0 2; 0 1 3; 0 0 1]\n"
                                    "doffs=12.5\nbaseline=193.001\nwidth=640\nheight=480\nndisp=290\n");
-    EXPECT_EQ(stereo.intrinsics, wanted);
+    EXPECT_EQ(stereo.intrinsics, (Intrinsics{500, 501, 320.5, 240.25, 640, 480}));
     EXPECT_EQ(stereo.baseline, 0.193001);
     EXPECT_EQ(stereo.offset, 12.5);
 }

@@ -88,6 +88,38 @@ TEST(DepthValues, FarSkiesDoNotTakeTheStepsFromWhatIsNear) {
     EXPECT_NEAR(depth_at(scene, values.codes(floats(1000, stored)), 5), 10000, 800);
 }
 
+TEST(DepthValues, ValuesBeyondAllMeasureAreNoDepth) {
+    std::vector<float> stored(1000, 2.0F);
+    stored[0] = 1e10F;
+    stored[1] = 1e-7F;
+    stored[2] = -1;
+    Scene scene = scene_of(1000, 1);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 1;
+    scene.depth.near = 0;
+    scene.far_from_frames = true;
+    DepthValues values(scene);
+    values.look(floats(1000, stored));
+    ASSERT_EQ(message(values.settle(scene)), "");
+    const Image codes = values.codes(floats(1000, stored));
+    for (int x = 0; x < 3; ++x) EXPECT_EQ(depth_at(scene, codes, x), 0) << x;
+    EXPECT_NEAR(depth_at(scene, codes, 3), 2, 1e-2);
+}
+
+TEST(DepthValues, AllOfSixteenBitsMayBeDepthWithoutAScale) {
+    Scene scene = scene_of(3, 1);
+    scene.depth.kind = DepthCodingKind::inverse;
+    scene.depth.near = 0.5;
+    scene.depth.far = 1.5;
+    scene.stored.kind = StoredDepth::Kind::relative;
+    DepthValues values(scene);
+    values.look(words(3, {0, 65535, 1000}));
+    ASSERT_EQ(message(values.settle(scene)), "");
+    const Image codes = values.codes(words(3, {0, 65535, 1000}));
+    EXPECT_EQ(depth_at(scene, codes, 0), 1.5);
+    EXPECT_EQ(depth_at(scene, codes, 1), 0.5);
+}
+
 TEST(DepthValues, DisparitiesOfIntegersAreExact) {
     for (const double scale : {1.0 / 16, -1.0}) {
         Scene scene = scene_of(7, 1);

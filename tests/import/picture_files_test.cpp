@@ -29,6 +29,8 @@ TEST(PictureFiles, OfAStarComeInTheOrderOfTheirNumbers) {
     EXPECT_EQ(names(found), (Names{"d2.png", "d9.png", "d10.png", "d011.png"}));
     EXPECT_EQ(found.keys, (std::vector<double>{2, 9, 10, 11}));
     EXPECT_EQ(rate_of(found), std::nullopt) << "numbers that only count";
+    for (const char* name : {"t1.25.png", "t1.3.png", "t1.5.png", "t2.0.png"}) write_bytes(folder / name, "");
+    EXPECT_EQ(found_in(folder, "t*.png").keys, (std::vector<double>{1.25, 1.3, 1.5, 2}));
     EXPECT_NE(message(found_files(folder.path(), "x*.png")).find("no file has such a name"),
               std::string::npos);
 }
