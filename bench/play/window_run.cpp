@@ -63,6 +63,9 @@ Result<void> measure_window(const LiveClip& clip, LiveClips& clips, Figures& fig
     figures.push_back({"frames_in_time_pct", percent(p.frames_in_time, p.frames_due), "%"});
     figures.push_back({"pictures_per_s", pictures / p.seconds, ""});
     add_spread(figures, "picture_ms", p.draw_ms);
+    for (const auto& [stage, values] :
+         {std::pair{"surface_ms", &p.surface_ms}, {"words_ms", &p.words_ms}, {"shown_ms", &p.shown_ms}})
+        figures.push_back({stage, spread_of(values->values()).p50, "ms"});
     add_spread(figures, "input_ms", p.input_to_picture_ms);
     figures.push_back({"first_picture_ms", p.first_picture_ms, "ms"});
     figures.push_back({"cpu_ms_per_picture", cpu_ms / pictures, "ms"});

@@ -13,6 +13,7 @@
 #include "engine/import/value_survey.hpp"
 #include "engine/media/image_file.hpp"
 #include "engine/media/npy_stack.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -302,9 +303,13 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     std::vector<PictureGroup> groups = picture_groups(folder);
     constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
     if (groups.size() > most_groups) groups.resize(most_groups);
-    for (const PictureGroup& group : groups)
-        if (has_word(group.pattern, {"depth"}))
-            if (const auto first = first_picture(group.first); !first) return first.error();
+    for (const PictureGroup& group : groups) {
+        if (stop_requested())
+            return Error{ErrorKind::interrupted,
+                         "interrupted while " + folder.string() + " was looked through"};
+        if (!has_word(group.pattern, {"depth"})) continue;
+        if (const auto first = first_picture(group.first); !first) return first.error();
+    }
     const PictureGroup* depth = nullptr;
     int best = 0;
     for (const PictureGroup& group : groups)

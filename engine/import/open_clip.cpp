@@ -98,8 +98,27 @@ Opened with_inputs(Opened reader, const std::vector<std::filesystem::path>& inpu
     return reader;
 }
 
+/// What `init-scene` and `convert` write beside a picture.
+struct SceneBeside {
+    std::filesystem::path file;
+    Scene scene;
+};
+std::optional<SceneBeside> scene_beside(const std::filesystem::path& picture) {
+    std::filesystem::path file = picture;
+    file.replace_extension(".json");
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return {};
+    auto scene = read_scene_file(file);
+    if (!scene || !scene->folder || scene->folder->depth != picture.filename()) return {};
+    return SceneBeside{std::move(file), std::move(*scene)};
+}
+
 Opened open_picture(const Candidate& candidate) {
     if (candidate.scene) return open_bare_picture(candidate.file, *candidate.scene);
+    if (auto own = scene_beside(candidate.file); own && candidate.known == SourceDescription())
+        return with_inputs(open_bare_picture(candidate.file, std::move(own->scene),
+                                             {"described by " + own->file.filename().string()}),
+                           {own->file});
     auto guessed = guess_picture(candidate.file, candidate.known);
     if (!guessed) return guessed.error();
     return with_inputs(

@@ -59,6 +59,9 @@ struct PlayFigures {
     std::int64_t pictures = 0;
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;
+    /// Of a picture of another frame: the surface, from codes to colours and pixels; words, bars and curves;
+    /// until fingers and these are on it, and it is shown.
+    NewestValues surface_ms, words_ms, shown_ms;
     std::int64_t frames_due = 0, frames_in_time = 0;  ///< FramesShown, of all clips
     double first_picture_ms = 0;                      ///< since the window was asked for
     double window_cpu_ms =

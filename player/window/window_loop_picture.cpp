@@ -121,16 +121,24 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     // What a session felt last is not felt any more once it has ended.
     const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
     const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
+    const auto marked = Clock::now();
     if (auto drawn =
             picture_.draw(moment, field, drawn_camera(size), marks, clip_->sizes(), size.width, size.height);
         !drawn.ok())
         return drawn;
+    const auto drawn = Clock::now();
     PanelFacts facts = words_of(moment, field, camera);
     facts.halos = finger_halos(marks, clip_->sizes(), field, camera);
     layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
     panel_->draw(facts, size.width, size.height, asked_);
     layer_->end();
+    const auto worded = Clock::now();
     if (auto shown = graphics.finish(); !shown.ok()) return shown;
+    if (is_new) {
+        figures_.surface_ms.add(1000 * seconds_between(marked, drawn));
+        figures_.words_ms.add(1000 * seconds_between(drawn, worded));
+        figures_.shown_ms.add(1000 * seconds_between(worded, Clock::now()));
+    }
     if (film_ && film_->wants(now_s())) {
         auto picture = graphics.picture();
         if (!picture.ok()) return picture.error();

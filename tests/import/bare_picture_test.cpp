@@ -116,6 +116,11 @@ TEST(BarePicture, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
         write_bytes(folder / "my.json", scene_to_json(guessed->scene, guessed->guesses));
         auto described = open_clip(folder / "my.json"), bare = open_clip(folder / "my.png");
         ASSERT_EQ(message(described), "");
+        EXPECT_TRUE(notes_have(**bare, "described by my.json"));
+        std::filesystem::remove(folder / "my.json");
+        bare = open_clip(folder / "my.png");
+        ASSERT_EQ(message(bare), "");
+        EXPECT_FALSE(notes_have(**bare, "described by"));
         EXPECT_EQ((*described)->scene().depth, (*bare)->scene().depth);
         EXPECT_TRUE(same_frame(read_all(**described)->at(0), read_all(**bare)->at(0)));
     }

@@ -58,12 +58,13 @@ TEST(VideoClip, GreyOfEveryNumberOfBitsIsReadAsItIsStored) {
                                                     {AV_PIX_FMT_YUV420P10LE, 10, "ffv1", "d.mkv"},
                                                     {AV_PIX_FMT_GRAY16BE, 16, "png", "d.mp4"}}) {
         const int most = (1 << bits) - 1;
+        const bool is_big_endian = format == AV_PIX_FMT_GRAY16BE;
         ForeignVideo video{codec, format};
         write_video(folder / name, video, [&](AVFrame& frame, int n) {
             for (int y = 0; y < 16; ++y)
                 for (int x = 0; x < 32; ++x) {
                     int code = code_at(x, y, n, most);
-                    if (format == AV_PIX_FMT_GRAY16BE) code = (code & 255) << 8 | code >> 8;
+                    if (is_big_endian) code = (code & 255) << 8 | code >> 8;
                     set_sample(frame, 0, x, y, code);
                 }
             for (int plane = 1; plane < 3 && frame.data[plane]; ++plane)
