@@ -218,20 +218,6 @@ std::size_t nearest(const std::vector<double>& keys, double key) {
 
 }  // namespace
 
-const std::string& pattern_of(const FolderSource& source, PlaneRole role) {
-    switch (role) {
-        case PlaneRole::depth:
-            return source.depth;
-        case PlaneRole::colour:
-            return source.colour;
-        case PlaneRole::haptic:
-            return source.haptic;
-        case PlaneRole::height:
-            break;
-    }
-    return source.height;
-}
-
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
     return is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
 }

@@ -31,8 +31,6 @@ Result<PictureFiles> depth_files(const std::filesystem::path& folder, const Fold
 Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole role,
                                   const FolderSource& source, const PictureFiles& depth);
 
-const std::string& pattern_of(const FolderSource& source, PlaneRole role);
-
 /// The files of a star pattern or a list alone.
 Result<PictureFiles> found_files(const std::filesystem::path& folder, const std::string& pattern);
 

@@ -33,20 +33,6 @@ std::string numbered(PlaneRole role, std::int64_t frame) {
     return std::string(role_name(role)) + digits.data();
 }
 
-std::string& pattern_in(FolderSource& source, PlaneRole role) {
-    switch (role) {
-        case PlaneRole::depth:
-            return source.depth;
-        case PlaneRole::colour:
-            return source.colour;
-        case PlaneRole::haptic:
-            return source.haptic;
-        case PlaneRole::height:
-            break;
-    }
-    return source.height;
-}
-
 Result<void> write_scene(const fs::path& path, const Scene& scene, const fs::path& name) {
     std::ofstream out(path, std::ios::binary);
     out << scene_to_json(scene);
@@ -187,7 +173,7 @@ private:
             if (plane.empty()) continue;
             const std::string name(role_name(role));
             const bool is_still = role != PlaneRole::depth && !changes_[static_cast<std::size_t>(role)];
-            pattern_in(*scene.folder, role) = name + (is_still ? ".png" : "_%06d.png");
+            pattern_of(*scene.folder, role) = name + (is_still ? ".png" : "_%06d.png");
             if (!is_still) continue;
             if (auto written = write_picture(name + ".png", plane); !written) return written;
         }
@@ -252,7 +238,7 @@ private:
             const PlaneView& plane = plane_of(frame, role);
             if (plane.empty()) continue;
             names_.push_back(name_of(role));
-            pattern_in(*scene.folder, role) = names_.back();
+            pattern_of(*scene.folder, role) = names_.back();
             if (auto written = write_picture(names_.back(), plane); !written) return written;
         }
         names_.push_back(own_scene_name());

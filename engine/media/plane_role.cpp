@@ -174,6 +174,24 @@ PlaneView& plane_of(RawFrame& frame, PlaneRole role) {
     return const_cast<PlaneView&>(plane_of(std::as_const(frame), role));
 }
 
+const std::string& pattern_of(const FolderSource& source, PlaneRole role) {
+    switch (role) {
+        case PlaneRole::depth:
+            return source.depth;
+        case PlaneRole::colour:
+            return source.colour;
+        case PlaneRole::haptic:
+            return source.haptic;
+        case PlaneRole::height:
+            break;
+    }
+    return source.height;
+}
+
+std::string& pattern_of(FolderSource& source, PlaneRole role) {
+    return const_cast<std::string&>(pattern_of(std::as_const(source), role));
+}
+
 Plane plane_from(Image image, int bits) {
     const auto owned = std::make_shared<const Image>(std::move(image));
     return {owned->view(), owned, bits};

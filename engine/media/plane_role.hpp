@@ -24,6 +24,10 @@ std::optional<PlaneRole> role_named(std::string_view name);
 PlaneView& plane_of(RawFrame& frame, PlaneRole role);
 const PlaneView& plane_of(const RawFrame& frame, PlaneRole role);
 
+/// Where a folder has the pictures of a role.
+std::string& pattern_of(FolderSource& source, PlaneRole role);
+const std::string& pattern_of(const FolderSource& source, PlaneRole role);
+
 /// Samples and what keeps them alive.
 struct Plane {
     PlaneView view;
