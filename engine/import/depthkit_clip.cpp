@@ -63,6 +63,7 @@ Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
     recorded_rate_ = *rate;
     if (replacement) {
         scene_ = *replacement;
+        if (std::exchange(scene_.rate_unstated, false)) scene_.rate = recorded_rate_;
         if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
     } else {
         auto scene = read_depthkit_metadata(metadata);

@@ -345,8 +345,10 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         if (!files) return files.error();
         const auto rate = rate_of(*files);
         if (rate) scene.rate = *rate;
-        guess.say(short_number(static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den)) +
-                  " frames a second" + (rate ? ", by their times" : ""));
+        guess.say(short_number(scene.rate.per_second()) + " frames a second" +
+                  (scene.rate.own_times ? " on average, each at its own time"
+                   : rate               ? ", by their times"
+                                        : ""));
     }
     return guess.made();
 }

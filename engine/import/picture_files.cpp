@@ -168,6 +168,7 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
     for (const auto& [what, file] : names) {
         found.files.push_back(within / file);
         if (const auto key = whole_number(what)) found.keys.push_back(*key);
+        found.has_decimals |= what.find('.') != std::string::npos;
     }
     if (found.keys.size() != found.files.size() || !std::is_sorted(found.keys.begin(), found.keys.end()))
         found.keys.clear();
@@ -195,6 +196,7 @@ Result<PictureFiles> listed_files(const fs::path& list) {
                                ": must be a time in seconds and a file's name");
         found.files.push_back(list.parent_path() / (has_time ? second : first));
         if (has_time) found.keys.push_back(*time);
+        found.has_decimals |= has_time && first.find('.') != std::string::npos;
         if (!is_file(found.files.back()))
             return input_error(list.string() + ", line " + std::to_string(number) + ": " +
                                printable(found.files.back().string()) + " is missing");
@@ -216,6 +218,35 @@ std::size_t nearest(const std::vector<double>& keys, double key) {
     return keys[n] - key < key - keys[n - 1] ? n : n - 1;
 }
 
+/// Seconds of a key that is 1; nothing where keys only count.
+std::optional<double> seconds_per_key(const PictureFiles& pictures) {
+    const std::vector<double>& keys = pictures.keys;
+    if (keys.size() < 3) return {};
+    // Stamps since 1970 tell their unit by their size; small whole numbers only count.
+    const double last = keys.back();
+    if (last > 1e17) return 1e-9;
+    if (last > 1e14) return 1e-6;
+    if (last > 1e11) return 1e-3;
+    const auto counts = [](double key) { return key == std::floor(key); };
+    if (!pictures.has_decimals && std::all_of(keys.begin(), keys.end(), counts)) return {};
+    return 1;
+}
+
+/// Of frames that are so many seconds apart: a whole number a second where it is nearly one.
+FrameRate rate_of_step(double step) {
+    const double rate = 1 / step, whole = std::round(rate);
+    if (whole >= 1 && std::abs(rate - whole) < 0.015 * whole) return {static_cast<std::int64_t>(whole), 1};
+    return {static_cast<std::int64_t>(std::round(1000 * rate)), 1000};
+}
+
+bool keeps_to(const FrameRate& rate, const std::vector<std::int64_t>& times_ns) {
+    constexpr std::int64_t tolerance_ns = 2'000'000;  // what a stamp of milliseconds may be rounded by, twice
+    for (std::size_t n = 0; n < times_ns.size(); ++n)
+        if (std::abs(times_ns[n] - times_ns[0] - rate.time_ns(static_cast<std::int64_t>(n))) > tolerance_ns)
+            return false;
+    return true;
+}
+
 }  // namespace
 
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
@@ -226,7 +257,7 @@ Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& sou
     if (is_numbered(source.depth)) return numbered_files(folder, source);
     if (is_still(source.depth)) {
         if (!is_file(folder / source.depth)) return missing(folder / source.depth, PlaneRole::depth, 0, "");
-        return PictureFiles{{folder / source.depth}, {}, {}, {}};
+        return PictureFiles{{folder / source.depth}, {}, false, {}, {}};
     }
     auto found = found_files(folder, source.depth);
     if (!found) return found;
@@ -276,28 +307,23 @@ Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const 
 }
 
 std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
-    const std::vector<double>& keys = pictures.keys;
-    if (keys.size() < 3) return {};
+    const auto unit = seconds_per_key(pictures);
+    if (!unit) return {};
+    constexpr double ns_per_second = 1e9, longest_seconds = 4e9;
     std::vector<double> steps;
-    for (std::size_t n = 1; n < keys.size(); ++n) steps.push_back(keys[n] - keys[n - 1]);
-    std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                     steps.end());
-    double step = steps[steps.size() / 2];
-    // Stamps since 1970 tell their unit by their size; small whole numbers only count.
-    const double last = keys.back();
-    if (last > 1e17)
-        step *= 1e-9;
-    else if (last > 1e14)
-        step *= 1e-6;
-    else if (last > 1e11)
-        step *= 1e-3;
-    else if (std::all_of(keys.begin(), keys.end(), [](double key) { return key == std::floor(key); }))
-        return {};
-    if (!(step > 1e-3 && step < 100)) return {};
-    const double rate = 1 / step, whole = std::round(rate);
-    if (whole >= 1 && std::abs(rate - whole) < 0.015 * whole)
-        return FrameRate{static_cast<std::int64_t>(whole), 1};
-    return FrameRate{static_cast<std::int64_t>(std::round(1000 * rate)), 1000};
+    std::vector<std::int64_t> times_ns;
+    for (const double key : pictures.keys) {
+        const double seconds = (key - pictures.keys.front()) * *unit;
+        if (!(seconds < longest_seconds)) return {};
+        if (!times_ns.empty())
+            steps.push_back(seconds - static_cast<double>(times_ns.back()) / ns_per_second);
+        times_ns.push_back(std::llround(seconds * ns_per_second));
+    }
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    if (!(*middle > 1e-3 && *middle < 100)) return {};
+    const FrameRate even = rate_of_step(*middle);
+    return keeps_to(even, times_ns) ? even : rate_of_own_times(std::move(times_ns)).value_or(even);
 }
 
 }  // namespace touchable

@@ -17,6 +17,7 @@ struct PictureFiles {
     std::vector<std::filesystem::path> files;
     /// What orders them, if anything: numbers in their names, or the times of a list. As many as files.
     std::vector<double> keys;
+    bool has_decimals = false;   ///< keys were written with a point: they are seconds, even if whole
     std::filesystem::path list;  ///< that names them, if one does
     std::string remark;          ///< of a numbered pattern: that it ends before later numbers
 
@@ -34,8 +35,8 @@ Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole
 /// The files of a star pattern or a list alone.
 Result<PictureFiles> found_files(const std::filesystem::path& folder, const std::string& pattern);
 
-/// The rate at which pictures with times as keys were taken, as whole frames and seconds; nothing where keys
-/// are no times, or too few.
+/// When pictures with times as keys were taken: evenly, where all keep to the median step within 2 ms,
+/// otherwise at their own times. Nothing where keys are no times, or too few.
 std::optional<FrameRate> rate_of(const PictureFiles& pictures);
 
 }  // namespace touchable

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/media/plane_role.hpp"
 #include "engine/media/reader_around.hpp"
@@ -21,14 +22,20 @@ PlaneView cropped(PlaneView plane, const PixelBox& box) {
     return plane;
 }
 
-/// n/den of a frame every so many.
-FrameRate slower(const FrameRate& rate, std::int64_t every) {
-    const std::int64_t common = std::gcd(rate.num, every);
-    return {rate.num / common, rate.den * (every / common)};
+/// Of the frames of a part.
+FrameRate rate_of_part(const FrameRate& rate, const ClipPart& part) {
+    const std::int64_t common = std::gcd(rate.num, part.every);
+    const FrameRate slower{rate.num / common, rate.den * (part.every / common)};
+    if (!rate.own_times) return slower;
+    std::vector<std::int64_t> times_ns;
+    const auto known = static_cast<std::int64_t>(rate.own_times->size());
+    for (std::int64_t n = part.first; n <= part.last.value_or(known - 1) && n < known; n += part.every)
+        times_ns.push_back(rate.time_ns(n));
+    return rate_of_own_times(std::move(times_ns)).value_or(slower);
 }
 
 Scene scene_of_part(Scene scene, const ClipPart& part) {
-    if (part.every > 1) scene.rate = slower(scene.rate, part.every);
+    scene.rate = rate_of_part(scene.rate, part);
     if (!part.crop) return scene;
     scene.width = part.crop->width;
     scene.height = part.crop->height;

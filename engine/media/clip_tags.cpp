@@ -43,9 +43,9 @@ bool same_rate(const FrameRate& a, const FrameRate& b) {
 }
 
 std::optional<std::string> rate_note(const FrameRate& played, const FrameRate& recorded) {
-    if (same_rate(played, recorded)) return std::nullopt;
+    if (same_rate(played, recorded) && !recorded.own_times) return std::nullopt;
     return "played at " + rate_text(played) + " frames/s, as the scene file has it; recorded at " +
-           rate_text(recorded);
+           (recorded.own_times ? "times of their own, on average " : "") + rate_text(recorded);
 }
 
 bool is_too_fast(const FrameRate& rate) {

@@ -9,6 +9,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/frame_times_text.hpp"
 #include "engine/media/stored_sound.hpp"
 #include "engine/media/track_writer.hpp"
 #include "engine/new_file.hpp"
@@ -69,6 +70,7 @@ private:
     Result<void> write_picture(std::size_t track);
     Result<void> add_sound();
     Result<void> write_sound(std::int64_t until_ms);
+    Result<void> attach(const char* name, const char* type, const std::string& text);
     Result<void> attach_scene();
     Result<void> check_frame(const RawFrame& frame) const;
     std::int64_t time_ms(std::int64_t frame) const {
@@ -140,17 +142,23 @@ Result<void> MatroskaWriter::attach_scene() {
     scene.folder.reset();  // the frames are here now
     scene.video.reset();
     scene.stored = {};  // as codes
-    const std::string json = scene_to_json(scene);
+    if (auto attached = attach(clip_tags::scene_file, "application/json", scene_to_json(scene)); !attached)
+        return attached;
+    return scene.rate.own_times ? attach(clip_tags::times_file, "text/plain", frame_times_text(scene.rate))
+                                : Result<void>{};
+}
+
+Result<void> MatroskaWriter::attach(const char* name, const char* type, const std::string& text) {
     AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream) return refuse("out of memory");
     stream->codecpar->codec_type = AVMEDIA_TYPE_ATTACHMENT;
     stream->codecpar->extradata =
-        static_cast<std::uint8_t*>(av_mallocz(json.size() + AV_INPUT_BUFFER_PADDING_SIZE));
+        static_cast<std::uint8_t*>(av_mallocz(text.size() + AV_INPUT_BUFFER_PADDING_SIZE));
     if (!stream->codecpar->extradata) return refuse("out of memory");
-    std::memcpy(stream->codecpar->extradata, json.data(), json.size());
-    stream->codecpar->extradata_size = static_cast<int>(json.size());
-    av_dict_set(&stream->metadata, "filename", clip_tags::scene_file, 0);
-    av_dict_set(&stream->metadata, "mimetype", "application/json", 0);
+    std::memcpy(stream->codecpar->extradata, text.data(), text.size());
+    stream->codecpar->extradata_size = static_cast<int>(text.size());
+    av_dict_set(&stream->metadata, "filename", name, 0);
+    av_dict_set(&stream->metadata, "mimetype", type, 0);
     return {};
 }
 

@@ -22,6 +22,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* scene_name = "scene.json";
+constexpr const char* times_list = "depth.txt";
+constexpr std::int64_t ns_a_second = 1'000'000'000;
 
 Error unwritable(const fs::path& place, const std::error_code& why) {
     return input_error(place.string() + ": cannot be written: " + why.message());
@@ -177,7 +179,26 @@ private:
             if (!is_still) continue;
             if (auto written = write_picture(name + ".png", plane); !written) return written;
         }
+        if (scene.rate.own_times) {
+            scene.folder->depth = times_list;
+            scene.folder->count = 0;  // as long as the list
+            if (auto written = write_times(); !written) return written;
+        }
         return write_scene(hidden_.path() / scene_name, scene, place_ / scene_name);
+    }
+
+    /// Seconds and name of each picture of depth, as TUM's recordings have them.
+    Result<void> write_times() const {
+        std::ofstream out(hidden_.path() / times_list, std::ios::binary);
+        for (std::int64_t frame = 0; frame < frames_; ++frame) {
+            const std::int64_t ns = scene_.rate.time_ns(frame);
+            std::array<char, 48> seconds{};
+            std::snprintf(seconds.data(), seconds.size(), "%lld.%09lld ",
+                          static_cast<long long>(ns / ns_a_second), static_cast<long long>(ns % ns_a_second));
+            out << seconds.data() << numbered(PlaneRole::depth, frame) << '\n';
+        }
+        out.close();
+        return out ? Result<void>{} : input_error((place_ / times_list).string() + ": cannot be written");
     }
 
     fs::path opens_by() const override { return {}; }
@@ -301,9 +322,9 @@ Result<std::unique_ptr<ClipWriter>> opened(const fs::path& path, const Scene& sc
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }
 
-/// Of a plane's pictures: "depth_000000.png", or "haptic.png".
+/// Of a plane's pictures ("depth_000000.png", or "haptic.png") or what describes them.
 bool is_picture_name(const std::string& name) {
-    if (name == scene_name) return true;
+    if (name == scene_name || name == times_list) return true;
     return std::any_of(all_roles.begin(), all_roles.end(), [&](PlaneRole role) {
         const std::string begin(role_name(role)), end = ".png";
         if (!name.starts_with(begin) || !name.ends_with(end)) return false;

@@ -9,12 +9,15 @@
 #include "engine/media/codecs.hpp"
 #include "engine/media/demuxer.hpp"
 #include "engine/media/far_plane.hpp"
+#include "engine/media/frame_times_text.hpp"
 #include "engine/media/track_thread.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
 namespace {
+
+constexpr double ns_per_second = 1e9, latest_seconds = 4e9;
 
 class MatroskaReader final : public ClipReader {
 public:
@@ -45,9 +48,14 @@ private:
     Result<void> start();
     Result<void> read_version_and_rate();
     Result<void> read_scene(const std::optional<Scene>& replacement);
+    void take_rate();
     Result<void> open_tracks();
     Result<void> describe();
     Result<bool> begin_at(std::int64_t frame);
+    double tick_of(int stream) const { return av_q2d(demuxer_->container().streams[stream]->time_base); }
+    double seconds_of(std::int64_t frame) const {
+        return static_cast<double>(recorded_rate_.time_ns(frame)) / ns_per_second;
+    }
     std::optional<std::int64_t> frame_of(int stream, std::int64_t timestamp) const;
     std::int64_t timestamp_of(int stream, std::int64_t frame) const;
     Result<bool> read_plane(Track& track, RawFrame& frame);
@@ -172,24 +180,40 @@ Result<void> MatroskaReader::read_version_and_rate() {
                       ": must be a frame rate such as 30000/1001, at most " +
                       std::to_string(clip_tags::fastest_rate) + "/1");
     recorded_rate_ = *parsed;
+    const auto own = demuxer_->attachment(clip_tags::times_file);
+    if (!own) return {};
+    auto times = parse_frame_times(*own, file_ + ": " + clip_tags::times_file);
+    if (!times) return times.error();
+    recorded_rate_.own_times = std::move(times->own_times);
     return {};
 }
 
 Result<void> MatroskaReader::read_scene(const std::optional<Scene>& replacement) {
     if (replacement) {
         scene_ = *replacement;
-        if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
+        take_rate();
         return {};
     }
     const auto json = demuxer_->attachment(clip_tags::scene_file);
     if (!json) return refuse("has no scene.json attached: describe it with --scene FILE");
     auto scene = parse_scene(*json, file_ + ": scene.json");
     if (!scene) return scene.error();
-    if (!clip_tags::same_rate(scene->rate, recorded_rate_))
+    if (!scene->rate_unstated && !clip_tags::same_rate(scene->rate, recorded_rate_))
         return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded_rate_) +
                       ", but its scene.json says " + clip_tags::rate_text(scene->rate));
     scene_ = std::move(*scene);
+    scene_.rate_unstated = true;  // is the recorded one
+    take_rate();
     return {};
+}
+
+void MatroskaReader::take_rate() {
+    if (!scene_.rate_unstated) {
+        if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
+        return;
+    }
+    scene_.rate = recorded_rate_;
+    scene_.rate_unstated = false;
 }
 
 /// Opens the tracks of a file just opened and reads frame 0.
@@ -237,9 +261,9 @@ Result<void> MatroskaReader::describe() {
     // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.
     const std::optional<double> end_s = demuxer_->pictures_end();
     if (!end_s) return refuse("was never completed: it has no duration");
-    const double seconds = *end_s - origin_seconds_;
-    promised_ = std::llround(seconds * static_cast<double>(recorded_rate_.num) /
-                             static_cast<double>(recorded_rate_.den));
+    promised_ = recorded_rate_.own_times
+                    ? static_cast<std::int64_t>(recorded_rate_.own_times->size())
+                    : std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
     bool has_haptic = false;
     for (const Track& track : tracks_) {
         const TrackInfo& info = infos_.emplace_back(track.pictures->info());
@@ -315,26 +339,20 @@ Result<bool> MatroskaReader::read_plane(Track& track, RawFrame& frame) {
 // Frames are at their numbers' times, to whole milliseconds; frame 0 is at the origin.
 std::optional<std::int64_t> MatroskaReader::frame_of(int stream, std::int64_t timestamp) const {
     if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
-    const double seconds =
-        static_cast<double>(timestamp) * av_q2d(demuxer_->container().streams[stream]->time_base);
-    return std::llround((seconds - origin_seconds_) * static_cast<double>(recorded_rate_.num) /
-                        static_cast<double>(recorded_rate_.den));
+    const double seconds = static_cast<double>(timestamp) * tick_of(stream) - origin_seconds_;
+    if (!(std::fabs(seconds) < latest_seconds)) return std::nullopt;
+    return recorded_rate_.nearest(std::llround(seconds * ns_per_second));
 }
 
 std::int64_t MatroskaReader::timestamp_of(int stream, std::int64_t frame) const {
-    const double seconds = origin_seconds_ + static_cast<double>(frame) *
-                                                 static_cast<double>(recorded_rate_.den) /
-                                                 static_cast<double>(recorded_rate_.num);
-    return std::llround(seconds / av_q2d(demuxer_->container().streams[stream]->time_base));
+    return std::llround((origin_seconds_ + seconds_of(frame)) / tick_of(stream));
 }
 
 /// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
 Result<void> MatroskaReader::check_time(const TrackThread& track, std::int64_t timestamp) {
-    const double seconds =
-        static_cast<double>(timestamp) * av_q2d(demuxer_->container().streams[track.stream()]->time_base);
+    const double seconds = static_cast<double>(timestamp) * tick_of(track.stream());
     if (number_ == 0 && track.role() == PlaneRole::depth) origin_seconds_ = seconds;
-    const double expected = static_cast<double>(number_) * static_cast<double>(recorded_rate_.den) /
-                            static_cast<double>(recorded_rate_.num);
+    const double expected = seconds_of(number_);
     constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
     if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding) return {};
     return input_error(track.name() + ", frame " + std::to_string(number_) +

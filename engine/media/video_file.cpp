@@ -31,6 +31,16 @@ bool keeps_to(const std::vector<std::int64_t>& times, AVRational tick, AVRationa
     return true;
 }
 
+/// After the first.
+std::vector<std::int64_t> nanoseconds(const std::vector<std::int64_t>& times, AVRational tick) {
+    constexpr AVRational nanosecond{1, 1'000'000'000};
+    std::vector<std::int64_t> after;
+    after.reserve(times.size());
+    for (const std::int64_t time : times)
+        after.push_back(av_rescale_q(time - times.front(), tick, nanosecond));
+    return after;
+}
+
 }  // namespace
 
 MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational tick,
@@ -49,8 +59,10 @@ MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational ti
     av_reduce(&mean.num, &mean.den, frames, span, largest_term);
     av_reduce(&mean.num, &mean.den, std::int64_t{mean.num} * per_second.num,
               std::int64_t{mean.den} * per_second.den, largest_term);
-    if (mean.num <= 0 || mean.den <= 0) return {{30, 1}, false};
-    return {{mean.num, mean.den}, keeps_to(times, tick, mean)};
+    const bool has_mean = mean.num > 0 && mean.den > 0;
+    if (has_mean && keeps_to(times, tick, mean)) return {{mean.num, mean.den}, true};
+    if (auto own = rate_of_own_times(nanoseconds(times, tick))) return {std::move(*own), true};
+    return {has_mean ? FrameRate{mean.num, mean.den} : FrameRate{}, false};
 }
 
 Result<std::unique_ptr<VideoFile>> VideoFile::open(const std::filesystem::path& file, PlaneRole role) {
@@ -110,8 +122,9 @@ Result<void> VideoFile::read_times() {
         times_.push_back(time);
     }
     rate_ = rate_of_times(times_, stream.time_base, {stream.avg_frame_rate, stream.r_frame_rate});
-    if (!rate_.is_even)
-        note_ = path_.string() + ": its frames are not evenly spaced: they are played at their mean rate, " +
+    if (!rate_.is_kept)
+        note_ = path_.string() +
+                ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +
                 clip_tags::rate_text(rate_.rate) + " a second";
     return {};
 }

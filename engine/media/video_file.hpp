@@ -18,11 +18,12 @@
 namespace touchable {
 
 /// The rate of frames at these times, in order, in units of `tick` seconds. Of those that others say (0/0:
-/// nothing) and those that are usual, the first that all frames keep to within a tick; or the mean of all,
-/// and then they need not keep to it.
+/// nothing) and those that are usual, the first that all frames keep to within a tick, or the mean of all;
+/// otherwise their own times. Where some of these are less than a millisecond apart, the mean, to which
+/// frames do not keep.
 struct MeasuredRate {
     FrameRate rate;
-    bool is_even = true;
+    bool is_kept = true;
 };
 MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational tick,
                            const std::vector<AVRational>& said);
@@ -41,7 +42,7 @@ public:
     double seconds(std::int64_t frame) const;
     /// The frame that is nearest to a time.
     std::int64_t nearest(double seconds) const;
-    /// What a person should know of frames that are not evenly spaced.
+    /// What a person should know of frames that are not played at their times.
     const std::optional<std::string>& note() const { return note_; }
     /// Once a picture was read, with its size and format.
     const TrackInfo& info() const { return decoder_->info(); }

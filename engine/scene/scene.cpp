@@ -298,24 +298,6 @@ double largest_height(const HeightCoding& height, const DepthCoding& depth) {
     return height.units == HeightUnits::levels ? height.max_height * depth.level() : height.max_height;
 }
 
-std::int64_t FrameRate::time_ns(std::int64_t frame) const {
-    __extension__ using Wide = __int128;
-    const Wide numerator = Wide{frame} * den * 1'000'000'000;
-    Wide quotient = numerator / num;
-    if (numerator % num < 0) --quotient;  // division truncates; a time before 0 is floored too
-    constexpr Wide most = std::numeric_limits<std::int64_t>::max();
-    return static_cast<std::int64_t>(std::clamp(quotient, -most, most));
-}
-
-// The largest n with floor(n 1e9 den / num) <= time, which is n 1e9 den < (time + 1) num.
-std::int64_t FrameRate::frame_at(std::int64_t time_ns) const {
-    __extension__ using Wide = __int128;
-    const Wide numerator = (Wide{time_ns} + 1) * num - 1, unit = Wide{den} * 1'000'000'000;
-    Wide quotient = numerator / unit;
-    if (numerator % unit < 0) --quotient;
-    return static_cast<std::int64_t>(quotient);
-}
-
 Result<void> validate(const Scene& scene) {
     return first_refusal(
         [&] { return check_within("width", scene.width, 1, max_side); },

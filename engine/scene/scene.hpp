@@ -9,6 +9,7 @@
 #include "engine/scene/camera.hpp"
 #include "engine/scene/code_curve.hpp"
 #include "engine/scene/depth_coding.hpp"
+#include "engine/scene/frame_rate.hpp"
 
 namespace touchable {
 
@@ -84,13 +85,6 @@ struct UnstatedFilters {
 };
 inline constexpr UnstatedFilters all_unstated{true, true, true, true, true};
 
-/// Frame n is at floor(n 1e9 den / num) ns.
-struct FrameRate {
-    std::int64_t num = 30, den = 1;
-    std::int64_t time_ns(std::int64_t frame) const;     ///< exact; no overflow for frame < 2^40
-    std::int64_t frame_at(std::int64_t time_ns) const;  ///< the last one that is not later; exact likewise
-};
-
 /// Files of a folder of images: a pattern with one printf-like field of digits ("depth_%04d.png"), or with
 /// one star ("depth/*.png": all there are, in order), or a list of them (".txt": a line each, a time before
 /// the name where it has one). Where depth is none of these it names a still: a clip of one frame. Stills
@@ -143,7 +137,7 @@ struct Scene {
     std::string name;
     int width = 0, height = 0;  ///< of the depth plane, 1 to 16384 pixels
     FrameRate rate;
-    bool rate_unstated = false;  ///< a video's own rate stands then, which its reader sets
+    bool rate_unstated = false;  ///< the frames' own times stand then, as whoever reads them finds them
     double metres_per_unit = 0.001;
     Camera camera;
     DepthCoding depth;

@@ -377,11 +377,9 @@ Result<Scene> read_scene_file(const std::filesystem::path& file) {
 std::string scene_to_json(const Scene& scene, const std::vector<std::string>& remarks) {
     OrderedJson json = {{"touchable_scene", scene_format_version}};
     if (!remarks.empty()) json["remarks"] = remarks;
-    json.update({{"name", scene.name},
-                 {"width", scene.width},
-                 {"height", scene.height},
-                 {"rate", {scene.rate.num, scene.rate.den}},
-                 {"metres_per_unit", scene.metres_per_unit},
+    json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
+    if (!scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
+    json.update({{"metres_per_unit", scene.metres_per_unit},
                  {"camera",
                   {{"fx", scene.camera.fx},
                    {"fy", scene.camera.fy},

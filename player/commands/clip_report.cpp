@@ -1,5 +1,8 @@
 #include "player/commands/clip_report.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <optional>
 #include <sstream>
 
 #include "engine/printable.hpp"
@@ -183,13 +186,30 @@ private:
     std::ostringstream out_;
 };
 
+/// Between two frames, where each has its own time.
+struct GapsMs {
+    double least, most;
+};
+std::optional<GapsMs> gaps_ms(const FrameRate& rate) {
+    if (!rate.own_times) return {};
+    const auto& times_ns = *rate.own_times;
+    std::int64_t least = std::numeric_limits<std::int64_t>::max(), most = 0;
+    for (std::size_t n = 1; n < times_ns.size(); ++n) {
+        least = std::min(least, times_ns[n] - times_ns[n - 1]);
+        most = std::max(most, times_ns[n] - times_ns[n - 1]);
+    }
+    return GapsMs{static_cast<double>(least) * 1e-6, static_cast<double>(most) * 1e-6};
+}
+
 void tell_picture(const ClipFacts& facts, Lines& lines) {
     const Scene& scene = facts.scene;
-    const double rate = static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den);
     std::ostream& out = lines.line("picture") << scene.width << "x" << scene.height << " pixels, ";
     if (facts.frames) out << *facts.frames << (*facts.frames == 1 ? " frame, " : " frames, ");
-    out << rate << " frames/s";
-    if (facts.frames) out << ", " << static_cast<double>(*facts.frames) / rate << " s";
+    out << scene.rate.per_second() << " frames/s";
+    if (const auto gaps = gaps_ms(scene.rate))
+        out << " on average, each at its own time (" << gaps->least << " to " << gaps->most
+            << " ms after the one before)";
+    if (facts.frames) out << ", " << static_cast<double>(scene.rate.time_ns(*facts.frames)) * 1e-9 << " s";
     out << '\n';
     for (const TrackInfo& track : facts.tracks)
         lines.line("track") << track.role << ": " << track.codec << (track.lossless ? " without loss" : "")
@@ -253,6 +273,7 @@ Json to_json(const ClipFacts& facts) {
     out["height"] = scene.height;
     out["frames"] = facts.frames ? Json(*facts.frames) : Json(nullptr);
     out["rate"] = {{"num", scene.rate.num}, {"den", scene.rate.den}};
+    if (const auto gaps = gaps_ms(scene.rate)) out["frame_ms"] = {gaps->least, gaps->most};
     out["tracks"] = tracks_json(facts.tracks);
     out["metres_per_unit"] = scene.metres_per_unit;
     out["camera"] = camera_json(facts);

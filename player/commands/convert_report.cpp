@@ -74,8 +74,9 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
                        (done.frames == 1 ? " frame, " : " frames, ") + std::to_string(scene.width) + "x" +
                        std::to_string(scene.height);
     if (options.form != ClipForm::still)
-        text += worded(", %.6g frames/s",
-                       static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den));
+        text += worded(
+            scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",
+            scene.rate.per_second());
     text += "\n";
     for (const TrackInfo& track : done.tracks) {
         const auto role = role_named(track.role);

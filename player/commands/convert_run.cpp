@@ -88,6 +88,7 @@ private:
 
     const ConvertOptions& options_;
     ClipPart part_;
+    std::int64_t from_ns_ = 0;  // where it begins, of the whole clip's time
     std::unique_ptr<ClipReader> source_;
     std::unique_ptr<ClipWriter> writer_;
     Converted done_;
@@ -121,12 +122,9 @@ std::optional<SoundPart> Conversion::chosen_sound() {
         return std::nullopt;
     }
     done_.sound = "kept as it is (" + sound->codec + ")";
-    // On the clock of the clip as it is.
     const FrameRate& rate = source_->scene().rate;
-    const FrameRate whole{rate.num * part_.every, rate.den};
     const std::int64_t frames = source_->frame_count().value_or(std::int64_t{1} << 32);
-    const std::int64_t from_ns = whole.time_ns(part_.first);
-    return SoundPart{options_.clip.file, from_ns, from_ns + rate.time_ns(frames)};
+    return SoundPart{options_.clip.file, from_ns_, from_ns_ + rate.time_ns(frames)};
 }
 
 Result<void> Conversion::open_writer() {
@@ -211,6 +209,7 @@ Result<void> Conversion::run(std::string& at_work) {
     if (auto free = check_places(options_, **clip); !free.ok()) return free;
     done_.notes = (*clip)->notes();
     part_ = part_of(options_, **clip);
+    from_ns_ = (*clip)->scene().rate.time_ns(part_.first);
     auto source = part_of_clip(std::move(*clip), part_);
     if (!source.ok()) return source.error();
     source_ = std::move(*source);

@@ -67,8 +67,7 @@ double whole_frames_ms_per_second(const TouchLoad& load) {
                                      : decode_ns) +
                       (terrace_filter(scene) ? terraces_ns : 0) + (scene.filter.temporal ? temporal_ns : 0);
     const double pixels = static_cast<double>(scene.width) * scene.height;
-    const double rate = static_cast<double>(scene.rate.num) / static_cast<double>(scene.rate.den);
-    return rate * (pixels * ns * 1e-6 + frame_us * 1e-3);
+    return scene.rate.per_second() * (pixels * ns * 1e-6 + frame_us * 1e-3);
 }
 
 double lazy_ms_per_second(const TouchLoad& load) {

@@ -215,14 +215,14 @@ Error gone(Error error, const TouchSetup& setup, const std::filesystem::path& fi
 }
 
 /// The recorded clip, or the one it is now, as the `recorded` scene.
-Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const std::filesystem::path& file,
+Result<OpenClip> open_recorded(TouchSetup& setup, Scene recorded, const std::filesystem::path& file,
                                const ClipChoice& instead) {
     if (!instead.file.empty()) setup.clip.file = instead.file;
     if (instead.scene_file) {
         setup.clip.scene_file = instead.scene_file;
         setup.clip.camera.reset();
     }
-    if (setup.clip.as_camera) setup.clip.as_camera->rate = recorded.rate;
+    if (setup.clip.as_camera && !recorded.rate_unstated) setup.clip.as_camera->rate = recorded.rate;
     auto reader = setup.clip.open();
     if (!reader.ok()) return gone(reader.error(), setup, file, instead);
     (*reader)->leave_out_colour();
@@ -231,7 +231,8 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const Scene& recorded, const s
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
                            std::to_string(recorded.width) + "x" + std::to_string(recorded.height));
-    return OpenClip{std::move(*reader), recorded, {}};
+    if (std::exchange(recorded.rate_unstated, false)) recorded.rate = stored.rate;
+    return OpenClip{std::move(*reader), std::move(recorded), {}};
 }
 
 /// Ticks at the times that were recorded, and of a live run with the frames they found: that was a matter of

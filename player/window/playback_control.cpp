@@ -15,11 +15,10 @@ Result<void> PlaybackControl::play_or_pause() {
 }
 
 void PlaybackControl::seek_to(double seconds) {
-    const double frame = static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-9;
     // Of a clip whose length nobody knows yet, any moment.
-    const double last =
-        clip_->frames() > 0 ? clip_->seconds() - frame : 1e-9 * static_cast<double>(latest_moment_ns);
-    wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds, 0.0, last) * 1e9);
+    const std::int64_t last_ns =
+        clip_->frames() > 0 ? clip_->scene().rate.time_ns(clip_->frames() - 1) : latest_moment_ns;
+    wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds * 1e9, 0.0, static_cast<double>(last_ns)));
 }
 
 void PlaybackControl::seek_by(double seconds) {

@@ -56,7 +56,7 @@ double WindowLoop::pause_ms() const {
 /// From one of the clip's frames to the next, as it is played.
 double WindowLoop::frame_ms() const {
     const auto rate = static_cast<double>(clip_->session().playback().rate) / 1000;
-    return static_cast<double>(clip_->scene().rate.time_ns(1)) * 1e-6 / std::max(rate, 1e-3);
+    return 1000 / clip_->scene().rate.per_second() / std::max(rate, 1e-3);
 }
 
 /// Of the size in which there is time to draw.
@@ -212,7 +212,9 @@ void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
     }
     const PlaybackState playback = clip_->session().playback();
     const std::int64_t due = frames_shown_.due(), in_time = frames_shown_.in_time();
-    frames_shown_.add(moment.held.pair, playback.moment.time_ns, clip_->scene().rate.time_ns(1));
+    const TimedFrame& frame = moment.held.pair.prev;
+    const std::int64_t lasts_ns = clip_->scene().rate.time_ns(frame.number + 1) - frame.time_ns;
+    frames_shown_.add(moment.held.pair, playback.moment.time_ns, lasts_ns);
     if (playback.playing)
         governor_.add(now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
                       last_draw_ms_ / frame_ms());

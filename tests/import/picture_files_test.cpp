@@ -49,8 +49,12 @@ TEST(PictureFiles, OfOtherPlanesAreThoseNearestInTime) {
     ASSERT_EQ(message(colour), "");
     EXPECT_EQ(names(*colour),
               (Names{"1305031102.11.jpg", "1305031102.11.jpg", "1305031102.19.jpg", "1305031102.29.jpg"}));
-    ASSERT_TRUE(rate_of(*depth));
-    EXPECT_EQ(rate_of(*depth)->num, 16667) << "the median of 40, 60 and 100 ms";
+    const auto rate = rate_of(*depth);
+    ASSERT_TRUE(rate);
+    EXPECT_NEAR(rate->per_second(), 15, 1e-5) << "on average";
+    const std::int64_t ms[] = {0, 40, 100, 200};
+    for (int n = 0; n < 4; ++n)
+        EXPECT_NEAR(static_cast<double>(rate->time_ns(n)), static_cast<double>(ms[n]) * 1e6, 1000) << n;
 }
 
 TEST(PictureFiles, OfAListHaveItsTimes) {
@@ -69,6 +73,17 @@ TEST(PictureFiles, OfAListHaveItsTimes) {
         write_bytes(folder / "depth.txt", text);
         EXPECT_NE(message(found_files(folder.path(), "depth.txt")).find(words), std::string::npos) << text;
     }
+}
+
+TEST(PictureFiles, OfAListAreSecondsApartWhereItHasAPoint) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.png", "b.png", "c.png"}) write_bytes(folder / name, "");
+    write_bytes(folder / "depth.txt", "0 a.png\n1 b.png\n3 c.png\n");
+    EXPECT_FALSE(rate_of(found_in(folder, "depth.txt"))) << "numbers that only count";
+    write_bytes(folder / "depth.txt", "0.0 a.png\n1.0 b.png\n3.0 c.png\n");
+    const auto rate = rate_of(found_in(folder, "depth.txt"));
+    ASSERT_TRUE(rate && rate->own_times);
+    EXPECT_EQ(*rate->own_times, (std::vector<std::int64_t>{0, 1'000'000'000, 3'000'000'000}));
 }
 
 TEST(PictureFiles, OneOfMaterialsServesAllFrames) {

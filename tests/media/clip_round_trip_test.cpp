@@ -86,7 +86,7 @@ TEST(Clip, SixteenBitHeightsComeBackExactly) {
 
 TEST(Clip, TimesAreTheScenesWhateverMatroskaRounds) {
     const TemporaryFolder folder;
-    for (const FrameRate rate : {FrameRate{30000, 1001}, {24, 1}, {1000, 1}, {997, 1}, {1, 7}, {25, 2}}) {
+    for (const FrameRate& rate : {FrameRate{30000, 1001}, {24, 1}, {1000, 1}, {997, 1}, {1, 7}, {25, 2}}) {
         Scene scene = small_scene(8, 8);
         scene.rate = rate;
         expect_round_trip(folder, scene, 70, depth_only);  // compares the times too

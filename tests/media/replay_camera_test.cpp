@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr int recorded_frames = 24;
-constexpr FrameRate fast{1000, 1};
+const FrameRate fast{1000, 1};
 
 std::vector<Delivery> deliveries(const CameraDelivery& settings, int count) {
     std::vector<Delivery> all;

@@ -43,12 +43,29 @@ TEST(Seek, IsExactInBothArchives) {
 
 TEST(Seek, IsExactAtRatesThatMatroskaRounds) {
     const TemporaryFolder folder;
-    for (const FrameRate rate : {FrameRate{30000, 1001}, {997, 1}, {1, 7}}) {
+    for (const FrameRate& rate : {FrameRate{30000, 1001}, {997, 1}, {1, 7}}) {
         Scene scene = small_scene(16, 16, 10);
         scene.rate = rate;
         ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, seek_frames, all_planes)), "");
         expect_same_from_everywhere(folder / "clip.mkv");
     }
+}
+
+/// Frames from one to several milliseconds apart, at no whole ones.
+TEST(Seek, IsExactWhereEachFrameHasItsOwnTime) {
+    const TemporaryFolder folder;
+    std::vector<std::int64_t> times_ns;
+    for (std::int64_t n = 0; n < seek_frames; ++n)
+        times_ns.push_back(1'000'001 * n + 300'000'000 * (n / 7) + n * n * 777);
+    Scene scene = small_scene(16, 16, 10);
+    scene.rate = *rate_of_own_times(times_ns);
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, seek_frames, all_planes)), "");
+    expect_same_from_everywhere(folder / "clip.mkv");
+    auto reader = open_clip(folder / "clip.mkv");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ(*(*reader)->scene().rate.own_times, times_ns);
+    EXPECT_EQ((*reader)->frame_count(), seek_frames);
+    EXPECT_EQ(read_all(**reader)->back().time_ns, times_ns.back());
 }
 
 /// As the first version of the format had it: every picture on its own, no additions.

@@ -162,6 +162,38 @@ TEST_F(Convert, AFolderPacksIntoOneClipAndOneMapServesAWholeVideo) {
     EXPECT_EQ(hash_of(at("unpacked")), hash);
 }
 
+TEST_F(Convert, FramesKeepTheirOwnTimesInEveryForm) {
+    make("moving");
+    const std::string evenly = hash_of(at("clip.mkv"));
+    convert({at("clip.mkv"), at("listed")});
+    const std::array<const char*, 6> seconds{"0.000000", "0.030000", "0.110500",
+                                             "0.1501",   "0.3",      "0.333333333"};
+    std::ofstream list(at("listed/depth.txt"));
+    for (std::size_t n = 0; n < seconds.size(); ++n)
+        list << "17" << seconds[n] + 1 << " depth_00000" << n << ".png\n";
+    list.close();
+    auto scene = nlohmann::json::parse(file_contents(at("listed/scene.json")));
+    scene.erase("rate");
+    scene["folder"]["depth"] = "depth.txt";
+    scene["folder"].erase("count");
+    std::ofstream(at("listed/scene.json")) << scene;
+    const std::string own = hash_of(at("listed"));
+    EXPECT_NE(own, evenly);
+    EXPECT_PRED2(says, convert({at("listed"), at("packed.mkv")}),
+                 "each at its own time, 15 frames/s on average");
+    EXPECT_EQ(hash_of(at("packed.mkv")), own);
+    convert({at("packed.mkv"), at("unpacked")});
+    EXPECT_EQ(hash_of(at("unpacked")), own);
+    convert({at("unpacked"), at("part.mkv"), "--from", "1", "--to", "5", "--every", "2"});
+    const auto part = open_clip(at("part.mkv"));
+    ASSERT_TRUE(part.ok()) << part.error().message;
+    ASSERT_TRUE((*part)->scene().rate.own_times);
+    EXPECT_EQ(*(*part)->scene().rate.own_times, (std::vector<std::int64_t>{0, 120'100'000, 303'333'333}));
+    scene["rate"] = {30, 1};
+    std::ofstream(at("listed/scene.json")) << scene;
+    EXPECT_EQ(hash_of(at("listed")), evenly);
+}
+
 /// What a camera's file has in an order of its own comes out as plain codes.
 TEST_F(Convert, WordsThatAreSwappedAreTurnedBackOnce) {
     make("moving", {"--bits", "16"});

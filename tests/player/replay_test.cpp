@@ -4,8 +4,11 @@
 #include <fstream>
 #include <limits>
 
+#include "engine/content/scenes.hpp"
+#include "engine/media/clip.hpp"
 #include "engine/media/image_file.hpp"
 #include "haptics_cpu/force_rules.hpp"
+#include "player/session/recording.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
@@ -63,6 +66,37 @@ TEST_F(Replay, RecordedRunRepeatsToTheBit) {
         const auto report = nlohmann::json::parse(file_contents(json));
         for (const char* fact : {"clip", "hand", "fingers", "ticks", "frames", "contact_ticks", "force_hash"})
             EXPECT_EQ(report[fact], recorded[fact]) << scene << ' ' << fact;
+    }
+}
+
+TEST_F(Replay, FindsTheFramesOfAVariableRateAgain) {
+    SceneOptions options;
+    options.width = 72;
+    options.height = 48;
+    const auto source = make_scene("moving", options);
+    Scene scene = (*source)->scene();
+    std::vector<std::int64_t> times_ns;
+    for (std::int64_t n = 0; n < 12; ++n) times_ns.push_back(n * n * 3'500'000 + n * 1'000'000);
+    scene.rate = *rate_of_own_times(times_ns);
+    auto writer = create_clip(clip(), scene);
+    for (int n = 0; n < 12; ++n) ASSERT_TRUE((*writer)->write((*source)->frame(n)).ok());
+    ASSERT_TRUE((*writer)->finish().ok());
+    const std::vector<Words> runs{{clip(), "--seconds", "0.4"},
+                                  {clip(), "--live", "--seconds", "0.4", "--loop", "0.05", "0.2"},
+                                  {"--live", "--camera", "replay:" + clip(), "--seconds", "0.4"}};
+    for (const Words& run : runs) {
+        Words words = run;
+        words.insert(words.end(), {"--record", file(), "--overwrite"});
+        const auto recorded = touch(words);
+        EXPECT_GT(recorded["contact_ticks"], 0);
+        const Outcome again = replay();
+        EXPECT_EQ(again.code, 0) << again.err;
+        EXPECT_NE(again.out.find("every force is as recorded"), std::string::npos) << again.out;
+        const auto part = read_recording(file());
+        ASSERT_TRUE(part.ok());
+        if (run[0] != clip() || run.size() > 3) continue;
+        for (const RecordedTick& tick : part->front().ticks)
+            ASSERT_EQ(tick.frame_prev, std::min<std::int64_t>(scene.rate.frame_at(tick.time_ns), 11));
     }
 }
 

@@ -96,7 +96,7 @@ TEST(FrameRate, FarFramesNeitherOverflowNorDrift) {
 }
 
 TEST(FrameRate, TheFrameAtATimeIsTheLastThatIsNotLater) {
-    for (const FrameRate rate : {FrameRate{30, 1}, FrameRate{30000, 1001}, FrameRate{999999937, 1000003}})
+    for (const FrameRate& rate : {FrameRate{30, 1}, FrameRate{30000, 1001}, FrameRate{999999937, 1000003}})
         for (const std::int64_t frame : {-3LL, 0LL, 1LL, 2LL, 12345LL, 1LL << 30}) {
             EXPECT_EQ(rate.frame_at(rate.time_ns(frame)), frame);
             EXPECT_EQ(rate.frame_at(rate.time_ns(frame) - 1), frame - 1);

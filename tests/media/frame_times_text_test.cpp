@@ -1,0 +1,46 @@
+#include "engine/media/frame_times_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/media/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+TEST(FrameTimesText, ComesBackToTheNanosecond) {
+    const std::vector<std::int64_t> times_ns{0, 1'000'000, 33'366'667, 9'000'000'000'000'001};
+    const std::string text = frame_times_text(*rate_of_own_times(times_ns));
+    EXPECT_EQ(text, "# timestamp format v2\n0.000000\n1.000000\n33.366667\n9000000000.000001\n");
+    const auto back = parse_frame_times(text, "x");
+    ASSERT_EQ(message(back), "");
+    EXPECT_EQ(*back->own_times, times_ns);
+}
+
+TEST(FrameTimesText, IsReadAsOtherProgramsWriteIt) {
+    const auto rate = parse_frame_times("# timecode format v2\r\n40\r\n\r\n# cut here\r\n80.5\r\n100", "x");
+    ASSERT_EQ(message(rate), "");
+    EXPECT_EQ(*rate->own_times, (std::vector<std::int64_t>{0, 40'500'000, 60'000'000}));
+}
+
+TEST(FrameTimesText, IsRefusedByLine) {
+    const std::string head = "# timestamp format v2\n";
+    const std::pair<std::string, const char*> bad[] = {
+        {"", "must be a line \"# timestamp format v2\""},
+        {"# timestamp format v1\n1\n2\n", "must be a line"},
+        {head, "of 0 frames"},
+        {head + "1\n", "of 1 frames"},
+        {head + "1\nx\n", "x.txt, line 3: is \"x\": must be the time of a frame"},
+        {head + "1 2\n3\n", "line 2"},
+        {head + "1\nnan\n", "line 3"},
+        {head + "1\n1e300\n", "line 3"},
+        {head + "1\n1.5\n", "line 3: is \"1.5\": must be 1 ms or more after"},
+        {head + "2\n1\n", "line 3"},
+        {head + "-4e12\n4e12\n", "126 years"},
+    };
+    for (const auto& [text, words] : bad)
+        EXPECT_NE(message(parse_frame_times(text, "x.txt")).find(words), std::string::npos)
+            << text << message(parse_frame_times(text, "x.txt"));
+}
+
+}  // namespace
+}  // namespace touchable::test
