@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/import/bag_clip.hpp"
+#include "engine/import/bag_file.hpp"
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/guessed_scene.hpp"
@@ -69,6 +71,10 @@ bool is_matroska(const Candidate& candidate) {
 }
 bool is_depthkit(const Candidate& candidate) {
     return depthkit_metadata_of(candidate.file).has_value();
+}
+
+bool is_ros_recording(const Candidate& candidate) {
+    return is_bag(candidate.begin);
 }
 
 bool is_video(const Candidate& candidate) {
@@ -154,6 +160,10 @@ constexpr Format formats[] = {
      open_picture,
      {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
       "touchable play depth.png --intrinsics 525,525 --depth-unit 0.001"}},
+    {is_ros_recording,
+     [](const Candidate& c) { return open_bag_clip(c.file, c.scene, c.known); },
+     {"a recording of a RealSense or of ROS 1 (.bag), plain or packed by LZ4 or bzip2",
+      "touchable play recording.bag"}},
     {is_depthkit,
      [](const Candidate& c) { return open_depthkit_clip(c.file, *depthkit_metadata_of(c.file), c.scene); },
      {"a Depthkit video with its metadata beside it", "touchable play Take.mp4"}},
@@ -174,8 +184,8 @@ std::string first_bytes(const std::filesystem::path& file) {
 Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene,
                  const SourceDescription& known) {
     const Candidate candidate{file, first_bytes(file), scene, known};
-    const bool describes_itself =
-        !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) && !is_video(candidate);
+    const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
+                                  !is_video(candidate) && !is_ros_recording(candidate);
     if (describes_itself && !(known == SourceDescription()))
         return usage_error(file.string() +
                            ": is no picture, so --intrinsics, --fov, --depth-unit and --preset say "
@@ -190,7 +200,8 @@ Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& 
     for (const Format& format : formats)
         if (format.recognises(candidate)) return format.open(candidate);
     return input_error(file.string() +
-                       ": is not a Matroska file, nor a video, nor a picture of depth (PNG, PGM, TIFF, PFM, "
+                       ": is not a Matroska file, nor a video, nor a recording of ROS 1 (.bag), nor a "
+                       "picture of depth (PNG, PGM, TIFF, PFM, "
                        "EXR, NumPy), nor a "
                        "JPEG or HEIC with depth, nor a Depthkit video with " +
                        depthkit_metadata_name(file).string() + " beside it");
@@ -202,7 +213,10 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     if (!scene) return scene.error();
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
+    const auto video = path / (scene->video ? scene->video->depth : "");
+    const bool is_recording = scene->video && is_bag(first_bytes(video));
     auto reader = is_file        ? open_file(path, *scene, {})
+                  : is_recording ? open_file(video, *scene, {})
                   : scene->video ? open_video_clip(path, *scene)
                                  : open_image_folder(path, *scene);
     if (reader) (*reader)->add_input(scene_file);
@@ -227,10 +241,18 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
 
 }  // namespace
 
-bool is_video_file(const std::filesystem::path& file) {
+Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known) {
+    std::error_code failure;
+    const auto status = std::filesystem::status(path, failure);
+    if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
+    if (std::filesystem::is_directory(status)) return guess_folder(path, known);
+    if (!std::filesystem::is_regular_file(status))
+        return input_error(path.string() + ": is neither a file nor a folder");
     const std::optional<Scene> none;
-    const SourceDescription nothing;
-    return is_video({file, first_bytes(file), none, nothing});
+    const Candidate candidate{path, first_bytes(path), none, known};
+    return is_ros_recording(candidate) ? guess_bag(path, known)
+           : is_video(candidate)       ? guess_video(path, known)
+                                       : guess_picture(path, known);
 }
 
 std::vector<ClipFormat> clip_formats() {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/import/guessed_scene.hpp"
 #include "engine/import/source_description.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
@@ -19,16 +20,16 @@ struct ClipFormat {
 /// All of them, in the order in which they are tried.
 std::vector<ClipFormat> clip_formats();
 
-/// Whether `open_clip` takes a file for a video that is no clip of its own: of depth, to be guessed or
-/// described.
-bool is_video_file(const std::filesystem::path& file);
+/// The scene of what has no scene file of its own: a folder of pictures, a picture or video of depth, a
+/// recording.
+Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known);
 
 /// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file`, or a scene.json in
-/// it), a scene file that describes a folder (patterns relative to the scene file), a Depthkit video with its
-/// metadata beside it, any other video of depth, a JPEG with a depth map in its XMP, or a single picture of
-/// depth. With `scene_file` and a clip, the file's description replaces the clip's own. Folders, pictures and
-/// videos without any are described
-/// by what is `known` of them, and by guesses, which the reader's notes say.
+/// it), a scene file that describes a folder (patterns relative to the scene file), a recording of ROS 1, a
+/// Depthkit video with its metadata beside it, any other video of depth, a JPEG with a depth map in its XMP,
+/// or a single picture of depth. With `scene_file` and a clip, the file's description replaces the clip's
+/// own. Folders, pictures and videos without any are described by what is `known` of them, and by guesses,
+/// which the reader's notes say.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
                                               const std::optional<SourceDescription>& known = {});

@@ -209,15 +209,6 @@ Result<PictureFiles> listed_files(const fs::path& list) {
     return found;
 }
 
-/// The nearest of sorted keys.
-std::size_t nearest(const std::vector<double>& keys, double key) {
-    const auto after = std::lower_bound(keys.begin(), keys.end(), key);
-    if (after == keys.begin()) return 0;
-    if (after == keys.end()) return keys.size() - 1;
-    const auto n = static_cast<std::size_t>(after - keys.begin());
-    return keys[n] - key < key - keys[n - 1] ? n : n - 1;
-}
-
 /// Seconds of a key that is 1; nothing where keys only count.
 std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     const std::vector<double>& keys = pictures.keys;
@@ -248,6 +239,14 @@ bool keeps_to(const FrameRate& rate, const std::vector<std::int64_t>& times_ns) 
 }
 
 }  // namespace
+
+std::size_t nearest_key(const std::vector<double>& keys, double key) {
+    const auto after = std::lower_bound(keys.begin(), keys.end(), key);
+    if (after == keys.begin()) return 0;
+    if (after == keys.end()) return keys.size() - 1;
+    const auto n = static_cast<std::size_t>(after - keys.begin());
+    return keys[n] - key < key - keys[n - 1] ? n : n - 1;
+}
 
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
     return is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
@@ -297,7 +296,7 @@ Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const 
     beside.list = found->list;
     const bool by_key = !found->keys.empty() && !depth.keys.empty();
     for (std::size_t frame = 0; frame < depth.count(); ++frame)
-        beside.files.push_back(found->files[by_key ? nearest(found->keys, depth.keys[frame])
+        beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame])
                                                    : std::min(frame, found->count() - 1)]);
     if (!by_key && found->count() != depth.count())
         beside.remark = std::string(role_name(role)) + " has " + std::to_string(found->count()) +

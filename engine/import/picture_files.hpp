@@ -35,6 +35,9 @@ Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole
 /// The files of a star pattern or a list alone.
 Result<PictureFiles> found_files(const std::filesystem::path& folder, const std::string& pattern);
 
+/// The place of the nearest of sorted keys, of which there is one.
+std::size_t nearest_key(const std::vector<double>& keys, double key);
+
 /// When pictures with times as keys were taken: evenly, where all keep to the median step within 2 ms,
 /// otherwise at their own times. Nothing where keys are no times, or too few.
 std::optional<FrameRate> rate_of(const PictureFiles& pictures);

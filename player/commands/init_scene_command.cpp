@@ -7,8 +7,6 @@
 #include <memory>
 #include <optional>
 
-#include "engine/import/guessed_scene.hpp"
-#include "engine/import/guessed_video.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/new_file.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -41,14 +39,7 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (!known.ok()) return known.error();
     std::error_code ignored;
     const bool is_folder = std::filesystem::is_directory(options.pictures, ignored);
-    if (!std::filesystem::exists(options.pictures, ignored))
-        return input_error(options.pictures.string() + ": does not exist");
-    if (!is_folder && !std::filesystem::is_regular_file(options.pictures, ignored))
-        return input_error(options.pictures.string() + ": is neither a file nor a folder");
-    const SourceDescription description = known->value_or(SourceDescription());
-    const auto guessed = is_folder                         ? guess_folder(options.pictures, description)
-                         : is_video_file(options.pictures) ? guess_video(options.pictures, description)
-                                                           : guess_picture(options.pictures, description);
+    const auto guessed = guess_clip(options.pictures, known->value_or(SourceDescription()));
     if (!guessed.ok()) return guessed.error();
     std::filesystem::path beside = options.pictures;
     const std::filesystem::path target = options.out ? *options.out
@@ -70,10 +61,10 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
 
 void add_init_scene_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand(
-        "init-scene", "write the scene file of pictures or a video that have none, guesses marked");
+        "init-scene", "write the scene file of pictures, a video or a recording without one, guesses marked");
     auto options = std::make_shared<InitSceneOptions>();
     add_file_option(*sub, "PICTURES", options->pictures,
-                    "a folder of pictures, or a picture or video of depth")
+                    "a folder of pictures, a picture or video of depth, or a .bag")
         ->required();
     add_file_option(*sub, "--out", options->out,
                     "the file; otherwise scene.json in the folder, or beside the picture");

@@ -1,0 +1,246 @@
+#include "engine/import/bag_clip.hpp"
+
+#include <utility>
+
+#include "engine/import/bag_recording.hpp"
+#include "engine/import/depth_values.hpp"
+#include "engine/import/number_words.hpp"
+#include "engine/import/picture_files.hpp"
+#include "engine/import/presets.hpp"
+#include "engine/media/codecs.hpp"
+#include "engine/media/far_plane.hpp"
+#include "engine/media/plane_role.hpp"
+#include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace {
+
+class BagReader final : public ClipReader {
+public:
+    BagReader(BagRecording recording, const Scene& scene, std::vector<std::string> notes)
+        : recording_(std::move(recording)), scene_(scene), notes_(std::move(notes)), values_(scene) {}
+    Result<void> open();
+
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return infos_; }
+    std::optional<std::int64_t> frame_count() const override { return recording_.count(); }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override;
+    std::int64_t access_point(std::int64_t frame) const override { return frame; }
+    void leave_out_colour() override { with_colour_ = false; }
+
+private:
+    Result<Plane> depth(std::int64_t frame);
+    Result<Plane> colour(std::int64_t frame);
+    Result<void> look_at_all();
+    Result<void> find_far_plane();
+    void describe(PlaneRole role, const StoredImage& first);
+
+    BagRecording recording_;
+    Scene scene_;
+    std::vector<TrackInfo> infos_;  // depth is the first
+    std::vector<std::string> notes_;
+    std::int64_t number_ = 0;  // of the frame that `next` gives
+    bool with_colour_ = true;
+    DepthValues values_;
+};
+
+/// How frame 0 is stored stands for all.
+Result<void> BagReader::open() {
+    const auto first = recording_.depth(0);
+    if (!first) return first.error();
+    describe(PlaneRole::depth, *first);
+    if (values_.needs_all(*first))
+        if (auto looked = look_at_all(); !looked) return looked;
+    const auto plane = depth(0);
+    if (!plane) return plane.error();
+    RawFrame frame;
+    add_plane(frame, PlaneRole::depth, *plane);
+    if (auto note = no_depth_note(frame, scene_.depth)) notes_.push_back(std::move(*note));
+    if (recording_.has_colour()) {
+        const auto colour = recording_.colour(0);
+        if (!colour) return colour.error();
+        describe(PlaneRole::colour, *colour);
+    }
+    if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
+    return scene_.far_from_frames ? find_far_plane() : Result<void>{};
+}
+
+void BagReader::describe(PlaneRole role, const StoredImage& first) {
+    const Image& image = first.image;
+    infos_.push_back(
+        {std::string(role_name(role)), first.codec, first.pixel_format, image.width, image.height});
+    if (auto note = lossy_note(role, first.codec)) notes_.push_back(std::move(*note));
+    if (role != PlaneRole::depth && (image.width != scene_.width || image.height != scene_.height))
+        notes_.push_back(resampling_note(role, image.width, image.height, scene_));
+}
+
+/// Depth that is no codes yet: its range in all frames settles what they will be.
+Result<void> BagReader::look_at_all() {
+    for (std::int64_t frame = 0; frame < recording_.count(); ++frame) {
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
+        const auto stored = recording_.depth(frame);
+        if (!stored) return stored.error();
+        values_.look(*stored);
+    }
+    auto note = values_.settle(scene_);
+    if (!note) return input_error(recording_.bag().name() + ": " + note.error().message);
+    notes_.push_back(std::move(*note));
+    return {};
+}
+
+Result<void> BagReader::find_far_plane() {
+    FarPlaneSearch search(scene_.depth);
+    for (std::int64_t frame = 0; frame < recording_.count(); ++frame) {
+        const auto plane = depth(frame);
+        if (!plane) return plane.error();
+        if (auto added = search.add(plane->view); !added) return added;
+    }
+    auto note = search.settle(scene_);
+    if (!note) return input_error(recording_.bag().name() + ": " + note.error().message);
+    notes_.push_back(std::move(*note));
+    return {};
+}
+
+Result<Plane> BagReader::depth(std::int64_t frame) {
+    auto stored = recording_.depth(frame);
+    if (!stored) return stored.error();
+    const std::string where = recording_.where(recording_.streams().depth, frame);
+    if (stored->pixel_format != infos_.front().pixel_format)
+        return input_error(where + ": is " + stored->pixel_format + ", but frame 0 is " +
+                           infos_.front().pixel_format);
+    const bool makes_codes = values_.makes_codes();
+    const int bits = makes_codes ? 16 : stored->bits;
+    Image image = makes_codes ? values_.codes(std::move(*stored)) : std::move(stored->image);
+    return fit_plane(PlaneRole::depth, plane_from(std::move(image), bits), scene_, where);
+}
+
+Result<Plane> BagReader::colour(std::int64_t frame) {
+    auto stored = recording_.colour(frame);
+    if (!stored) return stored.error();
+    const std::string where = recording_.where(*recording_.streams().colour, frame);
+    if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
+    return fit_plane(PlaneRole::colour, plane_from(std::move(stored->image), stored->bits), scene_, where);
+}
+
+Result<void> BagReader::seek(std::int64_t frame) {
+    if (frame < 0 || frame > recording_.count())
+        return usage_error(recording_.bag().name() + ": has no frame " + std::to_string(frame) +
+                           ": must be from 0 to " + std::to_string(recording_.count() - 1));
+    number_ = frame;
+    return {};
+}
+
+Result<std::optional<RawFrame>> BagReader::next() {
+    if (number_ == recording_.count()) return std::optional<RawFrame>{};
+    RawFrame frame;
+    frame.number = number_;
+    frame.time_ns = scene_.rate.time_ns(number_);
+    auto plane = depth(number_);
+    if (!plane) return plane.error();
+    add_plane(frame, PlaneRole::depth, std::move(*plane));
+    if (with_colour_ && recording_.has_colour()) {
+        auto read = colour(number_);
+        if (!read) return read.error();
+        add_plane(frame, PlaneRole::colour, std::move(*read));
+    }
+    ++number_;
+    return std::optional(std::move(frame));
+}
+
+/// What a person says stands; the rest is what the recording says.
+Result<SourceDescription> completed(BagRecording& recording, SourceDescription known,
+                                    std::vector<std::string>& notes) {
+    const BagStreams& streams = recording.streams();
+    const Preset* const preset = preset_named(known.preset);
+    auto camera = bag_camera(recording.bag(), streams.depth.topic);
+    if (!camera) return camera.error();
+    if (!known.intrinsics && !known.fov && *camera && !(preset && preset->intrinsics.fx > 0)) {
+        known.intrinsics = (*camera)->intrinsics;
+        notes.push_back("the camera is that of " + printable((*camera)->topic));
+        if (!(*camera)->distortion.empty())
+            notes.push_back("the lens distorts depth (" + printable((*camera)->distortion_model) +
+                            "), which is not undone");
+    }
+    if (known.metres_per_code || !known.preset.empty()) return known;
+    const auto unit = bag_depth_unit(recording.bag(), streams.depth.topic);
+    if (!unit) return unit.error();
+    if (*unit) {
+        known.metres_per_code = *unit;
+        notes.push_back("a code is " + short_number(1000 * **unit) + " mm, as the camera's Depth Units say");
+    } else {  // as ROS defines its encodings
+        constexpr double millimetre = 0.001;
+        known.metres_per_code = streams.depth.kind == RosPictureKind::depth_floats ? 1 : millimetre;
+    }
+    return known;
+}
+
+void say_streams(const BagStreams& streams, std::vector<std::string>& notes) {
+    notes.push_back("depth is " + printable(streams.depth.topic) +
+                    (streams.colour ? ", colour is " + printable(streams.colour->topic)
+                                    : std::string(", there is no colour")));
+    for (const std::string& other : streams.others)
+        notes.push_back(printable(other) + " is depth as well, and is left out");
+}
+
+Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path& file,
+                           const SourceDescription& known) {
+    std::vector<std::string> notes;
+    say_streams(recording.streams(), notes);
+    const auto said = completed(recording, known, notes);
+    if (!said) return said.error();
+    const auto first = recording.depth(0);
+    if (!first) return first.error();
+    auto guessed = guess_scene(file.parent_path(), *first, *said);
+    if (!guessed) return Error{guessed.error().kind, file.string() + ": " + guessed.error().message};
+    Scene& scene = guessed->scene;
+    scene.name = file.stem().string();
+    scene.video.emplace().depth = file.filename().string();
+    const auto rate = rate_of(PictureFiles{{}, recording.times(), true, {}, {}});
+    if (rate) scene.rate = *rate;
+    notes.push_back((rate ? "" : "guessed: ") + short_number(scene.rate.per_second()) + " frames a second" +
+                    (scene.rate.own_times ? " on average, each at its own time"
+                     : rate               ? ", by their times"
+                                          : ""));
+    guessed->guesses.insert(guessed->guesses.begin(), notes.begin(), notes.end());
+    return guessed;
+}
+
+}  // namespace
+
+Result<GuessedScene> guess_bag(const std::filesystem::path& file, const SourceDescription& known) {
+    auto recording = BagRecording::open(file);
+    if (!recording) return recording.error();
+    return guess(*recording, file, known);
+}
+
+Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& file,
+                                                  const std::optional<Scene>& scene,
+                                                  const SourceDescription& known) {
+    auto recording = BagRecording::open(file);
+    if (!recording) return recording.error();
+    GuessedScene described;
+    if (scene) {
+        described.scene = *scene;
+        if (std::exchange(described.scene.rate_unstated, false))
+            described.scene.rate =
+                rate_of(PictureFiles{{}, recording->times(), true, {}, {}}).value_or(scene->rate);
+        say_streams(recording->streams(), described.guesses);
+    } else {
+        auto guessed = guess(*recording, file, known);
+        if (!guessed) return guessed.error();
+        described = std::move(*guessed);
+    }
+    auto reader =
+        std::make_unique<BagReader>(std::move(*recording), described.scene, std::move(described.guesses));
+    reader->add_input(file);
+    if (auto opened = reader->open(); !opened) return opened.error();
+    for (const auto& input : described.inputs) reader->add_input(input);
+    return std::unique_ptr<ClipReader>(std::move(reader));
+}
+
+}  // namespace touchable

@@ -1,0 +1,387 @@
+// Recordings of ROS 1: written by librosbag-storage (tests/import/bags), and by a writer of the tests' own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/import/bag_bytes.hpp"
+#include "tests/limited_memory.hpp"
+#include "tests/media/clip_fixture.hpp"
+#include "tests/real_data.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr const char* of_images = "sensor_msgs/Image";
+constexpr const char* of_cameras = "sensor_msgs/CameraInfo";
+
+std::filesystem::path kept_bag(const std::string& name) {
+    return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/import/bags" / name;
+}
+
+std::string all_notes(const ClipReader& reader) {
+    std::string all;
+    for (const std::string& note : reader.notes()) all += note + "\n";
+    return all;
+}
+void expect_note(const ClipReader& reader, const std::string& words) {
+    EXPECT_NE(all_notes(reader).find(words), std::string::npos) << words << " in\n" << all_notes(reader);
+}
+
+struct OpenedBag {
+    std::unique_ptr<ClipReader> reader;
+    std::vector<RawFrame> frames;
+};
+OpenedBag opened_bag(const std::filesystem::path& file,
+                     const std::optional<SourceDescription>& known = std::nullopt) {
+    auto reader = open_clip(file, std::nullopt, known);
+    EXPECT_EQ(message(reader), "");
+    if (!reader) return {};
+    auto frames = read_all(**reader);
+    EXPECT_EQ(message(frames), "");
+    return {std::move(*reader), frames ? std::move(*frames) : std::vector<RawFrame>{}};
+}
+
+/// Every pixel's point is where an unprojection written here has it, given its depth in metres.
+void expect_geometry(const Scene& scene, const PlaneView& depth, const Camera& camera, double tolerance,
+                     const std::function<double(int, int)>& metres) {
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) {
+            const double z = metres(x, y);
+            const std::uint16_t code = depth.sample(x, y);
+            ASSERT_EQ(scene.depth.is_valid(code), z > 0) << x << ", " << y;
+            if (!(z > 0)) continue;
+            const double length = scene.depth.depth(code);
+            const auto point = unproject(scene.camera, x, y, length) * scene.metres_per_unit;
+            ASSERT_NEAR(point.x, (x - camera.cx) / camera.fx * z, tolerance);
+            ASSERT_NEAR(point.y, -(y - camera.cy) / camera.fy * z, tolerance);
+            ASSERT_NEAR(point.z, -z, tolerance);
+        }
+}
+
+/// As write_bags.cpp makes them.
+int written_code(int n, int x, int y) {
+    return 500 + 10 * n + 3 * x + 40 * y;
+}
+void expect_written_colour(const PlaneView& colour, int n) {
+    for (int y = 0; y < 12; ++y)
+        for (int x = 0; x < 16; ++x) {
+            ASSERT_EQ(colour.sample(x, y, 0), 10 * n + x);
+            ASSERT_EQ(colour.sample(x, y, 1), 2 * y);
+            ASSERT_EQ(colour.sample(x, y, 2), 3 * x);
+        }
+}
+
+TEST(Bag, OfARealSenseByRosbagStorageIsAsItWasWritten) {
+    const auto [reader, frames] = opened_bag(kept_bag("realsense_lz4.bag"));
+    ASSERT_EQ(frames.size(), 3U);
+    const Scene& scene = reader->scene();
+    EXPECT_EQ(scene.rate.num, 15);
+    EXPECT_EQ(scene.depth.scale, 0.00025);
+    EXPECT_EQ(scene.metres_per_unit, 1);
+    for (int n = 0; n < 3; ++n) {
+        const RawFrame& frame = frames[static_cast<std::size_t>(n)];
+        expect_written_colour(frame.colour, n);
+        expect_geometry(scene, frame.depth, {20, 21, 7.75, 5.25}, 1e-7,
+                        [&](int x, int y) { return 0.00025 * written_code(n, x, y); });
+    }
+    expect_note(*reader, "the camera is that of /device_0/sensor_0/Depth_0/info/camera_info");
+    expect_note(*reader, "a code is 0.25 mm, as the camera's Depth Units say");
+    EXPECT_EQ(reader->inputs(), std::vector{kept_bag("realsense_lz4.bag")});
+}
+
+TEST(Bag, OfFloatsByRosbagStorageIsAsItWasWrittenWithinHalfACode) {
+    const auto [reader, frames] = opened_bag(kept_bag("tum_bz2.bag"));
+    ASSERT_EQ(frames.size(), 4U);
+    EXPECT_EQ(reader->scene().rate.num, 30);
+    expect_note(*reader, "half a code is 4.316e-06");
+    for (int n = 0; n < 4; ++n) {
+        const RawFrame& frame = frames[static_cast<std::size_t>(n)];
+        expect_written_colour(frame.colour, n);
+        expect_geometry(reader->scene(), frame.depth, {21, 22, 7.75, 5.25}, 4.4e-6,
+                        [&](int x, int y) { return 0.001 * written_code(n, x, y); });
+    }
+}
+
+TEST(Bag, DepthThatIsAlignedComesBeforeOtherDepth) {
+    const auto [reader, frames] = opened_bag(kept_bag("depth_plain.bag"));
+    ASSERT_EQ(frames.size(), 2U);
+    EXPECT_EQ(frames[1].depth.sample(3, 2), written_code(1, 3, 2));
+    EXPECT_TRUE(frames[0].colour.empty());
+    expect_note(*reader, "depth is /camera/aligned_depth_to_color/image_raw, there is no colour");
+    expect_note(*reader, "/camera/depth/image_rect_raw is depth as well, and is left out");
+    expect_note(*reader, "guessed: the camera sees 60 degrees");
+}
+
+TEST(Bag, WhatAPersonSaysStands) {
+    SourceDescription known;
+    known.intrinsics = Intrinsics{.fx = 33, .fy = 34};
+    known.metres_per_code = 0.002;
+    const auto [reader, frames] = opened_bag(kept_bag("realsense_lz4.bag"), known);
+    EXPECT_EQ(reader->scene().camera.fx, 33);
+    EXPECT_EQ(reader->scene().depth.scale, 0.002);
+}
+
+TEST(Bag, ItsGuessedSceneDescribesIt) {
+    const TemporaryFolder folder;
+    std::filesystem::copy_file(kept_bag("realsense_lz4.bag"), folder / "my.bag");
+    const auto guessed = guess_clip(folder / "my.bag", {});
+    ASSERT_EQ(message(guessed), "");
+    write_bytes(folder / "my.json", scene_to_json(guessed->scene, guessed->guesses));
+    const auto described = opened_bag(folder / "my.json"), itself = opened_bag(folder / "my.bag");
+    ASSERT_EQ(described.frames.size(), 3U);
+    for (std::size_t n = 0; n < 3; ++n) EXPECT_TRUE(same_frame(described.frames[n], itself.frames[n])) << n;
+    EXPECT_EQ(described.reader->scene().camera.fx, itself.reader->scene().camera.fx);
+    EXPECT_EQ(described.reader->inputs().size(), 2U);
+}
+
+/// A picture of 8 x 6, all of one pixel.
+ImageMessage even_picture(const std::string& encoding, const std::string& pixel, std::int64_t stamp_ns = 0) {
+    ImageMessage image{stamp_ns, 8, 6, encoding, false, static_cast<std::uint32_t>(8 * pixel.size()), {}};
+    for (int k = 0; k < 48; ++k) image.data += pixel;
+    return image;
+}
+std::string word(std::uint16_t value) {
+    std::string bytes;
+    put(bytes, value);
+    return bytes;
+}
+
+TEST(Bag, PixelsOfEveryEncodingAreRead) {
+    const TemporaryFolder folder;
+    const std::string rgb("\x0a\x14\x1e", 3);
+    const std::pair<const char*, std::string> colours[] = {
+        {"rgb8", rgb},           {"bgr8", "\x1e\x14\x0a"},      {"8UC3", "\x1e\x14\x0a"},
+        {"rgba8", rgb + "\x07"}, {"bgra8", "\x1e\x14\x0a\x07"},
+    };
+    const auto colour_of = [&](const ImageMessage& image) {
+        BagBytes bag;
+        bag.add("/d/depth", of_images, 1, even_picture("16UC1", word(700)).bytes());
+        bag.add("/d/rgb", of_images, 1, image.bytes());
+        write_bytes(folder / "x.bag", bag.file("none"));
+        const auto opened = opened_bag(folder / "x.bag");
+        EXPECT_EQ(opened.frames.at(0).depth.sample(7, 5), 700);
+        const PlaneView& colour = opened.frames.at(0).colour;
+        return std::array{int{colour.sample(7, 5, 0)}, int{colour.sample(7, 5, 1)},
+                          int{colour.sample(7, 5, 2)}};
+    };
+    for (const auto& [encoding, pixel] : colours)
+        EXPECT_EQ(colour_of(even_picture(encoding, pixel)), (std::array{10, 20, 30})) << encoding;
+    EXPECT_EQ(colour_of(even_picture("mono8", "\x0c")), (std::array{12, 12, 12}));
+    // U and V of a grey pixel are 128; luma of the usual range, 16 to 235.
+    const int grey = static_cast<int>(std::lround((100 - 16) * 255. / 219));
+    for (const auto& [encoding, pixel] : {std::pair{"yuv422", "\x80\x64"}, {"YUYV", "\x64\x80"}})
+        for (const int channel : colour_of(even_picture(encoding, pixel)))
+            EXPECT_NEAR(channel, grey, 1) << encoding;
+    ImageMessage padded = even_picture("rgb8", rgb);
+    padded.step = 30;
+    padded.data.clear();
+    for (int y = 0; y < 6; ++y) padded.data += even_picture("rgb8", rgb).data.substr(0, 24) + "......";
+    EXPECT_EQ(colour_of(padded), (std::array{10, 20, 30}));
+}
+
+TEST(Bag, DepthOfEveryEncodingIsRead) {
+    const TemporaryFolder folder;
+    Samples memory(2 * 8 * 6);
+    for (std::size_t k = 0; k < memory.size(); k += 2) memory[k] = 0xbc, memory[k + 1] = 2;  // 700
+    ASSERT_EQ(message(write_png(folder / "d.png", PlaneView{memory.data(), 16, 8, 6, 2, 1})), "");
+    const std::string png = read_bytes(folder / "d.png");
+    ImageMessage big = even_picture("mono16", "\x02\xbc");
+    big.is_big_endian = true;
+    std::string config;  // 1 / depth: depth = a / (code - b)
+    put(config, std::int32_t{1});
+    put(config, 350.F);
+    put(config, 0.F);
+    const std::tuple<const char*, const char*, std::string, double> kinds[] = {
+        {"/depth", of_images, big.bytes(), 0.7},
+        {"/depth/compressed", "sensor_msgs/CompressedImage", compressed_message(0, "png", png), 0.7},
+        {"/depth/compressedDepth", "sensor_msgs/CompressedImage",
+         compressed_message(0, "16UC1; compressedDepth", std::string(12, '\0') + png), 0.7},
+        {"/depth/compressedDepth", "sensor_msgs/CompressedImage",
+         compressed_message(0, "32FC1; compressedDepth png", config + png), 0.5},
+    };
+    for (const auto& [topic, type, bytes, metres] : kinds) {
+        BagBytes bag;
+        bag.add(topic, type, 1, bytes);
+        write_bytes(folder / "x.bag", bag.file("lz4"));
+        const auto opened = opened_bag(folder / "x.bag");
+        ASSERT_EQ(opened.frames.size(), 1U);
+        const Scene& scene = opened.reader->scene();
+        EXPECT_NEAR(scene.depth.depth(opened.frames[0].depth.sample(7, 5)), metres, 1e-6) << bytes.size();
+    }
+}
+
+TEST(Bag, PicturesComeInTheOrderOfTheirStampsWithTheNearestColour) {
+    const TemporaryFolder folder;
+    constexpr std::int64_t second = 1'000'000'000, ms = 1'000'000;
+    const auto written = [&](std::int64_t colours_clock) {
+        BagBytes bag;
+        const std::int64_t start = 1600 * second;
+        // Recorded in another order than taken.
+        for (const int n : {1, 0, 2})
+            bag.add("/d/depth", of_images, start + (3 - n) * 40 * ms,
+                    even_picture("16UC1", word(static_cast<std::uint16_t>(700 + n)), start + n * 40 * ms)
+                        .bytes());
+        for (const int n : {0, 1, 2})
+            bag.add("/d/rgb", of_images, start + (n + 1) * 40 * ms,
+                    even_picture("mono8", std::string(1, static_cast<char>('a' + n)),
+                                 colours_clock + start + n * 25 * ms)
+                        .bytes());
+        write_bytes(folder / "x.bag", bag.file("bz2", 2));
+        return opened_bag(folder / "x.bag");
+    };
+    const auto stamped = written(0);
+    EXPECT_EQ(stamped.reader->scene().rate.num, 25);
+    const int colours[] = {'a', 'c', 'c'};  // at 0, 40 and 80 ms, of 0, 25 and 50
+    for (std::size_t n = 0; n < 3; ++n) {
+        EXPECT_EQ(stamped.frames.at(n).depth.sample(0, 0), 700 + n);
+        EXPECT_EQ(stamped.frames.at(n).colour.sample(0, 0), colours[n]);
+    }
+    // Clocks that have nothing to do with each other: then when they were recorded.
+    const auto recorded = written(5000 * second);
+    const int depths[] = {702, 701, 700};
+    for (std::size_t n = 0; n < 3; ++n) {
+        EXPECT_EQ(recorded.frames.at(n).depth.sample(0, 0), depths[n]);
+        EXPECT_EQ(recorded.frames.at(n).colour.sample(0, 0), 'a' + n);
+    }
+}
+
+/// The castle, which was recorded by an SR300.
+TEST(Bag, OfRealPicturesIsTheSamePictures) {
+    const auto castle = real_data("castel_sr300");
+    TOUCHABLE_NEEDS_DATA(castle);
+    constexpr int count = 4;
+    const TemporaryFolder folder;
+    const std::string sensor = "/device_0/sensor_0/", depth = sensor + "Depth_0/";
+    BagBytes bag;
+    std::string unit;
+    put(unit, 0.000124986647F);
+    bag.add(sensor + "option/Depth Units/value", "std_msgs/Float32", 1, unit);
+    bag.add(depth + "info/camera_info", of_cameras, 1,
+            camera_message(640, 480, {476.054, 476.053, 311.485, 246.283}));
+    std::vector<Image> depths, greys;
+    for (int n = 0; n < count; ++n) {
+        const std::int64_t stamp = 1'600'000'000'000'000'000 + n * 33'366'667LL;
+        const std::string number = "_000" + std::to_string(n) + ".png";
+        depths.push_back(*read_image(castle / ("depth" + number)));
+        greys.push_back(*read_image(castle / ("image" + number)));
+        const auto as_text = [](const Image& image) {
+            return std::string(image.samples.begin(), image.samples.end());
+        };
+        const ImageMessage z{stamp, 640, 480, "mono16", false, 1280, as_text(depths.back())};
+        const ImageMessage grey{stamp, 640, 480, "8UC1", false, 640, as_text(greys.back())};
+        bag.add(depth + "image/data", of_images, n, z.bytes());
+        bag.add("/device_0/sensor_1/Color_0/image/data", of_images, n, grey.bytes());
+    }
+    write_bytes(folder / "castle.bag", bag.file("lz4", 3));
+    const auto [reader, frames] = opened_bag(folder / "castle.bag");
+    ASSERT_EQ(frames.size(), std::size_t{count});
+    EXPECT_EQ(reader->scene().rate.num, 30);
+    for (std::size_t n = 0; n < count; ++n) {
+        EXPECT_TRUE(same_plane(frames[n].depth, depths[n].view())) << n;
+        EXPECT_EQ(frames[n].colour.sample(100, 200, 1), greys[n].view().sample(100, 200)) << n;
+    }
+    expect_geometry(reader->scene(), frames[2].depth, {476.054, 476.053, 311.485, 246.283}, 1e-6,
+                    [&](int x, int y) { return 0.000124986647 * depths[2].view().sample(x, y); });
+    ASSERT_EQ(message(reader->seek(3)), "");
+    const auto last = reader->next();
+    ASSERT_EQ(message(last), "");
+    EXPECT_TRUE(same_frame(**last, frames[3]));
+}
+
+std::string refusal_of(const std::filesystem::path& file, const std::string& bytes) {
+    write_bytes(file, bytes);
+    return message(open_clip(file));
+}
+
+TEST(Bag, SaysWhatIsWrong) {
+    const TemporaryFolder folder;
+    const auto file = folder / "x.bag";
+    BagBytes bag;
+    bag.add("/ir/image", of_images, 1, even_picture("mono16", word(7)).bytes());
+    bag.add("/imu", "sensor_msgs/Imu", 1, "nothing");
+    const std::string whole = bag.file("none");
+    EXPECT_NE(refusal_of(file, whole).find("has no topic of depth (there are /ir/image of mono16)"),
+              std::string::npos)
+        << refusal_of(file, whole);
+    std::string other = whole;
+    other[9] = '1';
+    EXPECT_NE(refusal_of(file, other).find("must be of version 2.0"), std::string::npos);
+    other = whole;
+    const auto index = other.find("index_pos=");
+    std::fill_n(other.begin() + static_cast<std::ptrdiff_t>(index) + 10, 8, '\0');
+    EXPECT_NE(refusal_of(file, other).find("has no index"), std::string::npos);
+    BagBytes unknown;
+    unknown.add("/depth", of_images, 1, even_picture("bayer_rggb8", "x").bytes());
+    EXPECT_NE(refusal_of(file, unknown.file("none")).find("/depth of bayer_rggb8"), std::string::npos);
+    BagBytes cut;
+    ImageMessage picture = even_picture("16UC1", word(7));
+    picture.data.pop_back();
+    cut.add("/depth", of_images, 1, picture.bytes());
+    EXPECT_NE(refusal_of(file, cut.file("none")).find("/depth, frame 0: is damaged: has 95 bytes"),
+              std::string::npos);
+    SourceDescription known;
+    known.preset = "nothing";
+    EXPECT_NE(message(open_clip(kept_bag("tum_bz2.bag"), std::nullopt, known)).find("--preset nothing"),
+              std::string::npos);
+}
+
+/// An error on one line, or frames.
+bool survives(const std::filesystem::path& file) {
+    auto reader = open_clip(file);
+    const auto frames = reader ? read_all(**reader) : Result<std::vector<RawFrame>>(reader.error());
+    if (frames) return true;
+    EXPECT_EQ(frames.error().message.find('\n'), std::string::npos) << frames.error().message;
+    EXPECT_NE(frames.error().message.find("x.bag"), std::string::npos) << frames.error().message;
+    return false;
+}
+
+TEST(Bag, CutAnywhereIsRefused) {
+    const TemporaryFolder folder;
+    const LimitedMemory limit(512);
+    for (const char* name : {"realsense_lz4.bag", "depth_plain.bag"}) {
+        const std::string whole = read_bytes(kept_bag(name));
+        write_bytes(folder / "x.bag", whole);
+        ASSERT_TRUE(survives(folder / "x.bag"));
+        for (std::size_t length = whole.size(); length-- > 0;) {
+            std::filesystem::resize_file(folder / "x.bag", length);
+            ASSERT_FALSE(survives(folder / "x.bag")) << length;
+        }
+    }
+}
+
+TEST(Bag, ChangedBytesAreSurvived) {
+    const TemporaryFolder folder;
+    const LimitedMemory limit(512);
+    Numbers numbers(5);
+    int read = 0, all = 0;
+    for (const char* name : {"realsense_lz4.bag", "depth_plain.bag", "tum_bz2.bag"}) {
+        const std::string whole = read_bytes(kept_bag(name));
+        write_bytes(folder / "x.bag", whole);
+        std::fstream file(folder / "x.bag", std::ios::in | std::ios::out | std::ios::binary);
+        for (int trial = 0; trial < 700; ++trial, ++all) {
+            std::vector<std::size_t> places;
+            for (int k = numbers.below(4); k >= 0; --k) {
+                auto at = static_cast<std::size_t>(numbers.below(static_cast<int>(whole.size())));
+                if (at > 300 && at < 4100) at = whole.size() - 1 - at % 2000;  // blanks
+                places.push_back(at);
+                file.seekp(static_cast<std::streamoff>(at));
+                file.put(static_cast<char>(trial % 3 == 0 ? 255 : numbers.below(256)));
+            }
+            file.flush();
+            read += survives(folder / "x.bag") ? 1 : 0;
+            for (const std::size_t at : places) {
+                file.seekp(static_cast<std::streamoff>(at));
+                file.put(whole[at]);
+            }
+        }
+    }
+    EXPECT_GT(read, 0);
+    EXPECT_LT(read, all);
+}
+
+}  // namespace
+}  // namespace touchable::test
