@@ -4,6 +4,7 @@
 
 #include "engine/import/bag_recording.hpp"
 #include "engine/import/depth_values.hpp"
+#include "engine/import/known_camera.hpp"
 #include "engine/import/number_words.hpp"
 #include "engine/import/picture_files.hpp"
 #include "engine/import/presets.hpp"
@@ -162,9 +163,6 @@ Result<SourceDescription> completed(BagRecording& recording, SourceDescription k
     if (!known.intrinsics && !known.fov && *camera && !(preset && preset->intrinsics.fx > 0)) {
         known.intrinsics = (*camera)->intrinsics;
         notes.push_back("the camera is that of " + printable((*camera)->topic));
-        if (!(*camera)->distortion.empty())
-            notes.push_back("the lens distorts depth (" + printable((*camera)->distortion_model) +
-                            "), which is not undone");
     }
     if (known.metres_per_code || !known.preset.empty()) return known;
     const auto unit = bag_depth_unit(recording.bag(), streams.depth.topic);
@@ -177,6 +175,44 @@ Result<SourceDescription> completed(BagRecording& recording, SourceDescription k
         known.metres_per_code = streams.depth.kind == RosPictureKind::depth_floats ? 1 : millimetre;
     }
     return known;
+}
+
+/// How the lens of depth bends, and where colour's camera stands, as far as the recording says it.
+Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<std::string>& notes) {
+    const BagStreams& streams = recording.streams();
+    const auto depth = bag_camera(recording.bag(), streams.depth.topic);
+    if (!depth) return depth.error();
+    if (*depth) {
+        scene.lens = (*depth)->lens;
+        if (!(*depth)->unknown_lens.empty())
+            notes.push_back("the lens of depth bends (" + printable((*depth)->unknown_lens) +
+                            "), which is not undone");
+    }
+    if (!streams.colour || is_registered_topic(streams.depth.topic)) return {};
+    const auto colour = bag_camera(recording.bag(), streams.colour->topic);
+    if (!colour) return colour.error();
+    if (!*depth || !*colour) return {};
+    const auto depth_pose = bag_pose(recording.bag(), streams.depth.topic),
+               colour_pose = bag_pose(recording.bag(), streams.colour->topic);
+    if (!depth_pose) return depth_pose.error();
+    if (!colour_pose) return colour_pose.error();
+    if (!*depth_pose || !*colour_pose) {
+        const bool same_frame = !(*depth)->frame.empty() && (*depth)->frame == (*colour)->frame;
+        if (!same_frame && !((*depth)->intrinsics == (*colour)->intrinsics))
+            notes.push_back(
+                "colour is not brought onto depth's pixels, as the recording does not say how its "
+                "cameras stand (a scene file's colour_camera says it)");
+        return {};
+    }
+    const auto first = recording.colour(0);
+    if (!first) return first.error();
+    ColourCamera& camera = scene.colour_camera.emplace();
+    camera.width = first->image.width;
+    camera.height = first->image.height;
+    camera.camera = scaled_camera((*colour)->intrinsics, camera.width, camera.height);
+    camera.lens = (*colour)->lens;
+    camera.from_depth = (*colour_pose)->after((*depth_pose)->inverse());
+    return {};
 }
 
 void say_streams(const BagStreams& streams, std::vector<std::string>& notes) {
@@ -200,6 +236,9 @@ Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path&
     Scene& scene = guessed->scene;
     scene.name = file.stem().string();
     scene.video.emplace().depth = file.filename().string();
+    if (auto added = add_cameras(recording, scene, notes); !added) return added.error();
+    if (auto valid = validate(scene); !valid)
+        return input_error(file.string() + ": its cameras are damaged: " + valid.error().message);
     const auto rate = rate_of(PictureFiles{{}, recording.times(), true, {}, {}});
     if (rate) scene.rate = *rate;
     notes.push_back((rate ? "" : "guessed: ") + short_number(scene.rate.per_second()) + " frames a second" +

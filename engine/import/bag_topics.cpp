@@ -21,6 +21,7 @@ struct KnownType {
 constexpr KnownType image_type{"sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743"};
 constexpr KnownType compressed_type{"sensor_msgs/CompressedImage", "8f7a12909da2c9d3332d540a0977563f"};
 constexpr KnownType camera_type{"sensor_msgs/CameraInfo", "c9a58c1b0b154e0e6da7578cb991d214"};
+constexpr KnownType transform_type{"geometry_msgs/Transform", "ac9eff44abf714214112b05d54a3cf9b"};
 constexpr KnownType float_type{"std_msgs/Float32", "73fcbf46b49191e672908e50842a83d4"};
 
 constexpr std::size_t most_topics = 200;  // of pictures, of which the first is looked at
@@ -100,7 +101,7 @@ int depth_mark(const BagPictures& pictures) {
     if (has_word(name, {"infra", "/ir", "confidence", "fisheye", "thermal", "dispar"})) return 0;
     const bool is_named = has_word(name, {"depth"});
     if (!is_named && pictures.encoding != "16UC1" && pictures.encoding != "32FC1") return 0;
-    return 1 + (is_named ? 16 : 0) + (has_word(name, {"aligned", "registered"}) ? 8 : 0) +
+    return 1 + (is_named ? 16 : 0) + (is_registered_topic(name) ? 8 : 0) +
            (has_word(name, {"rect"}) ? 4 : 0) + (pictures.is_compressed ? 0 : 2);
 }
 
@@ -128,17 +129,44 @@ std::string found_there(const std::vector<BagPictures>& topics) {
     return words.empty() ? "no pictures" : words + (topics.size() > 4 ? ", ..." : "");
 }
 
-/// Where the CameraInfo of pictures may be, the likeliest first.
-std::vector<std::string> camera_topics(std::string pictures) {
+/// Of the kinds whose terms are those of LensDistortion.
+void find_lens(const RosCameraInfo& info, BagCamera& camera) {
+    const auto& terms = info.distortion;
+    if (std::all_of(terms.begin(), terms.end(), [](double term) { return term == 0; })) return;
+    constexpr std::string_view known[] = {"plumb_bob", "rational_polynomial", "Brown Conrady",
+                                          "brown_conrady"};
+    const bool is_known =
+        std::find(std::begin(known), std::end(known), info.distortion_model) != std::end(known) &&
+        terms.size() <= camera.lens.terms.size() &&
+        std::all_of(terms.begin(), terms.end(), [](double term) { return std::isfinite(term); });
+    if (is_known)
+        std::copy(terms.begin(), terms.end(), camera.lens.terms.begin());
+    else
+        camera.unknown_lens = info.distortion_model;
+}
+
+/// Without what ROS adds for the way in which pictures are packed.
+std::string without_transport(std::string pictures) {
     for (const std::string transport : {"/compressedDepth", "/compressed"})
         if (pictures.ends_with(transport)) pictures.resize(pictures.size() - transport.size());
+    return pictures;
+}
+
+/// Of /device_0/sensor_0/Depth_0/image/data what is before /image/data; empty for others.
+std::string realsense_stream(const std::string& pictures) {
+    constexpr std::string_view end = "/image/data";
+    return pictures.ends_with(end) ? pictures.substr(0, pictures.size() - end.size()) : "";
+}
+
+/// Where the CameraInfo of pictures may be, the likeliest first.
+std::vector<std::string> camera_topics(const std::string& pictures) {
     std::vector<std::string> topics;
-    constexpr std::string_view of_realsense = "/image/data";
-    if (pictures.ends_with(of_realsense))
-        topics.push_back(pictures.substr(0, pictures.size() - of_realsense.size()) + "/info/camera_info");
-    const auto slash = pictures.rfind('/');
-    if (slash != std::string::npos) topics.push_back(pictures.substr(0, slash) + "/camera_info");
-    topics.push_back(pictures + "/camera_info");
+    if (const std::string stream = realsense_stream(pictures); !stream.empty())
+        topics.push_back(stream + "/info/camera_info");
+    const std::string plain = without_transport(pictures);
+    if (const auto slash = plain.rfind('/'); slash != std::string::npos)
+        topics.push_back(plain.substr(0, slash) + "/camera_info");
+    topics.push_back(plain + "/camera_info");
     return topics;
 }
 
@@ -195,13 +223,34 @@ Result<std::optional<BagCamera>> bag_camera(BagFile& bag, const std::string& pic
         *camera.intrinsics.cy -= region.y;
         camera.topic = topic;
         camera.frame = info->header.frame;
-        camera.distortion_model = info->distortion_model;
-        const bool is_distorted = std::any_of(info->distortion.begin(), info->distortion.end(),
-                                              [](double term) { return term != 0; });
-        if (is_distorted && !is_rectified) camera.distortion = info->distortion;
+        if (!is_rectified) find_lens(*info, camera);
         return std::optional(std::move(camera));
     }
     return std::optional<BagCamera>();
+}
+
+Result<std::optional<CameraPose>> bag_pose(BagFile& bag, const std::string& pictures) {
+    const std::string stream = realsense_stream(pictures);
+    if (stream.empty()) return std::optional<CameraPose>();
+    const auto bytes = first_message(bag, stream + "/tf/0", transform_type);
+    if (!bytes) return bytes.error();
+    if (!*bytes) return std::optional<CameraPose>();
+    const auto transform = parse_ros_transform(**bytes);
+    if (!transform) return input_error(bag.name() + ": is damaged: " + printable(stream) + "/tf/0 is cut");
+    auto [x, y, z, w] = transform->rotation;
+    const double length = std::sqrt(x * x + y * y + z * z + w * w);
+    if (!(length > 0.5 && length < 2)) return std::optional<CameraPose>();  // nobody measured it
+    for (double* term : {&x, &y, &z, &w}) *term /= length;
+    CameraPose pose;
+    pose.translation = transform->translation;
+    pose.rotation = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+                     2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                     2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+    return std::optional(pose);
+}
+
+bool is_registered_topic(const std::string& pictures) {
+    return has_word(pictures, {"aligned", "registered"});
 }
 
 /// Of the sensor that the pictures are of: /device_0/sensor_0/option/Depth Units/value.

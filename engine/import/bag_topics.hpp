@@ -9,6 +9,8 @@
 #include "engine/import/ros_picture.hpp"
 #include "engine/import/source_description.hpp"
 #include "engine/result.hpp"
+#include "engine/scene/colour_camera.hpp"
+#include "engine/scene/lens.hpp"
 
 namespace touchable {
 
@@ -37,12 +39,20 @@ Result<BagStreams> choose_bag_streams(BagFile& bag);
 /// none. Of pictures that are rectified, the camera that they are rectified to.
 struct BagCamera {
     Intrinsics intrinsics;
-    std::string topic;               ///< of the CameraInfo
-    std::string frame;               ///< of coordinates, as header.frame_id names it
-    std::vector<double> distortion;  ///< none of a picture that is rectified, and where all are 0
-    std::string distortion_model;
+    std::string topic;  ///< of the CameraInfo
+    std::string frame;  ///< of coordinates, as header.frame_id names it
+    /// None of a picture that is rectified, and of a kind that is not known.
+    LensDistortion lens;
+    std::string unknown_lens;  ///< what such a kind is called
 };
 Result<std::optional<BagCamera>> bag_camera(BagFile& bag, const std::string& pictures);
+
+/// How the camera of a RealSense's pictures stands: from the recording's reference, metres; nothing where it
+/// does not say.
+Result<std::optional<CameraPose>> bag_pose(BagFile& bag, const std::string& pictures);
+
+/// Whether a topic's name says that its depth has colour's pixels.
+bool is_registered_topic(const std::string& pictures);
 
 /// Metres that a stored 1 stands for, where a RealSense says it.
 Result<std::optional<double>> bag_depth_unit(BagFile& bag, const std::string& pictures);

@@ -16,6 +16,8 @@
 #include "engine/import/heic_image.hpp"
 #include "engine/import/image_folder.hpp"
 #include "engine/import/jpeg_depth.hpp"
+#include "engine/import/k4a_clip.hpp"
+#include "engine/import/pinhole_frames.hpp"
 #include "engine/import/video_clip.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/demuxer.hpp"
@@ -82,19 +84,8 @@ bool is_video(const Candidate& candidate) {
            !is_depthkit(candidate);
 }
 
-/// A scene stands for what is in it, also where it speaks of another file.
-Opened open_video(const Candidate& candidate) {
-    const auto folder = candidate.file.parent_path();
-    if (!candidate.scene) {
-        auto guessed = guess_video(candidate.file, candidate.known);
-        if (!guessed) return guessed.error();
-        return open_video_clip(folder, guessed->scene, std::move(guessed->guesses));
-    }
-    Scene scene = *candidate.scene;
-    scene.folder.reset();
-    if (!scene.video) scene.video.emplace().values = usual_values(scene.depth.kind);
-    scene.video->depth = candidate.file.filename().string();
-    return open_video_clip(folder, scene);
+bool is_azure_kinect(const Candidate& candidate) {
+    return candidate.begin.starts_with("\x1a\x45\xdf\xa3") && is_k4a_recording(candidate.file);
 }
 
 /// What was read to guess is not to be written over.
@@ -102,6 +93,24 @@ Opened with_inputs(Opened reader, const std::vector<std::filesystem::path>& inpu
     if (reader)
         for (const auto& input : inputs) (*reader)->add_input(input);
     return reader;
+}
+
+/// A scene stands for what is in it, also where it speaks of another file.
+Opened open_video(const Candidate& candidate) {
+    const auto folder = candidate.file.parent_path();
+    if (!candidate.scene) {
+        auto guessed = is_azure_kinect(candidate) ? guess_k4a(candidate.file, candidate.known)
+                                                  : guess_video(candidate.file, candidate.known);
+        if (!guessed) return guessed.error();
+        return with_inputs(open_video_clip(folder, guessed->scene, std::move(guessed->guesses)),
+                           guessed->inputs);
+    }
+    Scene scene = *candidate.scene;
+    scene.folder.reset();
+    if (!scene.video) scene.video.emplace().values = usual_values(scene.depth.kind);
+    scene.video->depth = candidate.file.filename().string();
+    if (is_azure_kinect(candidate) && scene.colour_camera) scene.video->colour = scene.video->depth;
+    return open_video_clip(folder, scene);
 }
 
 /// What `init-scene` and `convert` write beside a picture.
@@ -167,6 +176,10 @@ constexpr Format formats[] = {
     {is_depthkit,
      [](const Candidate& c) { return open_depthkit_clip(c.file, *depthkit_metadata_of(c.file), c.scene); },
      {"a Depthkit video with its metadata beside it", "touchable play Take.mp4"}},
+    {is_azure_kinect,
+     open_video,
+     {"a recording of an Azure Kinect or an Orbbec Femto (Matroska, calibration.json attached)",
+      "touchable play recording.mkv"}},
     {is_video,
      open_video,
      {"a video of depth, alone or beside its colour: grey, or hue as of Record3D (.mp4, .mov, .webm, .mkv, "
@@ -239,35 +252,9 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
                        guessed->inputs);
 }
 
-}  // namespace
-
-Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known) {
-    std::error_code failure;
-    const auto status = std::filesystem::status(path, failure);
-    if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
-    if (std::filesystem::is_directory(status)) return guess_folder(path, known);
-    if (!std::filesystem::is_regular_file(status))
-        return input_error(path.string() + ": is neither a file nor a folder");
-    const std::optional<Scene> none;
-    const Candidate candidate{path, first_bytes(path), none, known};
-    return is_ros_recording(candidate) ? guess_bag(path, known)
-           : is_video(candidate)       ? guess_video(path, known)
-                                       : guess_picture(path, known);
-}
-
-std::vector<ClipFormat> clip_formats() {
-    std::vector<ClipFormat> said;
-    for (const Format& format : formats) said.push_back(format.said);
-    said.push_back({"a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...)",
-                    "touchable play FOLDER"});
-    said.push_back({"a folder, a picture, a video or two with a scene file (docs/scene_file.md)",
-                    "touchable play FOLDER --scene scene.json"});
-    return said;
-}
-
-Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
-                                              const std::optional<std::filesystem::path>& scene_file,
-                                              const std::optional<SourceDescription>& known) {
+/// With the pixels of depth and colour as they are stored.
+Opened open_stored(const std::filesystem::path& path, const std::optional<std::filesystem::path>& scene_file,
+                   const std::optional<SourceDescription>& known) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
@@ -290,6 +277,40 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                             : open_file(path, std::nullopt, known.value_or(SourceDescription()));
     if (known && !known->file.empty()) return with_inputs(std::move(reader), {known->file});
     return reader;
+}
+
+}  // namespace
+
+Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known) {
+    std::error_code failure;
+    const auto status = std::filesystem::status(path, failure);
+    if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
+    if (std::filesystem::is_directory(status)) return guess_folder(path, known);
+    if (!std::filesystem::is_regular_file(status))
+        return input_error(path.string() + ": is neither a file nor a folder");
+    const std::optional<Scene> none;
+    const Candidate candidate{path, first_bytes(path), none, known};
+    return is_ros_recording(candidate)  ? guess_bag(path, known)
+           : is_azure_kinect(candidate) ? guess_k4a(path, known)
+           : is_video(candidate)        ? guess_video(path, known)
+                                        : guess_picture(path, known);
+}
+
+std::vector<ClipFormat> clip_formats() {
+    std::vector<ClipFormat> said;
+    for (const Format& format : formats) said.push_back(format.said);
+    said.push_back({"a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...)",
+                    "touchable play FOLDER"});
+    said.push_back({"a folder, a picture, a video or two with a scene file (docs/scene_file.md)",
+                    "touchable play FOLDER --scene scene.json"});
+    return said;
+}
+
+Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
+                                              const std::optional<std::filesystem::path>& scene_file,
+                                              const std::optional<SourceDescription>& known) {
+    auto reader = open_stored(path, scene_file, known);
+    return reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader);
 }
 
 }  // namespace touchable

@@ -52,6 +52,7 @@ private:
     std::vector<std::string> notes_;
     std::unique_ptr<VideoFile> depth_, colour_;  // colour_: where it is a file of its own
     RgbConverter depth_converter_, colour_converter_;
+    double colour_late_ = 0;  // seconds from colour's first frame to depth's, where one file has both
     bool with_colour_ = true;
     std::int64_t number_ = 0;            // of the frame that `next` gives
     std::int64_t colour_number_ = 0;     // of the colour file, that it gives next
@@ -88,6 +89,7 @@ Result<void> VideoReader::open_files() {
     auto colour = open(source_.colour, PlaneRole::colour);
     if (!colour) return colour.error();
     colour_ = std::move(*colour);
+    if (source_.colour == source_.depth) colour_late_ = depth_->start() - colour_->start();
     if (colour_->note()) notes_.push_back(*colour_->note());
     if (!clip_tags::same_rate(colour_->rate(), depth_->rate()) || colour_->count() != depth_->count())
         notes_.push_back("colour has " + std::to_string(colour_->count()) + " frames at " +
@@ -192,7 +194,7 @@ Result<Plane> VideoReader::depth_of(VideoPicture& picture, std::int64_t frame) c
 
 /// Of the colour file, what is nearest to a depth frame in time.
 Result<Plane> VideoReader::colour_beside(std::int64_t frame) {
-    const std::int64_t wanted = colour_->nearest(depth_->seconds(frame));
+    const std::int64_t wanted = colour_->nearest(depth_->seconds(frame) + colour_late_);
     if (colour_plane_ && colour_number_ == wanted + 1) return *colour_plane_;
     if (auto there = colour_->seek(wanted); !there) return there.error();
     colour_number_ = wanted;

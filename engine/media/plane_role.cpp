@@ -210,18 +210,25 @@ Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::st
     if (auto checked = check_plane(role, plane.view, scene, where); !checked) return checked.error();
     if (auto checked = check_bits(role, plane.bits, scene, where); !checked) return checked.error();
     const PlaneView& view = plane.view;
-    const bool same_size = view.width == scene.width && view.height == scene.height;
+    const bool own_camera = role == PlaneRole::colour && scene.colour_camera;
+    const int width = own_camera ? scene.colour_camera->width : scene.width,
+              height = own_camera ? scene.colour_camera->height : scene.height;
+    const bool same_size = view.width == width && view.height == height;
+    if (own_camera && !same_size)
+        return input_error(std::string(where) + ": is " + size_text(view.width, view.height) +
+                           ", but the scene's colour_camera is " + size_text(width, height));
     if (role == PlaneRole::depth && !same_size)
         return input_error(std::string(where) + ": is " + size_text(view.width, view.height) +
                            ", but the scene is " + size_text(scene.width, scene.height));
-    if (role == PlaneRole::colour && view.channels == 1)
-        return grey_as_rgb(view, plane.bits, scene.width, scene.height);
+    if (role == PlaneRole::colour && view.channels == 1) return grey_as_rgb(view, plane.bits, width, height);
     if (role == PlaneRole::haptic && view.channels == 1)
         return grey_as_stiffness(view, plane.bits, scene.width, scene.height);
     return same_size ? std::move(plane) : resampled(view, scene.width, scene.height);
 }
 
 std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene) {
+    if (role == PlaneRole::colour && scene.colour_camera)
+        return "colour is " + size_text(width, height) + ", by a camera of its own";
     return std::string(role_name(role)) + " is " + size_text(width, height) +
            ": resampled to the nearest pixel of depth's " + size_text(scene.width, scene.height);
 }

@@ -42,8 +42,9 @@ Plane plane_from(Image image, int bits = 0);
 Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where);
 
 /// A checked plane of the scene's size: grey colour becomes RGB, grey haptic stiffness (take_grey_haptic),
-/// and planes other than depth are resampled to the nearest sample; a depth plane of another size is refused,
-/// and one whose samples have too few bits for the codes that the scene speaks of.
+/// and planes other than depth are resampled to the nearest sample (but colour of a colour_camera, which has
+/// to be of that camera's size); a depth plane of another size is refused, and one whose samples have too few
+/// bits for the codes that the scene speaks of.
 Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where);
 
 /// What a person should know about a plane that `fit_plane` resamples.

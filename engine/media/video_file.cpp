@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "engine/media/clip_tags.hpp"
@@ -29,6 +30,15 @@ bool keeps_to(const std::vector<std::int64_t>& times, AVRational tick, AVRationa
         if (!(std::fabs(late) <= 1.001)) return false;
     }
     return true;
+}
+
+/// As cameras call the tracks of their recordings.
+bool is_named(const AVStream& stream, PlaneRole role) {
+    const AVDictionaryEntry* const title = av_dict_get(stream.metadata, "title", nullptr, 0);
+    const std::string_view name = role == PlaneRole::depth    ? "DEPTH"
+                                  : role == PlaneRole::colour ? "COLOR"
+                                                              : "";
+    return title != nullptr && !name.empty() && name == title->value;
 }
 
 /// After the first.
@@ -90,6 +100,11 @@ Result<void> VideoFile::rewind() {
     };
     stream_ = 0;
     while (stream_ < streams && !has_pictures(stream_)) ++stream_;
+    for (int k = stream_; k < streams; ++k)
+        if (has_pictures(k) && is_named(*container.streams[k], role_)) {
+            stream_ = k;
+            break;
+        }
     if (stream_ == streams) return input_error(path_.string() + ": has no video track");
     auto decoder = TrackDecoder::open(*container.streams[stream_], role_, path_.string());
     if (!decoder) return decoder.error();
@@ -127,6 +142,11 @@ Result<void> VideoFile::read_times() {
                 ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +
                 clip_tags::rate_text(rate_.rate) + " a second";
     return {};
+}
+
+double VideoFile::start() const {
+    const AVRational tick = demuxer_->container().streams[stream_]->time_base;
+    return static_cast<double>(times_.front()) * av_q2d(tick);
 }
 
 double VideoFile::seconds(std::int64_t frame) const {

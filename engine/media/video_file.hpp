@@ -28,8 +28,8 @@ struct MeasuredRate {
 MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational tick,
                            const std::vector<AVRational>& said);
 
-/// The pictures of a video of any kind that `Demuxer::open_video` opens: its first track of pictures, each as
-/// FFmpeg decodes it.
+/// The pictures of a video of any kind that `Demuxer::open_video` opens: its first track of pictures, or of
+/// several the one that is named DEPTH or COLOR as the role is, each as FFmpeg decodes it.
 class VideoFile {
 public:
     /// Reads the file once from end to end, without decoding, for the times of its frames. `role` is how
@@ -38,6 +38,8 @@ public:
 
     const FrameRate& rate() const { return rate_.rate; }
     std::int64_t count() const { return static_cast<std::int64_t>(times_.size()); }
+    /// When the first frame is shown, seconds of the file's clock.
+    double start() const;
     /// Seconds after the first frame.
     double seconds(std::int64_t frame) const;
     /// The frame that is nearest to a time.

@@ -60,11 +60,49 @@ Result<void> first_refusal(Checks... checks) {
     return result;
 }
 
-Result<void> check_camera(const Camera& camera) {
-    return first_refusal([&] { return check_length("camera.fx", camera.fx); },
-                         [&] { return check_length("camera.fy", camera.fy); },
-                         [&] { return check_within("camera.cx", camera.cx, -longest, longest); },
-                         [&] { return check_within("camera.cy", camera.cy, -longest, longest); });
+Result<void> check_camera(const std::string& member, const Camera& camera) {
+    return first_refusal([&] { return check_length(member + ".fx", camera.fx); },
+                         [&] { return check_length(member + ".fy", camera.fy); },
+                         [&] { return check_within(member + ".cx", camera.cx, -longest, longest); },
+                         [&] { return check_within(member + ".cy", camera.cy, -longest, longest); });
+}
+
+Result<void> check_lens(const std::string& member, const LensDistortion& lens) {
+    constexpr double strongest = 1e6;
+    for (const double term : lens.terms)
+        if (auto term_fits = check_within(member + ".distortion", term, -strongest, strongest); !term_fits)
+            return term_fits;
+    return {};
+}
+
+/// A rotation keeps lengths and angles, but for what a few digits leave of that.
+Result<void> check_pose(const std::string& member, const CameraPose& pose) {
+    constexpr double tolerance = 1e-3;
+    const CameraPose turned_back = pose.after(pose.inverse()), none;
+    const auto& r = pose.rotation;
+    bool is_rotation = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
+                           r[2] * (r[3] * r[7] - r[4] * r[6]) >
+                       0;
+    for (std::size_t k = 0; k < r.size(); ++k)
+        is_rotation = is_rotation && std::abs(turned_back.rotation[k] - none.rotation[k]) < tolerance;
+    if (!is_rotation)
+        return input_error(member +
+                           " does not begin with a rotation in its rows: must be [r, r, r, t, r, r, "
+                           "r, t, r, r, r, t, 0, 0, 0, 1]");
+    for (const double length : pose.translation)
+        if (auto fits = check_within(member + "'s translation", length, -longest, longest); !fits)
+            return fits;
+    return {};
+}
+
+Result<void> check_colour_camera(const Scene& scene) {
+    if (!scene.colour_camera) return {};
+    const ColourCamera& colour = *scene.colour_camera;
+    return first_refusal([&] { return check_within("colour_camera.width", colour.width, 1, max_side); },
+                         [&] { return check_within("colour_camera.height", colour.height, 1, max_side); },
+                         [&] { return check_camera("colour_camera", colour.camera); },
+                         [&] { return check_lens("colour_camera", colour.lens); },
+                         [&] { return check_pose("colour_camera.from_depth", colour.from_depth); });
 }
 
 Result<void> check_planes(const DepthCoding& depth) {
@@ -305,8 +343,9 @@ Result<void> validate(const Scene& scene) {
         [&] { return check_within("rate's numerator", scene.rate.num, std::int64_t{1}, max_rate_term); },
         [&] { return check_within("rate's denominator", scene.rate.den, std::int64_t{1}, max_rate_term); },
         [&] { return check_length("metres_per_unit", scene.metres_per_unit); },
-        [&] { return check_camera(scene.camera); }, [&] { return check_depth(scene); },
-        [&] { return check_height(scene); },
+        [&] { return check_camera("camera", scene.camera); },
+        [&] { return check_lens("camera", scene.lens); }, [&] { return check_colour_camera(scene); },
+        [&] { return check_depth(scene); }, [&] { return check_height(scene); },
         [&] { return check_range("haptic.stiffness", scene.haptic.stiffness); },
         [&] { return check_range("haptic.static_friction", scene.haptic.static_friction); },
         [&] { return check_range("haptic.dynamic_friction", scene.haptic.dynamic_friction); },

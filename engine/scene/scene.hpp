@@ -8,8 +8,10 @@
 #include "engine/result.hpp"
 #include "engine/scene/camera.hpp"
 #include "engine/scene/code_curve.hpp"
+#include "engine/scene/colour_camera.hpp"
 #include "engine/scene/depth_coding.hpp"
 #include "engine/scene/frame_rate.hpp"
+#include "engine/scene/lens.hpp"
 
 namespace touchable {
 
@@ -140,6 +142,10 @@ struct Scene {
     bool rate_unstated = false;  ///< the frames' own times stand then, as whoever reads them finds them
     double metres_per_unit = 0.001;
     Camera camera;
+    LensDistortion
+        lens;  ///< of depth as it is stored; whoever opens a clip undoes it (registered_colour.hpp)
+    /// Of colour as it is stored; without it colour has depth's pixels. Whoever opens a clip brings it there.
+    std::optional<ColourCamera> colour_camera;
     DepthCoding depth;
     StoredDepth stored;
     int depth_bits = 8;  ///< bits of a stored depth value, 8 to 16; of each of three channels for hue: 8

@@ -62,16 +62,61 @@ FrameRate read_rate(const Node& node) {
     return {terms[0].whole(), terms[1].whole()};
 }
 
-Camera read_camera(const Node& node, int width, int height) {
-    node.allow_only({"fx", "fy", "cx", "cy", "focal_length", "pixel_width"});
-    if (!node.has("focal_length") && !node.has("pixel_width"))
-        return {node["fx"].number(),
-                std::fabs(node["fy"].number()),  // some data sets flip the rows by a negative fy
-                node["cx"].number(), node["cy"].number()};
-    node.allow_only({"focal_length", "pixel_width"});
+LensDistortion read_distortion(const Node& node) {
+    const char* const right = "[k1, k2, p1, p2], with k3 or with k3, k4, k5, k6 behind them";
+    const std::vector<Node> terms = node.elements(4, 8, right);
+    if (terms.size() == 6 || terms.size() == 7) node.refuse(right);
+    LensDistortion lens;
+    for (std::size_t k = 0; k < terms.size(); ++k) lens.terms[k] = terms[k].number();
+    return lens;
+}
+
+Camera read_intrinsics(const Node& node) {
+    return {node["fx"].number(),
+            std::fabs(node["fy"].number()),  // some data sets flip the rows by a negative fy
+            node["cx"].number(), node["cy"].number()};
+}
+
+void read_camera(const Node& node, Scene& scene) {
+    node.allow_only({"fx", "fy", "cx", "cy", "focal_length", "pixel_width", "distortion"});
+    if (node.has("distortion")) scene.lens = read_distortion(node["distortion"]);
+    if (!node.has("focal_length") && !node.has("pixel_width")) {
+        scene.camera = read_intrinsics(node);
+        return;
+    }
+    node.allow_only({"focal_length", "pixel_width", "distortion"});
     const double focal_length = node["focal_length"].number(), pixel_width = node["pixel_width"].number();
     if (!(pixel_width > 0.0)) node["pixel_width"].refuse("greater than 0");
-    return camera_from_focal_length(focal_length, pixel_width, width, height);
+    scene.camera = camera_from_focal_length(focal_length, pixel_width, scene.width, scene.height);
+}
+
+CameraPose read_pose(const Node& node) {
+    const char* const right =
+        "a matrix of 16 numbers, row by row: a rotation with its translation, then 0, 0, 0, 1";
+    const std::vector<Node> terms = node.elements(16, 16, right);
+    CameraPose pose;
+    for (std::size_t row = 0; row < 3; ++row) {
+        for (std::size_t column = 0; column < 3; ++column)
+            pose.rotation[3 * row + column] = terms[4 * row + column].number();
+        pose.translation[row] = terms[4 * row + 3].number();
+    }
+    for (std::size_t k = 12; k < 16; ++k)
+        if (terms[k].number() != (k == 15 ? 1 : 0)) node.refuse(right);
+    return pose;
+}
+
+ColourCamera read_colour_camera(const Node& node) {
+    node.allow_only({"width", "height", "fx", "fy", "cx", "cy", "distortion", "from_depth", "to_depth"});
+    ColourCamera colour;
+    colour.width = node["width"].whole();
+    colour.height = node["height"].whole();
+    colour.camera = read_intrinsics(node);
+    if (node.has("distortion")) colour.lens = read_distortion(node["distortion"]);
+    if (node.has("to_depth") && node.has("from_depth"))
+        node["to_depth"].refuse("left out where from_depth is given");
+    colour.from_depth =
+        node.has("to_depth") ? read_pose(node["to_depth"]).inverse() : read_pose(node["from_depth"]);
+    return colour;
 }
 
 void read_invalid_codes(const Node& node, int largest, DepthCoding& depth) {
@@ -215,8 +260,8 @@ VideoSource read_video(const Node& node, const Scene& scene) {
 Scene read_scene(const Node& node) {
     check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
-                     "depth", "height_map", "haptic", "default_properties", "hole_stiffness", "filter",
-                     "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
+                     "colour_camera", "depth", "height_map", "haptic", "default_properties", "hole_stiffness",
+                     "filter", "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
     Scene scene;
     if (node.has("remarks"))
         for (const Node& remark : node["remarks"].elements(0, 1000, "an array of texts")) remark.text();
@@ -226,7 +271,8 @@ Scene read_scene(const Node& node) {
     scene.rate_unstated = !node.has("rate");
     if (node.has("rate")) scene.rate = read_rate(node["rate"]);
     if (node.has("metres_per_unit")) scene.metres_per_unit = node["metres_per_unit"].number();
-    scene.camera = read_camera(node["camera"], scene.width, scene.height);
+    read_camera(node["camera"], scene);
+    if (node.has("colour_camera")) scene.colour_camera = read_colour_camera(node["colour_camera"]);
     read_depth(node["depth"], scene);
     if (node.has("height_map")) read_height_map(node["height_map"], scene.height_coding);
     if (node.has("haptic")) read_haptic(node["haptic"], scene.haptic);
@@ -253,6 +299,21 @@ const char* name_of(const std::pair<const char*, Choice> (&choices)[n], Choice s
     for (const auto& [name, choice] : choices)
         if (choice == sought) return name;
     return "";
+}
+
+OrderedJson write_camera(const Camera& camera, const LensDistortion& lens) {
+    OrderedJson json = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
+    if (lens.any()) json["distortion"] = lens.terms;
+    return json;
+}
+
+OrderedJson write_colour_camera(const ColourCamera& colour) {
+    OrderedJson json = {{"width", colour.width}, {"height", colour.height}};
+    json.update(write_camera(colour.camera, colour.lens));
+    const auto& r = colour.from_depth.rotation;
+    const auto& t = colour.from_depth.translation;
+    json["from_depth"] = {r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2], 0, 0, 0, 1};
+    return json;
 }
 
 OrderedJson write_depth(const Scene& scene) {
@@ -379,13 +440,10 @@ std::string scene_to_json(const Scene& scene, const std::vector<std::string>& re
     if (!remarks.empty()) json["remarks"] = remarks;
     json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
     if (!scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
-    json.update({{"metres_per_unit", scene.metres_per_unit},
-                 {"camera",
-                  {{"fx", scene.camera.fx},
-                   {"fy", scene.camera.fy},
-                   {"cx", scene.camera.cx},
-                   {"cy", scene.camera.cy}}},
-                 {"depth", write_depth(scene)},
+    json.update(
+        {{"metres_per_unit", scene.metres_per_unit}, {"camera", write_camera(scene.camera, scene.lens)}});
+    if (scene.colour_camera) json["colour_camera"] = write_colour_camera(*scene.colour_camera);
+    json.update({{"depth", write_depth(scene)},
                  {"height_map", write_height_map(scene.height_coding)},
                  {"haptic",
                   {{"stiffness", write_range(scene.haptic.stiffness)},

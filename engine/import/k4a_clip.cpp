@@ -1,0 +1,100 @@
+#include "engine/import/k4a_clip.hpp"
+
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "engine/import/k4a_calibration.hpp"
+#include "engine/import/video_picture.hpp"
+#include "engine/media/demuxer.hpp"
+#include "engine/media/video_file.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr const char* calibration_file = "calibration.json";
+
+/// Of the track of this name.
+std::optional<PictureSize> size_of_track(const AVFormatContext& container, const std::string& name) {
+    for (unsigned k = 0; k < container.nb_streams; ++k) {
+        const AVStream& stream = *container.streams[k];
+        const AVDictionaryEntry* const title = av_dict_get(stream.metadata, "title", nullptr, 0);
+        if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && title != nullptr && name == title->value)
+            return PictureSize{stream.codecpar->width, stream.codecpar->height};
+    }
+    return {};
+}
+
+Result<StoredImage> first_depth(VideoFile& video) {
+    auto frame = video.next();
+    if (!frame) return frame.error();
+    if (!*frame) return input_error(video.where(0) + ": is missing");
+    RgbConverter converter;
+    VideoPicture picture(std::move(*frame), converter, video.where(0));
+    const auto plane = picture.depth(VideoValues::grey, {0, 0, picture.width(), picture.height()});
+    if (!plane) return plane.error();
+    const PlaneView& view = plane->view;
+    if (view.bytes_per_sample != 2)
+        return input_error(video.where(0) + ": is no depth of 16 bits, as this camera records it");
+    StoredImage stored;
+    stored.bits = 16;
+    stored.image = {view.width, view.height, 2, 1, {}};
+    for (int y = 0; y < view.height; ++y)
+        stored.image.samples.insert(stored.image.samples.end(), view.row(y),
+                                    view.row(y) + std::ptrdiff_t{2} * view.width);
+    return stored;
+}
+
+}  // namespace
+
+bool is_k4a_recording(const std::filesystem::path& file) {
+    const auto opened = Demuxer::open_matroska(file);
+    return opened && ((*opened)->tag("K4A_DEPTH_MODE") || (*opened)->attachment(calibration_file)) &&
+           size_of_track((*opened)->container(), "DEPTH");
+}
+
+Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDescription& known) {
+    const auto demuxer = Demuxer::open_matroska(file);
+    if (!demuxer) return demuxer.error();
+    const auto depth_size = size_of_track((*demuxer)->container(), "DEPTH"),
+               colour_size = size_of_track((*demuxer)->container(), "COLOR");
+    auto video = VideoFile::open(file, PlaneRole::depth);
+    if (!video) return video.error();
+    const auto first = first_depth(**video);
+    if (!first) return first.error();
+    SourceDescription said = known;
+    constexpr double millimetre = 0.001;
+    if (!said.metres_per_code && said.preset.empty()) said.metres_per_code = millimetre;
+    std::optional<K4aCameras> cameras;
+    std::vector<std::string> notes;
+    const bool is_told = said.intrinsics || said.fov;
+    if (const auto text = (*demuxer)->attachment(calibration_file); text && !is_told) {
+        auto read = parse_k4a_calibration(*text, *depth_size, colour_size,
+                                          file.string() + ": its " + calibration_file);
+        if (!read) return read.error();
+        cameras = std::move(*read);
+        const Camera& camera = cameras->depth;
+        said.intrinsics = Intrinsics{camera.fx, camera.fy, camera.cx, camera.cy};
+        notes.push_back("the cameras are those of the recording's calibration.json");
+    }
+    auto guessed = guess_scene(file.parent_path(), *first, said);
+    if (!guessed) return Error{guessed.error().kind, file.string() + ": " + guessed.error().message};
+    Scene& scene = guessed->scene;
+    scene.name = file.stem().string();
+    scene.rate = (*video)->rate();
+    scene.video.emplace().depth = file.filename().string();
+    if (colour_size) scene.video->colour = scene.video->depth;
+    if (cameras) {
+        scene.lens = cameras->depth_lens;
+        scene.colour_camera = cameras->colour;
+    }
+    if (colour_size && !scene.colour_camera)
+        notes.push_back("colour is not brought onto depth's pixels, as nothing says how its camera stands");
+    if (auto valid = validate(scene); !valid)
+        return input_error(file.string() + ": its " + calibration_file + ": " + valid.error().message);
+    guessed->guesses.insert(guessed->guesses.begin(), notes.begin(), notes.end());
+    return guessed;
+}
+
+}  // namespace touchable

@@ -1,0 +1,238 @@
+// Colour of a camera of its own, and lenses that bend: brought onto the pixels of one pinhole camera.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/import/colour_registration.hpp"
+#include "engine/import/pinhole_frames.hpp"
+#include "engine/media/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/media/clip_fixture.hpp"
+#include "tests/real_data.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// A camera of f pixels, codes of millimetres, 0 is none.
+Scene metric_scene(int width, int height, double f) {
+    Scene scene = small_scene(width, height, 16);
+    scene.metres_per_unit = 1;
+    scene.camera = {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
+    scene.depth = {};
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 0.001;
+    scene.depth.far = 60;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+Image words(int width, int height, std::uint16_t value) {
+    Image image{width, height, 2, 1, {}};
+    for (int k = 0; k < width * height; ++k) {
+        image.samples.push_back(static_cast<std::uint8_t>(value & 255));
+        image.samples.push_back(static_cast<std::uint8_t>(value >> 8));
+    }
+    return image;
+}
+void set_word(Image& image, int x, int y, std::uint16_t value) {
+    std::memcpy(image.samples.data() + 2 * (y * image.width + x), &value, 2);
+}
+
+/// A square at 1 m before a wall at 2 m; the colour camera is 0.1 m to the right. So the square is 10 pixels
+/// to the left for it, the wall 5: it sees 5 pixels of the wall more at the right of the square, and 5 less
+/// at its left.
+TEST(ColourRegistration, WhatIsHiddenHasTheColourOfWhatLiesBehind) {
+    constexpr int width = 60, height = 20, left = 30, right = 40;  // columns of the square
+    Scene scene = metric_scene(width, height, 100);
+    scene.colour_camera.emplace();
+    scene.colour_camera->camera = scene.camera;
+    scene.colour_camera->width = width;
+    scene.colour_camera->height = height;
+    scene.colour_camera->from_depth.translation = {-0.1, 0, 0};
+    Image depth = words(width, height, 2000), colour{width, height, 1, 3, {}};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            if (x >= left && x < right) set_word(depth, x, y, 1000);
+            const bool is_square = x >= left - 10 && x < right - 10;
+            colour.samples.insert(colour.samples.end(), {static_cast<std::uint8_t>(is_square ? 200 : x),
+                                                         static_cast<std::uint8_t>(is_square ? 10 : 100),
+                                                         static_cast<std::uint8_t>(y)});
+        }
+    set_word(depth, 33, 7, 0);  // holes: in the square, and at its left edge
+    set_word(depth, left, 9, 0);
+    ColourRegistration registration(scene);
+    const Image made = registration.registered(depth.view(), colour.view());
+    for (int y = 1; y < height - 1; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int red = made.view().sample(x, y, 0);
+            const bool is_wall_hole = y == 9 && x == left;
+            if (x >= left && x < right && !is_wall_hole) {
+                ASSERT_EQ(red, 200) << x << ", " << y;
+            } else if (x < 5) {
+                ASSERT_EQ(red, 128) << "beyond the picture's edge";
+            } else if (x - 5 < left - 10 - 1 || x >= right) {  // one pixel of doubt beside the square
+                ASSERT_EQ(red, x - 5) << x << ", " << y;
+            } else if (x < left) {
+                ASSERT_GE(red, left - 10 - 2) << x << ", " << y;
+                ASSERT_LT(red, left - 10) << "the wall's, and not the square's";
+            }
+        }
+    EXPECT_NEAR(registration.unseen_share(), (5 + 5) / 60., 1.5 / 60) << "at the picture's edge, and hidden";
+}
+
+/// What a plain loop says of a pixel: where its point lies in the colour picture, by arithmetic of its own.
+struct Twin {
+    double x, y, depth;
+};
+Twin twin_of(const Scene& scene, const double (&to_depth)[16], double x, double y, double length) {
+    const long double p[3] = {(x - scene.camera.cx) / scene.camera.fx * length - to_depth[3],
+                              (y - scene.camera.cy) / scene.camera.fy * length - to_depth[7],
+                              length - to_depth[11]};
+    long double q[3] = {};  // the inverse of a rotation is its transpose
+    for (int row = 0; row < 3; ++row)
+        for (int k = 0; k < 3; ++k) q[row] += static_cast<long double>(to_depth[4 * k + row]) * p[k];
+    const Camera& camera = scene.colour_camera->camera;
+    return {static_cast<double>(camera.fx * q[0] / q[2] + camera.cx),
+            static_cast<double>(camera.fy * q[1] / q[2] + camera.cy), static_cast<double>(q[2])};
+}
+
+constexpr double castle_to_depth[16] = {0.9999922514,
+                                        -0.003901827615,
+                                        -0.000573842437,
+                                        -0.02470519207,
+                                        0.003898504889,
+                                        0.9999762774,
+                                        -0.005681734998,
+                                        0.0006583171198,
+                                        0.0005959979608,
+                                        0.005679453723,
+                                        0.9999836683,
+                                        -0.003773850389,
+                                        0,
+                                        0,
+                                        0,
+                                        1};
+
+std::string castle_scene() {
+    char exact[1024];
+    int at = 0;
+    for (const double term : castle_to_depth)
+        at += std::snprintf(exact + at, sizeof exact - static_cast<std::size_t>(at), "%s%.17g", at ? "," : "",
+                            term);
+    return R"({"touchable_scene": 1, "width": 640, "height": 480, "rate": [30, 1], "metres_per_unit": 1,
+        "camera": {"fx": 476.0536, "fy": 476.0535, "cx": 311.4846, "cy": 246.2832},
+        "colour_camera": {"width": 640, "height": 480, "fx": 615.167, "fy": 615.168, "cx": 312.189,
+            "cy": 243.437, "to_depth": [)" +
+           std::string(exact) + R"(]},
+        "depth": {"coding": "metric", "scale": 0.000124986647, "near": 0.2, "far": 1.5, "invalid": [0]},
+        "folder": {"depth": "depth_%04d.png", "colour": "image_%04d.png", "count": 2}})";
+}
+
+TEST(PinholeFrames, ColourOfTheCastleIsWhereAPlainTwinHasIt) {
+    const auto castle = real_data("castel_sr300");
+    TOUCHABLE_NEEDS_DATA(castle);
+    const TemporaryFolder folder;
+    write_bytes(folder / "castle.json", castle_scene());
+    auto reader = open_clip(castle, folder / "castle.json");
+    ASSERT_EQ(message(reader), "");
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 2U);
+    EXPECT_FALSE((*reader)->scene().colour_camera) << "colour has depth's pixels now";
+    const auto scene = parse_scene(castle_scene(), "scene");
+    ASSERT_EQ(message(scene), "");
+    const Image depth = *read_image(castle / "depth_0001.png"), grey = *read_image(castle / "image_0001.png");
+    EXPECT_TRUE(same_plane(frames->at(1).depth, depth.view())) << "depth is never resampled";
+    const auto twin = [&](int x, int y) {
+        const std::uint16_t code = depth.view().sample(x, y);
+        return scene->depth.is_valid(code) ? twin_of(*scene, castle_to_depth, x, y, 0.000124986647 * code)
+                                           : Twin{0, 0, 0};
+    };
+    // Seen for certain: nothing that appears within three pixels is nearer by more than 1.5 %.
+    int compared = 0;
+    for (int y = 6; y < 474; y += 4)
+        for (int x = 64; x < 576; x += 4) {
+            const Twin at = twin(x, y);
+            const double column = std::floor(at.x + 0.5), row = std::floor(at.y + 0.5);
+            bool is_certain = at.depth > 0 && at.x > 0 && at.y > 0 && at.x < 639 && at.y < 479 &&
+                              std::abs(at.x + 0.5 - std::round(at.x + 0.5)) > 1e-3 &&
+                              std::abs(at.y + 0.5 - std::round(at.y + 0.5)) > 1e-3;
+            for (int dy = -4; dy <= 4 && is_certain; ++dy)
+                for (int dx = -60; dx <= 60; ++dx) {
+                    const Twin other = twin(x + dx, y + dy);
+                    if (other.depth > 0 && std::abs(other.x - at.x) < 3 && std::abs(other.y - at.y) < 3 &&
+                        other.depth < at.depth * 0.985)
+                        is_certain = false;
+                }
+            if (!is_certain) continue;
+            ++compared;
+            const int expected = grey.view().sample(static_cast<int>(column), static_cast<int>(row));
+            ASSERT_EQ(frames->at(1).colour.sample(x, y, 0), expected) << x << ", " << y;
+        }
+    EXPECT_GT(compared, 2000);
+}
+
+TEST(PinholeFrames, ASceneWithAColourCameraIsReadAsItIsWritten) {
+    auto scene = parse_scene(castle_scene(), "scene");
+    ASSERT_EQ(message(scene), "");
+    scene->lens.terms = {0.1, -0.2, 0.003, 0.004, 0.05, 0.06, 0.07, 0.08};
+    scene->colour_camera->lens.terms = {0.01, 0.02};
+    const auto again = parse_scene(scene_to_json(*scene), "again");
+    ASSERT_EQ(message(again), "");
+    EXPECT_EQ(again->lens, scene->lens);
+    EXPECT_EQ(again->colour_camera->lens, scene->colour_camera->lens);
+    EXPECT_EQ(again->colour_camera->from_depth, scene->colour_camera->from_depth);
+    std::string skewed = castle_scene();
+    skewed.replace(skewed.find("0.99999225"), 5, "0.5555");
+    EXPECT_NE(message(parse_scene(skewed, "scene")).find("does not begin with a rotation"),
+              std::string::npos);
+    std::string both = castle_scene();
+    both.insert(both.find("\"to_depth\""), "\"from_depth\": [], ");
+    EXPECT_NE(message(parse_scene(both, "scene")).find("left out where from_depth is given"),
+              std::string::npos);
+}
+
+/// The wall z = 2 m as a lens shows it, and a step of depth that is a straight line in the world.
+TEST(PinholeFrames, AStraightEdgeIsStraightWithoutTheLens) {
+    constexpr int width = 160, height = 120;
+    Scene scene = metric_scene(width, height, 100);
+    scene.lens.terms = {-0.25, 0.06, 0.002, -0.001};
+    const TemporaryFolder folder;
+    Image bent = words(width, height, 0);
+    // For each stored pixel, the ray that the lens bends there: found by trying.
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double sx = (x - scene.camera.cx) / 100, sy = (y - scene.camera.cy) / 100;
+            double px = sx, py = sy;
+            for (int k = 0; k < 60; ++k) {
+                const double r2 = px * px + py * py, radial = 1 - 0.25 * r2 + 0.06 * r2 * r2;
+                px = (sx - 2 * 0.002 * px * py + 0.001 * (r2 + 2 * px * px)) / radial;
+                py = (sy - 0.002 * (r2 + 2 * py * py) + 2 * 0.001 * px * py) / radial;
+            }
+            set_word(bent, x, y, px < 0.4 ? 2000 : 1000);
+        }
+    scene.folder.emplace().depth = "bent.png";
+    ASSERT_EQ(message(write_png(folder / "bent.png", bent.view())), "");
+    write_bytes(folder / "bent.json", scene_to_json(scene));
+    auto reader = open_clip(folder / "bent.json");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_FALSE((*reader)->scene().lens.any());
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    for (int y = 10; y < height - 10; ++y) {
+        int edge = width - 1;
+        while (edge > 0 && frames->at(0).depth.sample(edge - 1, y) == 1000) --edge;
+        while (frames->at(0).depth.sample(edge, y) != 1000) --edge;
+        int first = edge;
+        while (frames->at(0).depth.sample(first - 1, y) == 1000) --first;
+        EXPECT_NEAR(first - 0.5, scene.camera.cx + 0.4 * 100, 1.2)
+            << y;  // half a stored pixel, half of one here
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
