@@ -29,6 +29,8 @@ ColourRegistration::ColourRegistration(const Scene& scene)
       colour_(*scene.colour_camera),
       reach_(scene.colour_camera->lens.any() ? scene.colour_camera->lens.reach() : 1e9),
       cell_(std::max(1.0, std::max(colour_.camera.fx / camera_.fx, colour_.camera.fy / camera_.fy))),
+      scale_(static_cast<float>(1 / cell_)),
+      margin_(static_cast<float>(1 + steepest(camera_.fx))),
       cells_x_(static_cast<int>(colour_.width / cell_) + 2),
       cells_y_(static_cast<int>(colour_.height / cell_) + 2) {
     depth_of_code_.resize(std::size_t{coding_.code_max} + 1);
@@ -98,11 +100,10 @@ void ColourRegistration::place_all() {
 /// Each point covers the four cells around it, so that no surface has gaps between its pixels.
 void ColourRegistration::find_nearest() {
     std::fill(nearest_.begin(), nearest_.end(), nothing_there);
-    const auto scale = static_cast<float>(1 / cell_);
     for (std::size_t at = 0; at < places_.size(); ++at) {
         const Place& place = places_[at];
         if (!has_depth_[at] || !(place.depth > 0)) continue;
-        const float x = (place.x + 0.5F) * scale - 0.5F, y = (place.y + 0.5F) * scale - 0.5F;
+        const float x = (place.x + 0.5F) * scale_ - 0.5F, y = (place.y + 0.5F) * scale_ - 0.5F;
         if (!(x > -1 && y > -1 && x < static_cast<float>(cells_x_) && y < static_cast<float>(cells_y_)))
             continue;
         const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
@@ -119,11 +120,10 @@ ColourRegistration::Sight ColourRegistration::sight_of(const Place& place) const
         !(place.x < static_cast<float>(colour_.width) - 0.5F &&
           place.y < static_cast<float>(colour_.height) - 0.5F))
         return Sight::outside;
-    const auto scale = static_cast<float>(1 / cell_);
-    const int i = static_cast<int>((place.x + 0.5F) * scale), j = static_cast<int>((place.y + 0.5F) * scale);
+    const int i = static_cast<int>((place.x + 0.5F) * scale_),
+              j = static_cast<int>((place.y + 0.5F) * scale_);
     const float nearest = nearest_[static_cast<std::size_t>(j * cells_x_ + i)];
-    const auto margin = static_cast<float>(1 + steepest(camera_.fx));
-    return nearest == nothing_there || place.depth <= nearest * margin ? Sight::seen : Sight::hidden;
+    return nearest == nothing_there || place.depth <= nearest * margin_ ? Sight::seen : Sight::hidden;
 }
 
 void ColourRegistration::fill_unseen(Image& picture) const {
@@ -163,7 +163,8 @@ Image ColourRegistration::registered(const PlaneView& depth, const PlaneView& co
         unseen += has_depth_[at] && !is_seen;
         if (!is_seen) continue;
         const int x = static_cast<int>(place.x + 0.5F), y = static_cast<int>(place.y + 0.5F);
-        std::memcpy(picture.samples.data() + 3 * at, colour.row(y) + std::ptrdiff_t{3} * x, 3);
+        const std::uint8_t* const from = colour.row(y) + std::ptrdiff_t{3} * x;
+        std::copy(from, from + 3, picture.samples.begin() + static_cast<std::ptrdiff_t>(3 * at));
     }
     unseen_share_ = deep > 0 ? static_cast<double>(unseen) / static_cast<double>(deep) : 0;
     fill_unseen(picture);

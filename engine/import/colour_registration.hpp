@@ -47,13 +47,15 @@ private:
     const double reach_;                 // of the colour camera's lens
     std::vector<double> depth_of_code_;  // 0: not valid
     // Of the picture at hand, one for each pixel.
-    std::vector<bool> has_depth_;
+    std::vector<std::uint8_t> has_depth_;
     std::vector<float> depth_;  // planar; of pixels without depth what they are taken for; 0: nothing
     std::vector<Place> places_;
     std::vector<Sight> sights_;
     double unseen_share_ = 0;
     // What is nearest to the colour camera, in cells as wide as depth's pixels appear to it.
-    const double cell_;  // colour pixels
+    const double cell_;   // colour pixels
+    const float scale_;   // cells in a colour pixel
+    const float margin_;  // a point so many times as far away as what is nearest is hidden
     const int cells_x_, cells_y_;
     std::vector<float> nearest_;
 };
