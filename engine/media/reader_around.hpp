@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/media/clip.hpp"
 
@@ -22,6 +24,7 @@ public:
     bool is_live() const override { return reader_->is_live(); }
     Result<void> begin(std::chrono::steady_clock::time_point zero) override { return reader_->begin(zero); }
     void interrupt() override { reader_->interrupt(); }
+    std::vector<std::string> remarks() const override { return reader_->remarks(); }
 
 protected:
     explicit ReaderAround(std::unique_ptr<ClipReader> reader) : reader_(std::move(reader)) {
