@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/printable.hpp"
+#include "player/commands/cameras_command.hpp"
 #include "player/commands/check_command.hpp"
 #include "player/commands/command.hpp"
 #include "player/commands/compare_command.hpp"
@@ -98,6 +99,7 @@ int run(int argc, char** argv) {
     add_convert_command(app, command);
     add_compare_command(app, command);
     add_plot_command(app, command);
+    add_cameras_command(app, command);
     add_check_command(app, command);
 
     try {

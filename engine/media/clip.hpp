@@ -61,6 +61,11 @@ public:
     /// From any thread: a `next` that waits for its source ends with an error of kind interrupted, and so
     /// does every later one of that run.
     virtual void interrupt() {}
+    /// Of a run of it that was kept: when a frame was taken, where its number and the rate do not tell.
+    virtual std::optional<std::int64_t> taken_at(std::int64_t) const { return std::nullopt; }
+    /// From any thread: what a person should know of a run so far, such as that the camera was unplugged. A
+    /// source that is gone has no next frame.
+    virtual std::vector<std::string> remarks() const { return {}; }
 
     /// Every file that this clip is read from: itself or each of its pictures, what lies beside it, its scene
     /// file. Nobody may write there.

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/media/clip.hpp"
 
@@ -22,6 +24,10 @@ public:
     bool is_live() const override { return reader_->is_live(); }
     Result<void> begin(std::chrono::steady_clock::time_point zero) override { return reader_->begin(zero); }
     void interrupt() override { reader_->interrupt(); }
+    std::optional<std::int64_t> taken_at(std::int64_t frame) const override {
+        return reader_->taken_at(frame);
+    }
+    std::vector<std::string> remarks() const override { return reader_->remarks(); }
 
 protected:
     explicit ReaderAround(std::unique_ptr<ClipReader> reader) : reader_(std::move(reader)) {

@@ -61,8 +61,7 @@ Result<void> read_camera_words(const TouchWords& words, SessionOptions& session)
         return usage_error("CLIP and --camera are two things to touch; leave one of them out");
     auto camera = read_live_camera(*session.camera);
     if (!camera.ok()) return camera.error();
-    session.clip.file = std::move(camera->recording);
-    session.clip.as_camera = camera->delivery;
+    session.clip.take(*camera);
     return {};
 }
 
@@ -126,8 +125,8 @@ std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& sessio
         sub.add_flag("--live", session.live,
                      "in real time on the wall clock, each part on a thread of its own"),
         sub.add_option("--camera", session.camera,
-                       "live, in place of CLIP: replay:PATH[,key=value,...], a recording that behaves like a "
-                       "camera (docs/camera.md)"),
+                       "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in, or "
+                       "replay:PATH[,key=value,...], a recording that behaves like one (docs/camera.md)"),
         sub.add_option("--device", session.device,
                        "live: what the hand holds, simulated[:key=value,...] (docs/devices.md); without it "
                        "nothing holds the hand back"),

@@ -25,7 +25,13 @@ std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& 
     return inputs;
 }
 
-Outputs outputs_of(const TouchOptions& options) {
+/// Where the frames of a camera are kept.
+std::filesystem::path film_beside(std::filesystem::path record) {
+    record += ".mkv";
+    return record;
+}
+
+Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
     Outputs outputs{{}, options.existing};
     const std::pair<const char*, const MaybePath&> asked_for[] = {{"--forces", options.forces},
                                                                   {"--record", options.record},
@@ -33,6 +39,8 @@ Outputs outputs_of(const TouchOptions& options) {
                                                                   {"--picture", options.picture.file}};
     for (const auto& [name, path] : asked_for)
         if (path) outputs.files.push_back({name, *path});
+    if (options.record && setup.film)
+        outputs.files.push_back({"the film of --record", film_beside(*options.record)});
     return outputs;
 }
 
@@ -52,7 +60,7 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
                                                          std::optional<std::int64_t> ticks) {
     if (options.record && is_standard_output(*options.record))
         return usage_error("--record -: a recording does not go to standard output; give it a file's name");
-    if (auto free = check_outputs(outputs_of(options), inputs_of(options, setup)); !free.ok())
+    if (auto free = check_outputs(outputs_of(options, setup), inputs_of(options, setup)); !free.ok())
         return free.error();
     std::unique_ptr<TouchOutputs> out(new TouchOutputs);
     const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing); };
@@ -61,6 +69,9 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
         return RecordingFile::create(path, setup.settings.fingers, options.existing);
     };
     if (auto opened = open_if(options.record, out->record_, record); !opened.ok()) return opened.error();
+    if (options.record && setup.film)
+        if (auto opened = setup.film->open(film_beside(*options.record), options.existing); !opened.ok())
+            return opened.error();
     const auto json = [&](const auto& path) { return OutputFile::create("--json", path, options.existing); };
     if (auto opened = open_if(options.json, out->json_, json); !opened.ok()) return opened.error();
     auto order = order_picture(options.picture, options.existing, setup.builder, *setup.gpu);
@@ -95,6 +106,8 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const st
     if (record_) {
         nlohmann::ordered_json facts = recorded_facts(setup);
         facts["force_hash"] = force_hash;
+        if (setup.film)
+            if (auto done = setup.film->finish(); !done.ok()) return done;
         if (auto done = record_->finish(facts, setup.settings.playback); !done.ok()) return done;
     }
     if (json_) {

@@ -33,6 +33,9 @@ std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& f
         run > 1.02 * clip)
         notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
                         in_seconds(run));
+    if (setup.film)
+        notes.push_back("the camera's frames are kept as " + setup.film->file().string() +
+                        ", which --replay reads");
     for (const std::string& remark : setup.hand ? setup.hand->remarks() : std::vector<std::string>())
         notes.push_back("hand: " + remark);
     return notes;

@@ -10,7 +10,7 @@ namespace {
 constexpr double bearable_skipped_pct = 1;
 
 void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t dropped,
-                       std::vector<std::string>& warnings) {
+                       std::vector<std::string> remarks, std::vector<std::string>& warnings) {
     if (!live.loop.grant.fifo)
         warnings.emplace_back(
             "no real-time scheduling (SCHED_FIFO is not permitted): ticks come late when the machine is "
@@ -25,6 +25,7 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
     if (live.late_frames > 0)
         warnings.push_back(std::to_string(live.late_frames) + " of " + std::to_string(frames) +
                            " frames came too late: decoding and building are too slow");
+    for (std::string& remark : remarks) warnings.push_back(std::move(remark));
     if (dropped > 0 && !live.camera)  // which leaves out some itself
         warnings.push_back(std::to_string(dropped) +
                            " frames were left out, because their time had passed before they were decoded");
@@ -35,7 +36,8 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
 std::vector<std::string> touch_warnings(const nlohmann::ordered_json& report, const SurfaceFeed& feed,
                                         const LiveFacts* live) {
     std::vector<std::string> warnings;
-    if (live) add_live_warnings(*live, feed.frames(), feed.dropped_frames(), warnings);
+    if (live)
+        add_live_warnings(*live, feed.frames(), feed.dropped_frames(), feed.reader().remarks(), warnings);
     if (!feed.any_valid())
         warnings.emplace_back(
             "100 % of the pixels are invalid: there is no surface; is depth.invalid of the scene right?");

@@ -1,9 +1,12 @@
 #include "player/session/camera_words.hpp"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "device/hand_options.hpp"
 #include "engine/printable.hpp"
@@ -11,9 +14,14 @@
 namespace touchable {
 namespace {
 
-constexpr std::string_view kind = "replay:";
+constexpr std::string_view replay_kind = "replay:", plugged_kind = "v4l2:";
 
-constexpr std::array camera_keys{
+constexpr std::array plugged_keys{
+    HandKey{.name = "size", .unit = "", .kind = HandKey::Kind::words},
+    HandKey{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
+    HandKey{.name = "colour", .unit = "", .kind = HandKey::Kind::words}};
+
+constexpr std::array replay_keys{
     HandKey{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
     HandKey{.name = "jitter", .unit = "ms", .least = 0, .greatest = 1000, .standard = 0},
     HandKey{.name = "drop", .unit = "of the frames", .least = 0, .greatest = 0.99, .standard = 0},
@@ -32,20 +40,51 @@ std::int64_t nanoseconds_of(double seconds) {
     return std::llround(seconds * 1e9);
 }
 
-}  // namespace
-
-Result<LiveCamera> read_live_camera(const std::string& words) {
-    if (!words.starts_with(kind))
-        return usage_error("unknown camera '" + printable(words) +
-                           "'; the one there is is replay:PATH, a recording that behaves like one");
+/// What follows the kind: a file's name, and behind the first comma keys.
+struct CameraParts {
+    std::string file, keys;
+};
+CameraParts parts_of(const std::string& words, std::string_view kind) {
     const std::size_t comma = words.find(',');
-    LiveCamera camera{words.substr(kind.size(), comma == std::string::npos ? comma : comma - kind.size()),
-                      {}};
-    if (camera.recording.empty())
-        return usage_error("camera 'replay' needs a recording: replay:PATH, with a clip or folder of images");
-    const auto given = HandOptions::parse(
-        "camera 'replay'", comma == std::string::npos ? "" : words.substr(comma + 1), camera_keys);
+    if (comma == std::string::npos) return {words.substr(kind.size()), ""};
+    return {words.substr(kind.size(), comma - kind.size()), words.substr(comma + 1)};
+}
+
+/// "640x480".
+bool read_size(const std::string& words, V4l2Choice& choice) {
+    constexpr int largest_side = 16384;
+    const char *at = words.data(), *const end = at + words.size();
+    const auto width = std::from_chars(at, end, choice.width);
+    if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return false;
+    const auto height = std::from_chars(width.ptr + 1, end, choice.height);
+    return height.ec == std::errc() && height.ptr == end && choice.width >= 1 && choice.height >= 1 &&
+           choice.width <= largest_side && choice.height <= largest_side;
+}
+
+Result<LiveCamera> read_plugged(const std::string& words) {
+    const auto [node, keys] = parts_of(words, plugged_kind);
+    if (node.empty())
+        return usage_error(
+            "camera 'v4l2' needs a node, such as v4l2:/dev/video0; touchable cameras lists those that are "
+            "there");
+    const auto given = HandOptions::parse("camera 'v4l2'", keys, plugged_keys);
     if (!given.ok()) return given.error();
+    V4l2Choice choice{node};
+    if (given->given("size") && !read_size(given->words("size"), choice))
+        return usage_error("camera 'v4l2': size=" + printable(given->words("size")) +
+                           " will not do; right would be WIDTHxHEIGHT, such as size=640x480");
+    if (given->given("fps")) choice.rate = given->number("fps");
+    choice.colour = given->words("colour");
+    return LiveCamera{std::move(choice), {}, {}};
+}
+
+Result<LiveCamera> read_replay(const std::string& words) {
+    const auto [recording, keys] = parts_of(words, replay_kind);
+    if (recording.empty())
+        return usage_error("camera 'replay' needs a recording: replay:PATH, with a clip or folder of images");
+    const auto given = HandOptions::parse("camera 'replay'", keys, replay_keys);
+    if (!given.ok()) return given.error();
+    LiveCamera camera{{}, recording, {}};
     CameraDelivery& delivery = camera.delivery;
     if (given->given("fps")) delivery.rate = rate_of(given->number("fps"));
     delivery.jitter_ns = nanoseconds_of(given->number("jitter") * 1e-3);
@@ -57,6 +96,16 @@ Result<LiveCamera> read_live_camera(const std::string& words) {
             "camera 'replay': resume must be a moment after stall, which begins the time "
             "without frames");
     return camera;
+}
+
+}  // namespace
+
+Result<LiveCamera> read_live_camera(const std::string& words) {
+    if (words.starts_with(plugged_kind)) return read_plugged(words);
+    if (words.starts_with(replay_kind)) return read_replay(words);
+    return usage_error("unknown camera '" + printable(words) +
+                       "'; there are v4l2:/dev/videoN, one that is plugged in (touchable cameras lists "
+                       "them), and replay:PATH, a recording that behaves like one");
 }
 
 }  // namespace touchable

@@ -1,21 +1,24 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "engine/camera/v4l2_camera.hpp"
 #include "engine/media/replay_camera.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
 
-/// A camera, as a person names one.
+/// A camera, as a person names one: one that is plugged in, or a recording that behaves like one.
 struct LiveCamera {
+    std::optional<V4l2Choice> plugged{};
     std::filesystem::path recording;
     CameraDelivery delivery;
 };
 
-/// Reads "replay:PATH[,key=value...]" (docs/camera.md); PATH ends with the first comma. Refuses
-/// (ErrorKind::usage) what is no such description, and names what would be right.
+/// Reads "v4l2:NODE[,key=value...]" or "replay:PATH[,key=value...]" (docs/camera.md); PATH ends with the
+/// first comma. Refuses (ErrorKind::usage) what is no such description, and names what would be right.
 Result<LiveCamera> read_live_camera(const std::string& words);
 
 }  // namespace touchable

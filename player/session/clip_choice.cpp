@@ -49,10 +49,23 @@ Result<Scene> applied(const ClipChoice& choice, Scene scene) {
 
 }  // namespace
 
+void ClipChoice::take(const LiveCamera& of) {
+    plugged = of.plugged;
+    if (plugged) {
+        file = plugged->node;
+        return;
+    }
+    file = of.recording;
+    as_camera = of.delivery;
+}
+
 Result<std::unique_ptr<ClipReader>> ClipChoice::open() const {
+    if (plugged) return open_v4l2_camera(*plugged, camera, scene_file);
     auto reader = open_clip(file, scene_file, camera);
-    if (!reader.ok() || !as_camera) return reader;
-    return make_replay_camera(std::move(*reader), *as_camera);
+    if (!reader.ok()) return reader;
+    if (filmed) return make_filmed_camera(std::move(*reader), *filmed, file);
+    if (as_camera) return make_replay_camera(std::move(*reader), *as_camera);
+    return reader;
 }
 
 Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up) {

@@ -6,11 +6,14 @@
 #include <stop_token>
 #include <string>
 
+#include "engine/camera/v4l2_camera.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/media/replay_camera.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
+#include "player/session/camera_film.hpp"
+#include "player/session/camera_words.hpp"
 #include "player/session/chosen_filters.hpp"
 
 namespace touchable {
@@ -39,7 +42,11 @@ struct ClipChoice {
     std::optional<FrameInterpolation> interpolation;
     std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
+    std::optional<V4l2Choice> plugged;        ///< the clip is a camera, and `file` its node
+    std::optional<FilmedFrames> filmed;       ///< the clip is the film of a camera, which had these frames
 
+    /// What is touched is a camera.
+    void take(const LiveCamera& camera);
     /// The clip, from its beginning.
     Result<std::unique_ptr<ClipReader>> open() const;
 };

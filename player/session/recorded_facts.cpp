@@ -20,7 +20,7 @@ Json recorded_facts(const TouchSetup& setup) {
     const GuardSettings& guard = setup.settings.guard;
     const ClipChoice& clip = setup.clip;
     Json facts{{"rules", force_rules},
-               {"clip", clip.file.string()},
+               {"clip", (setup.film ? setup.film->file() : clip.file).string()},
                {"scene", Json::parse(scene_to_json(setup.scene))},
                {"hand", setup.hand_words},
                {"builder", setup.feed->builder_name()},
@@ -39,8 +39,9 @@ Json recorded_facts(const TouchSetup& setup) {
                  {"damping", guard.damping},
                  {"passivity", guard.passivity}}}};
     if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
-    if (clip.scene_file) facts["scene_file"] = clip.scene_file->string();
-    if (const auto& camera = clip.camera) {
+    const bool says_itself = setup.film || clip.filmed;  // a film has its scene
+    if (clip.scene_file && !says_itself) facts["scene_file"] = clip.scene_file->string();
+    if (const auto& camera = clip.camera; camera && !says_itself) {
         if (const auto& lens = camera->intrinsics) {
             facts["intrinsics"] = {lens->fx, lens->fy};
             if (lens->cx && lens->cy)
@@ -52,6 +53,9 @@ Json recorded_facts(const TouchSetup& setup) {
         if (!camera->preset.empty()) facts["preset"] = camera->preset;
     }
     if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
+    if (setup.film)
+        for (const FilmedFrame& frame : setup.film->frames())
+            facts["filmed"].push_back({frame.number, frame.time_ns});
     if (!setup.device_words.empty()) facts["device"] = setup.device_words;
     if (!setup.settings.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
     const auto& built = setup.feed->built();
@@ -153,6 +157,20 @@ std::vector<DroppedFrames> dropped_frames(const Json& facts) {
     return dropped;
 }
 
+/// Of a camera: its frames, in the order of its film.
+FilmedFrames filmed_frames(const Json& facts) {
+    constexpr const char* kind = "pairs of a frame's number and time, each later than the one before";
+    const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(facts, "filmed", kind);
+    FilmedFrames frames;
+    for (const auto& [number, time_ns] : pairs) {
+        const FilmedFrame before = frames.empty() ? FilmedFrame{-1, -1} : frames.back();
+        if (number <= before.number || time_ns <= before.time_ns || number > most_frames)
+            throw std::out_of_range(std::string("filmed must be ") + kind);
+        frames.push_back({number, time_ns});
+    }
+    return frames;
+}
+
 }  // namespace
 
 std::optional<std::vector<FrameRun>> built_frames(const Json& facts) {
@@ -199,11 +217,15 @@ void read_guard(const Json& limits, GuardSettings& guard) {
 }
 
 /// Likewise.
-void read_recorded_camera(const std::string& words, TouchSetup& setup) {
+void read_recorded_camera(const Json& facts, TouchSetup& setup) {
+    const std::string words = text(facts, "camera");
     const auto camera = read_live_camera(words);
     if (!camera.ok()) throw std::out_of_range(camera.error().message);
-    setup.clip.as_camera = camera->delivery;
     setup.camera_words = words;
+    if (camera->plugged)
+        setup.clip.filmed = filmed_frames(facts);
+    else
+        setup.clip.as_camera = camera->delivery;
 }
 
 /// Gives the recorded scene, as text. Throws std::out_of_range where something is missing, of another kind or
@@ -214,7 +236,7 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
     setup.clip.camera = camera_of(facts);
     setup.hand_words = text(facts, "hand");
     setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
-    if (facts.contains("camera")) read_recorded_camera(text(facts, "camera"), setup);
+    if (facts.contains("camera")) read_recorded_camera(facts, setup);
     if (facts.contains("device")) setup.device_words = text(facts, "device");
     read_touch(facts, setup.settings.touch);
     read_guard(object(facts, "guard"), setup.settings.guard);

@@ -235,7 +235,8 @@ Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
 
 Result<FramePair> SurfaceFeed::pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
                                        std::int64_t next, double blend) {
-    auto pair = pair_at(MediaMoment{epoch, rate_.time_ns(prev), start_ns});
+    const std::int64_t time_ns = reader_->taken_at(prev).value_or(rate_.time_ns(prev));
+    auto pair = pair_at(MediaMoment{epoch, time_ns, start_ns});
     if (!pair.ok()) return pair;
     if (next == prev) pair->next = pair->prev;
     if (pair->prev.number != prev || pair->next.number != next)

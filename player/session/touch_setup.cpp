@@ -189,6 +189,10 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     auto clip =
         open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out, options.given_up);
     if (!clip.ok()) return clip.error();
+    if (options.recorded && options.clip.plugged) {
+        setup->film = std::make_shared<CameraFilm>(clip->reader->scene());
+        clip->reader = with_film(std::move(clip->reader), setup->film);
+    }
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
     if (options.late_playback) setup->settings.playback = options.late_playback();
     if (auto placed = place_hand(*setup, options); !placed.ok()) return placed.error();

@@ -82,7 +82,9 @@ TEST(LiveCameraWords, AreReadOrRefused) {
     EXPECT_EQ(delivery.resume_ns, 3'500'000'000);
     EXPECT_FALSE(read_live_camera("replay:a.mkv")->delivery.rate.has_value()) << "the recording's own";
     for (const auto& [words, fragment] : std::vector<std::pair<const char*, const char*>>{
-             {"webcam", "unknown camera 'webcam'; the one there is is replay:PATH"},
+             {"webcam",
+              "unknown camera 'webcam'; there are v4l2:/dev/videoN, one that is plugged in (touchable "
+              "cameras lists them), and replay:PATH"},
              {"replay:,fps=3", "needs a recording"},
              {"replay:a,fps=0", "fps takes 0.1 to 1000 frames/s"},
              {"replay:a,drop=1", "drop takes 0 to 0.99 of the frames"},

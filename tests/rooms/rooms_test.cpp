@@ -20,6 +20,7 @@ const std::map<std::string, Rooms> may_use{
     {"engine/frame", {"engine", "engine/scene", "shaders"}},
     {"engine/media", {"engine", "engine/scene", "engine/frame"}},
     {"engine/import", {"engine", "engine/scene", "engine/frame", "engine/media"}},
+    {"engine/camera", {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import"}},
     {"engine/surface", {"engine", "engine/scene", "engine/frame", "engine/gpu", "shaders"}},
     {"engine/content", {"engine", "engine/scene", "engine/frame"}},
     {"engine/gpu", {"engine"}},
@@ -30,14 +31,15 @@ const std::map<std::string, Rooms> may_use{
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
       "shaders"}},
     {"player/session",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/surface", "engine/gpu", "haptics_cpu",
-      "device"}},
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
+      "engine/surface", "engine/gpu", "haptics_cpu", "device"}},
     {"player/window",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/surface", "engine/gpu", "haptics_cpu",
-      "device", "player/session", "player/view"}},
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
+      "engine/surface", "engine/gpu", "haptics_cpu", "device", "player/session", "player/view"}},
     {"player/commands",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/surface", "engine/content",
-      "engine/gpu", "haptics_cpu", "device", "shaders", "player/session", "player/view", "player/window"}}};
+     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
+      "engine/surface", "engine/content", "engine/gpu", "haptics_cpu", "device", "shaders", "player/session",
+      "player/view", "player/window"}}};
 
 /// The folders of what a file includes from the root.
 Rooms used_by(const fs::path& file) {

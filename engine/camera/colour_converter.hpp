@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "engine/camera/v4l2_stream.hpp"
+#include "engine/media/decoded_picture.hpp"
+#include "engine/media/plane_role.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Makes RGB of a camera's pictures of colour. Keeps what it has set up.
+class ColourConverter {
+public:
+    /// Of 8 bits, in the picture's own size. An error, without the camera's name, where a coded picture is
+    /// damaged.
+    Result<Plane> rgb(const TakenPicture& picture, const StreamFormat& format);
+
+private:
+    RgbConverter converter_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,158 @@
+#include "engine/camera/depth_meaning.hpp"
+
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "engine/import/guessed_scene.hpp"
+#include "engine/import/presets.hpp"
+#include "engine/media/stored_image.hpp"
+#include "engine/scene/scene_file.hpp"
+
+namespace touchable {
+namespace {
+
+StoredImage picture_of(const PlaneView& depth) {
+    StoredImage picture;
+    picture.image = {depth.width, depth.height, 2, 1, {}};
+    picture.bits = 16;
+    const std::size_t row_bytes = 2 * static_cast<std::size_t>(depth.width);
+    picture.image.samples.resize(row_bytes * static_cast<std::size_t>(depth.height));
+    for (int y = 0; y < depth.height; ++y)
+        std::memcpy(picture.image.samples.data() + row_bytes * static_cast<std::size_t>(y), depth.row(y),
+                    row_bytes);
+    return picture;
+}
+
+/// Cameras need some frames until they see: the one that sees most, the later where two see as much.
+const PlaneView& fullest(std::span<const PlaneView> pictures) {
+    const PlaneView* best = &pictures.front();
+    std::int64_t most = -1;
+    for (const PlaneView& picture : pictures) {
+        std::int64_t seen = 0;
+        for (int y = 0; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x) seen += picture.sample(x, y) != 0;
+        if (seen < most) continue;
+        most = seen;
+        best = &picture;
+    }
+    return *best;
+}
+
+/// All but the last thousandth of the valid codes are no deeper: single pixels lie far behind where a camera
+/// is wrong.
+std::optional<std::uint16_t> deep_code(std::span<const PlaneView> pictures, const DepthCoding& coding) {
+    std::vector<std::int64_t> counts(65536);
+    std::int64_t all = 0;
+    for (const PlaneView& picture : pictures)
+        for (int y = 0; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x) {
+                const std::uint16_t code = picture.sample(x, y);
+                if (!coding.is_valid(code)) continue;
+                ++counts[code];
+                ++all;
+            }
+    if (all == 0) return std::nullopt;
+    std::int64_t deeper = 0;
+    for (std::size_t code = counts.size(); code-- > 0;) {
+        deeper += counts[code];
+        if (deeper * 1000 >= all) return static_cast<std::uint16_t>(code);
+    }
+    return std::nullopt;
+}
+
+/// Twice as far as what is seen at first: a hand that goes away may show what was behind it.
+Result<void> settle_far(DepthMeaning& meaning, std::span<const PlaneView> first, const std::string& node) {
+    Scene& scene = meaning.scene;
+    scene.far_from_frames = false;
+    const auto deep = deep_code(first, scene.depth);
+    if (!deep)
+        return input_error(node +
+                           ": sees no depth in its first frames; is it pointed at something that is "
+                           "near and far enough for it?");
+    const double seen = scene.depth.depth(*deep);
+    scene.depth.far = std::min(2 * seen, scene.depth.scale * scene.depth.code_max);
+    derive_valid_range(scene.depth);
+    if (auto valid = validate(scene); !valid) return input_error(node + ": " + valid.error().message);
+    char words[200];
+    std::snprintf(words, sizeof words,
+                  "guessed: deeper than %.3g m is no depth: twice what the first frames show (a scene file's "
+                  "depth.far says otherwise)",
+                  scene.depth.far * scene.metres_per_unit);
+    meaning.notes.emplace_back(words);
+    return {};
+}
+
+/// What the driver tells of the camera stands in for what nobody says.
+SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, SourceDescription known,
+                            std::vector<std::string>& notes) {
+    const bool is_intels = facts.card.find("RealSense") != std::string::npos;
+    if (is_intels && known.preset.empty()) {
+        known.preset = "realsense";
+        notes.emplace_back(
+            "guessed: it is as --preset realsense has it, of 1 mm a code (--depth-unit METRES says "
+            "otherwise: "
+            "0.0001 of a D405, 0.00025 of an L515)");
+    }
+    const Preset* preset = known.preset.empty() ? nullptr : preset_named(known.preset);
+    const bool has_unit = known.metres_per_code || preset != nullptr;
+    if (format == V4L2_PIX_FMT_Z16 && !has_unit) {
+        known.metres_per_code = 0.001;
+        notes.emplace_back(
+            "guessed: a code is 1 mm, as most cameras of Z16 have it (--depth-unit METRES says otherwise)");
+    }
+    if (format != V4L2_PIX_FMT_Z16)
+        notes.emplace_back(
+            "Y16 is grey of 16 bits, here taken for depth: of an infrared or a heat camera it is none");
+    return known;
+}
+
+}  // namespace
+
+Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
+                                      std::span<const PlaneView> first, const SourceDescription& known) {
+    DepthMeaning meaning;
+    const SourceDescription all = with_card(facts, format, known, meaning.notes);
+    auto guessed =
+        guess_scene(std::filesystem::path(facts.node).parent_path(), picture_of(fullest(first)), all);
+    if (!guessed) return Error{guessed.error().kind, facts.node + ": " + guessed.error().message};
+    meaning.scene = std::move(guessed->scene);
+    meaning.inputs = std::move(guessed->inputs);
+    if (!meaning.scene.stored.is_plain() || meaning.scene.depth.kind != DepthCodingKind::metric)
+        return usage_error(facts.node +
+                           ": a camera's codes are lengths: --depth-unit METRES says what a stored 1 stands "
+                           "for, such as 0.001" +
+                           (all.preset.empty() ? "" : "; --preset " + all.preset + " is of other pictures"));
+    for (std::string& guess : guessed->guesses) meaning.notes.push_back(std::move(guess));
+    meaning.scene.name = facts.card;
+    if (auto settled = settle_far(meaning, first, facts.node); !settled) return settled.error();
+    return meaning;
+}
+
+Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const PlaneView> first,
+                                     const std::filesystem::path& scene_file) {
+    auto scene = read_scene_file(scene_file);
+    if (!scene) return scene.error();
+    DepthMeaning meaning{std::move(*scene), {}, {scene_file}};
+    Scene& made = meaning.scene;
+    made.folder.reset();
+    made.video.reset();
+    const std::string of_file = scene_file.string() + ": ";
+    if (!made.stored.is_plain() || made.depth.kind == DepthCodingKind::hue || made.depth_bits != 16)
+        return input_error(of_file +
+                           "a camera gives codes of 16 bits: depth.bits must be 16, and its coding "
+                           "metric, linear or inverse");
+    if (made.width != first.front().width || made.height != first.front().height)
+        return input_error(of_file + "is of " + std::to_string(made.width) + "x" +
+                           std::to_string(made.height) + ", the camera gives " +
+                           std::to_string(first.front().width) + "x" + std::to_string(first.front().height) +
+                           " (size=)");
+    if (made.far_from_frames)
+        if (auto settled = settle_far(meaning, first, facts.node); !settled) return settled.error();
+    return meaning;
+}
+
+}  // namespace touchable

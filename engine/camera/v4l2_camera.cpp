@@ -1,0 +1,390 @@
+#include "engine/camera/v4l2_camera.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "engine/camera/colour_beside.hpp"
+#include "engine/camera/depth_meaning.hpp"
+#include "engine/camera/v4l2_stream.hpp"
+#include "engine/printable.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace {
+
+using std::chrono::steady_clock;
+
+// Frames that are looked at to find out what depth means.
+constexpr int first_frames = 8;
+// A camera that gives nothing for so long before a run does not work.
+constexpr std::chrono::seconds patience(5);
+constexpr std::int64_t ns_before_the_run = 1000;  // from one frame to the next, of those before the run
+constexpr int most_wrong = 100;                   // polls in a row
+constexpr std::int64_t most_lost = 1'000'000;     // in a row; more is another count
+
+std::int64_t steady_ns(steady_clock::time_point moment) {
+    return std::chrono::nanoseconds(moment.time_since_epoch()).count();
+}
+
+/// What ends a wait for a camera, from any thread.
+class Wake {
+public:
+    Wake() : descriptor_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+    ~Wake() {
+        if (descriptor_ >= 0) ::close(descriptor_);
+    }
+    Wake(const Wake&) = delete;
+    Wake& operator=(const Wake&) = delete;
+    int descriptor() const { return descriptor_; }
+    void wake() const { (void)!::eventfd_write(descriptor_, 1); }
+
+private:
+    int descriptor_;
+};
+
+class V4l2Camera final : public ClipReader {
+public:
+    explicit V4l2Camera(V4l2Choice choice)
+        : choice_(std::move(choice)), system_(choice_.system ? choice_.system : system_video()) {}
+    Result<void> open(const SourceDescription& known, const std::optional<std::filesystem::path>& scene_file);
+
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override;
+    void leave_out_colour() override { colour_.reset(); }
+    bool is_live() const override { return true; }
+    Result<void> begin(steady_clock::time_point zero) override;
+    void interrupt() override;
+    std::vector<std::string> remarks() const override;
+
+private:
+    Result<void> open_depth(const std::optional<std::filesystem::path>& scene_file);
+    Result<void> look_first(const SourceDescription& known,
+                            const std::optional<std::filesystem::path>& scene_file);
+    Result<void> open_colour();
+    Result<TakenPicture> first_picture();
+    Result<std::optional<TakenPicture>> wait_for_picture();
+    void wait(std::chrono::milliseconds longest);
+    Result<void> look_at_colour();
+    std::int64_t number_of(const TakenPicture& picture);
+    std::optional<RawFrame> frame_of(TakenPicture picture);
+    PlaneView depth_of(const TakenPicture& picture) const;
+    void gone(const std::string& why);
+    void remark(std::string words);
+
+    V4l2Choice choice_;
+    std::shared_ptr<VideoSystem> system_;
+    NodeFacts facts_;
+    std::unique_ptr<V4l2Stream> depth_;
+    std::unique_ptr<ColourBeside> colour_;
+    Scene scene_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    Wake wake_;
+    std::atomic<bool> interrupted_{false};
+    bool is_gone_ = false;
+    int wrong_in_a_row_ = 0;
+    std::int64_t next_number_ = 0;
+    std::optional<std::uint32_t> last_sequence_;  // of a frame of the run
+    std::optional<std::int64_t> zero_ns_;
+    std::int64_t last_time_ns_ = -1;
+    mutable std::mutex mutex_;
+    std::vector<std::string> remarks_;  // guarded by mutex_
+    std::atomic<std::int64_t> damaged_{0};
+};
+
+/// Of the formats that can be touched the first, for Z16 is depth for certain.
+const NodeFormat* touchable_format(const NodeFacts& facts) {
+    const NodeFormat* best = nullptr;
+    for (const NodeFormat& format : facts.formats) {
+        if (!is_depth_format(format.code)) continue;
+        if (best == nullptr || (format.code == V4L2_PIX_FMT_Z16 && best->code != V4L2_PIX_FMT_Z16))
+            best = &format;
+    }
+    return best;
+}
+
+Error no_depth_there(const NodeFacts& facts) {
+    std::string there;
+    for (const NodeFormat& format : facts.formats)
+        there += (there.empty() ? "" : ", ") + format_text(format.code);
+    return input_error(facts.node + ": " + printable(facts.card) +
+                       (facts.captures ? " gives no depth there (" + (there.empty() ? "nothing" : there) +
+                                             "); what can be touched is Z16 or Y16"
+                                       : std::string(" gives no pictures there")) +
+                       "; touchable cameras lists the nodes that have depth");
+}
+
+Result<void> V4l2Camera::open_depth(const std::optional<std::filesystem::path>& scene_file) {
+    auto facts = look_at_node(*system_, choice_.node);
+    if (!facts) return facts.error();
+    facts_ = std::move(*facts);
+    const NodeFormat* format = touchable_format(facts_);
+    if (format == nullptr) return no_depth_there(facts_);
+    ModeWish wish{choice_.width, choice_.height, choice_.rate};
+    if (scene_file && wish.width == 0) {
+        const auto scene = read_scene_file(*scene_file);
+        if (!scene) return scene.error();
+        wish.width = scene->width;
+        wish.height = scene->height;
+    }
+    auto stream = V4l2Stream::open(system_, facts_, *format, wish);
+    if (!stream) return stream.error();
+    depth_ = std::move(*stream);
+    return {};
+}
+
+/// What the stream is, and what it means.
+Result<void> V4l2Camera::look_first(const SourceDescription& known,
+                                    const std::optional<std::filesystem::path>& scene_file) {
+    std::vector<TakenPicture> pictures;
+    std::vector<PlaneView> views;
+    for (int k = 0; k < first_frames; ++k) {
+        auto picture = first_picture();
+        if (!picture) return picture.error();
+        views.push_back(depth_of(*picture));
+        pictures.push_back(std::move(*picture));
+    }
+    const StreamFormat& format = depth_->format();
+    auto meaning = scene_file ? meaning_in_file(facts_, views, *scene_file)
+                              : meaning_of_depth(facts_, format.code, views, known);
+    if (!meaning) return meaning.error();
+    scene_ = std::move(meaning->scene);
+    scene_.interpolation = FrameInterpolation::hold;
+    scene_.rate_unstated = false;
+    scene_.rate = depth_->rate().value_or(FrameRate{30, 1});
+    for (const auto& input : meaning->inputs) add_input(input);
+    const bool sized = choice_.width > 0 || scene_file;
+    notes_.push_back(printable(facts_.card) + ": " + format_text(format.code) + ", " +
+                     std::to_string(format.width) + "x" + std::to_string(format.height) + " at " +
+                     (depth_->rate() ? rate_text(*depth_->rate()) : std::string("an unknown number of")) +
+                     " frames/s" + (sized ? "" : " (size=WxH and fps=N choose another)"));
+    if (choice_.rate && depth_->rate() && std::abs(per_second(*depth_->rate()) / *choice_.rate - 1) > 0.01)
+        notes_.push_back("the camera gives " + rate_text(*depth_->rate()) +
+                         " frames/s of that size; fps= asked for another rate");
+    if (!pictures.back().timed_by_driver)
+        notes_.emplace_back(
+            "the camera's driver does not say when frames are taken: they count from their arrival");
+    for (std::string& note : meaning->notes) notes_.push_back(std::move(note));
+    tracks_.push_back({"depth", "v4l2", format_text(format.code), format.width, format.height, true});
+    return {};
+}
+
+Result<void> V4l2Camera::open_colour() {
+    if (choice_.colour.empty()) return {};
+    auto colour = ColourBeside::open(system_, choice_.colour, depth_->format(), depth_->rate());
+    if (!colour) return colour.error();
+    colour_ = std::move(*colour);
+    const auto until = steady_clock::now() + patience;
+    while (colour_ && !colour_->nearest(0, scene_) && steady_clock::now() < until)
+        if (auto taken = first_picture(); !taken) return taken.error();
+    if (!colour_ || !colour_->any())
+        return input_error(choice_.colour + ": gave no picture of colour in " +
+                           std::to_string(patience.count()) + " s; leave colour= out");
+    const TrackInfo& track = colour_->track();
+    tracks_.push_back(track);
+    notes_.push_back("colour is " + choice_.colour + " (" + track.pixel_format + ", " +
+                     std::to_string(track.width) + "x" + std::to_string(track.height) +
+                     "), as that camera sees it: it is not moved to where depth is seen from");
+    return {};
+}
+
+Result<void> V4l2Camera::open(const SourceDescription& known,
+                              const std::optional<std::filesystem::path>& scene_file) {
+    if (wake_.descriptor() < 0) return Error{ErrorKind::internal, "no event can be made to wait for"};
+    if (auto opened = open_depth(scene_file); !opened) return opened;
+    if (auto looked = look_first(known, scene_file); !looked) return looked;
+    return open_colour();
+}
+
+/// One that has to come, before a run.
+Result<TakenPicture> V4l2Camera::first_picture() {
+    auto picture = wait_for_picture();
+    if (!picture) return picture.error();
+    if (!*picture) return input_error(remarks().back());
+    return std::move(**picture);
+}
+
+/// The oldest before the run, the newest in it; nothing once the camera is gone.
+Result<std::optional<TakenPicture>> V4l2Camera::wait_for_picture() {
+    const auto until = steady_clock::now() + patience;
+    while (!is_gone_) {
+        if (interrupted_ || (!zero_ns_ && stop_requested()))
+            return Error{ErrorKind::interrupted,
+                         "the camera was told to stop before it gave frame " + std::to_string(next_number_)};
+        if (auto looked = look_at_colour(); !looked) return looked.error();
+        auto taken = depth_->take(zero_ns_ ? V4l2Stream::Which::newest : V4l2Stream::Which::oldest);
+        damaged_ = depth_->damaged();
+        if (!taken) {
+            gone(taken.error().message);
+            break;
+        }
+        if (*taken) return taken;
+        if (!zero_ns_ && steady_clock::now() > until)
+            return input_error(choice_.node + ": gave no frame in " + std::to_string(patience.count()) +
+                               " s" +
+                               (damaged_ > 0 ? " that was whole, " + std::to_string(damaged_) +
+                                                   " damaged ones: is its cable or port too slow?"
+                                             : ": is it in use, or does it wait for something?"));
+        // A run is interrupted by who ends it; before that only a signal does so.
+        constexpr std::chrono::milliseconds look_again(100), ever(-1);
+        wait(zero_ns_ ? ever : look_again);
+    }
+    return std::optional<TakenPicture>();
+}
+
+void V4l2Camera::wait(std::chrono::milliseconds longest) {
+    std::array<pollfd, 3> waits{
+        pollfd{wake_.descriptor(), POLLIN, 0}, {depth_->descriptor(), POLLIN, 0}, {-1, POLLIN, 0}};
+    if (colour_) waits[2].fd = colour_->descriptor();
+    const int ready = system_->poll(waits, static_cast<int>(longest.count()));
+    // A driver that says that something is wrong says what when it is asked for a picture; it is not asked
+    // for ever.
+    const auto is_wrong = [](const pollfd& waited) {
+        return (waited.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0 && (waited.revents & POLLIN) == 0;
+    };
+    const bool wrong = ready < 0 ? errno != EINTR : is_wrong(waits[1]) || is_wrong(waits[2]);
+    wrong_in_a_row_ = wrong ? wrong_in_a_row_ + 1 : 0;
+    if (wrong_in_a_row_ < most_wrong) return;
+    if (ready >= 0 && !is_wrong(waits[1])) {
+        remark("the camera of colour, " + choice_.colour + ", stopped");
+        colour_.reset();
+        wrong_in_a_row_ = 0;
+        return;
+    }
+    gone("stopped: its driver says that something is wrong, and not what");
+}
+
+Result<void> V4l2Camera::look_at_colour() {
+    if (!colour_) return {};
+    const auto looked = colour_->look();
+    if (looked) return {};
+    if (!zero_ns_) return input_error(choice_.colour + ": " + looked.error().message);
+    remark("the camera of colour, " + choice_.colour + ", " + looked.error().message);
+    colour_.reset();
+    return {};
+}
+
+PlaneView V4l2Camera::depth_of(const TakenPicture& picture) const {
+    const StreamFormat& format = depth_->format();
+    const bool big = format.code == V4L2_PIX_FMT_Y16_BE;
+    if (big != (std::endian::native == std::endian::big)) {
+        std::vector<std::uint8_t>& bytes = *picture.bytes;
+        for (std::size_t k = 0; k + 1 < format.least; k += 2) std::swap(bytes[k], bytes[k + 1]);
+    }
+    return {picture.bytes->data(), format.stride, format.width, format.height, 2, 1};
+}
+
+/// In a run by the driver's count; where that stands still, or has begun anew, the next.
+std::int64_t V4l2Camera::number_of(const TakenPicture& picture) {
+    std::int64_t further = 1;
+    if (last_sequence_) {
+        const std::uint32_t counted = picture.sequence - *last_sequence_;
+        if (counted > 0 && counted <= most_lost) further = counted;
+    }
+    if (zero_ns_) last_sequence_ = picture.sequence;
+    return next_number_ + further - 1;
+}
+
+/// Nothing: it was taken before the run.
+std::optional<RawFrame> V4l2Camera::frame_of(TakenPicture picture) {
+    RawFrame frame;
+    if (zero_ns_ && picture.at_ns - *zero_ns_ <= last_time_ns_ && !last_sequence_) return std::nullopt;
+    frame.number = number_of(picture);
+    frame.time_ns =
+        zero_ns_ ? std::max(picture.at_ns - *zero_ns_, last_time_ns_ + 1) : frame.number * ns_before_the_run;
+    next_number_ = frame.number + 1;
+    last_time_ns_ = frame.time_ns;
+    add_plane(frame, PlaneRole::depth, {depth_of(picture), picture.bytes, 16});
+    if (colour_)
+        if (auto colour = colour_->nearest(picture.at_ns, scene_))
+            add_plane(frame, PlaneRole::colour, std::move(*colour));
+    return frame;
+}
+
+Result<std::optional<RawFrame>> V4l2Camera::next() {
+    while (true) {
+        auto picture = wait_for_picture();
+        if (!picture) return picture.error();
+        if (!*picture && !zero_ns_) return input_error(remarks().back());
+        if (!*picture) return std::optional<RawFrame>();
+        if (auto frame = frame_of(std::move(**picture))) return frame;
+    }
+}
+
+Result<void> V4l2Camera::seek(std::int64_t frame) {
+    if (zero_ns_) return usage_error("a camera that runs goes to no other frame than its next");
+    if (frame > next_number_) return usage_error("a camera has not taken frame " + std::to_string(frame));
+    next_number_ = frame;
+    last_time_ns_ = std::max<std::int64_t>(-1, (frame - 1) * ns_before_the_run);
+    return {};
+}
+
+Result<void> V4l2Camera::begin(steady_clock::time_point zero) {
+    zero_ns_ = steady_ns(zero);
+    // Those that wait are of before. What is wrong with the camera it will say again.
+    (void)depth_->take(V4l2Stream::Which::newest);
+    return {};
+}
+
+void V4l2Camera::interrupt() {
+    interrupted_ = true;
+    wake_.wake();
+}
+
+void V4l2Camera::remark(std::string words) {
+    const std::lock_guard lock(mutex_);
+    remarks_.push_back(std::move(words));
+}
+
+void V4l2Camera::gone(const std::string& why) {
+    is_gone_ = true;
+    std::string when;
+    if (zero_ns_) {
+        char words[64];
+        std::snprintf(words, sizeof words, " after %.1f s; its last frame stands still",
+                      1e-9 * static_cast<double>(steady_ns(steady_clock::now()) - *zero_ns_));
+        when = words;
+    }
+    remark("the camera, " + choice_.node + ", " + why + when);
+}
+
+std::vector<std::string> V4l2Camera::remarks() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> all = remarks_;
+    if (const std::int64_t damaged = damaged_; damaged > 0)
+        all.insert(all.begin(), std::to_string(damaged) +
+                                    " of the camera's frames were damaged or cut short, "
+                                    "and left out");
+    return all;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> open_v4l2_camera(const V4l2Choice& choice,
+                                                     const std::optional<SourceDescription>& known,
+                                                     const std::optional<std::filesystem::path>& scene_file) {
+    auto camera = std::make_unique<V4l2Camera>(choice);
+    if (auto opened = camera->open(known.value_or(SourceDescription()), scene_file); !opened)
+        return opened.error();
+    return std::unique_ptr<ClipReader>(std::move(camera));
+}
+
+}  // namespace touchable

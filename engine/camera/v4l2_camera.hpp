@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engine/camera/video_system.hpp"
+#include "engine/import/source_description.hpp"
+#include "engine/media/clip.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A camera of depth that is plugged in, and what is wanted of it.
+struct V4l2Choice {
+    std::string node;                       ///< "/dev/video0"
+    int width = 0, height = 0;              ///< 0: the largest at 30 frames/s, up to 1280x720
+    std::optional<double> rate{};           ///< frames a second; nothing: 30, or the nearest to that
+    std::string colour{};                   ///< the node of colour beside it; empty: none
+    std::shared_ptr<VideoSystem> system{};  ///< nothing: this machine's
+};
+
+/// A camera as a live source: Z16, or grey of 16 bits taken for depth. Its first frames say what nobody has
+/// said: `known` and guesses, as of a picture (guessed_scene.hpp), which the notes tell; or `scene_file`.
+///
+/// Before `begin` frames come one by one as the camera takes them, at most a few seconds late. From then on
+/// `next` gives the newest one, at the time at which it was taken. Numbers are the driver's count, so that
+/// what was lost, damaged or passed over is a gap. A camera that is unplugged has no more frames, and
+/// `remarks` say so.
+Result<std::unique_ptr<ClipReader>> open_v4l2_camera(
+    const V4l2Choice& choice, const std::optional<SourceDescription>& known = {},
+    const std::optional<std::filesystem::path>& scene_file = {});
+
+}  // namespace touchable

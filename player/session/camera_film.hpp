@@ -1,0 +1,74 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "engine/media/clip.hpp"
+#include "engine/new_file.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A frame that a camera gave.
+struct FilmedFrame {
+    std::int64_t number = 0, time_ns = 0;
+    bool operator==(const FilmedFrame&) const = default;
+};
+using FilmedFrames = std::vector<FilmedFrame>;
+
+/// Keeps what a camera gave as a clip, so that what was felt can be repeated without it: frame n of the clip
+/// is the n-th that was given. Depth keeps every value. It is written by a thread of its own.
+class CameraFilm {
+public:
+    /// `scene`: the camera's.
+    explicit CameraFilm(Scene scene) : scene_(std::move(scene)) {}
+    ~CameraFilm();  ///< without `finish` nothing is left behind
+    CameraFilm(const CameraFilm&) = delete;
+    CameraFilm& operator=(const CameraFilm&) = delete;
+
+    /// Where it goes, and that of frames that were kept before. Once.
+    Result<void> open(const std::filesystem::path& file, Existing existing);
+    /// By the thread that reads. Waits while the disk is far behind; the camera's frames meanwhile are lost.
+    /// An error: why it cannot be written.
+    Result<void> keep(const RawFrame& frame);
+    /// Any thread: `keep` waits no more.
+    void interrupt();
+    /// Completes it, once no more is kept.
+    Result<void> finish();
+
+    const std::filesystem::path& file() const { return file_; }
+    /// All that were kept; not while another thread keeps one.
+    const FilmedFrames& frames() const { return frames_; }
+
+private:
+    void write();
+    void stop();
+
+    const Scene scene_;
+    std::filesystem::path file_;
+    FilmedFrames frames_;
+    std::unique_ptr<ClipWriter> writer_;
+    std::thread thread_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<RawFrame> waiting_;  // guarded by mutex_, as are those below
+    bool open_ = false, ended_ = false, interrupted_ = false;
+    std::optional<Error> failure_;
+};
+
+/// A camera whose frames are kept as they are given.
+std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraFilm> film);
+
+/// A film in place of its camera: its frames have the camera's numbers and times. `file`: as messages call
+/// it.
+Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film, FilmedFrames frames,
+                                                       const std::filesystem::path& file);
+
+}  // namespace touchable

@@ -1,0 +1,336 @@
+// A camera that is plugged in, over a fake of the kernel's side. No test depends on a deadline, and none has
+// met a camera.
+#include "engine/camera/v4l2_camera.hpp"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "tests/camera/fake_video.hpp"
+
+namespace touchable::test {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr int w = 20, h = 12;
+const std::string node = "/dev/video7";
+const SourceDescription millimetres{{}, 60, 0.001, {}, {}};
+
+template <class T>
+std::string said(const Result<T>& result) {
+    return result.ok() ? "" : result.error().message;
+}
+
+class Camera : public ::testing::Test {
+protected:
+    void TearDown() override {
+        EXPECT_EQ(video->misuse(), std::vector<std::string>());
+        EXPECT_EQ(video->left_over(), std::vector<std::string>());
+    }
+    FakeNode& add(std::uint32_t code = V4L2_PIX_FMT_Z16) { return add_depth_node(*video, node, w, h, code); }
+    Result<std::unique_ptr<ClipReader>> open(V4l2Choice choice = {}) const {
+        choice.node = node;
+        choice.system = video;
+        return open_v4l2_camera(choice, millimetres);
+    }
+    std::unique_ptr<ClipReader> opened(V4l2Choice choice = {}) const {
+        auto camera = open(std::move(choice));
+        EXPECT_EQ(said(camera), "");
+        return camera.ok() ? std::move(*camera) : nullptr;
+    }
+    /// A little ago, so that what is taken now is of the run: drivers count in microseconds.
+    static void begin(ClipReader& camera) {
+        EXPECT_EQ(said(camera.begin(steady_clock::now() - std::chrono::milliseconds(1))), "");
+    }
+    /// One that runs, of which frames 0 and 1 were given.
+    std::unique_ptr<ClipReader> running(V4l2Choice choice = {}) const {
+        auto camera = opened(std::move(choice));
+        for (int n = 0; camera && n < 2; ++n) EXPECT_EQ((*camera->next())->number, n);
+        if (camera) begin(*camera);
+        return camera;
+    }
+    static RawFrame next(ClipReader& camera) {
+        auto frame = camera.next();
+        EXPECT_EQ(said(frame), "");
+        return frame.ok() && *frame ? **frame : RawFrame();
+    }
+    /// Which picture a frame is, as its first pixel tells; then all others have to.
+    static std::uint32_t picture_in(const RawFrame& frame) {
+        const std::uint32_t first = frame.depth.sample(0, 0) - 500u;
+        std::uint32_t number = 0;
+        while (number < 2000 && 7 * number % 2000 != first) ++number;
+        for (int y = 0; y < h; ++y)
+            for (int x = 0; x < w; ++x) EXPECT_EQ(frame.depth.sample(x, y), painted_depth(x, y, number));
+        return number;
+    }
+
+    const std::shared_ptr<FakeVideo> video = std::make_shared<FakeVideo>();
+};
+
+TEST_F(Camera, GivesEveryFormatsPicturesBitForBit) {
+    for (const std::uint32_t code : {V4L2_PIX_FMT_Z16, V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_Y16_BE})
+        for (const std::uint32_t padding : {0u, 26u}) {
+            add(code).row_padding = padding;
+            const auto camera = opened();
+            ASSERT_TRUE(camera);
+            EXPECT_TRUE(camera->is_live());
+            EXPECT_EQ(camera->scene().width, w);
+            EXPECT_EQ(camera->scene().depth_bits, 16);
+            EXPECT_EQ(camera->scene().interpolation, FrameInterpolation::hold);
+            const std::uint32_t first = picture_in(next(*camera));
+            EXPECT_EQ(first, 8u) << "behind those that say what depth means";
+            begin(*camera);
+            for (int n = 1; n < 5; ++n) {
+                const RawFrame frame = next(*camera);
+                EXPECT_EQ(frame.number, n);
+                EXPECT_EQ(picture_in(frame), first + static_cast<std::uint32_t>(n));
+            }
+        }
+}
+
+/// By its driver's clock, from the run's beginning on.
+TEST_F(Camera, FramesAreOfTheTimeAtWhichTheyWereTaken) {
+    std::int64_t zero_ns = 0;
+    add().stamp = [&](std::uint32_t n) {
+        const std::int64_t late_ns = 1'000'000 * static_cast<std::int64_t>(n);
+        return zero_ns == 0 ? std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count()
+                            : zero_ns + late_ns;
+    };
+    const auto camera = opened();
+    for (int n = 0; n < 2; ++n) next(*camera);
+    const auto zero = steady_clock::now() - std::chrono::seconds(1);
+    zero_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count() / 1000 * 1000;
+    const std::int64_t rounded_ns = zero_ns - std::chrono::nanoseconds(zero.time_since_epoch()).count();
+    ASSERT_EQ(said(camera->begin(zero)), "");
+    for (int n = 2; n < 6; ++n) EXPECT_EQ(next(*camera).time_ns, (n + 8) * 1'000'000 + rounded_ns);
+}
+
+TEST_F(Camera, WithoutATimeOfItsOwnIsTimedByArrival) {
+    add().timestamps = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
+    const auto camera = running();
+    std::string notes;
+    for (const std::string& note : camera->notes()) notes += note + '\n';
+    EXPECT_NE(notes.find("count from their arrival"), std::string::npos) << notes;
+    const auto zero = steady_clock::now();
+    std::int64_t before = 0;
+    for (int n = 2; n < 6; ++n) {
+        const RawFrame frame = next(*camera);
+        EXPECT_EQ(frame.number, n);
+        EXPECT_GT(frame.time_ns, before);
+        before = frame.time_ns;
+    }
+    EXPECT_LT(before, 2 * std::chrono::nanoseconds(steady_clock::now() - zero).count() + 1'000'000'000);
+}
+
+TEST_F(Camera, FramesThatAreLostOrBadAreGaps) {
+    add().fate = [](std::uint32_t n) {
+        if (n == 12) return Fate::lost;
+        if (n == 14) return Fate::damaged;
+        if (n == 16) return Fate::cut;
+        return n == 18 ? Fate::io_error : Fate::good;
+    };
+    const auto camera = running();
+    for (const std::uint32_t picture : {10u, 11u, 13u, 15u, 17u, 19u, 20u}) {
+        const RawFrame frame = next(*camera);
+        EXPECT_EQ(picture_in(frame), picture);
+        EXPECT_EQ(frame.number, picture - 8);
+    }
+    ASSERT_EQ(camera->remarks().size(), 1u);
+    EXPECT_EQ(camera->remarks()[0], "3 of the camera's frames were damaged or cut short, and left out");
+}
+
+TEST_F(Camera, WhoseDriverDoesNotCountHasNoGaps) {
+    add().counts = false;
+    const auto camera = running();
+    for (int n = 2; n < 6; ++n) EXPECT_EQ(next(*camera).number, n);
+}
+
+TEST_F(Camera, GivesTheNewestToWhoeverComesLate) {
+    add();
+    const auto camera = running();
+    const std::uint32_t first = picture_in(next(*camera));
+    video->take(node, 3);
+    const RawFrame frame = next(*camera);
+    EXPECT_EQ(picture_in(frame), first + 3);
+    EXPECT_EQ(frame.number, 2 + 3);
+}
+
+/// Pictures of before the run may have waited since.
+TEST_F(Camera, GivesNoneOfBeforeTheRunOnceItRuns) {
+    add();
+    const auto camera = opened();
+    for (int n = 0; n < 2; ++n) next(*camera);
+    video->take(node, 4);
+    begin(*camera);
+    const RawFrame frame = next(*camera);
+    EXPECT_EQ(frame.number, 2) << "the next, and no gap";
+    EXPECT_EQ(picture_in(frame), 8u + 2 + 4);
+    EXPECT_EQ(camera->seek(0).error().kind, ErrorKind::usage);
+}
+
+TEST_F(Camera, BeginsAgainWhereItIsLookedAtBefore) {
+    add();
+    const auto camera = opened();
+    for (int n = 0; n < 5; ++n) EXPECT_EQ(next(*camera).number, n);
+    EXPECT_EQ(camera->seek(6).error().kind, ErrorKind::usage);
+    ASSERT_EQ(said(camera->seek(2)), "");
+    begin(*camera);
+    EXPECT_EQ(next(*camera).number, 2);
+}
+
+TEST_F(Camera, ThatIsUnpluggedStandsStill) {
+    add().fate = [](std::uint32_t n) { return n == 12 ? Fate::unplugged : Fate::good; };
+    const auto camera = running();
+    for (int n = 2; n < 4; ++n) EXPECT_EQ(next(*camera).number, n);
+    for (int again = 0; again < 2; ++again) {
+        const auto frame = camera->next();
+        ASSERT_EQ(said(frame), "");
+        EXPECT_FALSE(frame->has_value());
+    }
+    ASSERT_EQ(camera->remarks().size(), 1u);
+    EXPECT_TRUE(camera->remarks()[0].starts_with("the camera, /dev/video7, was unplugged after 0."));
+    EXPECT_TRUE(camera->remarks()[0].ends_with("s; its last frame stands still"));
+}
+
+TEST_F(Camera, WhoseDriverSaysOnlyThatSomethingIsWrongIsLeft) {
+    add().fate = [](std::uint32_t n) { return n == 12 ? Fate::nameless_error : Fate::good; };
+    const auto camera = running();
+    for (int n = 2; n < 4; ++n) next(*camera);
+    EXPECT_FALSE(camera->next()->has_value());
+    EXPECT_NE(camera->remarks().at(0).find("stopped"), std::string::npos);
+}
+
+TEST_F(Camera, ThatIsStalledEndsWhenItIsTold) {
+    add().fate = [](std::uint32_t n) { return n == 12 ? Fate::stalled : Fate::good; };
+    const auto camera = running();
+    for (int n = 2; n < 4; ++n) next(*camera);
+    std::thread teller([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        camera->interrupt();
+    });
+    const auto frame = camera->next();
+    teller.join();
+    ASSERT_FALSE(frame.ok());
+    EXPECT_EQ(frame.error().kind, ErrorKind::interrupted);
+    EXPECT_EQ(frame.error().message, "the camera was told to stop before it gave frame 4");
+    EXPECT_EQ(camera->next().error().kind, ErrorKind::interrupted);
+}
+
+TEST_F(Camera, SignalsChangeNothing) {
+    add();
+    video->set_signals(true);
+    const auto camera = running();
+    for (int n = 2; n < 6; ++n) EXPECT_EQ(next(*camera).number, n);
+}
+
+TEST_F(Camera, FewerBuffersWillDo) {
+    for (const std::uint32_t buffers : {1u, 2u, 7u}) {
+        add().buffers = buffers;
+        const auto camera = running();
+        for (int n = 2; n < 6; ++n) EXPECT_EQ(picture_in(next(*camera)), static_cast<std::uint32_t>(n) + 8);
+    }
+}
+
+TEST_F(Camera, IsRefusedInOneLineThatSaysWhatWouldHelp) {
+    const auto expect = [&](const std::string& fragment) {
+        const auto camera = open();
+        ASSERT_FALSE(camera.ok()) << fragment;
+        const std::string& message = camera.error().message;
+        EXPECT_NE(message.find(fragment), std::string::npos) << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+        EXPECT_TRUE(message.starts_with(node)) << message;
+        EXPECT_EQ(video->left_over(), std::vector<std::string>());
+    };
+    expect("does not exist; touchable cameras lists");
+    for (const auto& [request, failure, fragment] : std::vector<std::tuple<unsigned long, int, const char*>>{
+             {0, EACCES, "right would be sudo usermod -aG video $USER"},
+             {0, ENODEV, "is it plugged in?"},
+             {VIDIOC_QUERYCAP, ENOTTY, "is no camera's node"},
+             {VIDIOC_S_FMT, EBUSY, "another program has the camera"},
+             {VIDIOC_REQBUFS, EBUSY, "another program has the camera"},
+             {VIDIOC_STREAMON, ENOSPC, "the USB bus has no room"},
+             {VIDIOC_STREAMON, EIO, "cannot be used"},
+             {VIDIOC_DQBUF, ENODEV, "was unplugged"}}) {
+        FakeNode& camera = add();
+        camera.refusals[request] = failure;
+        if (request == VIDIOC_DQBUF) {
+            const auto refused = open();
+            EXPECT_NE(said(refused).find(fragment), std::string::npos) << said(refused);
+            continue;
+        }
+        expect(fragment);
+    }
+    add().settles_for = FakeMode{16, 8};
+    expect("gives Z16 of 16x8 where Z16 of 20x12 was asked for");
+    add().buffer_bytes = 100;
+    expect("buffers of 100 bytes; a picture has 480");
+    add().formats[0].code = V4L2_PIX_FMT_YUYV;
+    expect("gives no depth there (YUYV); what can be touched is Z16 or Y16");
+    add().capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
+    expect("gives no pictures there");
+    add().paint = [](std::uint32_t) { return std::vector<std::uint8_t>(w * h * 2); };
+    expect("has no depth: all values are 0");
+}
+
+TEST_F(Camera, ModesAreChosenAsSomebodyWantsThem) {
+    FakeNode& made = add();
+    made.paint = nullptr;
+    made.formats = {{V4L2_PIX_FMT_YUYV, {{1920, 1080}}},
+                    {V4L2_PIX_FMT_Y16, {{640, 480}}},
+                    {V4L2_PIX_FMT_Z16,
+                     {{480, 270, {{1, 90}, {1, 30}}},
+                      {848, 480, {{1, 30}, {1, 6}}},
+                      {1280, 720, {{1, 6}}},
+                      {1920, 1080}}}};
+    const NodeFacts facts = *look_at_node(*video, node);
+    ASSERT_EQ(facts.formats.size(), 3u);
+    const NodeFormat& depth = facts.formats[2];
+    const auto chosen = [&](const ModeWish& wish) {
+        const auto mode = choose_mode(depth, wish);
+        return mode.ok() ? mode_text(*mode) : mode.error().message;
+    };
+    EXPECT_EQ(chosen({}), "848x480 at 30 frames/s") << "the largest at 30, not larger than 1280x720";
+    EXPECT_EQ(chosen({1280, 720}), "1280x720 at 6 frames/s");
+    EXPECT_EQ(chosen({480, 270, 60.0}), "480x270 at 90 frames/s") << "or 30: as far away";
+    EXPECT_EQ(chosen({480, 270}), "480x270 at 30 frames/s");
+    EXPECT_EQ(chosen({0, 0, 90.0}), "480x270 at 90 frames/s");
+    EXPECT_EQ(chosen({640, 480}),
+              "offers no Z16 of 640x480 (size=); there are 480x270, 848x480, 1280x720, 1920x1080");
+    EXPECT_EQ(format_text(V4L2_PIX_FMT_Y16_BE), "Y16 (big-endian)");
+}
+
+TEST_F(Camera, SaysWhatItAssumes) {
+    add().card = "Intel(R) RealSense(TM) Depth Ca";
+    V4l2Choice choice{node};
+    choice.system = video;
+    const auto camera = open_v4l2_camera(choice);
+    ASSERT_EQ(said(camera), "");
+    const Scene& scene = (*camera)->scene();
+    EXPECT_EQ(scene.depth.scale, 0.001);
+    EXPECT_EQ(scene.metres_per_unit, 1);
+    EXPECT_FALSE(scene.far_from_frames);
+    EXPECT_NEAR(scene.camera.fx, 0.5 * w / std::tan(79.0 / 2 / 180 * 3.14159265358979), 1e-9);
+    // The last thousandth of 8 pictures of 20x12 pixels is one pixel and a part: the second deepest.
+    EXPECT_NEAR(scene.depth.far, 2 * 0.001 * (500 + (w - 1) + 3 * (h - 1) + 7 * 7 - 1), 1e-9);
+    std::string notes;
+    for (const std::string& note : (*camera)->notes()) notes += note + '\n';
+    for (const char* fragment : {"RealSense(TM) Depth Ca: Z16, 20x12 at 30 frames/s", "--preset realsense",
+                                 "79 degrees", "deeper than 1.2 m is no depth"})
+        EXPECT_NE(notes.find(fragment), std::string::npos) << fragment << " is not in\n" << notes;
+}
+
+TEST_F(Camera, MemoryStaysAsItIs) {
+    add();
+    const auto camera = running();
+    for (int k = 0; k < 50; ++k) next(*camera);
+    const auto before = mallinfo2().uordblks;
+    for (int k = 0; k < 500; ++k) next(*camera);
+    EXPECT_LE(mallinfo2().uordblks, before + 4096);
+}
+
+}  // namespace
+}  // namespace touchable::test

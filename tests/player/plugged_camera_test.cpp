@@ -1,0 +1,187 @@
+// Touch of a camera that is plugged in, over a fake of the kernel's side. No test depends on a deadline.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "player/commands/touch_run.hpp"
+#include "player/session/camera_words.hpp"
+#include "tests/camera/fake_video.hpp"
+#include "tests/media/clip_fixture.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int width = 64, height = 48;
+const std::string node = "/dev/video3";
+
+/// A ball that comes nearer and goes away, before a wall; millimetres.
+std::vector<std::uint8_t> ball(std::uint32_t number) {
+    std::vector<std::uint8_t> bytes;
+    const double nearer = 100 * std::sin(0.2 * number);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double dx = x - 32, dy = y - 24, inside = 400 - dx * dx - dy * dy;
+            const auto depth =
+                static_cast<std::uint16_t>(900 - nearer - (inside > 0 ? 10 * std::sqrt(inside) : 0));
+            bytes.push_back(static_cast<std::uint8_t>(depth & 0xff));
+            bytes.push_back(static_cast<std::uint8_t>(depth >> 8));
+        }
+    return bytes;
+}
+
+class PluggedCamera : public ::testing::Test {
+protected:
+    void plug_in(std::function<Fate(std::uint32_t)> fate) {
+        FakeNode& made = add_depth_node(*video, node, width, height);
+        made.paint = ball;
+        made.period_ns = 5'000'000;
+        made.fate = std::move(fate);
+    }
+    static Fate good(std::uint32_t) { return Fate::good; }
+    void TearDown() override {
+        EXPECT_EQ(video->misuse(), std::vector<std::string>());
+        EXPECT_EQ(video->left_over(), std::vector<std::string>());
+    }
+    TouchOptions live(double seconds) const {
+        TouchOptions options;
+        options.session.live = options.session.recorded = true;
+        options.session.camera = "v4l2:" + node;
+        auto camera = read_live_camera(*options.session.camera);
+        EXPECT_EQ(message(camera), "");
+        camera->plugged->system = video;
+        options.session.clip.take(*camera);
+        options.session.hand = "press";
+        options.session.fingers = 2;
+        options.session.ticks = static_cast<std::int64_t>(1000 * seconds);
+        options.record = record;
+        return options;
+    }
+    TouchOptions replay() const {
+        TouchOptions options;
+        options.replay = record;
+        options.session.builder.name = "reference";
+        return options;
+    }
+    nlohmann::json touch(TouchOptions options) const {
+        options.existing = Existing::replace;
+        options.json = report;
+        ::testing::internal::CaptureStdout();
+        const auto ran = run_touch(options);
+        said = ::testing::internal::GetCapturedStdout();
+        EXPECT_EQ(message(ran), "") << said;
+        return nlohmann::json::parse(file_contents(report), nullptr, false);
+    }
+
+    const std::shared_ptr<FakeVideo> video = std::make_shared<FakeVideo>();
+    const TemporaryFolder folder;
+    const std::filesystem::path record = folder / "run.rec", film = folder / "run.rec.mkv",
+                                report = folder / "r.json";
+    mutable std::string said;
+};
+
+TEST_F(PluggedCamera, ASessionReplaysWithoutItToItsHash) {
+    for (const bool temporal : {false, true}) {
+        plug_in([](std::uint32_t n) {
+            if (n % 7 == 3) return Fate::lost;
+            return n % 11 == 5 ? Fate::damaged : Fate::good;
+        });
+        TouchOptions options = live(0.4);
+        if (temporal) options.session.clip.temporal = TemporalChoice{true, DepthLength{0.002, 0}};
+        const auto lived = touch(options);
+        EXPECT_GT(lived["frames_shown"], 5);
+        EXPECT_GT(lived["dropped_frames"], 5);
+        EXPECT_GT(lived["exposure_to_force_ms"]["p50"], 0);
+        EXPECT_GT(lived["contact_ticks"], 0);
+        EXPECT_NE(lived["notes"].dump().find("are kept as " + film.string()), std::string::npos);
+        EXPECT_NE(lived["warnings"].dump().find("were damaged or cut short"), std::string::npos);
+        video->unplug(node);
+        const auto again = touch(replay());
+        EXPECT_EQ(again["force_hash"], lived["force_hash"]);
+        EXPECT_EQ(again["camera"], "v4l2:" + node);
+        EXPECT_EQ(again["clip"], film.string());
+        EXPECT_EQ(said.find("not the recorded ones"), std::string::npos) << said;
+    }
+    // The film is a clip like any other, with every value as the camera gave it.
+    const auto clip = open_clip(film);
+    ASSERT_EQ(message(clip), "");
+    const auto frame = (*clip)->next();
+    ASSERT_EQ(message(frame), "");
+    const auto is_picture = [&](std::uint32_t number) {
+        const auto painted = ball(number);
+        for (int y = 0; y < height; ++y)
+            if (std::memcmp((*frame)->depth.row(y), painted.data() + 2 * width * y, 2 * width) != 0)
+                return false;
+        return true;
+    };
+    std::uint32_t number = 0;
+    while (number < 200 && !is_picture(number)) ++number;
+    EXPECT_LT(number, 200u);
+}
+
+/// The last frame stands still, the hand goes on, and no force jumps.
+TEST_F(PluggedCamera, ThatIsUnpluggedIsFeltToTheEnd) {
+    plug_in([](std::uint32_t n) { return n == 60 ? Fate::unplugged : Fate::good; });
+    const auto lived = touch(live(0.5));
+    EXPECT_GE(lived["ticks"].get<int>() + lived["skipped_ticks"].get<int>(), 500);
+    const std::string warnings = lived["warnings"].dump();
+    EXPECT_NE(warnings.find("the camera, " + node + ", was unplugged after 0."), std::string::npos)
+        << warnings;
+    EXPECT_NE(warnings.find("its last frame stands still"), std::string::npos) << warnings;
+    EXPECT_EQ(touch(replay())["force_hash"], lived["force_hash"]);
+}
+
+TEST_F(PluggedCamera, AFilmThatIsAnothersOrInTheWayIsRefused) {
+    plug_in(good);
+    (void)touch(live(0.1));
+    write_bytes(film, "something else");
+    TouchOptions options = live(0.1);
+    const auto kept = run_touch(options);
+    EXPECT_NE(message(kept).find("run.rec is there already"), std::string::npos) << message(kept);
+    std::filesystem::remove(record);
+    const auto film_kept = run_touch(options);
+    EXPECT_NE(message(film_kept).find("run.rec.mkv is there already"), std::string::npos)
+        << message(film_kept);
+    EXPECT_EQ(read_bytes(film), "something else");
+    std::filesystem::remove(film);
+    (void)touch(live(0.1));
+    ASSERT_EQ(run_touchable(
+                  {"make", "moving", film, "--size", "64x48", "--frames", "3", "--bits", "16", "--overwrite"})
+                  .code,
+              0);
+    const auto another = run_touch(replay());
+    EXPECT_NE(message(another).find("it is not the film of that recording"), std::string::npos)
+        << message(another);
+}
+
+TEST(PluggedCameraWords, AreReadOrRefused) {
+    const auto camera = read_live_camera("v4l2:/dev/video4,size=848x480,fps=60,colour=/dev/video6");
+    ASSERT_EQ(message(camera), "");
+    ASSERT_TRUE(camera->plugged);
+    EXPECT_EQ(camera->plugged->node, "/dev/video4");
+    EXPECT_EQ(camera->plugged->width, 848);
+    EXPECT_EQ(camera->plugged->height, 480);
+    EXPECT_EQ(camera->plugged->rate, 60);
+    EXPECT_EQ(camera->plugged->colour, "/dev/video6");
+    EXPECT_FALSE(read_live_camera("v4l2:/dev/video4")->plugged->rate);
+    for (const auto& [words, fragment] : std::vector<std::pair<const char*, const char*>>{
+             {"v4l2:", "needs a node, such as v4l2:/dev/video0"},
+             {"v4l2:a,size=3", "size=3 will not do; right would be WIDTHxHEIGHT"},
+             {"v4l2:a,size=0x4", "size=0x4 will not do"},
+             {"v4l2:a,fps=0", "fps takes 0.1 to 1000 frames/s"},
+             {"v4l2:a,jitter=2", "unknown key 'jitter'"}}) {
+        const auto refused = read_live_camera(words);
+        ASSERT_FALSE(refused.ok()) << words;
+        EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+        EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
+    }
+    const Outcome absent =
+        run_touchable({"touch", "--live", "--camera", "v4l2:/dev/video/none", "--fov", "60"});
+    EXPECT_EQ(absent.code, 3);
+    EXPECT_TRUE(absent.one_line_of_error()) << absent.err;
+    EXPECT_NE(absent.err.find("does not exist; touchable cameras lists"), std::string::npos) << absent.err;
+}
+
+}  // namespace
+}  // namespace touchable::test
