@@ -110,7 +110,7 @@ std::vector<double> numbers_after(const std::string& text, const std::string& wo
         if (line.compare(begin, word.size(), word) == 0) {
             is_inside = true;
             found += line.substr(begin + word.size()) + '\n';
-        } else if (is_inside && is_word && line.compare(begin, 4, "data") == 0) {
+        } else if (is_inside && is_word && line.compare(begin, 5, "data:") == 0) {
             found = line.substr(begin + 5) + '\n';
         } else if (is_inside && is_word && line.compare(begin, 4, "rows") != 0 &&
                    line.compare(begin, 3, "dt:") != 0 && line.compare(begin, 4, "cols") != 0) {
