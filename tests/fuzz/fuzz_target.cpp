@@ -83,12 +83,13 @@ void require(bool is_so, std::string_view what) {
 }
 
 void require_readable(const Error& error, Quotes quotes) {
-    require(!error.message.empty(), "an error says nothing");
+    constexpr std::size_t longest = 2000;
+    const std::string& message = error.message;
     const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7f'; };
-    require(quotes == Quotes::typed || std::none_of(error.message.begin(), error.message.end(), is_control),
-            "an error has a control character: " + printable(error.message, 1000));
-    require(error.message.size() < 2000, "an error is longer than 2000 bytes: " + error.message);
-    require(error.kind != ErrorKind::internal, "an internal error: " + error.message);
+    const bool is_clean = quotes == Quotes::typed || std::none_of(message.begin(), message.end(), is_control);
+    if (is_clean && !message.empty() && message.size() < longest && error.kind != ErrorKind::internal) return;
+    throw Fault{"an error is empty, long, internal or with control characters: " +
+                printable(message, longest)};
 }
 
 bool is_picture(const Result<StoredImage>& picture) {

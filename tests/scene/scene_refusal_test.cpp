@@ -199,6 +199,7 @@ TEST(SceneRefusal, WrongTypesAndValuesAreNamedByTheirPath) {
         {"d_%04d.png", "depth.png", {"folder.colour", "c%d.png", "depth.png", "a single picture"}},
         {"c%d.png", "%s%n", {"folder.colour", "%s%n"}},
         {"t%d.png", "\\u0000%d", {"folder.haptic", "control"}},
+        {"t%d.png", "\\u007f%d", {"folder.haptic", "control"}},
         {"\"first\": 0", "\"first\": -1", {"folder.first is -1"}},
         {"\"count\": 7", "\"count\": 1.5", {"folder.count is 1.5", "a whole number"}},
     };
