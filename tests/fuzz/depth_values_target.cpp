@@ -24,8 +24,8 @@ Scene scene_of(Taken& taken) {
     scene.depth.near = 10;
     scene.depth.far = 5000;
     scene.depth.scale = 1;
-    scene.depth_bits = 16;
-    scene.depth.code_max = 65535;
+    scene.depth_bits = 8;
+    scene.depth.code_max = 255;  // all codes are looked at wherever a coding is checked
     derive_valid_range(scene.depth);
     return scene;
 }
@@ -65,7 +65,7 @@ bool parse_depth_values(std::string_view bytes) {
 }
 
 const Registered depth_values_target{
-    {.name = "depth_values", .parse = parse_depth_values, .most_bytes = 512}};
+    {.name = "depth_values", .parse = parse_depth_values, .changes = 100, .most_bytes = 512}};
 
 }  // namespace
 }  // namespace touchable::fuzz

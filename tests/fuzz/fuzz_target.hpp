@@ -23,6 +23,10 @@ struct Target {
     /// Whether a seed that is taken is refused wherever it is cut, but for so many bytes at its end.
     bool cuts_are_refused = false;
     std::size_t needless_bytes = 0;
+    /// Whether so much of a whole seed that is taken has to be refused.
+    bool refuses_cut(std::size_t length, std::size_t whole) const {
+        return cuts_are_refused && length + needless_bytes < whole;
+    }
     int changes = 300;              ///< how often its seeds are changed in the ordinary tests
     std::size_t most_bytes = 4096;  ///< of an input that libFuzzer makes
 };

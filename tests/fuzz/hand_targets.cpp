@@ -25,7 +25,7 @@ void require_goals(Hand& hand, const SurfaceProbe& probe) {
 
 bool parse_hand(std::string_view bytes) {
     const std::string words(bytes);
-    // A file that is named is another target's.
+    // A table is another target's.
     if (words.starts_with("csv:")) return false;
     const FakeProbe probe = flat_view();
     const auto hand = make_hand(words, 2, default_workspace(640, 500, 800), probe);

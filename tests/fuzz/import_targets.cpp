@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "engine/import/camera_file.hpp"
+#include "engine/import/depthkit_clip.hpp"
 #include "engine/import/depthkit_metadata.hpp"
 #include "engine/import/picture_files.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -36,6 +37,15 @@ bool parse_depthkit(std::string_view bytes) {
     if (!is_taken(scene)) return false;
     require(validate(*scene).ok(), "a scene cannot be");
     return true;
+}
+
+/// The video beside a description that is right.
+bool parse_depthkit_video(std::string_view bytes) {
+    static const std::filesystem::path description = [] {
+        Target seeds{.name = "depthkit", .parse = nullptr};
+        return file_of(seeds_of(seeds).front().bytes, "depthkit.Metadata.asset");
+    }();
+    return is_clip(open_depthkit_clip(file_of(bytes, "depthkit.mov"), description, std::nullopt));
 }
 
 /// A folder with a few pictures to be found.
@@ -97,6 +107,8 @@ bool parse_pattern(std::string_view bytes) {
 
 const Registered camera_file_target{{.name = "camera_file", .parse = parse_camera_file}};
 const Registered depthkit_target{{.name = "depthkit", .parse = parse_depthkit}};
+const Registered depthkit_video_target{
+    {.name = "depthkit_video", .parse = parse_depthkit_video, .cuts_are_refused = true, .changes = 60}};
 const Registered list_target{{.name = "picture_list", .parse = parse_list, .most_bytes = 1024}};
 const Registered pattern_target{{.name = "picture_pattern", .parse = parse_pattern, .most_bytes = 128}};
 

@@ -57,8 +57,11 @@ const Registered netpbm_target{
 const Registered pfm_target{{.name = "pfm", .parse = parse_picture<decode_pfm>, .cuts_are_refused = true}};
 const Registered npy_target{{.name = "npy", .parse = parse_picture<decode_npy>, .cuts_are_refused = true}};
 const Registered npz_target{{.name = "npz", .parse = parse_picture<decode_npz>, .cuts_are_refused = true}};
-const Registered tiff_target{{.name = "tiff", .parse = parse_picture<decode_tiff>}};
+const Registered tiff_target{
+    {.name = "tiff", .parse = parse_picture<decode_tiff>, .cuts_are_refused = true, .needless_bytes = 4}};
 const Registered exr_target{{.name = "exr", .parse = parse_picture<decode_exr>, .cuts_are_refused = true}};
+/// Tiles stand in any order, and what is cut off may be one that is not needed.
+const Registered exr_tiled_target{{.name = "exr_tiled", .parse = parse_picture<decode_exr>}};
 const Registered png_target{{.name = "png", .parse = parse_png, .cuts_are_refused = true}};
 const Registered jpeg_target{
     {.name = "jpeg", .parse = parse_picture<decode_coded_image>, .cuts_are_refused = true}};

@@ -10,7 +10,10 @@ namespace {
 /// What was read, written and read again is the same.
 bool parse_scene_file(std::string_view bytes) {
     const auto scene = parse_scene(bytes, "scene.json");
-    if (!is_taken(scene)) return false;
+    if (!is_taken(scene)) {
+        require(scene.error().message.starts_with("scene.json"), "a scene is refused without its name");
+        return false;
+    }
     require(validate(*scene).ok(), "a scene that was read cannot be");
     const std::string text = scene_to_json(*scene);
     const auto again = parse_scene(text, "again");
@@ -27,11 +30,16 @@ bool parse_json(std::string_view bytes) {
         return true;
     } catch (const checked_json::Refusal& refusal) {
         require_readable(input_error(refusal.message));
+        require(refusal.message.find("line ") != std::string::npos, "JSON is refused without the line");
         return false;
     }
 }
 
-const Registered scene_target{{.name = "scene", .parse = parse_scene_file, .most_bytes = 8192}};
+const Registered scene_target{{.name = "scene",
+                               .parse = parse_scene_file,
+                               .cuts_are_refused = true,
+                               .changes = 600,
+                               .most_bytes = 8192}};
 const Registered json_target{{.name = "json", .parse = parse_json}};
 
 }  // namespace
