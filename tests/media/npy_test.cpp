@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "engine/media/npy_stack.hpp"
+#include "engine/media/stored_image.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
