@@ -61,8 +61,12 @@ bool parse_block_addition(std::string_view bytes) {
 
 const Registered container_target{
     {.name = "container", .parse = parse_container, .cuts_are_refused = true, .most_bytes = 8192}};
-const Registered clip_target{
-    {.name = "clip", .parse = parse_clip, .cuts_are_refused = true, .changes = 120, .most_bytes = 12288}};
+const Registered clip_target{{.name = "clip",
+                              .parse = parse_clip,
+                              .cuts_are_refused = true,
+                              .changes = 120,
+                              .most_bytes = 12288,
+                              .most_mebibytes = 2048}};
 const Registered clip_tags_target{{.name = "clip_tags", .parse = parse_clip_tags, .most_bytes = 64}};
 const Registered block_addition_target{
     {.name = "block_addition", .parse = parse_block_addition, .most_bytes = 256}};

@@ -1,5 +1,5 @@
 // The targets as one program of libFuzzer's. `./run fuzz` calls it:
-//   touchable-fuzz --list                  names of all targets, each with its most bytes
+//   touchable-fuzz --list                  names of all targets, each with its most bytes and mebibytes
 //   touchable-fuzz --cuts=NAME             every seed of a target, cut at every length
 //   touchable-fuzz --target=NAME [...]     fuzzes it, with libFuzzer's options and folders
 #include <sanitizer/common_interface_defs.h>
@@ -55,7 +55,8 @@ void keep_in_hand() {
 }
 
 void list() {
-    for (const Target& target : all_targets()) std::cout << target.name << ' ' << target.most_bytes << '\n';
+    for (const Target& target : all_targets())
+        std::cout << target.name << ' ' << target.most_bytes << ' ' << target.most_mebibytes << '\n';
     std::exit(0);
 }
 

@@ -29,6 +29,10 @@ struct Target {
     }
     int changes = 300;              ///< how often its seeds are changed in the ordinary tests
     std::size_t most_bytes = 4096;  ///< of an input that libFuzzer makes
+    /// That may be asked for at once. FFmpeg's demuxers ask for tables as long as a file claims, up to 2 GiB,
+    /// and find out before they touch them that it has no such table: what is taken stays within the other
+    /// limit.
+    int most_mebibytes = 512;
 };
 
 /// Makes a target known: a constant of this type is all that a file of one needs.

@@ -107,8 +107,11 @@ bool parse_pattern(std::string_view bytes) {
 
 const Registered camera_file_target{{.name = "camera_file", .parse = parse_camera_file}};
 const Registered depthkit_target{{.name = "depthkit", .parse = parse_depthkit}};
-const Registered depthkit_video_target{
-    {.name = "depthkit_video", .parse = parse_depthkit_video, .cuts_are_refused = true, .changes = 60}};
+const Registered depthkit_video_target{{.name = "depthkit_video",
+                                        .parse = parse_depthkit_video,
+                                        .cuts_are_refused = true,
+                                        .changes = 60,
+                                        .most_mebibytes = 2048}};
 const Registered list_target{{.name = "picture_list", .parse = parse_list, .most_bytes = 1024}};
 const Registered pattern_target{{.name = "picture_pattern", .parse = parse_pattern, .most_bytes = 128}};
 
