@@ -1,5 +1,6 @@
 // Matroska clips: the file as a whole, and what their tags and blocks say.
-#include <limits>
+#include <algorithm>
+#include <cstdint>
 
 #include "engine/media/block_addition.hpp"
 #include "engine/media/clip_tags.hpp"

@@ -1,5 +1,6 @@
 // What stands in a JPEG beside its picture: segments, EXIF, XMP, a depth map.
 #include <cmath>
+#include <cstdint>
 
 #include "engine/import/dynamic_depth.hpp"
 #include "engine/import/exif.hpp"

@@ -67,7 +67,7 @@ TEST_P(Parsers, StandChanges) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Parsers, ::testing::ValuesIn(all_targets()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace
 }  // namespace touchable::fuzz
