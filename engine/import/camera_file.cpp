@@ -110,7 +110,7 @@ std::vector<double> numbers_after(const std::string& text, const std::string& wo
         if (line.compare(begin, word.size(), word) == 0) {
             is_inside = true;
             found += line.substr(begin + word.size()) + '\n';
-        } else if (is_inside && is_word && line.compare(begin, 4, "data") == 0) {
+        } else if (is_inside && is_word && line.compare(begin, 5, "data:") == 0) {
             found = line.substr(begin + 5) + '\n';
         } else if (is_inside && is_word && line.compare(begin, 4, "rows") != 0 &&
                    line.compare(begin, 3, "dt:") != 0 && line.compare(begin, 4, "cols") != 0) {
@@ -217,7 +217,7 @@ Result<CameraFile> read_camera_file(const fs::path& file) {
     std::error_code failure;
     if (!fs::is_regular_file(file, failure)) return input_error(file.string() + ": is no file");
     std::ifstream in(file, std::ios::binary);
-    std::string text(longest_file + 1, '\0');
+    std::string text(std::min<std::uintmax_t>(fs::file_size(file, failure), longest_file) + 1, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(in.gcount()));
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);  // a mark that says UTF-8

@@ -52,9 +52,11 @@ Result<Metadata> Metadata::read(const std::filesystem::path& file) {
     constexpr std::size_t largest = 1 << 20;
     Metadata metadata;
     metadata.file_ = file.string();
-    metadata.text_.resize(largest);
+    std::error_code failure;
+    metadata.text_.resize(std::min<std::uintmax_t>(std::filesystem::file_size(file, failure), largest - 1) +
+                          1);
     std::ifstream in(file, std::ios::binary);
-    in.read(metadata.text_.data(), static_cast<std::streamsize>(largest));
+    in.read(metadata.text_.data(), static_cast<std::streamsize>(metadata.text_.size()));
     if (!in.eof()) return input_error(metadata.file_ + ": cannot be read, or is larger than 1 MiB");
     metadata.text_.resize(static_cast<std::size_t>(in.gcount()));
     return metadata;

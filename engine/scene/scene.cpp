@@ -259,8 +259,8 @@ bool is_file_pattern(const std::string& pattern) {
 }
 
 Result<void> check_pattern(const std::string& member, const std::string& pattern) {
-    const bool clean =
-        std::none_of(pattern.begin(), pattern.end(), [](char c) { return c >= 0 && c < 0x20; });
+    const bool clean = std::none_of(pattern.begin(), pattern.end(),
+                                    [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; });
     if (clean && is_file_pattern(pattern)) return {};
     return input_error(
         member + " is " + in_quotes(pattern) +

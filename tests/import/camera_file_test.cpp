@@ -53,9 +53,9 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
 
 TEST(CameraFiles, WithoutACameraAreRefused) {
     const TemporaryFolder folder;
-    for (const char* text :
-         {"", "{", "{}", "[1, 2]", "1 2 3", "hello", R"({"fx": -3, "fy": 2})", R"({"fx": 1e300, "fy": 2})",
-          R"({"K": [1, 2]})", "camera_matrix: nothing\n", "1 PINHOLE 640 480 500\n", R"({"fx": "500"})"}) {
+    for (const char* text : {"", "{", "{}", "[1, 2]", "1 2 3", "hello", R"({"fx": -3, "fy": 2})",
+                             R"({"fx": 1e300, "fy": 2})", R"({"K": [1, 2]})", "camera_matrix: nothing\n",
+                             "camera_matrix:\ndata", "1 PINHOLE 640 480 500\n", R"({"fx": "500"})"}) {
         write_bytes(folder / "camera.txt", text);
         EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("has no camera"), std::string::npos)
             << text;

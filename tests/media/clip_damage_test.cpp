@@ -147,26 +147,15 @@ TEST(ClipDamage, HeavyDamageAmongTheFramesIsAnErrorOrChangesNothing) {
     }
 }
 
-/// Files of other writers may carry no checksums for what is not payload: damage there may pass, but not
-/// crash.
-TEST(ClipDamage, DamageWithoutChecksumsNeverCrashes) {
+/// Files of other writers may carry no checksums for what is not payload. Damage there may pass, but not
+/// crash: tests/fuzz.
+TEST(ClipDamage, AClipMayCarryNoChecksums) {
     const Subject subject(24, 3, 16);
     Remux changes;
     changes.checksums = false;
     remux(subject.folder / "whole.mkv", subject.folder / "bare.mkv", changes);
     const std::string bytes = read_bytes(subject.folder / "bare.mkv");
     EXPECT_TRUE(same_outcome(subject.with(bytes), subject.whole));
-    Numbers numbers(9);
-    int refused = 0;
-    for (int trial = 0; trial < 1500; ++trial) {
-        const std::size_t header = bytes.find("\x1F\x43\xB6\x75");
-        std::string damaged = scattered(bytes, 0, trial % 2 == 0 ? header : bytes.size(), numbers);
-        if (trial % 3 == 0)
-            damaged.erase(static_cast<std::size_t>(numbers.below(static_cast<int>(damaged.size()))),
-                          static_cast<std::size_t>(numbers.below(200)));
-        refused += subject.with(damaged).error.empty() ? 0 : 1;
-    }
-    EXPECT_GT(refused, 1000);
 }
 
 TEST(ClipDamage, OtherFilesAreNotClips) {

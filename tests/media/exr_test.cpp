@@ -10,8 +10,9 @@
 
 #include <cmath>
 
+#include "engine/media/stored_image.hpp"
+#include "tests/media/clip_fixture.hpp"
 #include "tests/media/encoded_picture.hpp"
-#include "tests/media/picture_damage.hpp"
 
 namespace touchable::test {
 namespace {
@@ -160,18 +161,6 @@ TEST(Exr, BeyondTheDataWindowThereIsNothing) {
                 ASSERT_EQ(value, exr_value(x - 2, y - 2));
         }
     EXPECT_NE(exr_refusal({.beyond = -2}).find("data window beyond its display window"), std::string::npos);
-}
-
-TEST(ExrDamage, CutAnywhereItIsRefusedAndChangedRefusedOrAPicture) {
-    for (const bool tiled : {false, true})
-        for (const Imf::Compression compression :
-             {Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION, Imf::NO_COMPRESSION}) {
-            SCOPED_TRACE(std::to_string(compression) + (tiled ? " tiled" : ""));
-            const std::string whole =
-                exr_file({.compression = compression, .tiled = tiled, .width = 9, .height = 11});
-            if (!tiled) expect_cuts_refused(whole);
-            expect_changes_survived(whole, 10);
-        }
 }
 
 }  // namespace

@@ -210,29 +210,6 @@ TEST(GdepthJpeg, WhatIsMissingOrWrongIsSaid) {
     }
 }
 
-TEST(GdepthJpeg, EveryTruncationIsAnError) {
-    const TemporaryFolder folder;
-    const std::string whole = Gdepth().file();
-    ASSERT_EQ(message(open_bytes(folder, whole)), "");
-    for (std::size_t length = 0; length < whole.size(); ++length)
-        ASSERT_FALSE(open_bytes(folder, whole.substr(0, length)).ok()) << length << " of " << whole.size();
-}
-
-TEST(GdepthJpeg, ChangedBytesNeverDoHarm) {
-    const TemporaryFolder folder;
-    const std::string whole = Gdepth().file();
-    Numbers numbers(17);
-    int refused = 0;
-    for (int attempt = 0; attempt < 1000; ++attempt) {
-        std::string changed = whole;
-        for (int k = 1 + numbers.below(3); k > 0; --k)
-            changed[static_cast<std::size_t>(numbers.below(static_cast<int>(changed.size())))] =
-                static_cast<char>(numbers.below(256));
-        refused += !open_bytes(folder, changed).ok();
-    }
-    EXPECT_GT(refused, 100);
-}
-
 struct Still {
     const char* name;
     int width, height;

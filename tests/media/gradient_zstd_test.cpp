@@ -105,25 +105,5 @@ TEST(GradientZstd, APacketOfAnotherSizeIsRefusedUnread) {
     EXPECT_TRUE(decodes(decoder, packet, 24, 16, samples));  // as good as before
 }
 
-TEST(GradientZstd, NoBytesDoHarm) {
-    GradientZstdDecoder decoder;
-    Wide samples;
-    Numbers numbers(3);
-    for (const bool noisy : {true, false}) {
-        Samples memory;
-        const Samples packet = packet_of(test_plane(memory, 24, 16, 2, 1, noisy ? 500 : 65535, 1, noisy));
-        for (std::size_t size = 0; size < packet.size(); ++size)
-            EXPECT_FALSE(decodes(decoder, std::span(packet).first(size), 24, 16, samples)) << size;
-        for (int trial = 0; trial < 3000; ++trial) {
-            Samples damaged = packet;
-            for (int k = numbers.below(8); k >= 0; --k)
-                damaged[static_cast<std::size_t>(numbers.below(static_cast<int>(damaged.size())))] =
-                    static_cast<std::uint8_t>(numbers.below(256));
-            (void)decodes(decoder, damaged, 24, 16, samples);  // any samples, or none
-        }
-        EXPECT_TRUE(decodes(decoder, packet, 24, 16, samples));
-    }
-}
-
 }  // namespace
 }  // namespace touchable::test

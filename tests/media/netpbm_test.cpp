@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/media/stored_image.hpp"
 #include "tests/limited_memory.hpp"
+#include "tests/media/clip_fixture.hpp"
 #include "tests/media/encoded_picture.hpp"
 #include "tests/media/jpeg_with_xmp.hpp"
-#include "tests/media/picture_damage.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {
@@ -174,19 +175,6 @@ TEST(Netpbm, AFolderOfThemIsAClip) {
     ASSERT_EQ(message(frames), "");
     EXPECT_EQ(frames->at(0).depth.sample(6, 4), netpbm_byte(12, 4) << 8 | netpbm_byte(13, 4));
     EXPECT_NE(message(opened("d.pfm")).find("no frame has a valid depth"), std::string::npos) << "all are 0";
-}
-
-TEST(NetpbmDamage, CutAnywhereItIsRefused) {
-    expect_cuts_refused(encoded_netpbm("pgm", AV_PIX_FMT_GRAY16BE, 14));
-    expect_cuts_refused(encoded_netpbm("ppm", AV_PIX_FMT_RGB24, 21));
-    expect_cuts_refused("P2 2 2 9\n1 2 3 4");
-    expect_cuts_refused("Pf\n2 2\n-1\nabcdefghijklmnop");
-}
-
-TEST(NetpbmDamage, ChangedItIsRefusedOrAPicture) {
-    expect_changes_survived(encoded_netpbm("pgm", AV_PIX_FMT_GRAY16BE, 14), 1);
-    expect_changes_survived("P3 2 2 9\n1 2 3 4 5 6 7 8 9 0 1 2 ", 2);
-    expect_changes_survived("Pf\n2 2\n-1\nabcdefghijklmnop", 3);
 }
 
 TEST(NetpbmDamage, WhatIsWrongIsNamed) {

@@ -5,8 +5,9 @@
 #include <cstdlib>
 
 #include "engine/media/npy_stack.hpp"
+#include "engine/media/stored_image.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/media/picture_damage.hpp"
+#include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {
@@ -182,17 +183,6 @@ TEST_F(Npy, TheArrayOfDepthAmongSeveralAndWhatIsNone) {
         {"fortran_stack.npy", "is a stack in Fortran order"}};
     for (const auto& [name, words] : cases)
         EXPECT_NE(refusal(name).find(words), std::string::npos) << refusal(name);
-}
-
-TEST_F(Npy, CutItIsRefusedAndChangedRefusedOrAPicture) {
-    expect_cuts_refused(bytes("u2le_c.npy"));
-    expect_cuts_refused(bytes("f4be_f.npy"));
-    expect_cuts_refused(bytes("named.npz"));
-
-    expect_changes_survived(bytes("u2le_c.npy"), 4);
-    expect_changes_survived(bytes("i8be_f.npy"), 5);
-    expect_changes_survived(bytes("only.npz"), 6);
-    expect_changes_survived(bytes("begins.npz"), 7);
 }
 
 TEST(NpyDamage, ClaimsAreRefusedBeforeAnythingIsAllocated) {

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <bit>
 
+#include "engine/media/stored_image.hpp"
 #include "tests/limited_memory.hpp"
+#include "tests/media/clip_fixture.hpp"
 #include "tests/media/encoded_picture.hpp"
 #include "tests/media/jpeg_with_xmp.hpp"
-#include "tests/media/picture_damage.hpp"
 
 namespace touchable::test {
 namespace {
@@ -165,16 +166,6 @@ TEST(Tiff, ColourOfSixteenBitsIsReadWhereItIsGrey) {
     expect_hundreds(decode_stored_image(sixteen(false), "picture"), 7, 5);
     EXPECT_EQ(message(decode_stored_image(sixteen(true), "picture")),
               "picture: is in colour of 16 bits: must be grey, or RGB of 8 bits");
-}
-
-TEST(TiffDamage, CutAnywhereItIsRefusedAndChangedRefusedOrAPicture) {
-    for (const std::string& whole : {striped_tiff(32, true, true, 3), tiled_tiff(false)}) {
-        expect_cuts_refused(whole);
-        expect_changes_survived(whole, 8);
-    }
-    const std::string packed = packed_tiff(AV_PIX_FMT_GRAY16LE, 62);
-    expect_cuts_refused(packed, 4);  // the tags come last, and in the end that no page follows
-    expect_changes_survived(packed, 9);
 }
 
 TEST(TiffDamage, WhatIsWrongIsNamed) {

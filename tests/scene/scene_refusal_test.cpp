@@ -199,6 +199,7 @@ TEST(SceneRefusal, WrongTypesAndValuesAreNamedByTheirPath) {
         {"d_%04d.png", "depth.png", {"folder.colour", "c%d.png", "depth.png", "a single picture"}},
         {"c%d.png", "%s%n", {"folder.colour", "%s%n"}},
         {"t%d.png", "\\u0000%d", {"folder.haptic", "control"}},
+        {"t%d.png", "\\u007f%d", {"folder.haptic", "control"}},
         {"\"first\": 0", "\"first\": -1", {"folder.first is -1"}},
         {"\"count\": 7", "\"count\": 1.5", {"folder.count is 1.5", "a whole number"}},
     };
@@ -241,50 +242,6 @@ TEST(SceneRefusal, NestingWithoutEndIsRefused) {
     std::string objects;
     for (int k = 0; k < 100000; ++k) objects += "{\"a\":";
     expect_refused(objects, {"line 1", "nested too deeply"});
-}
-
-TEST(SceneRefusal, AScenePartlyWrittenIsNeverAccepted) {
-    const std::string json = full;
-    for (std::size_t length = 0; length < json.size(); ++length) {
-        const auto scene = parse_scene(std::string_view(json).substr(0, length), "part");
-        ASSERT_FALSE(scene.ok()) << "the first " << length << " bytes";
-        ASSERT_NE(scene.error().message.find("line "), std::string::npos) << scene.error().message;
-    }
-}
-
-// Whatever the bytes, the answer is a line about them or a scene that means something.
-TEST(SceneRefusal, RandomChangesNeverDoHarm) {
-    Random random(51);
-    int accepted = 0;
-    for (int k = 0; k < 20000; ++k) {
-        std::string json = full;
-        for (std::uint64_t change = 0; change <= random.below(4); ++change) {
-            const std::size_t at = random.below(json.size());
-            const auto other = static_cast<char>(random.below(3) ? 32 + random.below(96) : random.below(256));
-            switch (random.below(4)) {
-                case 0:
-                    json[at] = other;
-                    break;
-                case 1:
-                    json.insert(at, 1, other);
-                    break;
-                case 2:
-                    json.erase(at, 1 + random.below(8));
-                    break;
-                default:
-                    json.insert(random.below(json.size()), json.substr(at, random.below(40)));
-            }
-        }
-        const auto scene = parse_scene(json, "changed");
-        if (!scene.ok()) {
-            ASSERT_FALSE(scene.error().message.empty());
-            continue;
-        }
-        ++accepted;
-        ASSERT_TRUE(validate(*scene).ok()) << json;
-        ASSERT_TRUE(parse_scene(scene_to_json(*scene), "again").ok()) << scene_to_json(*scene);
-    }
-    EXPECT_GT(accepted, 100);  // else the changes are too coarse to reach what lies behind the parser
 }
 
 }  // namespace
