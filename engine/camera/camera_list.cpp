@@ -43,8 +43,8 @@ std::string touch_line(const NodeFacts& facts, const std::vector<NodeFacts>& all
     });
     std::string words = "    touch it:  touchable touch --live --camera v4l2:" + facts.node + '\n';
     if (beside != all.end())
-        words +=
-            "    its colour is " + beside->node + ": v4l2:" + facts.node + ",colour=" + beside->node + '\n';
+        words += "    see it in its colour, and touch it:  touchable play --camera v4l2:" + facts.node +
+                 ",colour=" + beside->node + '\n';
     return words;
 }
 

@@ -31,9 +31,8 @@ using std::chrono::steady_clock;
 constexpr int first_frames = 8;
 // A camera that gives nothing for so long before a run does not work.
 constexpr std::chrono::seconds patience(5);
-constexpr std::int64_t ns_before_the_run = 1000;  // from one frame to the next, of those before the run
-constexpr int most_wrong = 100;                   // polls in a row
-constexpr std::int64_t most_lost = 1'000'000;     // in a row; more is another count
+constexpr int most_wrong = 100;                // polls in a row
+constexpr std::int64_t most_lost = 1'000'000;  // in a row; more is another count
 
 std::int64_t steady_ns(steady_clock::time_point moment) {
     return std::chrono::nanoseconds(moment.time_since_epoch()).count();
@@ -49,6 +48,10 @@ public:
     Wake(const Wake&) = delete;
     Wake& operator=(const Wake&) = delete;
     int descriptor() const { return descriptor_; }
+    void forget() const {
+        eventfd_t ignored = 0;
+        (void)!::eventfd_read(descriptor_, &ignored);
+    }
     void wake() const { (void)!::eventfd_write(descriptor_, 1); }
 
 private:
@@ -309,7 +312,7 @@ std::optional<RawFrame> V4l2Camera::frame_of(TakenPicture picture) {
     if (zero_ns_ && picture.at_ns - *zero_ns_ <= last_time_ns_ && !last_sequence_) return std::nullopt;
     frame.number = number_of(picture);
     frame.time_ns =
-        zero_ns_ ? std::max(picture.at_ns - *zero_ns_, last_time_ns_ + 1) : frame.number * ns_before_the_run;
+        zero_ns_ ? std::max(picture.at_ns - *zero_ns_, last_time_ns_ + 1) : frame.number * ns_before_a_run;
     next_number_ = frame.number + 1;
     last_time_ns_ = frame.time_ns;
     add_plane(frame, PlaneRole::depth, {depth_of(picture), picture.bytes, 16});
@@ -333,12 +336,18 @@ Result<void> V4l2Camera::seek(std::int64_t frame) {
     if (zero_ns_) return usage_error("a camera that runs goes to no other frame than its next");
     if (frame > next_number_) return usage_error("a camera has not taken frame " + std::to_string(frame));
     next_number_ = frame;
-    last_time_ns_ = std::max<std::int64_t>(-1, (frame - 1) * ns_before_the_run);
+    last_time_ns_ = std::max<std::int64_t>(-1, (frame - 1) * ns_before_a_run);
     return {};
 }
 
 Result<void> V4l2Camera::begin(steady_clock::time_point zero) {
+    const bool is_another = zero_ns_.has_value();
     zero_ns_ = steady_ns(zero);
+    last_sequence_.reset();
+    interrupted_ = false;
+    wake_.forget();
+    constexpr std::int64_t most_before_a_run = 64;
+    if (is_another) last_time_ns_ = most_before_a_run * ns_before_a_run;
     // Those that wait are of before. What is wrong with the camera it will say again.
     (void)depth_->take(V4l2Stream::Which::newest);
     return {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,6 +12,9 @@
 #include "engine/result.hpp"
 
 namespace touchable {
+
+/// Frames of before a run are so far apart.
+inline constexpr std::int64_t ns_before_a_run = 1000;
 
 /// A camera of depth that is plugged in, and what is wanted of it.
 struct V4l2Choice {
@@ -26,8 +30,8 @@ struct V4l2Choice {
 ///
 /// Before `begin` frames come one by one as the camera takes them, at most a few seconds late. From then on
 /// `next` gives the newest one, at the time at which it was taken. Numbers are the driver's count, so that
-/// what was lost, damaged or passed over is a gap. A camera that is unplugged has no more frames, and
-/// `remarks` say so.
+/// what was lost, damaged or passed over is a gap. After a run that has ended it may begin another one. A
+/// camera that is unplugged has no more frames, and `remarks` say so.
 Result<std::unique_ptr<ClipReader>> open_v4l2_camera(
     const V4l2Choice& choice, const std::optional<SourceDescription>& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});

@@ -15,6 +15,7 @@
 #include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/file_option.hpp"
+#include "player/commands/live_camera_option.hpp"
 #include "player/commands/outputs.hpp"
 #include "player/commands/picture_options.hpp"
 #include "player/commands/playback_options.hpp"
@@ -35,6 +36,7 @@ struct PlayWords {
     PlaybackTyped playback;
     std::string size = "1280x720";
     std::optional<std::filesystem::path> script;
+    CLI::Option* clip_word = nullptr;
     CLI::Option* typed_size = nullptr;
     std::vector<CLI::Option*> filters{};
     CLI::Option* seconds = nullptr;
@@ -48,6 +50,8 @@ struct PlayWords {
 Result<void> check_files(const PlayOptions& options, const std::optional<std::filesystem::path>& script) {
     Outputs outputs{{}, options.existing};
     if (options.record) outputs.files.push_back({"--record", *options.record});
+    if (options.record && options.session.clip.plugged)
+        outputs.files.push_back({"the film of --record", film_beside(*options.record)});
     if (options.sound) outputs.files.push_back({"--sound", *options.sound});
     if (options.video) outputs.files.push_back({"--video", *options.video});
     if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
@@ -70,9 +74,13 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
     }
     if (script) inputs.push_back({"--script", *script});
     if (options.session.clip.scene_file) inputs.push_back({"--scene", *options.session.clip.scene_file});
-    const auto reader = options.session.clip.open();
-    if (!reader.ok()) return reader.error();
-    add_inputs(inputs, options.session.clip.file, **reader);
+    if (options.session.clip.plugged) {
+        inputs.push_back({"the camera", options.session.clip.file});
+    } else {
+        const auto reader = options.session.clip.open();
+        if (!reader.ok()) return reader.error();
+        add_inputs(inputs, options.session.clip.file, **reader);
+    }
     if (auto free = check_outputs(kept, inputs); !free.ok()) return free;
     return check_outputs(outputs, inputs);
 }
@@ -120,8 +128,12 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     auto clip = read_clip(words.clip);
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
+    if (auto read = read_live_camera(words.clip_word->count() > 0, options.session); !read.ok())
+        return read.error();
+    if (words.clip_word->count() == 0 && !options.session.camera)
+        return usage_error("play needs a CLIP or a --camera; see touchable play -h");
     std::error_code ignored;
-    if (!std::filesystem::exists(options.session.clip.file, ignored))
+    if (!options.session.clip.plugged && !std::filesystem::exists(options.session.clip.file, ignored))
         return input_error(options.session.clip.file.string() + ": does not exist");
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
@@ -251,14 +263,14 @@ void group_window_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {
-        {"The clip",
-         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--start", "--rate", "--loop"}},
-        {"The window",
-         {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at", "--record",
-          "--sound", "--video", "--settings", "--overwrite"}},
-        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
-        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
+    } groups[] = {{"The clip",
+                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--camera", "--start",
+                    "--rate", "--loop"}},
+                  {"The window",
+                   {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
+                    "--record", "--sound", "--video", "--settings", "--overwrite"}},
+                  {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
+                  {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }
@@ -268,7 +280,8 @@ void group_window_options(CLI::App& sub) {
 void add_play_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<PlayWords>();
     CLI::App* const sub = app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse");
-    add_clip_options(*sub, words->clip)->required();
+    words->clip_word = add_clip_options(*sub, words->clip);
+    add_live_camera_option(*sub, words->options.session);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
     // Of commands that come later the person in the window is the one who gives them.

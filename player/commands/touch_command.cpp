@@ -10,12 +10,12 @@
 #include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/file_option.hpp"
+#include "player/commands/live_camera_option.hpp"
 #include "player/commands/outputs.hpp"
 #include "player/commands/playback_options.hpp"
 #include "player/commands/touch_run.hpp"
 #include "player/commands/whole_option.hpp"
 #include "player/commands/word_option.hpp"
-#include "player/session/camera_words.hpp"
 
 namespace touchable {
 
@@ -54,17 +54,6 @@ Result<void> read_moments(const TouchWords& words, TouchOptions& options) {
     return {};
 }
 
-/// A camera in place of the clip.
-Result<void> read_camera_words(const TouchWords& words, SessionOptions& session) {
-    if (!session.camera) return {};
-    if (words.clip_word->count() > 0)
-        return usage_error("CLIP and --camera are two things to touch; leave one of them out");
-    auto camera = read_live_camera(*session.camera);
-    if (!camera.ok()) return camera.error();
-    session.clip.take(*camera);
-    return {};
-}
-
 Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     GuardSettings& guard = options.session.guard;
@@ -84,7 +73,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
     options.session.recorded = options.record.has_value();
-    if (auto read = read_camera_words(words, options.session); !read.ok()) return read.error();
+    if (auto read = read_live_camera(words.clip_word->count() > 0, options.session); !read.ok()) return read.error();
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
     options.session.playback = std::move(*playback);
@@ -124,9 +113,7 @@ std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& sessio
     return {
         sub.add_flag("--live", session.live,
                      "in real time on the wall clock, each part on a thread of its own"),
-        sub.add_option("--camera", session.camera,
-                       "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in, or "
-                       "replay:PATH[,key=value,...], a recording that behaves like one (docs/camera.md)"),
+        add_live_camera_option(sub, session),
         sub.add_option("--device", session.device,
                        "live: what the hand holds, simulated[:key=value,...] (docs/devices.md); without it "
                        "nothing holds the hand back"),

@@ -25,12 +25,6 @@ std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& 
     return inputs;
 }
 
-/// Where the frames of a camera are kept.
-std::filesystem::path film_beside(std::filesystem::path record) {
-    record += ".mkv";
-    return record;
-}
-
 Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
     Outputs outputs{{}, options.existing};
     const std::pair<const char*, const MaybePath&> asked_for[] = {{"--forces", options.forces},

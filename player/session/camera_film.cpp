@@ -151,6 +151,11 @@ Result<void> CameraFilm::finish() {
     return writer_ ? writer_->finish() : Result<void>();
 }
 
+std::filesystem::path film_beside(std::filesystem::path record, int part) {
+    record += part > 1 ? "." + std::to_string(part) + ".mkv" : ".mkv";
+    return record;
+}
+
 std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraFilm> film) {
     return std::make_unique<KeptCamera>(std::move(camera), std::move(film));
 }

@@ -63,6 +63,9 @@ private:
     std::optional<Error> failure_;
 };
 
+/// Where the film of a recording's first, second ... part is: beside it, "run.rec.mkv", "run.rec.2.mkv".
+std::filesystem::path film_beside(std::filesystem::path record, int part = 1);
+
 /// A camera whose frames are kept as they are given.
 std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraFilm> film);
 

@@ -60,6 +60,7 @@ void ClipChoice::take(const LiveCamera& of) {
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open() const {
+    if (plugged && shared) return shared->open(*plugged, camera, scene_file);
     if (plugged) return open_v4l2_camera(*plugged, camera, scene_file);
     auto reader = open_clip(file, scene_file, camera);
     if (!reader.ok()) return reader;

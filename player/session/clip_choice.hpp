@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <string>
 
+#include "engine/camera/shared_camera.hpp"
 #include "engine/camera/v4l2_camera.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/media/clip.hpp"
@@ -43,10 +44,12 @@ struct ClipChoice {
     std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
     std::optional<V4l2Choice> plugged;        ///< the clip is a camera, and `file` its node
-    std::optional<FilmedFrames> filmed;       ///< the clip is the film of a camera, which had these frames
+    std::shared_ptr<SharedCamera> shared;  ///< that stays open from run to run; nothing: each opens its own
+    std::optional<FilmedFrames> filmed;    ///< the clip is the film of a camera, which had these frames
 
     /// What is touched is a camera.
     void take(const LiveCamera& camera);
+    bool is_camera() const { return plugged || as_camera; }
     /// The clip, from its beginning.
     Result<std::unique_ptr<ClipReader>> open() const;
 };

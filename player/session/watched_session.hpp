@@ -69,6 +69,8 @@ public:
     WatchedFigures figures() const;
     /// As LiveSession::clip_failure.
     std::optional<Error> clip_failure() const { return live_->clip_failure(); }
+    /// As ClipReader::remarks.
+    std::vector<std::string> remarks() const { return setup_->feed->reader().remarks(); }
     /// Frames with which the clip showed something else all at once, of those that came by.
     std::set<std::int64_t> cuts() const { return setup_->feed->cuts(); }
 

@@ -50,7 +50,9 @@ OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, Windo
       clip_(clip),
       sound_(sound),
       device_(std::make_shared<PointerDevice>(PointerFingers::most, glm::dvec3(0.0))),
-      held_(std::make_shared<StaysOpen>(device_)) {}
+      held_(std::make_shared<StaysOpen>(device_)) {
+    if (clip_.plugged) clip_.shared = std::make_shared<SharedCamera>();
+}
 
 Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip,
                                                      const FeltSettings& felt, WindowSound& sound,
@@ -63,6 +65,7 @@ Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options,
 SessionOptions OpenedClip::session_options(const FeltSettings& felt) const {
     SessionOptions session = options_.session;
     session.clip = clip_;
+    if (!clip_.is_camera()) session.camera.reset();  // of another clip, which was there before
     session.live = session.watched = true;
     session.fingers = PointerFingers::most;
     session.held_device = held_;
@@ -113,17 +116,24 @@ Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_to
     return {};
 }
 
+/// Each part of a recording has a film of its own.
+Result<void> OpenedClip::open_film(TouchSetup& setup) {
+    if (!setup.film) return {};
+    return setup.film->open(film_beside(*options_.record, ++films_), options_.existing);
+}
+
 Result<void> OpenedClip::begin() {
     if (options_.record) {
         auto file = RecordingFile::create(*options_.record, PointerFingers::most, options_.existing);
         if (!file.ok()) return file.error();
         record_ = std::make_unique<Record>(std::move(*file));
+        if (auto film = open_film(*ready_); !film.ok()) return film;
     }
     return start_session(std::move(ready_));
 }
 
 void OpenedClip::begin_sound() {
-    sound_.open_clip(session_->setup().clip.file);
+    if (!clip_.is_camera()) sound_.open_clip(session_->setup().clip.file);
     begin_listening();
 }
 
@@ -178,9 +188,12 @@ Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
     SessionOptions session = session_options(felt);
     session.given_up = given_up;
     session.workspace = workspace_;
-    session.late_playback = [&] {
+    // A camera's time only goes on, and begins with each of its runs.
+    session.late_playback = [&]() -> std::vector<PlaybackCommand> {
         chosen_at = Clock::now();
-        return choose_begin(change, reading_ns_);
+        if (!clip_.is_camera()) return choose_begin(change, reading_ns_);
+        change.state = session_->playback();
+        return {};
     };
     // A finger that was inside stays there: how the surface is felt is new, and the ramp is for that.
     session.start_buried = true;
@@ -188,7 +201,7 @@ Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
     if (!setup.ok()) return setup.error();
     change.setup = std::move(*setup);
     change.reading_ns = std::chrono::nanoseconds(Clock::now() - chosen_at).count();
-    if (is_left_behind(change)) {
+    if (!clip_.is_camera() && is_left_behind(change)) {
         // Once more, now that it is known how long that takes; for the clip it is a seek from there.
         auto& playback = change.setup->settings.playback;
         std::vector<PlaybackCommand> commands = choose_begin(change, change.reading_ns * 5 / 4);
@@ -231,7 +244,13 @@ Result<void> OpenedClip::take(Change change) {
     const PlaybackState now = session_->playback();
     cuts_.merge(session_->cuts());
     const WatchedFigures before = figures();
-    if (record_) record_->file->end_part(facts_of_part(), session_->setup().settings.playback);
+    if (record_) {
+        const TouchSetup& setup = session_->setup();
+        if (setup.film)
+            if (auto done = setup.film->finish(); !done.ok()) return done;
+        record_->file->end_part(facts_of_part(), setup.settings.playback);
+        if (auto film = open_film(*change.setup); !film.ok()) return film;
+    }
     if (record_) record_->hash.emplace();
     if (auto started = start_session(std::move(change.setup)); !started.ok()) return started;
     begin_listening();
@@ -241,7 +260,7 @@ Result<void> OpenedClip::take(Change change) {
     take_over(session_->setup(), change.felt);
     sizes_ = sizes_for(session_->setup().settings.guard.max_force);
     trails_ = FingerTrails();
-    if (!goes_on_to(change, now)) lead_from(change, now);
+    if (!clip_.is_camera() && !goes_on_to(change, now)) lead_from(change, now);
     return {};
 }
 
@@ -285,6 +304,8 @@ nlohmann::ordered_json OpenedClip::facts_of_part() const {
 Result<void> OpenedClip::finish() {
     end_session();
     if (!record_) return {};
+    if (const auto& film = session_->setup().film)
+        if (auto done = film->finish(); !done.ok()) return done;
     return record_->file->finish(facts_of_part(), session_->setup().settings.playback);
 }
 

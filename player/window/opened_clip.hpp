@@ -76,9 +76,12 @@ public:
     const std::string& builder_why() const { return builder_why_; }
     /// What its reader has to say, such as what it guessed.
     const std::vector<std::string>& notes() const { return notes_; }
+    /// What a person should know of its camera's run, such as that it was unplugged.
+    std::vector<std::string> remarks() const { return session_->remarks(); }
     /// Moments of its cuts that have come by so far, seconds.
     std::vector<double> cuts() const;
     bool is_still() const { return frames_ == 1; }
+    bool is_camera() const { return clip_.is_camera(); }
     std::int64_t frames() const { return frames_; }  ///< 0 where nobody knows
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
     const PointerDevice& device() const { return *device_; }
@@ -103,6 +106,7 @@ private:
     void begin_listening();
     void lead_from(const Change& change, const PlaybackState& to);
     nlohmann::ordered_json facts_of_part() const;
+    Result<void> open_film(TouchSetup& setup);
     MarkSizes sizes_for(double max_newtons) const;
 
     /// `--record`, and the hash that the forces of a part must have again.
@@ -122,6 +126,7 @@ private:
     std::vector<std::string> notes_;
     std::set<std::int64_t> cuts_;  // frames, of sessions before this one
     std::int64_t frames_ = 0;
+    int films_ = 0;  // of a camera that is recorded
     std::shared_ptr<PointerDevice> device_;
     std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go
     std::optional<Scene> scene_;

@@ -41,8 +41,9 @@ std::vector<std::string> place_words(const OpenedClip& clip, const WatchedMoment
 std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture& picture,
                                       const WatchedMoment& moment) {
     const WatchedFigures figures = clip.session().figures();
-    return {words_of("frame %lld of %lld", static_cast<long long>(moment.held.pair.prev.number),
-                     static_cast<long long>(clip.frames())),
+    const auto frame = static_cast<long long>(moment.held.pair.prev.number);
+    return {clip.frames() > 0 ? words_of("frame %lld of %lld", frame, static_cast<long long>(clip.frames()))
+                              : words_of("frame %lld", frame),
             words_of("%lld frames late, %lld left out", static_cast<long long>(figures.late_frames),
                      static_cast<long long>(figures.feed.dropped)),
             words_of("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),
@@ -63,7 +64,8 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     PanelFacts facts;
     facts.clip = clip.name();
     facts.frame = moment.held.pair.prev.number;
-    facts.seconds = std::min(static_cast<double>(state.moment.time_ns) * 1e-9, clip.seconds());
+    facts.seconds = static_cast<double>(state.moment.time_ns) * 1e-9;
+    if (clip.frames() > 0) facts.seconds = std::min(facts.seconds, clip.seconds());
     facts.clip_seconds = clip.seconds();
     facts.cuts = clip.cuts();
     facts.playing = state.playing;

@@ -57,6 +57,7 @@ void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
     dragging_ = ImGui::IsItemActive();
     const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2, tall = ImGui::GetItemRectSize().y;
     for (const double cut : facts.cuts) {
+        if (cut > end) continue;  // of what has no end
         const float x = at_left.x + grab + (wide - 2 * grab) * static_cast<float>(cut) / end;
         ImGui::GetWindowDrawList()->AddLine(ImVec2(x, at_left.y + tall * 0.68F), ImVec2(x, at_left.y + tall),
                                             IM_COL32(255, 200, 110, 230), 2 * scale);
@@ -74,10 +75,9 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
     const std::string frame = " frame " + std::to_string(facts.frame);
+    const std::string end = facts.clip_seconds > 0 ? " / " + clock_words(facts.clip_seconds) : std::string();
     ImGui::TextUnformatted(
-        (clock_words(facts.seconds) +
-         (facts.playing && !facts.at_end ? " / " + clock_words(facts.clip_seconds) : frame))
-            .c_str());
+        (clock_words(facts.seconds) + (facts.playing && !facts.at_end ? end : frame)).c_str());
     ImGui::SameLine();
     char speed[32];
     std::snprintf(speed, sizeof speed, "%g\xC3\x97##speed", facts.speed);

@@ -148,7 +148,10 @@ void WindowLoop::tell_guesses() {
         any = true;
         std::cerr << "touchable: " << printable(note, 500) << '\n';
     }
-    if (any && !kiosk_) say("camera and unit are guessed: touchable info tells how to say them");
+    if (any && !kiosk_)
+        say(clip_->is_camera()
+                ? "what nobody said of the camera is guessed; the terminal tells what and how to say it"
+                : "camera and unit are guessed: touchable info tells how to say them");
 }
 
 /// The first one. Whoever closes the window meanwhile has closed it.

@@ -170,8 +170,13 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
     }
     if (!message_.empty()) return facts;
     facts.message_is_bad = failure.has_value();
+    const std::vector<std::string> remarks = clip_->remarks();
+    const bool is_gone = facts.at_end && !remarks.empty();  // a camera
+    facts.message_is_bad = facts.message_is_bad || is_gone;
     if (failure)
         facts.message = failure->message;
+    else if (is_gone)
+        facts.message = remarks.back();
     else if (!clip_->fingers().was_pressed())
         facts.message = facts.at_end && !clip_->is_still() ? end_first_words : first_words;
     else if (facts.at_end && !clip_->is_still())

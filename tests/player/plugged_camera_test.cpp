@@ -1,11 +1,14 @@
 // Touch of a camera that is plugged in, over a fake of the kernel's side. No test depends on a deadline.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "player/commands/touch_run.hpp"
 #include "player/session/camera_words.hpp"
+#include "player/window/opened_clip.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/player/program.hpp"
@@ -35,6 +38,7 @@ class PluggedCamera : public ::testing::Test {
 protected:
     void plug_in(std::function<Fate(std::uint32_t)> fate) {
         FakeNode& made = add_depth_node(*video, node, width, height);
+        made.formats[0].modes[0].intervals = {{1, 200}};
         made.paint = ball;
         made.period_ns = 5'000'000;
         made.fate = std::move(fate);
@@ -153,6 +157,50 @@ TEST_F(PluggedCamera, AFilmThatIsAnothersOrInTheWayIsRefused) {
     const auto another = run_touch(replay());
     EXPECT_NE(message(another).find("it is not the film of that recording"), std::string::npos)
         << message(another);
+}
+
+/// Settings are changed while the camera goes on: it is opened once, and each part has a film of its own.
+TEST_F(PluggedCamera, InAWindowGoesOnWithOtherSettings) {
+    plug_in(good);
+    FakeNode& colour = video->add("/dev/video5");
+    colour.formats = {{V4L2_PIX_FMT_RGB24, {{width, height}}}};
+    colour.period_ns = 5'000'000;
+    PlayOptions options;
+    options.record = record;
+    options.session = live(1).session;
+    options.session.builder.name = "cpu";
+    options.session.clip.plugged->colour = "/dev/video5";
+    {
+        const auto sound = std::move(*WindowSound::create(false, {}, Existing::keep));
+        auto opened = OpenedClip::open(options, options.session.clip, {}, *sound);
+        ASSERT_EQ(message(opened), "");
+        OpenedClip& clip = **opened;
+        ASSERT_EQ(message(clip.begin()), "");
+        const auto goes_on = [&](std::int64_t frames) {
+            for (int k = 0; k < 5000 && clip.session().figures().feed.frames < frames; ++k)
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            return clip.session().figures().feed.frames >= frames;
+        };
+        ASSERT_TRUE(goes_on(20));
+        const WatchedMoment* seen = clip.session().look();
+        ASSERT_NE(seen, nullptr);
+        EXPECT_TRUE(seen->colour.has_value());
+        EXPECT_EQ(clip.session().ask(PlaybackVerb::seek, 0).error().kind, ErrorKind::usage);
+        FeltSettings felt = clip.felt();
+        ASSERT_EQ(message(felt.set("median", "5")), "");
+        auto change = clip.prepare(felt);
+        ASSERT_EQ(message(change), "");
+        EXPECT_TRUE(clip.has_come_to(*change));
+        ASSERT_EQ(message(clip.take(std::move(*change))), "");
+        EXPECT_EQ(clip.in_effect().at("median"), "5");
+        ASSERT_TRUE(goes_on(20));
+        EXPECT_LT(clip.session().figures().feed.dropped, 20) << "numbers begin anew";
+        ASSERT_EQ(message(clip.finish()), "");
+        EXPECT_FALSE(clip.failure());
+    }
+    EXPECT_TRUE(std::filesystem::exists(film_beside(record, 2)));
+    const auto again = touch(replay());
+    EXPECT_NE(said.find("every force is as recorded, to the bit in all 2 parts"), std::string::npos) << said;
 }
 
 TEST(PluggedCameraWords, AreReadOrRefused) {

@@ -65,6 +65,28 @@ TEST_F(WholeWindow, IsTouchedWhileTheClipJumpsAndIsRecorded) {
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
 }
 
+TEST_F(WholeWindow, OfACameraChangesItsSettingsAndIsRecorded) {
+    std::ofstream(folder / "script") << R"(
+0.0 move 160 100
+0.05 press left
+0.2 median 3
+0.4 seek 0.1
+0.6 overlay depth
+)";
+    const Outcome played =
+        run_in_folder({"play", "--camera", "replay:globe.mkv,fps=50,jitter=4", "--headless", "--painter",
+                       "cpu", "--builder", "cpu", "--size", "320x200", "--script", "script", "--record",
+                       "hand.touch", "--seconds", "0.8"},
+                      folder.path());
+    ASSERT_EQ(played.code, 0) << played.err;
+    EXPECT_EQ(played.err,
+              "touchable: warning: playback: a camera's time only goes on; a clip would take commands\n");
+    const Outcome again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
+    EXPECT_EQ(again.code, 0) << again.err;
+    const std::string of_both_parts = again.out.substr(0, again.out.find("\"parts\""));
+    EXPECT_EQ(of_both_parts.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+}
+
 TEST_F(WholeWindow, ChangesItsSettingsAndItsClip) {
     make("other.mkv", {"--frames", "3"});
     const Outcome played = play(R"(

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "engine/result.hpp"
+#include "player/session/session_options.hpp"
+
+namespace touchable {
+
+/// --camera: what is touched in place of CLIP.
+CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session);
+
+/// The camera that was typed, if one was, as the session's clip. Refused (ErrorKind::usage) beside a CLIP.
+Result<void> read_live_camera(bool has_clip, SessionOptions& session);
+
+}  // namespace touchable
