@@ -142,6 +142,23 @@ bool is_depth_format(std::uint32_t code) {
     return std::find(depth_formats.begin(), depth_formats.end(), code) != depth_formats.end();
 }
 
+Result<const NodeFormat*> depth_of_node(const NodeFacts& facts) {
+    const NodeFormat* best = nullptr;
+    std::string there;
+    for (const NodeFormat& format : facts.formats) {
+        there += (there.empty() ? "" : ", ") + format_text(format.code);
+        if (!is_depth_format(format.code)) continue;
+        if (best == nullptr || (format.code == V4L2_PIX_FMT_Z16 && best->code != V4L2_PIX_FMT_Z16))
+            best = &format;
+    }
+    if (best != nullptr) return best;
+    return input_error(facts.node + ": " + printable(facts.card) +
+                       (facts.captures ? " gives no depth there (" + (there.empty() ? "nothing" : there) +
+                                             "); what can be touched is Z16 or Y16"
+                                       : std::string(" gives no pictures there")) +
+                       "; touchable cameras lists the nodes that have depth");
+}
+
 bool is_colour_format(std::uint32_t code) {
     return std::find(colour_formats.begin(), colour_formats.end(), code) != colour_formats.end();
 }

@@ -39,6 +39,9 @@ Result<NodeFacts> look_at_node(VideoSystem& system, const std::string& node);
 
 /// Whether pictures of this format can be touched: Z16, and grey of 16 bits in either byte order.
 bool is_depth_format(std::uint32_t code);
+/// The format by which a node is touched: Z16, which is depth for certain, before grey. An error names what
+/// it gives instead.
+Result<const NodeFormat*> depth_of_node(const NodeFacts& facts);
 /// Whether pictures of this format can be shown as colour.
 bool is_colour_format(std::uint32_t code);
 /// "Z16", "YUYV"; "Y16 (big-endian)".

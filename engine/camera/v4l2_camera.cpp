@@ -1,8 +1,5 @@
 #include "engine/camera/v4l2_camera.hpp"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -18,6 +15,7 @@
 #include "engine/camera/colour_beside.hpp"
 #include "engine/camera/depth_meaning.hpp"
 #include "engine/camera/v4l2_stream.hpp"
+#include "engine/camera/wake.hpp"
 #include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stop_request.hpp"
@@ -37,26 +35,6 @@ constexpr std::int64_t most_lost = 1'000'000;  // in a row; more is another coun
 std::int64_t steady_ns(steady_clock::time_point moment) {
     return std::chrono::nanoseconds(moment.time_since_epoch()).count();
 }
-
-/// What ends a wait for a camera, from any thread.
-class Wake {
-public:
-    Wake() : descriptor_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
-    ~Wake() {
-        if (descriptor_ >= 0) ::close(descriptor_);
-    }
-    Wake(const Wake&) = delete;
-    Wake& operator=(const Wake&) = delete;
-    int descriptor() const { return descriptor_; }
-    void forget() const {
-        eventfd_t ignored = 0;
-        (void)!::eventfd_read(descriptor_, &ignored);
-    }
-    void wake() const { (void)!::eventfd_write(descriptor_, 1); }
-
-private:
-    int descriptor_;
-};
 
 class V4l2Camera final : public ClipReader {
 public:
@@ -113,34 +91,12 @@ private:
     std::atomic<std::int64_t> damaged_{0};
 };
 
-/// Of the formats that can be touched the first, for Z16 is depth for certain.
-const NodeFormat* touchable_format(const NodeFacts& facts) {
-    const NodeFormat* best = nullptr;
-    for (const NodeFormat& format : facts.formats) {
-        if (!is_depth_format(format.code)) continue;
-        if (best == nullptr || (format.code == V4L2_PIX_FMT_Z16 && best->code != V4L2_PIX_FMT_Z16))
-            best = &format;
-    }
-    return best;
-}
-
-Error no_depth_there(const NodeFacts& facts) {
-    std::string there;
-    for (const NodeFormat& format : facts.formats)
-        there += (there.empty() ? "" : ", ") + format_text(format.code);
-    return input_error(facts.node + ": " + printable(facts.card) +
-                       (facts.captures ? " gives no depth there (" + (there.empty() ? "nothing" : there) +
-                                             "); what can be touched is Z16 or Y16"
-                                       : std::string(" gives no pictures there")) +
-                       "; touchable cameras lists the nodes that have depth");
-}
-
 Result<void> V4l2Camera::open_depth(const std::optional<std::filesystem::path>& scene_file) {
     auto facts = look_at_node(*system_, choice_.node);
     if (!facts) return facts.error();
     facts_ = std::move(*facts);
-    const NodeFormat* format = touchable_format(facts_);
-    if (format == nullptr) return no_depth_there(facts_);
+    const auto format = depth_of_node(facts_);
+    if (!format) return format.error();
     ModeWish wish{choice_.width, choice_.height, choice_.rate};
     if (scene_file && wish.width == 0) {
         const auto scene = read_scene_file(*scene_file);
@@ -148,7 +104,7 @@ Result<void> V4l2Camera::open_depth(const std::optional<std::filesystem::path>& 
         wish.width = scene->width;
         wish.height = scene->height;
     }
-    auto stream = V4l2Stream::open(system_, facts_, *format, wish);
+    auto stream = V4l2Stream::open(system_, facts_, **format, wish);
     if (!stream) return stream.error();
     depth_ = std::move(*stream);
     return {};
