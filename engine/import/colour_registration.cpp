@@ -12,6 +12,7 @@ namespace {
 
 constexpr float nothing_there = std::numeric_limits<float>::max();
 constexpr std::uint8_t unknown_grey = 128;
+constexpr double widest = 100;  // from a camera's axis, at distance 1: no picture reaches so far
 
 /// Neighbours in depth, up to one and a half cells apart, of a surface that is 80 degrees steep.
 double steepest(double focal_length) {
@@ -27,7 +28,7 @@ ColourRegistration::ColourRegistration(const Scene& scene)
       camera_(scene.camera),
       coding_(scene.depth),
       colour_(*scene.colour_camera),
-      reach_(scene.colour_camera->lens.any() ? scene.colour_camera->lens.reach() : 1e9),
+      reach_(scene.colour_camera->lens.any() ? scene.colour_camera->lens.reach() : widest),
       cell_(std::max(1.0, std::max(colour_.camera.fx / camera_.fx, colour_.camera.fy / camera_.fy))),
       scale_(static_cast<float>(1 / cell_)),
       margin_(static_cast<float>(1 + steepest(camera_.fx))),
@@ -87,10 +88,8 @@ void ColourRegistration::place_all() {
             if (!(length > 0) || !(ahead > 0)) continue;
             LensPoint point{((r[0] * u + along[0]) * length + t[0]) / ahead,
                             ((r[3] * u + along[1]) * length + t[1]) / ahead};
-            if (colour_.lens.any()) {
-                if (point.x * point.x + point.y * point.y > reach_ * reach_) continue;
-                point = colour_.lens.distorted(point);
-            }
+            if (!(point.x * point.x + point.y * point.y <= reach_ * reach_)) continue;
+            if (colour_.lens.any()) point = colour_.lens.distorted(point);
             place = {static_cast<float>(to.fx * point.x + to.cx), static_cast<float>(to.fy * point.y + to.cy),
                      static_cast<float>(ahead)};
         }
