@@ -1,4 +1,4 @@
-// Recordings of ROS 1: written by librosbag-storage (tests/import/bags), and by a writer of the tests' own.
+// Recordings of ROS 1: written by librosbag-storage (tests/import/write_bags.cpp), and by a writer of the tests' own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr const char* of_images = "sensor_msgs/Image";
 constexpr const char* of_cameras = "sensor_msgs/CameraInfo";
 
 std::filesystem::path kept_bag(const std::string& name) {
-    return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/import/bags" / name;
+    return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/bag" / name;
 }
 
 std::string all_notes(const ClipReader& reader) {

@@ -1,0 +1,47 @@
+// Recordings of cameras in files of their own makers.
+#include <cmath>
+
+#include "engine/import/bag_clip.hpp"
+#include "engine/import/k4a_calibration.hpp"
+#include "engine/media/frame_times_text.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
+
+namespace touchable::fuzz {
+namespace {
+
+bool parse_bag(std::string_view bytes) {
+    return is_clip(open_bag_clip(file_of(bytes, "input.bag"), std::nullopt, {}));
+}
+
+void require_camera(const Camera& camera) {
+    require(std::isfinite(camera.cx) && std::isfinite(camera.cy), "a principal point is not finite");
+    require(std::isfinite(camera.fx) && std::isfinite(camera.fy), "a focal length is not finite");
+}
+
+bool parse_calibration(std::string_view bytes) {
+    const auto cameras = parse_k4a_calibration(bytes, {640, 576}, PictureSize{1280, 720}, "calibration.json");
+    if (!is_taken(cameras)) return false;
+    require_camera(cameras->depth);
+    if (cameras->colour) require_camera(cameras->colour->camera);
+    return true;
+}
+
+/// What is written of times is the times.
+bool parse_times(std::string_view bytes) {
+    const auto rate = parse_frame_times(bytes, "timestamps.txt");
+    if (!is_taken(rate)) return false;
+    require(rate->num > 0 && rate->own_times->size() > 1 && rate->own_times->front() == 0,
+            "times do not begin with 0");
+    constexpr std::int64_t exact_ns = 4'000'000'000'000'000;  // doubles have no finer milliseconds beyond
+    if (rate->own_times->back() > exact_ns) return true;
+    const auto again = parse_frame_times(frame_times_text(*rate), "timestamps.txt");
+    require(again.ok() && *again->own_times == *rate->own_times, "times are others when they are read again");
+    return true;
+}
+
+const Registered bag_target{{.name = "bag", .parse = parse_bag, .changes = 100, .most_bytes = 16384}};
+const Registered calibration_target{{.name = "k4a_calibration", .parse = parse_calibration}};
+const Registered times_target{{.name = "frame_times", .parse = parse_times, .most_bytes = 512}};
+
+}  // namespace
+}  // namespace touchable::fuzz
