@@ -46,9 +46,9 @@ std::string shown(const Json& value) {
 
 }  // namespace
 
-Json parse(std::string_view text) {
-    if (text.size() > largest_text)
-        throw Refusal{"is more than " + std::to_string(largest_text) + " bytes of text: must be less"};
+Json parse(std::string_view text, std::size_t largest) {
+    if (text.size() > largest)
+        throw Refusal{"is more than " + std::to_string(largest) + " bytes of text: must be less"};
     const char* furthest = text.data();
     std::vector<std::set<std::string>> members;  // of each object around the place read
     const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
