@@ -6,6 +6,7 @@
 
 #include "engine/import/depth_values.hpp"
 #include "engine/import/picture_files.hpp"
+#include "engine/import/still_maps.hpp"
 #include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/npy_stack.hpp"
@@ -234,9 +235,15 @@ Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::pat
         return input_error(
             folder.string() +
             ": is a folder, but its scene file has no member \"folder\" that says which images to read");
-    auto reader = std::make_unique<ImageFolderReader>(folder, scene, std::move(notes));
+    StillMaps maps;
+    Scene pictures = scene;
+    if (is_surface_file(scene.folder->haptic)) {
+        maps.haptic = folder / scene.folder->haptic;
+        pictures.folder->haptic.clear();
+    }
+    auto reader = std::make_unique<ImageFolderReader>(folder, pictures, std::move(notes));
     if (auto opened = reader->open(); !opened) return opened.error();
-    return std::unique_ptr<ClipReader>(std::move(reader));
+    return with_still_maps(std::unique_ptr<ClipReader>(std::move(reader)), maps);
 }
 
 }  // namespace touchable

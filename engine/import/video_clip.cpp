@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/import/number_words.hpp"
+#include "engine/import/still_maps.hpp"
 #include "engine/import/video_picture.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/codecs.hpp"
@@ -257,7 +258,10 @@ Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path&
                                                     std::vector<std::string> notes) {
     auto reader = std::make_unique<VideoReader>(folder, scene, std::move(notes));
     if (auto opened = reader->open(); !opened) return opened.error();
-    return std::unique_ptr<ClipReader>(std::move(reader));
+    StillMaps maps;
+    if (!scene.video->haptic.empty()) maps.haptic = folder / scene.video->haptic;
+    if (!scene.video->height.empty()) maps.height = folder / scene.video->height;
+    return with_still_maps(std::unique_ptr<ClipReader>(std::move(reader)), maps);
 }
 
 }  // namespace touchable

@@ -11,7 +11,7 @@ namespace touchable::checked_json {
 namespace {
 
 /// Deeper than any text of ours; the library writes values by recursion.
-constexpr int deepest_nesting = 16;
+constexpr std::size_t deepest_nesting = 16;
 
 /// Reads characters for the parser and leaves behind how far it has come, which the parser itself does not
 /// tell.
@@ -44,33 +44,74 @@ std::string shown(const Json& value) {
     return printable(value.dump(-1, ' ', true, Json::error_handler_t::replace), 60);
 }
 
-}  // namespace
+/// Looks at a text without making anything of it, and keeps what is wrong with it.
+class Watch final : public nlohmann::json_sax<Json> {
+public:
+    Watch(std::string_view text, const char* const& furthest) : text_(text), furthest_(furthest) {}
+    const std::string& fault() const { return fault_; }
 
-Json parse(std::string_view text) {
-    if (text.size() > largest_text)
-        throw Refusal{"is more than " + std::to_string(largest_text) + " bytes of text: must be less"};
-    const char* furthest = text.data();
-    std::vector<std::set<std::string>> members;  // of each object around the place read
-    const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-        if (depth > deepest_nesting)
-            throw Refusal{position(text, furthest) + ": nested too deeply: must be at most " +
-                          std::to_string(deepest_nesting) + " deep"};
-        if (event == Json::parse_event_t::object_start) members.emplace_back();
-        if (event == Json::parse_event_t::object_end) members.pop_back();
-        if (event == Json::parse_event_t::key && !members.back().insert(value.get<std::string>()).second)
-            throw Refusal{position(text, furthest) + ": member " + shown(value) +
-                          " is given twice: must be once"};
-        return true;
-    };
-    try {
-        return Json::parse(CountingIterator{text.data(), &furthest},
-                           CountingIterator{text.data() + text.size(), &furthest}, watch);
-    } catch (const Json::exception& fault) {
+    bool null() override { return is_shallow(); }
+    bool boolean(bool) override { return is_shallow(); }
+    bool number_integer(number_integer_t) override { return is_shallow(); }
+    bool number_unsigned(number_unsigned_t) override { return is_shallow(); }
+    bool number_float(number_float_t, const string_t&) override { return is_shallow(); }
+    bool string(string_t&) override { return is_shallow(); }
+    bool binary(binary_t&) override { return is_shallow(); }
+    bool start_array(std::size_t) override { return begin(); }
+    bool end_array() override { return end(); }
+    bool start_object(std::size_t) override { return begin(); }
+    bool end_object() override { return end(); }
+    bool key(string_t& name) override {
+        if (!is_shallow()) return false;
+        if (members_.back().insert(name).second) return true;
+        fault_ =
+            position(text_, furthest_) + ": member " + shown(Json(name)) + " is given twice: must be once";
+        return false;
+    }
+    bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& fault) override {
         const std::string what = fault.what();  // "[json.exception...] parse error at ...: the reason"
         const std::size_t reason = what.find("] ");
-        throw Refusal{position(text, furthest) + ": must be JSON: " +
-                      printable(what.substr(reason == std::string::npos ? 0 : reason + 2), 200)};
+        fault_ = position(text_, furthest_) + ": must be JSON: " +
+                 printable(what.substr(reason == std::string::npos ? 0 : reason + 2), 200);
+        return false;
     }
+
+private:
+    bool is_shallow() {
+        if (members_.size() <= deepest_nesting) return true;
+        fault_ = position(text_, furthest_) + ": nested too deeply: must be at most " +
+                 std::to_string(deepest_nesting) + " deep";
+        return false;
+    }
+    bool begin() {
+        if (!is_shallow()) return false;
+        members_.emplace_back();
+        return true;
+    }
+    bool end() {
+        members_.pop_back();
+        return true;
+    }
+
+    const std::string_view text_;
+    const char* const& furthest_;                 // how far the parser has come
+    std::vector<std::set<std::string>> members_;  // of each object around that place; of a list none
+    std::string fault_;
+};
+
+}  // namespace
+
+Json parse(std::string_view text, std::size_t largest) {
+    if (text.size() > largest)
+        throw Refusal{"is more than " + std::to_string(largest) + " bytes of text: must be less"};
+    // First whether it will do. (The library's own way to look on while it makes values takes time that grows
+    // with the square of a list's length.)
+    const char* furthest = text.data();
+    Watch watch(text, furthest);
+    Json::sax_parse(CountingIterator{text.data(), &furthest},
+                    CountingIterator{text.data() + text.size(), &furthest}, &watch);
+    if (!watch.fault().empty()) throw Refusal{watch.fault()};
+    return Json::parse(text.begin(), text.end());
 }
 
 void Node::refuse(const std::string& right) const {

@@ -22,10 +22,10 @@ struct Refusal {
     std::string message;
 };
 
-/// One value per text, no member twice, and no deeper nesting than a library that recurses can stand; refused
-/// by line and byte (from the start) otherwise. All JSON that was not written by this very run goes through
-/// here.
-Json parse(std::string_view text);
+/// One value per text of up to `largest` bytes, no member twice, and no deeper nesting than a library that
+/// recurses can stand; refused by line and byte (from the start) otherwise. All JSON that was not written by
+/// this very run goes through here.
+Json parse(std::string_view text, std::size_t largest = largest_text);
 
 /// A value and its path, such as depth.invalid[1]; the empty path is the whole text. Refers to the Json
 /// given.

@@ -306,7 +306,9 @@ Result<void> check_video(const Scene& scene) {
     const VideoSource& video = *scene.video;
     if (scene.folder) return input_error("video: must be left out where there is a folder");
     for (const auto& [member, name] : {std::pair<const char*, const std::string&>{"video.depth", video.depth},
-                                       {"video.colour", video.colour}}) {
+                                       {"video.colour", video.colour},
+                                       {"video.haptic", video.haptic},
+                                       {"video.height", video.height}}) {
         const bool clean = std::none_of(name.begin(), name.end(), [](char c) { return c >= 0 && c < 0x20; });
         if (!clean || (name.empty() && &name == &video.depth))
             return input_error(std::string(member) + " is " + in_quotes(name) +

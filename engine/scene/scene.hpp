@@ -114,6 +114,7 @@ struct VideoSource {
     std::string colour;  ///< another video; empty: none, or in the other half
     VideoLayout layout = VideoLayout::alone;
     VideoValues values = VideoValues::grey;
+    std::string haptic{}, height{};  ///< stills that serve all frames; empty: none
 };
 
 /// What pictures hold where it is not the codes of `Scene::depth`. Whoever reads them makes codes of it, by

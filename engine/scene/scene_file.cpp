@@ -247,10 +247,12 @@ FolderSource read_folder(const Node& node) {
 }
 
 VideoSource read_video(const Node& node, const Scene& scene) {
-    node.allow_only({"depth", "colour", "layout", "values"});
+    node.allow_only({"depth", "colour", "haptic", "height", "layout", "values"});
     VideoSource video;
     video.depth = node["depth"].text();
     if (node.has("colour")) video.colour = node["colour"].text();
+    if (node.has("haptic")) video.haptic = node["haptic"].text();
+    if (node.has("height")) video.height = node["height"].text();
     if (node.has("layout")) video.layout = node["layout"].one_of(layout_names);
     video.values = usual_values(scene.depth.kind);
     if (node.has("values")) video.values = node["values"].one_of(value_names);
@@ -393,6 +395,8 @@ OrderedJson write_folder(const FolderSource& folder) {
 OrderedJson write_video(const VideoSource& video) {
     OrderedJson json = {{"depth", video.depth}};
     if (!video.colour.empty()) json["colour"] = video.colour;
+    if (!video.haptic.empty()) json["haptic"] = video.haptic;
+    if (!video.height.empty()) json["height"] = video.height;
     json["layout"] = name_of(layout_names, video.layout);
     json["values"] = name_of(value_names, video.values);
     return json;

@@ -13,6 +13,11 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
                                  "a clip, a folder of images, a depth picture, or a scene file");
     add_file_option(sub, "--scene", typed.choice.scene_file,
                     "scene file that describes the clip instead of its own");
+    add_file_option(sub, "--haptic", typed.choice.maps.haptic,
+                    "map of stiffness and friction for all frames, instead of the clip's: a picture (RGB, or "
+                    "grey: stiffness), X3D or glTF");
+    add_file_option(sub, "--height", typed.choice.maps.height,
+                    "map of heights for all frames, instead of the clip's: a picture in grey");
     return clip;
 }
 

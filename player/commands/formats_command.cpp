@@ -13,6 +13,10 @@ Result<void> print_formats() {
     std::cout << "What can be opened (docs/formats.md), and the command that opens it:\n";
     for (const ClipFormat& format : clip_formats())
         std::cout << "  " << format.what << "\n      " << format.command << '\n';
+    std::cout << "Maps of touch that serve all frames of any of them (docs/scene_file.md):\n"
+                 "  stiffness and friction: a picture, H3D's X3D (HapticTexturesSurface), glTF "
+                 "(MPEG_haptic_material)\n      touchable play depth.webm --haptic surface.x3d\n"
+                 "  heights: a picture in grey\n      touchable play depth.webm --height bumps.png\n";
     std::cout << "What is known of pictures by name (--preset NAME):\n";
     for (const Preset& preset : all_presets())
         std::cout << "  " << preset.name

@@ -264,8 +264,8 @@ void group_window_options(CLI::App& sub) {
         const char* name;
         std::vector<const char*> options;
     } groups[] = {{"The clip",
-                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--camera", "--start",
-                    "--rate", "--loop"}},
+                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
+                    "--camera", "--start", "--rate", "--loop"}},
                   {"The window",
                    {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
                     "--record", "--sound", "--video", "--settings", "--overwrite"}},

@@ -176,7 +176,8 @@ void group_options(CLI::App& sub) {
         std::vector<const char*> options;
     } groups[] = {
         {"The clip",
-         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--camera", "--start", "--rate", "--loop", "--play"}},
+         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--camera",
+          "--start", "--rate", "--loop", "--play"}},
         {"The hand",
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},

@@ -60,9 +60,9 @@ void ClipChoice::take(const LiveCamera& of) {
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open() const {
-    if (plugged && shared) return shared->open(*plugged, camera, scene_file);
-    if (plugged) return open_v4l2_camera(*plugged, camera, scene_file);
-    auto reader = open_clip(file, scene_file, camera);
+    if (plugged && shared) return with_still_maps(shared->open(*plugged, camera, scene_file), maps);
+    if (plugged) return with_still_maps(open_v4l2_camera(*plugged, camera, scene_file), maps);
+    auto reader = with_still_maps(open_clip(file, scene_file, camera), maps);
     if (!reader.ok()) return reader;
     if (filmed) return make_filmed_camera(std::move(*reader), *filmed, file);
     if (as_camera) return make_replay_camera(std::move(*reader), *as_camera);

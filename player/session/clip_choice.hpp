@@ -9,6 +9,7 @@
 #include "engine/camera/shared_camera.hpp"
 #include "engine/camera/v4l2_camera.hpp"
 #include "engine/import/open_clip.hpp"
+#include "engine/import/still_maps.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/media/replay_camera.hpp"
 #include "engine/result.hpp"
@@ -36,6 +37,7 @@ struct ClipChoice {
     std::filesystem::path file;
     std::optional<std::filesystem::path> scene_file;
     std::optional<SourceDescription> camera;  ///< of pictures without a scene file
+    StillMaps maps;                           ///< in place of what it has itself
     std::optional<FiltersChoice> filters;     ///< before what follows, one by one
     std::optional<int> median, fill_holes;
     std::optional<TerraceRemoval> terraces;

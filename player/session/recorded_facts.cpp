@@ -39,8 +39,10 @@ Json recorded_facts(const TouchSetup& setup) {
                  {"damping", guard.damping},
                  {"passivity", guard.passivity}}}};
     if (std::isfinite(guard.rise.per_tick)) facts["guard"]["rise_per_tick"] = guard.rise.per_tick;
-    const bool says_itself = setup.film || clip.filmed;  // a film has its scene
+    const bool says_itself = setup.film || clip.filmed;  // a film has its scene, and maps
     if (clip.scene_file && !says_itself) facts["scene_file"] = clip.scene_file->string();
+    if (clip.maps.haptic && !says_itself) facts["haptic"] = clip.maps.haptic->string();
+    if (clip.maps.height && !says_itself) facts["height"] = clip.maps.height->string();
     if (const auto& camera = clip.camera; camera && !says_itself) {
         if (const auto& lens = camera->intrinsics) {
             facts["intrinsics"] = {lens->fx, lens->fy};
@@ -234,6 +236,8 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
     setup.clip.file = text(facts, "clip");
     if (facts.contains("scene_file")) setup.clip.scene_file = text(facts, "scene_file");
     setup.clip.camera = camera_of(facts);
+    if (facts.contains("haptic")) setup.clip.maps.haptic = text(facts, "haptic");
+    if (facts.contains("height")) setup.clip.maps.height = text(facts, "height");
     setup.hand_words = text(facts, "hand");
     setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
     if (facts.contains("camera")) read_recorded_camera(facts, setup);

@@ -215,6 +215,12 @@ Error gone(Error error, const TouchSetup& setup, const std::filesystem::path& fi
         error.message += again + " CLIP";
     else if (!instead.scene_file && scene_file && !std::filesystem::exists(*scene_file, ignored))
         error.message += again + " --scene FILE";
+    else if (const auto& haptic = setup.clip.maps.haptic;
+             haptic && !std::filesystem::exists(*haptic, ignored))
+        error.message += again + " --haptic FILE";
+    else if (const auto& height = setup.clip.maps.height;
+             height && !std::filesystem::exists(*height, ignored))
+        error.message += again + " --height FILE";
     return error;
 }
 
@@ -226,6 +232,8 @@ Result<OpenClip> open_recorded(TouchSetup& setup, Scene recorded, const std::fil
         setup.clip.scene_file = instead.scene_file;
         setup.clip.camera.reset();
     }
+    if (instead.maps.haptic) setup.clip.maps.haptic = instead.maps.haptic;
+    if (instead.maps.height) setup.clip.maps.height = instead.maps.height;
     if (setup.clip.as_camera && !recorded.rate_unstated) setup.clip.as_camera->rate = recorded.rate;
     auto reader = setup.clip.open();
     if (!reader.ok()) return gone(reader.error(), setup, file, instead);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// A file that another one names by a URL, or holds.
+struct LinkedFile {
+    std::filesystem::path file;                ///< empty: its bytes are in the other one
+    std::shared_ptr<const std::string> bytes;  ///< these
+    std::string name;                          ///< for messages
+    bool operator==(const LinkedFile&) const = default;
+};
+
+/// Whether a URL leads neither into the network nor to any other place that is no file.
+bool is_local_link(std::string_view url);
+
+/// What `url` means in the file `holder`: a path relative to its folder, also up and out of it; file:; or
+/// data: in base64. Everything else is refused. Does not look whether the file is there.
+Result<LinkedFile> follow_link(std::string_view url, const std::filesystem::path& holder);
+
+/// Up to 256 MiB.
+Result<std::shared_ptr<const std::string>> bytes_of(const LinkedFile& link);
+
+}  // namespace touchable
