@@ -73,7 +73,8 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
     options.session.recorded = options.record.has_value();
-    if (auto read = read_live_camera(words.clip_word->count() > 0, options.session); !read.ok()) return read.error();
+    if (auto read = read_live_camera(words.clip_word->count() > 0, options.session); !read.ok())
+        return read.error();
     auto playback = read_playback(words.playback);
     if (!playback.ok()) return playback.error();
     options.session.playback = std::move(*playback);

@@ -1,4 +1,5 @@
-// Recordings of ROS 1: written by librosbag-storage (tests/import/write_bags.cpp), and by a writer of the tests' own.
+// Recordings of ROS 1: written by librosbag-storage (tests/import/write_bags.cpp), and by a writer of the
+// tests' own.
 #include <gtest/gtest.h>
 
 #include <algorithm>

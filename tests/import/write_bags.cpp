@@ -1,4 +1,5 @@
-// Wrote the bags in tests/fuzz/seeds/bag, by librosbag-storage 1.15.15 of Debian 12, which is not needed to build or test:
+// Wrote the bags in tests/fuzz/seeds/bag, by librosbag-storage 1.15.15 of Debian 12, which is not needed to
+// build or test:
 //   g++ -std=c++17 write_bags.cpp $(pkg-config --cflags --libs rosbag_storage) && ./a.out
 // Definitions of messages, which readers of known messages pass over, are left out to keep the files small.
 #include <geometry_msgs/Transform.h>
