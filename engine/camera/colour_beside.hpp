@@ -23,7 +23,6 @@ public:
                                                       const std::optional<FrameRate>& rate);
     const TrackInfo& track() const { return track_; }
     int descriptor() const { return stream_->descriptor(); }
-    bool any() const { return !recent_.empty(); }
     /// Takes what is there. An error, once, when no more will come: what happened.
     Result<void> look();
     /// Of the scene's size; nothing before the first picture that can be read.

@@ -150,6 +150,10 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
                            std::to_string(made.height) + ", the camera gives " +
                            std::to_string(first.front().width) + "x" + std::to_string(first.front().height) +
                            " (size=)");
+    if (made.lens.any() || made.colour_camera)
+        return input_error(of_file +
+                           "camera.distortion and colour_camera are of recordings: of a camera that is "
+                           "plugged in must be left out");
     if (made.far_from_frames)
         if (auto settled = settle_far(meaning, first, facts.node); !settled) return settled.error();
     return meaning;

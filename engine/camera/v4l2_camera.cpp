@@ -49,7 +49,10 @@ public:
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override;
-    void leave_out_colour() override { colour_.reset(); }
+    void leave_out_colour() override {
+        colour_.reset();
+        last_colour_.reset();
+    }
     bool is_live() const override { return true; }
     Result<void> begin(steady_clock::time_point zero) override;
     void interrupt() override;
@@ -74,7 +77,8 @@ private:
     std::shared_ptr<VideoSystem> system_;
     NodeFacts facts_;
     std::unique_ptr<V4l2Stream> depth_;
-    std::unique_ptr<ColourBeside> colour_;
+    std::unique_ptr<ColourBeside> colour_;  // null: none, or it has stopped
+    std::optional<Plane> last_colour_;      // stays where that camera stops: a film has it in every frame
     Scene scene_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
@@ -154,7 +158,7 @@ Result<void> V4l2Camera::open_colour() {
     const auto until = steady_clock::now() + patience;
     while (colour_ && !colour_->nearest(0, scene_) && steady_clock::now() < until)
         if (auto taken = first_picture(); !taken) return taken.error();
-    if (!colour_ || !colour_->any())
+    if (!colour_ || !colour_->nearest(0, scene_))
         return input_error(choice_.colour + ": gave no picture of colour in " +
                            std::to_string(patience.count()) + " s; leave colour= out");
     const TrackInfo& track = colour_->track();
@@ -273,8 +277,8 @@ std::optional<RawFrame> V4l2Camera::frame_of(TakenPicture picture) {
     last_time_ns_ = frame.time_ns;
     add_plane(frame, PlaneRole::depth, {depth_of(picture), picture.bytes, 16});
     if (colour_)
-        if (auto colour = colour_->nearest(picture.at_ns, scene_))
-            add_plane(frame, PlaneRole::colour, std::move(*colour));
+        if (auto colour = colour_->nearest(picture.at_ns, scene_)) last_colour_ = std::move(colour);
+    if (last_colour_) add_plane(frame, PlaneRole::colour, *last_colour_);
     return frame;
 }
 

@@ -239,7 +239,7 @@ Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path&
     if (auto added = add_cameras(recording, scene, notes); !added) return added.error();
     if (auto valid = validate(scene); !valid)
         return input_error(file.string() + ": its cameras are damaged: " + valid.error().message);
-    const auto rate = rate_of(PictureFiles{{}, recording.times(), true, {}, {}});
+    const auto rate = rate_of_seconds(recording.times());
     if (rate) scene.rate = *rate;
     notes.push_back((rate ? "" : "guessed: ") + short_number(scene.rate.per_second()) + " frames a second" +
                     (scene.rate.own_times ? " on average, each at its own time"
@@ -266,8 +266,7 @@ Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& f
     if (scene) {
         described.scene = *scene;
         if (std::exchange(described.scene.rate_unstated, false))
-            described.scene.rate =
-                rate_of(PictureFiles{{}, recording->times(), true, {}, {}}).value_or(scene->rate);
+            described.scene.rate = rate_of_seconds(recording->times()).value_or(scene->rate);
         say_streams(recording->streams(), described.guesses);
     } else {
         auto guessed = guess(*recording, file, known);

@@ -82,6 +82,9 @@ Result<void> BagFile::read_index() {
             return damaged(read.error().message);
         const auto fields = BagFields::of(std::move(data));
         if (!fields) return damaged("connection " + std::to_string(n) + " of its index says nothing");
+        const auto is_it = [&](const BagConnection& other) { return other.id == *id; };
+        if (std::any_of(connections_.begin(), connections_.end(), is_it))
+            return damaged("connection " + std::to_string(*id) + " is in its index twice");
         connections_.push_back({*id, std::string(*topic), std::string(fields->text("type").value_or("")),
                                 std::string(fields->text("md5sum").value_or(""))});
         at = record->end();
@@ -192,10 +195,11 @@ Result<std::string> BagFile::read(const BagMessage& message, std::size_t most) {
     if (!record->is(BagOp::message) || record->fields.number<std::uint32_t>("conn") != message.connection)
         return damaged("the message at byte " + std::to_string(message.offset) + " of the chunk at byte " +
                        std::to_string(chunk.at) + " is none of its connection");
-    std::string data(std::min<std::size_t>(record->size, most), '\0');
-    if (data.size() > largest_message)
-        return input_error(name_ + ": has a message of " + std::to_string(data.size() >> 20) +
-                           " MiB: at most " + std::to_string(largest_message >> 20) + " are read");
+    const std::size_t size = std::min<std::size_t>(record->size, most);
+    if (size > largest_message)
+        return input_error(name_ + ": has a message of " + std::to_string(size >> 20) + " MiB: at most " +
+                           std::to_string(largest_message >> 20) + " are read");
+    std::string data(size, '\0');
     if (auto read = (*packed)->read(record->data_at, data.data(), data.size()); !read)
         return damaged(read.error().message);
     return data;

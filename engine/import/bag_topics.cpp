@@ -55,6 +55,7 @@ Result<std::optional<std::string>> first_message(BagFile& bag, const std::string
 /// All topics of pictures that have any.
 Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
     std::vector<BagPictures> topics;
+    std::size_t looked_at = 0;
     for (const BagConnection& connection : bag.connections()) {
         const bool is_compressed = is_of(connection, compressed_type);
         if (!is_compressed && !is_of(connection, image_type)) continue;
@@ -62,7 +63,7 @@ Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
                 return other.topic == connection.topic && other.is_compressed == is_compressed;
             }))
             continue;
-        if (topics.size() == most_topics) break;
+        if (++looked_at > most_topics) break;
         topics.push_back({connection.topic, is_compressed, RosPictureKind::none, "", {}});
         BagPictures& pictures = topics.back();
         std::vector<std::uint32_t> ids;  // who writes it may have been started twice

@@ -88,7 +88,9 @@ private:
 };
 
 Node MaterialReader::material() {
-    const char* const right = "has no material of MPEG_haptic_material with stiffness or friction";
+    const char* const right =
+        "has no material with stiffness or friction in the whole file's "
+        "extensions.MPEG_haptic_material.materials";
     if (!root_.has("extensions") || !root_["extensions"].has(extension)) throw Refusal{right};
     const auto materials = root_["extensions"][extension]["materials"].elements(0, most_elements, "an array");
     std::optional<std::size_t> first;
@@ -194,9 +196,13 @@ HapticLayers MaterialReader::read() {
         if (!is_stated) layers_.properties[2].range = scene_.haptic.dynamic_friction;
         say("friction of " + file_.string() + " is static and dynamic friction alike");
     }
-    say(file_.string() +
-        " states no units: black and white are the ends of haptic in the clip's scene file, or of "
-        "\"extras\": {\"touchable_range\": [black, white]} beside a texture");
+    const auto states_range = [](const std::optional<Node>& texture) {
+        return !texture || (texture->has("extras") && (*texture)["extras"].has("touchable_range"));
+    };
+    if (!states_range(stiffness) || !states_range(friction))
+        say(file_.string() +
+            " states no units: black and white are the ends of haptic in the clip's scene file, or of "
+            "\"extras\": {\"touchable_range\": [black, white]} beside a texture");
     for (const char* other : {"vibrotactileTexture", "temperature", "vibration", "custom"})
         if (chosen.has(other)) say(std::string(other) + " of " + file_.string() + " is not used");
     return std::move(layers_);

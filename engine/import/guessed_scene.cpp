@@ -347,8 +347,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         if (rate) scene.rate = *rate;
         guess.say(short_number(scene.rate.per_second()) + " frames a second" +
                   (scene.rate.own_times ? " on average, each at its own time"
-                   : rate               ? ", by their times"
-                                        : ""));
+                   : rate ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
+                          : ""));
     }
     return guess.made();
 }

@@ -106,7 +106,7 @@ Result<void> ImageFolderReader::find_files() {
         tracks_.push_back({role, std::move(found->files), role == PlaneRole::depth ? *stack : nullptr});
     }
     count_ = static_cast<std::int64_t>(depth->count());
-    if (std::exchange(scene_.rate_unstated, false)) scene_.rate = rate_of(*depth).value_or(scene_.rate);
+    if (std::exchange(scene_.rate_unstated, false)) scene_.rate = own_rate_of(*depth).value_or(scene_.rate);
     return {};
 }
 

@@ -59,6 +59,7 @@ Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDe
     if (!demuxer) return demuxer.error();
     const auto depth_size = size_of_track((*demuxer)->container(), "DEPTH"),
                colour_size = size_of_track((*demuxer)->container(), "COLOR");
+    if (!depth_size) return input_error(file.string() + ": has no track DEPTH");
     auto video = VideoFile::open(file, PlaneRole::depth);
     if (!video) return video.error();
     const auto first = first_depth(**video);
@@ -75,6 +76,9 @@ Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDe
         if (!read) return read.error();
         cameras = std::move(*read);
         const Camera& camera = cameras->depth;
+        if (!(camera.fx > 0) || !(camera.fy > 0))
+            return input_error(file.string() + ": its " + calibration_file +
+                               ": the depth camera's focal lengths must be above 0");
         said.intrinsics = Intrinsics{camera.fx, camera.fy, camera.cx, camera.cy};
         notes.push_back("the cameras are those of the recording's calibration.json");
     }

@@ -212,7 +212,7 @@ Result<PictureFiles> listed_files(const fs::path& list) {
 /// Seconds of a key that is 1; nothing where keys only count.
 std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     const std::vector<double>& keys = pictures.keys;
-    if (keys.size() < 3) return {};
+    if (keys.size() < 2) return {};
     // Stamps since 1970 tell their unit by their size; small whole numbers only count.
     const double last = keys.back();
     if (last > 1e17) return 1e-9;
@@ -223,6 +223,27 @@ std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     return 1;
 }
 
+/// After the first; nothing where keys only count.
+std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
+    const auto unit = seconds_per_key(pictures);
+    if (!unit) return {};
+    std::vector<double> seconds;
+    for (const double key : pictures.keys) seconds.push_back((key - pictures.keys.front()) * *unit);
+    return seconds;
+}
+
+/// Says so where two pictures have nearly one time, which no two frames can have.
+std::string close_times(const PictureFiles& found, const std::string& pattern) {
+    const auto unit = seconds_per_key(found);
+    constexpr double shortest_seconds = 1e-9 * shortest_frame_ns;
+    for (std::size_t n = 1; unit && n < found.keys.size(); ++n)
+        if ((found.keys[n] - found.keys[n - 1]) * *unit < shortest_seconds)
+            return pattern + ": the times of " + printable(found.files[n - 1].filename().string()) + " and " +
+                   printable(found.files[n].filename().string()) +
+                   " are less than 1 ms apart: all are taken evenly, at their mean rate";
+    return "";
+}
+
 /// Of frames that are so many seconds apart: a whole number a second where it is nearly one.
 FrameRate rate_of_step(double step) {
     const double rate = 1 / step, whole = std::round(rate);
@@ -230,11 +251,24 @@ FrameRate rate_of_step(double step) {
     return {static_cast<std::int64_t>(std::round(1000 * rate)), 1000};
 }
 
-bool keeps_to(const FrameRate& rate, const std::vector<std::int64_t>& times_ns) {
-    constexpr std::int64_t tolerance_ns = 2'000'000;  // what a stamp of milliseconds may be rounded by, twice
-    for (std::size_t n = 0; n < times_ns.size(); ++n)
-        if (std::abs(times_ns[n] - times_ns[0] - rate.time_ns(static_cast<std::int64_t>(n))) > tolerance_ns)
-            return false;
+/// Nothing where they are no times of this world.
+std::vector<std::int64_t> nanoseconds(const std::vector<double>& seconds) {
+    constexpr double ns_per_second = 1e9, longest_seconds = 4e9;
+    std::vector<std::int64_t> ns;
+    for (const double second : seconds) {
+        const double after = second - seconds.front();
+        if (!(after < longest_seconds)) return {};
+        ns.push_back(std::llround(after * ns_per_second));
+    }
+    return ns;
+}
+
+bool keeps_to(const FrameRate& rate, const std::vector<double>& seconds) {
+    constexpr double tolerance = 0.002;  // what a stamp of milliseconds may be rounded by, twice
+    for (std::size_t n = 0; n < seconds.size(); ++n) {
+        const double even = static_cast<double>(rate.time_ns(static_cast<std::int64_t>(n))) * 1e-9;
+        if (!(std::fabs(seconds[n] - seconds[0] - even) <= tolerance)) return false;
+    }
     return true;
 }
 
@@ -249,7 +283,9 @@ std::size_t nearest_key(const std::vector<double>& keys, double key) {
 }
 
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
-    return is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
+    auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
+    if (found) found->remark = close_times(*found, pattern);
+    return found;
 }
 
 Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
@@ -305,24 +341,30 @@ Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const 
     return beside;
 }
 
-std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
-    const auto unit = seconds_per_key(pictures);
-    if (!unit) return {};
-    constexpr double ns_per_second = 1e9, longest_seconds = 4e9;
+std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
+    if (seconds.size() < 2) return {};
     std::vector<double> steps;
-    std::vector<std::int64_t> times_ns;
-    for (const double key : pictures.keys) {
-        const double seconds = (key - pictures.keys.front()) * *unit;
-        if (!(seconds < longest_seconds)) return {};
-        if (!times_ns.empty())
-            steps.push_back(seconds - static_cast<double>(times_ns.back()) / ns_per_second);
-        times_ns.push_back(std::llround(seconds * ns_per_second));
-    }
+    for (std::size_t n = 1; n < seconds.size(); ++n) steps.push_back(seconds[n] - seconds[n - 1]);
+    const double mean = (seconds.back() - seconds.front()) / static_cast<double>(steps.size());
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
-    if (!(*middle > 1e-3 && *middle < 100)) return {};
-    const FrameRate even = rate_of_step(*middle);
-    return keeps_to(even, times_ns) ? even : rate_of_own_times(std::move(times_ns)).value_or(even);
+    const auto is_step = [](double step) { return step > 1e-3 && step < 100; };
+    if (is_step(*middle))
+        if (const FrameRate even = rate_of_step(*middle); keeps_to(even, seconds)) return even;
+    if (auto own = rate_of_own_times(nanoseconds(seconds))) return own;
+    return is_step(mean) ? std::optional(rate_of_step(mean)) : std::nullopt;
+}
+
+std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
+    const auto seconds = seconds_of(pictures);
+    return seconds ? rate_of_seconds(*seconds) : std::nullopt;
+}
+
+std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
+    const auto seconds = seconds_of(pictures);
+    if (!seconds) return {};
+    auto own = rate_of_own_times(nanoseconds(*seconds));
+    return own ? own : rate_of_seconds(*seconds);
 }
 
 }  // namespace touchable

@@ -38,8 +38,14 @@ Result<PictureFiles> found_files(const std::filesystem::path& folder, const std:
 /// The place of the nearest of sorted keys, of which there is one.
 std::size_t nearest_key(const std::vector<double>& keys, double key);
 
-/// When pictures with times as keys were taken: evenly, where all keep to the median step within 2 ms,
-/// otherwise at their own times. Nothing where keys are no times, or too few.
+/// When frames with these times, which do not go backward, were taken: evenly, where all keep to the median
+/// step within 2 ms, otherwise at their own times, or where some are less than 1 ms apart evenly at their
+/// mean. Nothing of fewer than two, and where they are no times of frames.
+std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds);
+/// The same of pictures whose keys are times.
 std::optional<FrameRate> rate_of(const PictureFiles& pictures);
+/// Their own times wherever they can be, however even: to a clip that was written as a list not a nanosecond
+/// is lost.
+std::optional<FrameRate> own_rate_of(const PictureFiles& pictures);
 
 }  // namespace touchable

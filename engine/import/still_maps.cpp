@@ -54,11 +54,22 @@ Result<StoredImage> touch_picture(std::string_view bytes, PlaneRole role, const 
     return stored;
 }
 
+/// Fewer bits than 8 as 8.
+void widen(StoredImage& stored) {
+    if (stored.bits >= 8) return;
+    const int white = 255 / ((1 << stored.bits) - 1);
+    for (auto& sample : stored.image.samples) sample = static_cast<std::uint8_t>(white * sample);
+    stored.bits = 8;
+}
+
 Result<StillPlane> haptic_picture(const std::filesystem::path& file, std::string_view bytes, Scene& scene) {
     auto stored = touch_picture(bytes, PlaneRole::haptic, file.string());
     if (!stored) return stored.error();
     StillPlane still{PlaneRole::haptic, {}, track_of(PlaneRole::haptic, *stored), {file}, {}};
-    if (stored->image.channels == 1) still.notes.push_back(take_grey_haptic(scene));
+    if (stored->image.channels == 1) {
+        widen(*stored);
+        still.notes.push_back(take_grey_haptic(scene));
+    }
     still.plane = plane_from(std::move(stored->image), stored->bits);
     return still;
 }
@@ -79,14 +90,6 @@ void give_height(Scene& scene, std::vector<std::string>& notes) {
     length = std::min(length, depth.nearest_depth() / 2);
     height.units = in_levels ? HeightUnits::levels : HeightUnits::world;
     height.max_height = in_levels ? length / depth.level() : length;
-}
-
-/// 2 and 4 bits as 8.
-void widen(StoredImage& stored) {
-    if (stored.bits >= 8) return;
-    const int white = 255 / ((1 << stored.bits) - 1);
-    for (auto& sample : stored.image.samples) sample = static_cast<std::uint8_t>(white * sample);
-    stored.bits = 8;
 }
 
 }  // namespace

@@ -43,7 +43,8 @@ bool same_rate(const FrameRate& a, const FrameRate& b) {
 }
 
 std::optional<std::string> rate_note(const FrameRate& played, const FrameRate& recorded) {
-    if (same_rate(played, recorded) && !recorded.own_times) return std::nullopt;
+    const bool keeps_times = !recorded.own_times || played.own_times;
+    if (same_rate(played, recorded) && keeps_times) return std::nullopt;
     return "played at " + rate_text(played) + " frames/s, as the scene file has it; recorded at " +
            (recorded.own_times ? "times of their own, on average " : "") + rate_text(recorded);
 }

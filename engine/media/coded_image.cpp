@@ -46,7 +46,20 @@ std::optional<Image> grey_of_png(const AVFrame& frame) {
     return image;
 }
 
+/// Grey of 1 bit, eight pixels a byte, the first one highest.
+std::optional<Image> black_and_white(const AVFrame& frame) {
+    if (frame.format != AV_PIX_FMT_MONOBLACK) return std::nullopt;
+    Image image{frame.width, frame.height, 1, 1, {}};
+    for (int y = 0; y < frame.height; ++y) {
+        const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+        for (int x = 0; x < frame.width; ++x)
+            image.samples.push_back((row[x / 8] >> (7 - x % 8) & 1) != 0 ? 255 : 0);
+    }
+    return image;
+}
+
 Result<Image> image_from(const std::string& where, const AVFrame& frame) {
+    if (auto mask = black_and_white(frame)) return std::move(*mask);
     if (auto grey = grey_of_png(frame)) return std::move(*grey);
     if (const auto plane = grey_samples(frame)) return packed_grey(*plane);
     const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
@@ -58,7 +71,7 @@ Result<Image> image_from(const std::string& where, const AVFrame& frame) {
                        "; grey of 8 or 16 bits and colour of 8 bits are read");
 }
 
-/// FFmpeg spreads grey of 2 and 4 bits over 8.
+/// Grey of 1, 2 and 4 bits comes spread over 8.
 void gather(Image& image, int bits) {
     const int step = 255 / ((1 << bits) - 1);
     for (std::uint8_t& sample : image.samples) sample = static_cast<std::uint8_t>(sample / step);

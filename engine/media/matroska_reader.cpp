@@ -261,6 +261,12 @@ Result<void> MatroskaReader::describe() {
     // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.
     const std::optional<double> end_s = demuxer_->pictures_end();
     if (!end_s) return refuse("was never completed: it has no duration");
+    constexpr double rounding = 0.002;
+    if (recorded_rate_.own_times && seconds_of(static_cast<std::int64_t>(recorded_rate_.own_times->size()) -
+                                               1) > *end_s - origin_seconds_ + rounding)
+        return refuse("its " + std::string(clip_tags::times_file) + " has the times of " +
+                      std::to_string(recorded_rate_.own_times->size()) +
+                      " frames, the last after the pictures end: must be one for each frame");
     promised_ = recorded_rate_.own_times
                     ? static_cast<std::int64_t>(recorded_rate_.own_times->size())
                     : std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());

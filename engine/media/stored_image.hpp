@@ -19,7 +19,7 @@ struct StoredImage {
     Image image;               ///< of a picture of floats its size, and no samples
     std::string codec;         ///< "png", "mjpeg", "pgm", "ppm", "pfm", "npy", "tiff", "exr"
     std::string pixel_format;  ///< as FFmpeg names it: "gray16be", "grayf32le"
-    /// Of a sample as stored: of grey PNG also 2 and 4, of PGM those its greatest value needs; 16 where
+    /// Of a sample as stored: of grey PNG also 1, 2 and 4, of PGM those its greatest value needs; 16 where
     /// larger integers all fit.
     int bits = 8;
     bool interlaced = false;    ///< then a picture that lacks data is not found out

@@ -59,9 +59,10 @@ std::optional<FrameRate> rate_of_own_times(std::vector<std::int64_t> times_ns) {
     if (Wide{times_ns.back()} - first_ns > latest_ns) return {};
     for (std::int64_t& time_ns : times_ns) time_ns -= first_ns;
     const double mean = static_cast<double>(times_ns.size() - 1) * 1e9 / static_cast<double>(times_ns.back());
-    const std::int64_t num = std::max<std::int64_t>(std::llround(mean * 1e6), 1);
-    const std::int64_t common = std::gcd(num, std::int64_t{1'000'000});
-    FrameRate rate{num / common, 1'000'000 / common};
+    const std::int64_t den = mean < 1 ? 1'000'000'000 : 1'000'000;
+    const std::int64_t num = std::max<std::int64_t>(std::llround(mean * static_cast<double>(den)), 1);
+    const std::int64_t common = std::gcd(num, den);
+    FrameRate rate{num / common, den / common};
     rate.own_times = std::make_shared<const std::vector<std::int64_t>>(std::move(times_ns));
     return rate;
 }

@@ -86,6 +86,20 @@ TEST(PictureFiles, OfAListAreSecondsApartWhereItHasAPoint) {
     EXPECT_EQ(*rate->own_times, (std::vector<std::int64_t>{0, 1'000'000'000, 3'000'000'000}));
 }
 
+TEST(PictureFiles, OfAListThatAreOneTimeAreSaidToBe) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.png", "b.png", "c.png", "d.png"}) write_bytes(folder / name, "");
+    write_bytes(folder / "depth.txt", "10.0 a.png\n10.0 b.png\n11.0 c.png\n13.0 d.png\n");
+    const PictureFiles found = found_in(folder, "depth.txt");
+    EXPECT_NE(found.remark.find("the times of a.png and b.png are less than 1 ms apart"), std::string::npos);
+    const auto rate = rate_of(found);
+    ASSERT_TRUE(rate);
+    EXPECT_EQ(rate->per_second(), 1) << "the mean";
+    EXPECT_FALSE(rate->own_times);
+    write_bytes(folder / "depth.txt", "10.0 a.png\n11.0 b.png\n");
+    EXPECT_EQ(rate_of(found_in(folder, "depth.txt"))->per_second(), 1) << "of two";
+}
+
 TEST(PictureFiles, OneOfMaterialsServesAllFrames) {
     const TemporaryFolder folder;
     for (const char* name : {"d0.png", "d1.png", "map.png"}) write_bytes(folder / name, "");

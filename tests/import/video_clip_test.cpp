@@ -292,6 +292,7 @@ TEST(VideoClip, TheRateIsTheContainers) {
     auto clip = open_clip(folder / "d.mkv");
     ASSERT_EQ(message(clip), "");
     EXPECT_EQ((*clip)->scene().rate.per_second(), 25);
+    EXPECT_FALSE(some_note_has(**clip, "played at"));
     const auto frames = read_all(**clip);
     for (int n = 0; n < 5; ++n)
         EXPECT_EQ(frames->at(static_cast<std::size_t>(n)).time_ns, n * n * std::int64_t{10'000'000}) << n;

@@ -194,6 +194,31 @@ TEST_F(Convert, FramesKeepTheirOwnTimesInEveryForm) {
     EXPECT_EQ(hash_of(at("listed")), evenly);
 }
 
+/// Nearly even, two, and as close as they may be.
+TEST_F(Convert, AListKeepsTimesThatLookLikeARate) {
+    make("moving");
+    auto whole = open_clip(at("clip.mkv"));
+    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    Scene scene = (*whole)->scene();
+    std::vector<RawFrame> frames;
+    while (auto frame = *(*whole)->next()) frames.push_back(std::move(*frame));
+    constexpr std::int64_t ms = 1'000'000;
+    const std::vector<std::vector<std::int64_t>> all{
+        {0, 34 * ms, 66 * ms, 100 * ms, 133 * ms, 167 * ms}, {0, 400 * ms}, {0, ms, 2 * ms, 400 * ms}};
+    for (const auto& times_ns : all) {
+        scene.rate = *rate_of_own_times(times_ns);
+        auto writer = create_clip(at("own.mkv"), scene);
+        ASSERT_TRUE(writer.ok()) << writer.error().message;
+        for (std::size_t n = 0; n < times_ns.size(); ++n) ASSERT_TRUE((*writer)->write(frames[n]).ok());
+        ASSERT_TRUE((*writer)->finish().ok());
+        convert({at("own.mkv"), at("own"), "--overwrite"});
+        const auto folder = open_clip(at("own"));
+        ASSERT_TRUE(folder.ok()) << folder.error().message;
+        ASSERT_TRUE((*folder)->scene().rate.own_times);
+        EXPECT_EQ(*(*folder)->scene().rate.own_times, times_ns);
+    }
+}
+
 /// What a camera's file has in an order of its own comes out as plain codes.
 TEST_F(Convert, WordsThatAreSwappedAreTurnedBackOnce) {
     make("moving", {"--bits", "16"});
