@@ -14,8 +14,8 @@ namespace touchable {
 ///
 /// - A point is hidden where a surface lies before it as the colour camera sees it: nearer by more than a
 ///   slope of 80 degrees would explain. It then takes the colour of the nearest pixel of its row that is
-///   seen, of the two sides the one that is farther away: what is hidden belongs to what lies behind. The
-///   same outside the colour picture. A row of which nothing is seen is grey.
+///   seen, of the two sides the one that is farther away: what is hidden belongs to what lies behind. Outside
+///   the colour picture, and in a row of which nothing is seen, it is grey.
 /// - A pixel without depth is taken to be where the farther of its row's neighbours with depth is.
 class ColourRegistration {
 public:

@@ -21,7 +21,8 @@ struct LinkedFile {
 bool is_local_link(std::string_view url);
 
 /// What `url` means in the file `holder`: a path relative to its folder, also up and out of it; file:; or
-/// data: in base64. Everything else is refused. Does not look whether the file is there.
+/// data: in base64. Everything else is refused. A name with %XX is taken as it stands where such a file is
+/// there, otherwise decoded.
 Result<LinkedFile> follow_link(std::string_view url, const std::filesystem::path& holder);
 
 /// Up to 256 MiB.
