@@ -27,6 +27,11 @@ export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config
                                      << R"( >out 2>err & program=$!
 timeout 20 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
 xdotool windowmove $(head -1 window) 0 0
+for k in $(seq 150); do  # until the clip is open
+    title=$(xdotool getwindowname $(head -1 window))
+    [[ $title == *' - touchable' && $title != *...* ]] && break
+    sleep 0.1
+done
 )" << actions << R"(
 wait $program
 )";
