@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 #include <string>
@@ -14,6 +15,16 @@ struct DeviceLimits {
     double max_stiffness = 0;  ///< newtons per metre of device space, > 0
 };
 
+/// What a device has; for people, and for the mapping of its workspace.
+struct DeviceCapabilities {
+    int axes_sensed = 3;    ///< of a finger's position
+    int axes_driven = 3;    ///< 0: it exerts no force
+    glm::dvec3 reach{0.0};  ///< half of the workspace to each side of its centre, metres; 0: not known
+    double rate_hz = 0;     ///< at which positions come; 0: not known
+    int buttons = 0;
+    bool own_watchdog = false;  ///< the hardware itself drops a force that nobody renews
+};
+
 /// A force-feedback device with one or more end points (fingers). Positions are in device metres and forces
 /// in newtons, axes x right, y up, z towards the person; `Workspace` maps them to the scene.
 ///
@@ -24,10 +35,13 @@ struct DeviceLimits {
 /// without
 ///   a `write_forces`: a caller that hangs or dies leaves a limp device. Where the hardware has a watchdog of
 ///   its own, the backend arms it as well.
-/// - After a failure the device stays limp, and `health` names the reason, until it is opened again.
+/// - After a failure the device stays limp, and `health` names the reason, until it is opened again. One that
+/// looks for its hardware by itself (DrivenDevice) is away until then: its positions are not numbers.
+/// - A position older than `oldest_s` is never given: what is read in its place is not a number.
 class HapticDevice {
 public:
     static constexpr double silence_s = 0.05;  ///< longest time a force outlives the call that wrote it
+    static constexpr double oldest_s = 0.02;   ///< longest time a position outlives the device's word of it
 
     HapticDevice() = default;
     HapticDevice(const HapticDevice&) = delete;
@@ -37,6 +51,7 @@ public:
     virtual std::string name() const = 0;
     virtual DeviceLimits limits() const = 0;
     virtual int fingers() const = 0;
+    virtual DeviceCapabilities capabilities() const { return {}; }
 
     /// Takes hold of the hardware and clears an earlier fault. May wait; never called from the haptic thread.
     virtual Result<void> open() = 0;
@@ -48,6 +63,11 @@ public:
     virtual bool read_positions(std::span<glm::dvec3> device_metres) = 0;
     virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
 
+    /// Buttons that were pressed as of the newest reading, one bit each. The haptic thread's.
+    virtual std::uint32_t buttons() { return 0; }
+
+    /// What it waits for, for the person who holds it; empty: nothing. May allocate, as `health`.
+    virtual std::string wish() const { return {}; }
     /// Nothing wrong, or why the device is limp (ErrorKind::device). May allocate: ask from another thread,
     /// or once a call has returned false.
     virtual Result<void> health() const = 0;

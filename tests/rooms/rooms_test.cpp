@@ -26,6 +26,8 @@ const std::map<std::string, Rooms> may_use{
     {"engine/gpu", {"engine"}},
     {"haptics_cpu", {"engine", "engine/scene", "engine/frame"}},
     {"device", {"engine"}},
+    {"device/network", {"engine", "device"}},
+    {"device/catalog", {"engine", "device", "device/network"}},
     {"shaders", {}},
     {"player/view",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",

@@ -1,0 +1,35 @@
+#include "device/catalog/device_catalog.hpp"
+
+#include <algorithm>
+
+#include "device/network/network_device.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr DeviceKind kinds[] = {
+    {"network", "any program that sends UDP datagrams (docs/network-hand.md)", make_network_device},
+};
+
+}  // namespace
+
+std::span<const DeviceKind> device_kinds() {
+    return kinds;
+}
+
+Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description,
+                                                  const DrivenSettings& driven) {
+    const std::size_t colon = description.find(':');
+    const std::string name = description.substr(0, colon);
+    const auto kind = std::find_if(std::begin(kinds), std::end(kinds),
+                                   [&](const DeviceKind& each) { return each.name == name; });
+    if (kind != std::end(kinds))
+        return kind->make(
+            colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1),
+            driven);
+    std::string names = "simulated";
+    for (const DeviceKind& each : kinds) names += ", " + std::string(each.name);
+    return usage_error("unknown device '" + name + "'; there are " + names);
+}
+
+}  // namespace touchable

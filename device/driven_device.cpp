@@ -1,0 +1,277 @@
+#include "device/driven_device.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <exception>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+#include "engine/start_thread.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr microseconds a_tick{1000};
+constexpr microseconds slowest_bus{5000};  // that a driver is given to answer, where it waits itself
+constexpr std::int64_t spoken_again_ns = 5'000'000;  // zeros for hardware that nobody asks anything of
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+std::int64_t now_ns() {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+/// Of a moment that may never have been.
+double age_of(std::int64_t moment_ns, std::int64_t now) {
+    if (moment_ns == 0) return std::numeric_limits<double>::infinity();
+    return static_cast<double>(now - moment_ns) * 1e-9;
+}
+
+/// A driver that throws has failed, like one that says so.
+template <class Call>
+auto answer_of(const std::string& name, Call&& call) -> decltype(call()) {
+    try {
+        return call();
+    } catch (const std::exception& thrown) {
+        return Error{ErrorKind::device, name + ": " + thrown.what()};
+    } catch (...) {
+        return Error{ErrorKind::device, name + ": failed for an unknown reason"};
+    }
+}
+
+}  // namespace
+
+DrivenDevice::DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings settings)
+    : driver_(std::move(driver)),
+      settings_(std::move(settings)),
+      name_(driver_->name()),
+      fingers_(driver_->fingers()),
+      limits_(driver_->limits()),
+      capabilities_(driver_->capabilities()),
+      age_s_(std::numeric_limits<double>::infinity()) {
+    assert(fingers_ >= 1 && fingers_ <= static_cast<int>(DeviceSample::most_fingers));
+}
+
+Result<void> DrivenDevice::open() {
+    close();
+    wake_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    if (wake_ < 0) return Error{ErrorKind::internal, "no eventfd can be had for the " + name_};
+    stopping_ = false;
+    misuse_ = nullptr;
+    told_.write({});
+    asked_.write({});
+    auto held = take_hold();
+    if (held.ok()) {
+        lost_ = false;
+        held = start_thread(thread_, "of the device", [this] { drive(); });
+    }
+    if (!held.ok()) {
+        driver_->disconnect();
+        ::close(std::exchange(wake_, -1));
+        return held;
+    }
+    open_ = true;
+    return {};
+}
+
+void DrivenDevice::close() {
+    open_ = false;
+    stopping_ = true;
+    if (wake_ >= 0) wake();
+    if (thread_.joinable()) thread_.join();
+    kept_.reset();
+    if (wake_ >= 0) ::close(std::exchange(wake_, -1));
+}
+
+bool DrivenDevice::read_positions(std::span<glm::dvec3> device_metres) {
+    if (!open_.load(std::memory_order_acquire) || lost_.load(std::memory_order_acquire) || misuse_.load())
+        return false;
+    assert(device_metres.size() == static_cast<std::size_t>(fingers_));
+    const Told& told = told_.read();
+    age_s_ = age_of(told.time_ns, now_ns());
+    const bool fresh = age_s_ <= oldest_s;
+    buttons_ = fresh ? told.sample.buttons : 0;
+    for (std::size_t finger = 0; finger < device_metres.size(); ++finger)
+        device_metres[finger] = fresh ? told.sample.metres[finger] : glm::dvec3(no_number);
+    return true;
+}
+
+bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
+    if (!open_.load(std::memory_order_acquire) || lost_.load(std::memory_order_acquire) || misuse_.load())
+        return false;
+    assert(newtons.size() == static_cast<std::size_t>(fingers_));
+    Asked asked;
+    for (std::size_t finger = 0; finger < newtons.size(); ++finger) {
+        const double length = glm::length(newtons[finger]);
+        if (!std::isfinite(length)) {
+            misuse_ = "was given a force that is not finite";
+            wake();
+            return false;
+        }
+        asked.newtons[finger] =
+            newtons[finger] * (length > limits_.max_force ? limits_.max_force / length : 1.0);
+    }
+    asked.time_ns = now_ns();
+    asked_.write(asked);
+    wake();
+    return true;
+}
+
+std::string DrivenDevice::wish() const {
+    const std::lock_guard lock(words_mutex_);
+    return wish_;
+}
+
+Result<void> DrivenDevice::health() const {
+    if (const char* misuse = misuse_.load())
+        return Error{ErrorKind::device, name_ + " " + misuse + "; open it again"};
+    const std::lock_guard lock(words_mutex_);
+    if (fault_) return *fault_;
+    return {};
+}
+
+DrivenFacts DrivenDevice::facts() const {
+    return {samples_.load(), implausible_.load(), sent_.load(), losses_.load()};
+}
+
+void DrivenDevice::wake() const {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
+}
+
+// ---- The device's thread.
+
+bool DrivenDevice::given_up() const {
+    return stopping_.load(std::memory_order_relaxed) || stop_requested();
+}
+
+Result<void> DrivenDevice::take_hold() {
+    set_words(std::nullopt, {});
+    auto held = answer_of(name_, [this] { return driver_->connect([this] { return given_up(); }); });
+    if (!held.ok() || !settings_.keeper) return held;
+    const auto word = driver_->last_word();
+    if (!word) return held;
+    if (!kept_) {
+        auto kept = LimpKeeper::keep(settings_.keeper);
+        if (!kept.ok()) return kept.error();
+        kept_.emplace(std::move(*kept));
+    }
+    return kept_->say(*word);
+}
+
+/// Whatever ends it, the hardware is let go of with zero force.
+void DrivenDevice::drive() {
+    if (settings_.as_thread_begins) settings_.as_thread_begins();
+    for (bool held = true; held;) {
+        auto served = answer_of(name_, [this] { return serve(); });
+        driver_->disconnect();
+        if (served.ok()) return;
+        ++losses_;
+        held = look_for_it(served.error());
+    }
+}
+
+Result<void> DrivenDevice::serve() {
+    for (PlausibleMotion& motion : motions_) motion.forget();
+    Heard heard;
+    heard.sample.metres.fill(glm::dvec3(no_number));
+    while (!stopping_.load(std::memory_order_relaxed))
+        if (auto turned = turn(heard); !turned.ok()) return turned;
+    return {};
+}
+
+/// Hardware that answers when asked is asked as often as it answers. Hardware that speaks by itself is heard
+/// at once, and each new force goes out at once.
+Result<void> DrivenDevice::turn(Heard& heard) {
+    const int descriptor = driver_->descriptor();
+    if (descriptor < 0) {
+        if (auto spoken = speak(heard); !spoken.ok()) return spoken;
+        return hear(heard, slowest_bus);
+    }
+    pollfd waited_for[] = {{wake_, POLLIN, 0}, {descriptor, POLLIN, 0}};
+    const timespec patience{0, std::chrono::nanoseconds(a_tick).count()};
+    ppoll(waited_for, 2, &patience, nullptr);
+    if (waited_for[1].revents != 0)
+        if (auto came = hear(heard, microseconds(0)); !came.ok()) return came;
+    const bool asked = waited_for[0].revents != 0;
+    if (asked) {
+        std::uint64_t count = 0;
+        [[maybe_unused]] const auto read = ::read(wake_, &count, sizeof count);
+    }
+    return asked || now_ns() - heard.spoken_ns >= spoken_again_ns ? speak(heard) : Result<void>{};
+}
+
+Result<void> DrivenDevice::hear(Heard& heard, microseconds patience) {
+    DeviceSample sample;
+    sample.metres.fill(glm::dvec3(no_number));
+    const auto came = driver_->receive(sample, patience);
+    if (!came.ok()) return came.error();
+    if (std::string wish = driver_->wish(); wish != wish_) set_words(std::nullopt, std::move(wish));
+    if (!*came) return {};
+    heard.time_ns = now_ns();
+    heard.sample = sample;
+    for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
+        const auto place = motions_[finger].believe(sample.metres[finger], heard.time_ns);
+        if (!place && !std::isnan(sample.metres[finger].x)) ++implausible_;
+        heard.sample.metres[finger] = place.value_or(glm::dvec3(no_number));
+    }
+    ++samples_;
+    told_.write({heard.sample, heard.time_ns});
+    return {};
+}
+
+Result<void> DrivenDevice::speak(Heard& heard) {
+    const Asked& asked = asked_.read();
+    const std::int64_t now = now_ns();
+    const bool lives = !misuse_.load() && !stopping_.load() && age_of(asked.time_ns, now) <= silence_s &&
+                       age_of(heard.time_ns, now) <= oldest_s;
+    Forces newtons{};
+    for (std::size_t finger = 0; lives && finger < static_cast<std::size_t>(fingers_); ++finger)
+        if (!std::isnan(heard.sample.metres[finger].x)) newtons[finger] = asked.newtons[finger];
+    heard.spoken_ns = now;
+    ++sent_;
+    return driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
+}
+
+/// Until it is there again. False: it is given up, or whoever held it is gone.
+bool DrivenDevice::look_for_it(Error lost) {
+    told_.write({});
+    set_words(lost, "looking for the " + name_ + " again");
+    const std::int64_t since = now_ns();
+    while (!given_up()) {
+        pause(settings_.look_again_s);
+        if (given_up()) break;
+        if (take_hold().ok()) return true;
+        driver_->disconnect();
+        set_words(lost, "looking for the " + name_ + " again");
+        if (age_of(since, now_ns()) < settings_.away_s) continue;
+        lost.message += "; it did not come back";
+        set_words(lost, {});
+        lost_.store(true, std::memory_order_release);
+        return false;
+    }
+    return false;
+}
+
+void DrivenDevice::pause(double seconds) const {
+    const std::int64_t since = now_ns();
+    while (!given_up() && age_of(since, now_ns()) < seconds)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+void DrivenDevice::set_words(std::optional<Error> fault, std::string wish) {
+    const std::lock_guard lock(words_mutex_);
+    fault_ = std::move(fault);
+    wish_ = std::move(wish);
+}
+
+}  // namespace touchable

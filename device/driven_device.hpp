@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "device/device_driver.hpp"
+#include "device/limp_keeper.hpp"
+#include "device/newest_value.hpp"
+#include "device/plausible_motion.hpp"
+
+namespace touchable {
+
+/// How a device is driven.
+struct DrivenSettings {
+    /// Hardware that is gone is looked for so long, and then given up. Long enough for the guard to let go.
+    double away_s = 10;
+    double look_again_s = 0.5;  ///< from one look to the next
+    /// Called by the device's thread before all else; it may want to be real-time.
+    std::function<void()> as_thread_begins{};
+    std::shared_ptr<LimpKeeper> keeper{};  ///< leaves it limp when this process is gone; nothing: nobody does
+};
+
+/// What went on between a device and its thread since it was opened.
+struct DrivenFacts {
+    std::int64_t samples = 0;      ///< that came
+    std::int64_t implausible = 0;  ///< fingers' places among them that were not believed
+    std::int64_t sent = 0;         ///< forces that went out, zeros among them
+    std::int64_t losses = 0;       ///< of the hardware, which was looked for afterwards
+};
+
+/// A HapticDevice of any backend: a thread of its own speaks with the hardware, the haptic thread takes the
+/// newest position and leaves the newest force, and neither waits for the other. All of the safety contract
+/// is kept here, once:
+/// - a force goes out only while it is younger than `silence_s`, and while the position that it answers is
+///   younger than `oldest_s`; otherwise zero goes out, again and again;
+/// - a finger whose position cannot be, or leaps, has no position (PlausibleMotion);
+/// - hardware that fails is let go of, with zero force if it can still be sent, and looked for again:
+/// positions
+///   are not numbers meanwhile, which the force guard takes for a hand that has let go.
+class DrivenDevice final : public HapticDevice {
+public:
+    explicit DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings settings = {});
+    ~DrivenDevice() override { close(); }
+
+    std::string name() const override { return name_; }
+    DeviceLimits limits() const override { return limits_; }
+    int fingers() const override { return fingers_; }
+    DeviceCapabilities capabilities() const override { return capabilities_; }
+    Result<void> open() override;
+    void close() override;
+    bool read_positions(std::span<glm::dvec3> device_metres) override;
+    bool write_forces(std::span<const glm::dvec3> newtons) override;
+    std::uint32_t buttons() override { return buttons_; }
+    std::string wish() const override;
+    Result<void> health() const override;
+
+    /// The haptic thread's: how old the position was that it read last, s; infinite where there was none.
+    double age_s() const { return age_s_; }
+    /// Any thread.
+    DrivenFacts facts() const;
+
+private:
+    using Forces = std::array<glm::dvec3, DeviceSample::most_fingers>;
+    struct Told {
+        DeviceSample sample;
+        std::int64_t time_ns = 0;  // 0: nothing yet
+    };
+    struct Asked {
+        Forces newtons{};
+        std::int64_t time_ns = 0;
+    };
+    /// What the device's thread knows of the hardware.
+    struct Heard {
+        DeviceSample sample;       // as believed
+        std::int64_t time_ns = 0;  // 0: nothing yet
+        std::int64_t spoken_ns = 0;
+    };
+
+    bool given_up() const;
+    void drive();
+    Result<void> serve();
+    Result<void> turn(Heard& heard);
+    Result<void> hear(Heard& heard, std::chrono::microseconds patience);
+    Result<void> speak(Heard& heard);
+    Result<void> take_hold();
+    bool look_for_it(Error lost);
+    void pause(double seconds) const;
+    void set_words(std::optional<Error> fault, std::string wish);
+    void wake() const;
+
+    const std::unique_ptr<DeviceDriver> driver_;
+    DrivenSettings settings_;
+    // The driver's answers, which any thread may ask for while its own is at work.
+    const std::string name_;
+    const int fingers_;
+    const DeviceLimits limits_;
+    const DeviceCapabilities capabilities_;
+
+    std::thread thread_;
+    int wake_ = -1;  // eventfd: there is a new force, or an end
+    std::atomic<bool> open_{false}, stopping_{false}, lost_{false};
+    std::atomic<const char*> misuse_{nullptr};
+    std::atomic<std::int64_t> samples_{0}, implausible_{0}, sent_{0}, losses_{0};
+    mutable std::mutex words_mutex_;  // never taken by the haptic thread
+    std::optional<Error> fault_;
+    std::string wish_;
+    NewestValue<Told> told_;
+    NewestValue<Asked> asked_;
+    // The device thread's.
+    std::array<PlausibleMotion, DeviceSample::most_fingers> motions_;
+    Asked newest_;
+    std::optional<LimpKeeper::Kept> kept_;
+    // The haptic thread's.
+    std::uint32_t buttons_ = 0;
+    double age_s_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,40 @@
+#include "device/network/network_device.hpp"
+
+#include <array>
+
+#include "device/hand_options.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr NetworkSettings standard_hand;
+constexpr std::array<HandKey, 5> network_keys{{
+    {"listen", "an address in figures, such as 0.0.0.0", 0, 0, 0, HandKey::Kind::words},
+    {"port", "", 1, 65535, standard_hand.port, HandKey::Kind::whole},
+    {"fingers", "", 1, NetworkPacket::most_fingers, standard_hand.fingers, HandKey::Kind::whole},
+    {"force", "N", 0.1, 1000, standard_hand.limits.max_force},
+    {"stiffness", "N/mm", 0.01, 1000, standard_hand.limits.max_stiffness / 1000},
+}};
+
+}  // namespace
+
+Result<NetworkSettings> read_network_settings(std::string_view keys) {
+    const auto given = HandOptions::parse("device 'network'", keys, network_keys);
+    if (!given.ok()) return given.error();
+    NetworkSettings settings;
+    if (given->given("listen")) settings.listen = given->words("listen");
+    settings.port = static_cast<std::uint16_t>(given->number("port"));
+    settings.fingers = static_cast<int>(given->number("fingers"));
+    settings.limits = {given->number("force"), given->number("stiffness") * 1000};
+    return settings;
+}
+
+Result<std::unique_ptr<HapticDevice>> make_network_device(std::string_view keys,
+                                                          const DrivenSettings& driven) {
+    const auto settings = read_network_settings(keys);
+    if (!settings.ok()) return settings.error();
+    return std::unique_ptr<HapticDevice>(
+        std::make_unique<DrivenDevice>(std::make_unique<NetworkDriver>(*settings), driven));
+}
+
+}  // namespace touchable

@@ -1,0 +1,144 @@
+#include "device/network/network_driver.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+
+namespace touchable {
+namespace {
+
+std::int64_t steady_ns() {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+/// Counters of 32 bits come round.
+bool is_newer(std::uint32_t sequence, std::uint32_t than) {
+    return static_cast<std::int32_t>(sequence - than) > 0;
+}
+
+}  // namespace
+
+DeviceCapabilities NetworkDriver::capabilities() const {
+    return {.axes_sensed = 3,
+            .axes_driven = 3,
+            .reach = glm::dvec3(0),
+            .rate_hz = 0,
+            .buttons = 32,
+            .own_watchdog = false};
+}
+
+Result<void> NetworkDriver::connect(const GivenUp&) {
+    peer_.reset();
+    return socket_.bind(settings_.listen, settings_.port);
+}
+
+void NetworkDriver::disconnect() noexcept {
+    if (!socket_.is_open()) return;
+    try {
+        part();
+    } catch (...) {
+    }
+    socket_.close();
+}
+
+/// Whoever is there hears that nothing more comes, and that its forces are zero.
+void NetworkDriver::part() {
+    if (!peer_) return;
+    const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
+    socket_.send(encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true)));
+    peer_.reset();
+    [[maybe_unused]] const auto free = socket_.settle(std::nullopt);
+}
+
+NetworkPacket NetworkDriver::answer(std::span<const glm::dvec3> newtons, bool last) const {
+    NetworkPacket packet;
+    packet.kind = NetworkPacket::Kind::forces;
+    packet.last = last;
+    packet.fingers = settings_.fingers;
+    if (peer_) {
+        packet.sequence = peer_->sequence;
+        packet.time_ns = peer_->time_ns;
+    }
+    std::copy(newtons.begin(), newtons.end(), packet.vectors.begin());
+    return packet;
+}
+
+Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
+    if (!peer_) return {};
+    if (!socket_.send(encode(answer(newtons, false))) ||
+        static_cast<double>(steady_ns() - peer_->heard_ns) * 1e-9 > peer_gone_s)
+        part();
+    return {};
+}
+
+/// All that has come by now; the newest places count.
+Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
+    if (patience.count() > 0) {
+        pollfd waited_for{socket_.descriptor(), POLLIN, 0};
+        poll(&waited_for, 1, static_cast<int>((patience.count() + 999) / 1000));
+    }
+    std::array<std::byte, NetworkPacket::most_bytes + 1> room;  // one more, so that a longer one is known
+    UdpAddress from;
+    bool any = false;
+    for (int most = 64; most > 0; --most) {
+        const auto bytes = socket_.receive(room, from);
+        if (!bytes) break;
+        auto packet = decode_network_packet(std::span(room).first(*bytes));
+        if (!packet.ok()) {
+            ++left_out_;
+            trouble_ = from.in_words() + ": " + packet.error().message;
+        } else if (take(*packet, from) && peer_) {
+            std::copy_n(packet->vectors.begin(), settings_.fingers, sample.metres.begin());
+            sample.buttons = packet->buttons;
+            any = true;
+        } else if (!peer_) {
+            any = false;
+        }
+    }
+    return any;
+}
+
+/// Whether it counts. One that ends parts with its peer.
+bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
+    const bool sound = packet.kind == NetworkPacket::Kind::places && packet.fingers == settings_.fingers &&
+                       (!peer_ || (peer_->address == from && is_newer(packet.sequence, peer_->sequence)));
+    if (!sound) {
+        ++left_out_;
+        if (packet.kind == NetworkPacket::Kind::places && packet.fingers != settings_.fingers)
+            trouble_ = from.in_words() + ": sends " + std::to_string(packet.fingers) +
+                       " fingers; right would be " + std::to_string(settings_.fingers) +
+                       ", or --device network:fingers=" + std::to_string(packet.fingers);
+        return false;
+    }
+    if (packet.last) {
+        part();
+        return true;
+    }
+    if (!peer_) {
+        if (!socket_.settle(from).ok()) return false;
+        peer_ = Peer{from, 0, 0, 0};
+        trouble_.clear();
+    }
+    peer_->sequence = packet.sequence;
+    peer_->time_ns = packet.time_ns;
+    peer_->heard_ns = steady_ns();
+    return true;
+}
+
+std::optional<LastWord> NetworkDriver::last_word() const {
+    const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
+    return LastWord{socket_.descriptor(),
+                    encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true)),
+                    {}};
+}
+
+std::string NetworkDriver::wish() const {
+    if (peer_) return {};
+    const std::string waits =
+        "waiting for a hand at UDP " + settings_.listen + ":" + std::to_string(socket_.port());
+    return trouble_.empty() ? waits : waits + "; " + trouble_;
+}
+
+}  // namespace touchable

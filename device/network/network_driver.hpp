@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "device/device_driver.hpp"
+#include "device/network/network_packet.hpp"
+#include "device/network/udp_socket.hpp"
+
+namespace touchable {
+
+/// Where a network hand is heard, and what it may be told.
+struct NetworkSettings {
+    std::string listen = "127.0.0.1";  ///< address in figures; any but this machine's own lets others touch
+    std::uint16_t port = 5710;
+    int fingers = 1;
+    DeviceLimits limits{10, 3000};  ///< N, N/m: what the hand behind it bears
+};
+
+/// Any program as a device: it sends datagrams with places, and each is answered by one with forces
+/// (docs/network-hand.md). One peer at a time: the first that sends sound packets, until it says that it
+/// ends, or has been silent for `peer_gone_s`. Packets that are damaged, of others, or not newer than the
+/// last are left out and counted.
+class NetworkDriver final : public DeviceDriver {
+public:
+    static constexpr double peer_gone_s = 1;
+
+    explicit NetworkDriver(const NetworkSettings& settings) : settings_(settings) {}
+    ~NetworkDriver() override { disconnect(); }
+
+    std::string name() const override { return "network hand"; }
+    int fingers() const override { return settings_.fingers; }
+    DeviceLimits limits() const override { return settings_.limits; }
+    DeviceCapabilities capabilities() const override;
+    Result<void> connect(const GivenUp& given_up) override;
+    void disconnect() noexcept override;
+    Result<void> send(std::span<const glm::dvec3> newtons) override;
+    Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+    int descriptor() const override { return socket_.descriptor(); }
+    std::optional<LastWord> last_word() const override;
+    std::string wish() const override;
+
+    std::uint16_t port() const { return socket_.port(); }  ///< while connected
+    std::int64_t left_out() const { return left_out_; }    ///< packets so far
+
+private:
+    struct Peer {
+        UdpAddress address;
+        std::uint32_t sequence = 0;
+        std::uint64_t time_ns = 0;  // its own
+        std::int64_t heard_ns = 0;
+    };
+    bool take(const NetworkPacket& packet, const UdpAddress& from);
+    void part();
+    NetworkPacket answer(std::span<const glm::dvec3> newtons, bool last) const;
+
+    const NetworkSettings settings_;
+    UdpSocket socket_;
+    std::optional<Peer> peer_;
+    std::int64_t left_out_ = 0;
+    std::string trouble_;  // of the newest packet that was left out, while there is no peer
+};
+
+}  // namespace touchable

@@ -1,0 +1,100 @@
+#include "device/network/udp_socket.hpp"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+Error socket_error(const std::string& where) {
+    return {ErrorKind::device, where + ": " + std::strerror(errno)};
+}
+
+/// An address in figures as IPv6 has it.
+std::optional<in6_addr> read_address(const std::string& figures) {
+    in6_addr address{};
+    if (inet_pton(AF_INET6, figures.c_str(), &address) == 1) return address;
+    if (inet_pton(AF_INET6, ("::ffff:" + figures).c_str(), &address) == 1) return address;
+    return std::nullopt;
+}
+
+}  // namespace
+
+bool UdpAddress::operator==(const UdpAddress& other) const {
+    return words.sin6_port == other.words.sin6_port &&
+           std::memcmp(&words.sin6_addr, &other.words.sin6_addr, sizeof words.sin6_addr) == 0;
+}
+
+std::string UdpAddress::in_words() const {
+    char figures[INET6_ADDRSTRLEN] = "";
+    inet_ntop(AF_INET6, &words.sin6_addr, figures, sizeof figures);
+    const std::string text = figures, mapped = "::ffff:";
+    const std::string port = ":" + std::to_string(ntohs(words.sin6_port));
+    return text.starts_with(mapped) ? text.substr(mapped.size()) + port : "[" + text + "]" + port;
+}
+
+Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
+    close();
+    const std::string where = "UDP " + address + ":" + std::to_string(port);
+    const auto host = read_address(address);
+    if (!host)
+        return Error{ErrorKind::device,
+                     where + ": is no address in figures; right would be 127.0.0.1, 0.0.0.0 or ::1"};
+    descriptor_ = socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (descriptor_ < 0) return socket_error(where);
+    const int off = 0;
+    setsockopt(descriptor_, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    sockaddr_in6 own{};
+    own.sin6_family = AF_INET6;
+    own.sin6_addr = *host;
+    own.sin6_port = htons(port);
+    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0) return {};
+    const Error error = socket_error(where);
+    close();
+    return error;
+}
+
+void UdpSocket::close() {
+    if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+}
+
+std::uint16_t UdpSocket::port() const {
+    sockaddr_in6 own{};
+    socklen_t size = sizeof own;
+    getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &size);
+    return ntohs(own.sin6_port);
+}
+
+std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddress& from) const {
+    // A peer that has gone is told once, by an error in place of a datagram.
+    for (int again = 0; again < 2; ++again) {
+        socklen_t size = sizeof from.words;
+        const auto came = recvfrom(descriptor_, room.data(), room.size(), 0,
+                                   reinterpret_cast<sockaddr*>(&from.words), &size);
+        if (came >= 0) return static_cast<std::size_t>(came);
+        if (errno != ECONNREFUSED && errno != EINTR) break;
+    }
+    return std::nullopt;
+}
+
+bool UdpSocket::send(std::span<const std::byte> datagram) const {
+    const auto sent = ::send(descriptor_, datagram.data(), datagram.size(), MSG_NOSIGNAL);
+    return sent >= 0 || errno == EAGAIN || errno == ENOBUFS;
+}
+
+Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) const {
+    sockaddr nobody{};
+    nobody.sa_family = AF_UNSPEC;
+    const int settled =
+        peer ? connect(descriptor_, reinterpret_cast<const sockaddr*>(&peer->words), sizeof peer->words)
+             : connect(descriptor_, &nobody, sizeof nobody);
+    if (settled == 0) return {};
+    return socket_error("UDP " + (peer ? peer->in_words() : std::string("without a peer")));
+}
+
+}  // namespace touchable

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <span>
+
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Carries a device's bytes, whatever they mean. One thread's. A call that fails says why (ErrorKind::device)
+/// and what it was that failed; the device is taken for gone then.
+class Transport {
+public:
+    Transport() = default;
+    Transport(const Transport&) = delete;
+    Transport& operator=(const Transport&) = delete;
+    virtual ~Transport() = default;
+
+    /// All of it, or an error. A transport of messages (HID reports, WebSocket) sends one.
+    virtual Result<void> send(std::span<const std::byte> bytes) = 0;
+    /// How many bytes came, at most `room`'s; of messages one. Waits for them `patience` at most. 0: none.
+    virtual Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) = 0;
+    /// What poll(2) tells of that something has come; -1: nothing does.
+    virtual int descriptor() const { return -1; }
+};
+
+}  // namespace touchable
