@@ -34,8 +34,9 @@ std::string UdpAddress::in_words() const {
     char figures[INET6_ADDRSTRLEN] = "";
     inet_ntop(AF_INET6, &words.sin6_addr, figures, sizeof figures);
     const std::string text = figures, mapped = "::ffff:";
-    const std::string port = ":" + std::to_string(ntohs(words.sin6_port));
-    return text.starts_with(mapped) ? text.substr(mapped.size()) + port : "[" + text + "]" + port;
+    std::string said = text.starts_with(mapped) ? text.substr(mapped.size()) : std::string("[").append(text);
+    if (!text.starts_with(mapped)) said += ']';
+    return said.append(":").append(std::to_string(ntohs(words.sin6_port)));
 }
 
 Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
