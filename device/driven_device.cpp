@@ -12,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "device/steady_time.hpp"
 #include "engine/start_thread.hpp"
 #include "engine/stop_request.hpp"
 
@@ -24,11 +25,6 @@ constexpr microseconds a_tick{1000};
 constexpr microseconds slowest_bus{5000};  // that a driver is given to answer, where it waits itself
 constexpr std::int64_t spoken_again_ns = 5'000'000;  // zeros for hardware that nobody asks anything of
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
-
-std::int64_t now_ns() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
 
 /// Of a moment that may never have been.
 double age_of(std::int64_t moment_ns, std::int64_t now) {
@@ -58,6 +54,7 @@ DrivenDevice::DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings 
       limits_(driver_->limits()),
       capabilities_(driver_->capabilities()),
       age_s_(std::numeric_limits<double>::infinity()) {
+    if (!settings_.clock) settings_.clock = steady_ns;
     assert(fingers_ >= 1 && fingers_ <= static_cast<int>(DeviceSample::most_fingers));
 }
 
@@ -69,11 +66,9 @@ Result<void> DrivenDevice::open() {
     misuse_ = nullptr;
     told_.write({});
     asked_.write({});
+    lost_ = false;
     auto held = take_hold();
-    if (held.ok()) {
-        lost_ = false;
-        held = start_thread(thread_, "of the device", [this] { drive(); });
-    }
+    if (held.ok() && settings_.own_thread) held = start_thread(thread_, "of the device", [this] { drive(); });
     if (!held.ok()) {
         driver_->disconnect();
         ::close(std::exchange(wake_, -1));
@@ -88,6 +83,7 @@ void DrivenDevice::close() {
     stopping_ = true;
     if (wake_ >= 0) wake();
     if (thread_.joinable()) thread_.join();
+    if (!settings_.own_thread) driver_->disconnect();
     kept_.reset();
     if (wake_ >= 0) ::close(std::exchange(wake_, -1));
 }
@@ -97,7 +93,7 @@ bool DrivenDevice::read_positions(std::span<glm::dvec3> device_metres) {
         return false;
     assert(device_metres.size() == static_cast<std::size_t>(fingers_));
     const Told& told = told_.read();
-    age_s_ = age_of(told.time_ns, now_ns());
+    age_s_ = age_of(told.time_ns, settings_.clock());
     const bool fresh = age_s_ <= oldest_s;
     buttons_ = fresh ? told.sample.buttons : 0;
     for (std::size_t finger = 0; finger < device_metres.size(); ++finger)
@@ -120,7 +116,7 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
         asked.newtons[finger] =
             newtons[finger] * (length > limits_.max_force ? limits_.max_force / length : 1.0);
     }
-    asked.time_ns = now_ns();
+    asked.time_ns = settings_.clock();
     asked_.write(asked);
     wake();
     return true;
@@ -154,118 +150,118 @@ bool DrivenDevice::given_up() const {
     return stopping_.load(std::memory_order_relaxed) || stop_requested();
 }
 
+/// Whoever was held before is new: nothing that was heard of it counts.
 Result<void> DrivenDevice::take_hold() {
-    set_words(std::nullopt, {});
     auto held = answer_of(name_, [this] { return driver_->connect([this] { return given_up(); }); });
-    if (!held.ok() || !settings_.keeper) return held;
-    const auto word = driver_->last_word();
-    if (!word) return held;
-    if (!kept_) {
+    const auto word = held.ok() && settings_.keeper ? driver_->last_word() : std::nullopt;
+    if (word && !kept_) {
         auto kept = LimpKeeper::keep(settings_.keeper);
         if (!kept.ok()) return kept.error();
         kept_.emplace(std::move(*kept));
     }
-    return kept_->say(*word);
+    if (word) held = kept_->say(*word);
+    if (!held.ok()) return held;
+    for (PlausibleMotion& motion : motions_) motion.forget();
+    heard_ = {};
+    held_ = true;
+    set_words(std::nullopt, {});
+    return {};
 }
 
 /// Whatever ends it, the hardware is let go of with zero force.
 void DrivenDevice::drive() {
     if (settings_.as_thread_begins) settings_.as_thread_begins();
-    for (bool held = true; held;) {
-        auto served = answer_of(name_, [this] { return serve(); });
-        driver_->disconnect();
-        if (served.ok()) return;
-        ++losses_;
-        held = look_for_it(served.error());
-    }
+    while (!given_up() && turn())
+        if (!held_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    driver_->disconnect();
 }
 
-Result<void> DrivenDevice::serve() {
-    for (PlausibleMotion& motion : motions_) motion.forget();
-    Heard heard;
-    heard.sample.metres.fill(glm::dvec3(no_number));
-    while (!stopping_.load(std::memory_order_relaxed))
-        if (auto turned = turn(heard); !turned.ok()) return turned;
-    return {};
+bool DrivenDevice::turn() {
+    if (!held_) return look_for_it();
+    if (auto served = answer_of(name_, [this] { return serve(); }); !served.ok()) let_go(served.error());
+    return true;
 }
 
 /// Hardware that answers when asked is asked as often as it answers. Hardware that speaks by itself is heard
 /// at once, and each new force goes out at once.
-Result<void> DrivenDevice::turn(Heard& heard) {
+Result<void> DrivenDevice::serve() {
     const int descriptor = driver_->descriptor();
     if (descriptor < 0) {
-        if (auto spoken = speak(heard); !spoken.ok()) return spoken;
-        return hear(heard, slowest_bus);
+        if (auto spoken = speak(); !spoken.ok()) return spoken;
+        return hear(slowest_bus);
     }
     pollfd waited_for[] = {{wake_, POLLIN, 0}, {descriptor, POLLIN, 0}};
     const timespec patience{0, std::chrono::nanoseconds(a_tick).count()};
     ppoll(waited_for, 2, &patience, nullptr);
     if (waited_for[1].revents != 0)
-        if (auto came = hear(heard, microseconds(0)); !came.ok()) return came;
+        if (auto came = hear(microseconds(0)); !came.ok()) return came;
     const bool asked = waited_for[0].revents != 0;
     if (asked) {
         std::uint64_t count = 0;
         [[maybe_unused]] const auto read = ::read(wake_, &count, sizeof count);
     }
-    return asked || now_ns() - heard.spoken_ns >= spoken_again_ns ? speak(heard) : Result<void>{};
+    return asked || settings_.clock() - spoken_ns_ >= spoken_again_ns ? speak() : Result<void>{};
 }
 
-Result<void> DrivenDevice::hear(Heard& heard, microseconds patience) {
+Result<void> DrivenDevice::hear(microseconds patience) {
     DeviceSample sample;
     sample.metres.fill(glm::dvec3(no_number));
     const auto came = driver_->receive(sample, patience);
     if (!came.ok()) return came.error();
     if (std::string wish = driver_->wish(); wish != wish_) set_words(std::nullopt, std::move(wish));
     if (!*came) return {};
-    heard.time_ns = now_ns();
-    heard.sample = sample;
+    const Told before = std::exchange(heard_, {sample, settings_.clock()});
+    const bool was_silent = age_of(before.time_ns, heard_.time_ns) > oldest_s;
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
-        const auto place = motions_[finger].believe(sample.metres[finger], heard.time_ns);
+        const auto place = motions_[finger].believe(sample.metres[finger], heard_.time_ns);
         if (!place && !std::isnan(sample.metres[finger].x)) ++implausible_;
-        heard.sample.metres[finger] = place.value_or(glm::dvec3(no_number));
+        if (was_silent || std::isnan(before.sample.metres[finger].x)) found_ns_[finger] = heard_.time_ns;
+        heard_.sample.metres[finger] = place.value_or(glm::dvec3(no_number));
     }
     ++samples_;
-    told_.write({heard.sample, heard.time_ns});
+    told_.write(heard_);
     return {};
 }
 
-Result<void> DrivenDevice::speak(Heard& heard) {
+Result<void> DrivenDevice::speak() {
     const Asked& asked = asked_.read();
-    const std::int64_t now = now_ns();
+    const std::int64_t now = settings_.clock();
     const bool lives = !misuse_.load() && !stopping_.load() && age_of(asked.time_ns, now) <= silence_s &&
-                       age_of(heard.time_ns, now) <= oldest_s;
+                       age_of(heard_.time_ns, now) <= oldest_s;
     Forces newtons{};
     for (std::size_t finger = 0; lives && finger < static_cast<std::size_t>(fingers_); ++finger)
-        if (!std::isnan(heard.sample.metres[finger].x)) newtons[finger] = asked.newtons[finger];
-    heard.spoken_ns = now;
+        if (!std::isnan(heard_.sample.metres[finger].x) && asked.time_ns >= found_ns_[finger])
+            newtons[finger] = asked.newtons[finger];
+    spoken_ns_ = now;
     ++sent_;
     return driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
 }
 
-/// Until it is there again. False: it is given up, or whoever held it is gone.
-bool DrivenDevice::look_for_it(Error lost) {
+/// What has failed has no force any more, and no position.
+void DrivenDevice::let_go(const Error& why) {
+    driver_->disconnect();
+    held_ = false;
+    ++losses_;
+    gone_ns_ = looked_ns_ = settings_.clock();
     told_.write({});
-    set_words(lost, "looking for the " + name_ + " again");
-    const std::int64_t since = now_ns();
-    while (!given_up()) {
-        pause(settings_.look_again_s);
-        if (given_up()) break;
-        if (take_hold().ok()) return true;
-        driver_->disconnect();
-        set_words(lost, "looking for the " + name_ + " again");
-        if (age_of(since, now_ns()) < settings_.away_s) continue;
-        lost.message += "; it did not come back";
-        set_words(lost, {});
-        lost_.store(true, std::memory_order_release);
-        return false;
-    }
-    return false;
+    set_words(why, "looking for the " + name_ + " again");
 }
 
-void DrivenDevice::pause(double seconds) const {
-    const std::int64_t since = now_ns();
-    while (!given_up() && age_of(since, now_ns()) < seconds)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+/// False once it has been gone for so long that it is given up.
+bool DrivenDevice::look_for_it() {
+    const std::int64_t now = settings_.clock();
+    if (age_of(looked_ns_, now) < settings_.look_again_s) return true;
+    looked_ns_ = now;
+    auto lost = health();
+    if (take_hold().ok()) return true;
+    driver_->disconnect();
+    if (age_of(gone_ns_, now) < settings_.away_s) {
+        set_words(lost.error(), "looking for the " + name_ + " again");
+        return true;
+    }
+    set_words(Error{lost.error().kind, lost.error().message + "; it did not come back"}, {});
+    lost_.store(true, std::memory_order_release);
+    return false;
 }
 
 void DrivenDevice::set_words(std::optional<Error> fault, std::string wish) {

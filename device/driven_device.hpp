@@ -25,6 +25,8 @@ struct DrivenSettings {
     /// Called by the device's thread before all else; it may want to be real-time.
     std::function<void()> as_thread_begins{};
     std::shared_ptr<LimpKeeper> keeper{};  ///< leaves it limp when this process is gone; nothing: nobody does
+    std::function<std::int64_t()> clock{};  ///< ns, never backward, never 0; nothing: the system's steady one
+    bool own_thread = true;  ///< false: whoever opens it calls `turn` in its place, as a test in virtual time
 };
 
 /// What went on between a device and its thread since it was opened.
@@ -61,6 +63,9 @@ public:
     std::string wish() const override;
     Result<void> health() const override;
 
+    /// A step of the device's thread: a force out, a position in, or a look for hardware that is gone. False:
+    /// it is given up.
+    bool turn();
     /// The haptic thread's: how old the position was that it read last, s; infinite where there was none.
     double age_s() const { return age_s_; }
     /// Any thread.
@@ -69,7 +74,7 @@ public:
 private:
     using Forces = std::array<glm::dvec3, DeviceSample::most_fingers>;
     struct Told {
-        DeviceSample sample;
+        DeviceSample sample{};
         std::int64_t time_ns = 0;  // 0: nothing yet
     };
     struct Asked {
@@ -85,13 +90,12 @@ private:
 
     bool given_up() const;
     void drive();
-    Result<void> serve();
-    Result<void> turn(Heard& heard);
-    Result<void> hear(Heard& heard, std::chrono::microseconds patience);
-    Result<void> speak(Heard& heard);
     Result<void> take_hold();
-    bool look_for_it(Error lost);
-    void pause(double seconds) const;
+    Result<void> serve();
+    Result<void> hear(std::chrono::microseconds patience);
+    Result<void> speak();
+    void let_go(const Error& why);
+    bool look_for_it();
     void set_words(std::optional<Error> fault, std::string wish);
     void wake() const;
 
@@ -115,7 +119,12 @@ private:
     NewestValue<Asked> asked_;
     // The device thread's.
     std::array<PlausibleMotion, DeviceSample::most_fingers> motions_;
-    Asked newest_;
+    Told heard_;  // newest, as believed
+    // When each finger's place began to be known after it was not: a force from before answers none of it.
+    std::array<std::int64_t, DeviceSample::most_fingers> found_ns_{};
+    std::int64_t spoken_ns_ = 0;
+    bool held_ = false;  // otherwise it is looked for
+    std::int64_t gone_ns_ = 0, looked_ns_ = 0;
     std::optional<LimpKeeper::Kept> kept_;
     // The haptic thread's.
     std::uint32_t buttons_ = 0;

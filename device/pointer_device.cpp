@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
+
+#include "device/steady_time.hpp"
 
 namespace touchable {
 namespace {
@@ -19,11 +20,6 @@ glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
     const glm::dvec3 way = to - from;
     const double length = std::sqrt(glm::dot(way, way));
     return length > 1e-9 && std::isfinite(length) ? way / length : glm::dvec3(0);
-}
-
-std::int64_t steady_ns() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
 }  // namespace

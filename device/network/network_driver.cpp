@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <array>
 
+#include "device/steady_time.hpp"
+
 namespace touchable {
 namespace {
-
-std::int64_t steady_ns() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
 
 /// Counters of 32 bits come round.
 bool is_newer(std::uint32_t sequence, std::uint32_t than) {

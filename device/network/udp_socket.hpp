@@ -29,7 +29,7 @@ public:
     UdpSocket& operator=(const UdpSocket&) = delete;
 
     /// Of an address of this machine, in figures ("127.0.0.1", "::1", "0.0.0.0": any), and a port, 0: a free
-    /// one. Error (ErrorKind::device): what is wrong with them.
+    /// one, until it is settled. Error (ErrorKind::device): what is wrong with them.
     Result<void> bind(const std::string& address, std::uint16_t port);
     void close();
     bool is_open() const { return descriptor_ >= 0; }

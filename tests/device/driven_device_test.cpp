@@ -1,0 +1,230 @@
+// The safety contract of every backend, in virtual time: a tick is a reading, a force and a turn of the
+// device's thread.
+#include "device/driven_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <random>
+
+#include "tests/device/fake_driver.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+using Fault = FakeHardware::Fault;
+
+class Driven : public testing::Test {
+protected:
+    Driven() { EXPECT_TRUE(device.open().ok()); }
+    bool turn() {
+        now += ms;
+        return device.turn();
+    }
+    /// A haptic tick, then the device's: what the hardware exerts afterwards.
+    glm::dvec3 tick(const glm::dvec3& newtons) {
+        reads = device.read_positions(std::span(&place, 1));
+        writes = device.write_forces(std::span(&newtons, 1));
+        turn();
+        return hardware.force;
+    }
+    void settle() {
+        for (int turns = 0; turns < 3; ++turns) tick({0, 0, 1});
+        ASSERT_EQ(hardware.force, glm::dvec3(0, 0, 1));
+    }
+
+    std::int64_t now = ms;
+    FakeHardware hardware;
+    DrivenDevice device{
+        std::make_unique<FakeDriver>(hardware),
+        {.away_s = 2, .look_again_s = 0.1, .clock = [this] { return now; }, .own_thread = false}};
+    glm::dvec3 place{0.0};
+    bool reads = false, writes = false;
+};
+
+TEST_F(Driven, ReadsPlacesAndButtonsAndExertsForces) {
+    hardware.place = {0.01, 0.02, 0.03};
+    hardware.buttons = 2;
+    settle();
+    EXPECT_TRUE(reads && writes);
+    EXPECT_EQ(place, glm::dvec3(0.01, 0.02, 0.03));
+    EXPECT_EQ(device.buttons(), 2U);
+    EXPECT_LE(device.age_s(), 0.0011);
+    EXPECT_TRUE(device.health().ok());
+}
+
+TEST_F(Driven, ExertsNothingBeforeItIsAskedTo) {
+    for (int turns = 0; turns < 5; ++turns) turn();
+    EXPECT_GT(hardware.sent, 3) << "zeros go out all the same";
+    EXPECT_EQ(hardware.force, glm::dvec3(0));
+}
+
+TEST_F(Driven, ShortensWhatIsLongerThanItsLimit) {
+    settle();
+    const glm::dvec3 force = tick({30, 0, -40});
+    EXPECT_NEAR(glm::length(force), 10, 1e-12);
+    EXPECT_NEAR(force.x / force.z, -0.75, 1e-12);
+}
+
+TEST_F(Driven, IsLimpAfterASilentCaller) {
+    settle();
+    int exerted = 0;
+    for (; exerted < 100 && turn() && hardware.force != glm::dvec3(0); ++exerted) {
+    }
+    EXPECT_GE(exerted, 48);
+    EXPECT_LE(exerted, 50);
+}
+
+TEST_F(Driven, IsLimpAndWithoutAPlaceAfterASilentDevice) {
+    settle();
+    hardware.fault = Fault::silent;
+    int exerted = 0;
+    while (exerted < 100 && tick({0, 0, 1}) != glm::dvec3(0)) {
+        EXPECT_TRUE(std::isfinite(place.x));
+        ++exerted;
+    }
+    EXPECT_GE(exerted, 19);
+    EXPECT_LE(exerted, 20);
+    tick({0, 0, 1});
+    tick({0, 0, 1});
+    EXPECT_TRUE(reads) << "it has not failed, it has nothing to say";
+    EXPECT_TRUE(std::isnan(place.x));
+    EXPECT_EQ(device.buttons(), 0U);
+    hardware.fault = Fault::none;
+    tick({0, 0, 1});
+    tick({0, 0, 1});
+    EXPECT_TRUE(std::isfinite(place.x));
+}
+
+TEST_F(Driven, AForceThatAnswersAPlaceBeforeAGapDoesNotComeBack) {
+    settle();
+    hardware.fault = Fault::leap;
+    EXPECT_EQ(hardware.force, glm::dvec3(0, 0, 1));
+    turn();
+    turn();
+    EXPECT_EQ(hardware.force, glm::dvec3(0)) << "it has no place";
+    hardware.fault = Fault::none;
+    turn();
+    turn();
+    EXPECT_EQ(hardware.force, glm::dvec3(0)) << "what was asked for answers another place";
+    tick({0, 0, 1});
+    EXPECT_EQ(hardware.force, glm::dvec3(0, 0, 1));
+}
+
+TEST_F(Driven, AForceThatIsNotFiniteLeavesItLimpUntilItIsOpenedAgain) {
+    settle();
+    EXPECT_EQ(tick({0, no_number, 0}), glm::dvec3(0));
+    EXPECT_FALSE(writes);
+    EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0));
+    EXPECT_FALSE(reads || writes);
+    EXPECT_EQ(device.health().error().kind, ErrorKind::device);
+    EXPECT_TRUE(device.open().ok());
+    settle();
+}
+
+TEST_F(Driven, AnUnpluggedDeviceIsLookedForAndComesBackWithoutForce) {
+    settle();
+    hardware.plugged = false;
+    EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0));
+    EXPECT_FALSE(hardware.connected);
+    tick({0, 0, 1});
+    EXPECT_TRUE(reads && writes);
+    EXPECT_TRUE(std::isnan(place.x));
+    EXPECT_EQ(device.health().error().message, "fake: gone");
+    EXPECT_EQ(device.wish(), "looking for the fake again");
+    for (int turns = 0; turns < 500; ++turns) EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0));
+    hardware.plugged = true;
+    for (int turns = 0; turns < 101 && !hardware.connected; ++turns) tick({0, 0, 1});
+    EXPECT_TRUE(hardware.connected);
+    EXPECT_EQ(hardware.force, glm::dvec3(0)) << "nothing was heard of it yet";
+    settle();
+    EXPECT_TRUE(device.health().ok());
+    EXPECT_EQ(device.facts().losses, 1);
+}
+
+TEST_F(Driven, OneThatDoesNotComeBackIsGivenUp) {
+    settle();
+    hardware.plugged = false;
+    int turns = 0;
+    while (turns < 10'000 && turn()) ++turns;
+    EXPECT_GE(turns, 1990);
+    EXPECT_LE(turns, 2110);
+    tick({0, 0, 1});
+    EXPECT_FALSE(reads || writes);
+    EXPECT_EQ(device.health().error().message, "fake: gone; it did not come back");
+}
+
+TEST_F(Driven, ADriverThatThrowsHasFailed) {
+    settle();
+    hardware.fault = Fault::throws;
+    EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0));
+    EXPECT_EQ(device.health().error().message, "fake: bytes that cannot be");
+}
+
+TEST_F(Driven, ClosingLeavesNoForce) {
+    settle();
+    device.close();
+    EXPECT_EQ(hardware.force, glm::dvec3(0));
+    EXPECT_FALSE(hardware.connected);
+    EXPECT_FALSE(device.read_positions(std::span(&place, 1)));
+}
+
+TEST_F(Driven, TellsWhatItWaitsFor) {
+    hardware.wish = "pull the grip out, then push it in";
+    turn();
+    EXPECT_EQ(device.wish(), hardware.wish);
+}
+
+/// Faults of every kind at random moments, each for a random time: whatever happens, no force goes out that
+/// answers a place older than promised, and none that was not asked for.
+TEST_F(Driven, TenThousandFaultsAtRandomMoments) {
+    const auto seed = static_cast<unsigned>(::testing::UnitTest::GetInstance()->random_seed()) + 17U;
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    const auto below = [&](unsigned n) { return static_cast<int>(random() % n); };
+    settle();
+    std::int64_t sound_ns = now, asked_ns = now;  // the hardware told a sound place; a force was asked for
+    for (int fault = 0; fault < 10'000; ++fault) {
+        hardware.fault = static_cast<Fault>(1 + below(7));
+        const bool unplugged = below(4) == 0, caller_sleeps = below(5) == 0;
+        hardware.plugged = !unplugged;
+        const int lasts = below(40);
+        for (int turns = 0; turns < lasts + 10; ++turns) {
+            if (turns == lasts) {
+                hardware.fault = Fault::none;
+                hardware.plugged = true;
+            }
+            hardware.place.x = 0.02 * std::sin(static_cast<double>(now) * 5e-9);
+            const glm::dvec3 newtons(0, 0, below(20));
+            if (!caller_sleeps) {
+                ASSERT_TRUE(device.read_positions(std::span(&place, 1)));
+                ASSERT_TRUE(std::isnan(place.x) || glm::length(place) < 0.021) << "a place that never was";
+                ASSERT_TRUE(device.write_forces(std::span(&newtons, 1)));
+                asked_ns = now;
+            }
+            const bool tells = hardware.connected && hardware.plugged && hardware.fault == Fault::none;
+            ASSERT_TRUE(turn());
+            if (hardware.force != glm::dvec3(0)) {
+                ASSERT_TRUE(hardware.connected);
+                ASSERT_LE(glm::length(hardware.force), 10.0);
+                ASSERT_LE(now - asked_ns, 50 * ms + ms) << "outlived its caller";
+                ASSERT_LE(now - sound_ns, 20 * ms + ms) << "answers a place that is too old";
+            }
+            if (tells) sound_ns = now;
+        }
+    }
+    EXPECT_GT(device.facts().losses, 500);
+    EXPECT_GT(device.facts().implausible, 1000);
+    hardware.fault = Fault::none;
+    for (int turns = 0; turns < 300; ++turns) tick({0, 0, 1});
+    EXPECT_EQ(hardware.force, glm::dvec3(0, 0, 1)) << "it works again after all that";
+    device.close();
+    EXPECT_EQ(hardware.force, glm::dvec3(0));
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,229 @@
+// A network hand over real sockets of this machine.
+#include "device/network/network_driver.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "device/network/network_device.hpp"
+
+namespace touchable::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A hand of a test's own, with a socket made by other means than the driver's.
+class Peer {
+public:
+    explicit Peer(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+        sockaddr_in to{};
+        to.sin_family = AF_INET;
+        to.sin_port = htons(port);
+        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+    }
+    ~Peer() { ::close(socket_); }
+    Peer(const Peer&) = delete;
+    Peer& operator=(const Peer&) = delete;
+
+    /// One to whom nobody listens is told so by an error of the next call.
+    void say(const std::vector<std::byte>& bytes) const {
+        const auto whole = static_cast<ssize_t>(bytes.size());
+        if (::send(socket_, bytes.data(), bytes.size(), 0) != whole) {
+            EXPECT_EQ(errno, ECONNREFUSED);
+            EXPECT_EQ(::send(socket_, bytes.data(), bytes.size(), 0), whole);
+        }
+    }
+    void say(std::uint32_t sequence, const glm::dvec3& place, bool last = false, int fingers = 1) const {
+        NetworkPacket packet;
+        packet.sequence = sequence;
+        packet.time_ns = 1000 + sequence;
+        packet.fingers = fingers;
+        packet.last = last;
+        packet.vectors[0] = place;
+        say(encode(packet));
+    }
+    /// The newest answer that has come; kind `places` where none has.
+    NetworkPacket hear(int patience_ms = 1000) const {
+        NetworkPacket newest;
+        pollfd waited_for{socket_, POLLIN, 0};
+        std::byte room[1024];
+        for (; poll(&waited_for, 1, patience_ms) == 1; patience_ms = 0) {
+            const auto came = recv(socket_, room, sizeof room, 0);
+            if (came < 0) break;
+            const auto packet = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
+            EXPECT_TRUE(packet.ok());
+            if (packet.ok()) newest = *packet;
+        }
+        return newest;
+    }
+
+private:
+    int socket_;
+};
+
+/// One that is free now. (A port that the system chose would not outlive a peer: connect(2) gives it back.)
+std::uint16_t free_port() {
+    UdpSocket socket;
+    EXPECT_TRUE(socket.bind("127.0.0.1", 0).ok());
+    return socket.port();
+}
+
+class NetworkHand : public testing::Test {
+protected:
+    NetworkHand() {
+        auto connected = driver.connect([] { return false; });
+        EXPECT_TRUE(connected.ok()) << connected.error().message;
+    }
+    bool hears(const glm::dvec3& place) {
+        DeviceSample sample;
+        const auto came = driver.receive(sample, milliseconds(1000));
+        return came.ok() && *came && sample.metres[0] == place;
+    }
+    bool hears_nothing(int patience_ms = 20) {
+        DeviceSample sample;
+        const auto came = driver.receive(sample, milliseconds(patience_ms));
+        return came.ok() && !*came;
+    }
+    void exert(const glm::dvec3& newtons) { EXPECT_TRUE(driver.send(std::span(&newtons, 1)).ok()); }
+
+    NetworkSettings settings{.listen = "127.0.0.1", .port = free_port(), .fingers = 1, .limits = {10, 3000}};
+    NetworkDriver driver{settings};
+};
+
+TEST_F(NetworkHand, TellsPlacesAndGetsForces) {
+    const Peer peer(driver.port());
+    EXPECT_NE(driver.wish().find("waiting for a hand at UDP 127.0.0.1:"), std::string::npos);
+    peer.say(1, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    EXPECT_EQ(driver.wish(), "");
+    exert({0, 0, 2.5});
+    const auto answer = peer.hear();
+    EXPECT_EQ(answer.kind, NetworkPacket::Kind::forces);
+    EXPECT_EQ(answer.vectors[0], glm::dvec3(0, 0, 2.5));
+    EXPECT_EQ(answer.sequence, 1U);
+    EXPECT_EQ(answer.time_ns, 1001U) << "its own clock, so that it can tell the round trip";
+}
+
+TEST_F(NetworkHand, TheNewestCountsWhateverOrderTheyComeIn) {
+    const Peer peer(driver.port());
+    peer.say(1, {0.01, 0, 0});
+    peer.say(4, {0.04, 0, 0});
+    peer.say(2, {0.02, 0, 0});
+    peer.say(4, {0.05, 0, 0});
+    ASSERT_TRUE(hears({0.04, 0, 0}));
+    EXPECT_EQ(driver.left_out(), 2);
+    peer.say(0xffffffff, {0.01, 0, 0});
+    EXPECT_TRUE(hears_nothing()) << "older than 4";
+}
+
+TEST_F(NetworkHand, ACounterComesRound) {
+    const Peer peer(driver.port());
+    peer.say(0xfffffffe, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    peer.say(1, {0.02, 0, 0});
+    EXPECT_TRUE(hears({0.02, 0, 0}));
+}
+
+TEST_F(NetworkHand, GarbageIsLeftOutAndNamed) {
+    const Peer peer(driver.port());
+    peer.say(std::vector<std::byte>(100, std::byte{7}));
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_NE(driver.wish().find("does not begin with TCHD"), std::string::npos) << driver.wish();
+    peer.say(1, {0, 0, 0}, false, 2);
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_NE(driver.wish().find("--device network:fingers=2"), std::string::npos) << driver.wish();
+    peer.say(2, {0.01, 0, 0});
+    EXPECT_TRUE(hears({0.01, 0, 0}));
+    peer.say(std::vector<std::byte>(0));
+    peer.say(std::vector<std::byte>(2000, std::byte{0}));
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_EQ(driver.left_out(), 4);
+}
+
+TEST_F(NetworkHand, OnePeerAtATimeUntilItEnds) {
+    const Peer first(driver.port()), second(driver.port());
+    first.say(1, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    second.say(100, {0.09, 0, 0});
+    EXPECT_TRUE(hears_nothing());
+    first.say(2, {0.02, 0, 0});
+    ASSERT_TRUE(hears({0.02, 0, 0}));
+    exert({0, 0, 1});
+    first.say(3, {0.02, 0, 0}, true);
+    EXPECT_TRUE(hears_nothing());
+    const auto last = first.hear();
+    EXPECT_TRUE(last.last);
+    EXPECT_EQ(last.vectors[0], glm::dvec3(0));
+    second.say(1, {0.09, 0, 0});
+    EXPECT_TRUE(hears({0.09, 0, 0}));
+}
+
+TEST_F(NetworkHand, APeerThatHasGoneMakesRoomForAnother) {
+    {
+        const Peer first(driver.port());
+        first.say(1, {0.01, 0, 0});
+        ASSERT_TRUE(hears({0.01, 0, 0}));
+    }
+    exert({0, 0, 1});  // nobody is there any more, which the next one hears
+    exert({0, 0, 1});
+    const Peer second(driver.port());
+    second.say(1, {0.03, 0, 0});
+    EXPECT_TRUE(hears({0.03, 0, 0}));
+}
+
+TEST_F(NetworkHand, LeavesZerosBehind) {
+    const Peer peer(driver.port());
+    peer.say(1, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    exert({0, 0, 5});
+    driver.disconnect();
+    const auto last = peer.hear();
+    EXPECT_TRUE(last.last);
+    EXPECT_EQ(last.vectors[0], glm::dvec3(0));
+}
+
+TEST_F(NetworkHand, ItsLastWordIsZeroForce) {
+    const Peer peer(driver.port());
+    peer.say(1, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    exert({0, 0, 5});
+    const auto word = driver.last_word();
+    ASSERT_TRUE(word);
+    ASSERT_EQ(::write(word->descriptor, word->bytes.data(), word->bytes.size()),
+              static_cast<ssize_t>(word->bytes.size()));
+    const auto last = peer.hear();
+    EXPECT_TRUE(last.last);
+    EXPECT_EQ(last.vectors[0], glm::dvec3(0));
+}
+
+TEST(NetworkDevice, ReadsItsKeys) {
+    const auto settings = read_network_settings("port=6000,fingers=3,listen=0.0.0.0,force=4,stiffness=1.5");
+    ASSERT_TRUE(settings.ok()) << settings.error().message;
+    EXPECT_EQ(settings->port, 6000);
+    EXPECT_EQ(settings->fingers, 3);
+    EXPECT_EQ(settings->listen, "0.0.0.0");
+    EXPECT_EQ(settings->limits.max_force, 4);
+    EXPECT_EQ(settings->limits.max_stiffness, 1500);
+    EXPECT_EQ(read_network_settings("").value().listen, "127.0.0.1") << "nobody else, unless asked for";
+    EXPECT_EQ(read_network_settings("fingers=11").error().kind, ErrorKind::usage);
+    EXPECT_EQ(read_network_settings("adress=1").error().kind, ErrorKind::usage);
+}
+
+TEST(NetworkDevice, AnAddressThatIsNotOursIsOneLine) {
+    auto device = make_network_device("listen=192.0.2.1,port=5999", {});
+    ASSERT_TRUE(device.ok());
+    const auto opened = (*device)->open();
+    ASSERT_FALSE(opened.ok());
+    EXPECT_EQ(opened.error().message, "UDP 192.0.2.1:5999: Cannot assign requested address");
+    device = make_network_device("listen=here", {});
+    ASSERT_TRUE(device.ok());
+    EXPECT_NE((*device)->open().error().message.find("127.0.0.1, 0.0.0.0 or ::1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test
