@@ -1,0 +1,112 @@
+#include "device/hand_control.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace touchable {
+namespace {
+
+constexpr std::uint32_t first_button = 1, second_button = 2;
+
+bool is_known(const glm::dvec3& place) {
+    return std::isfinite(glm::dot(place, place));
+}
+
+}  // namespace
+
+HandControl::HandControl(int fingers, const HandMapping& mapping)
+    : mapping_(mapping), count_(static_cast<std::size_t>(fingers)) {
+    assert(fingers >= 1 && fingers <= most_fingers);
+}
+
+/// Of the fingers whose places are known; nothing: none is.
+std::optional<glm::dvec3> HandControl::centre() const {
+    glm::dvec3 sum(0);
+    int known = 0;
+    for (std::size_t finger = 0; finger < count_; ++finger)
+        if (fingers_[finger].known) {
+            sum += fingers_[finger].place;
+            ++known;
+        }
+    if (known == 0) return std::nullopt;
+    return sum / static_cast<double>(known);
+}
+
+void HandControl::close_gates() {
+    for (Finger& finger : fingers_) {
+        finger.risen = 0;
+        finger.free = false;
+    }
+}
+
+void HandControl::take_buttons(std::uint32_t buttons, bool known) {
+    if (!known) {
+        pressed_ = ~0U;
+        clutch_button_ = false;
+        return;
+    }
+    const std::uint32_t begun = buttons & ~pressed_;
+    pressed_ = buttons;
+    if ((buttons & first_button) == 0) clutch_button_ = false;
+    if ((begun & second_button) != 0) {
+        ask_force(false);
+    } else if ((begun & first_button) != 0) {
+        clutch_button_ = force_is_asked();
+        ask_force(true);
+    }
+}
+
+void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons) {
+    assert(places.size() == count_);
+    for (std::size_t finger = 0; finger < count_; ++finger) {
+        fingers_[finger].known = is_known(places[finger]);
+        if (fingers_[finger].known) fingers_[finger].place = mapping_.turn * places[finger];
+    }
+    const auto hand = centre();
+    take_buttons(buttons, hand.has_value());
+
+    const bool clutched = clutch_button_ || held_.load(std::memory_order_relaxed);
+    if (clutched && !gripped_ && hand) {
+        gripped_ = hand;
+        for (std::size_t finger = 0; finger < count_; ++finger)
+            fingers_[finger].goal = mapping_.workspace.to_scene(fingers_[finger].place + offset_);
+    }
+    if (!clutched && gripped_ && hand) {
+        offset_ -= *hand - *gripped_;
+        gripped_.reset();
+        close_gates();
+    }
+    const std::uint32_t recentrings = recentrings_.load(std::memory_order_relaxed);
+    if (recentrings != recentred_ && hand && !gripped_) {
+        recentred_ = recentrings;
+        offset_ = -*hand;
+        close_gates();
+    }
+    for (std::size_t finger = 0; finger < count_; ++finger) {
+        const Finger& one = fingers_[finger];
+        if (one.known)
+            places[finger] = gripped_ ? one.goal : mapping_.workspace.to_scene(one.place + offset_);
+    }
+}
+
+void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons) {
+    assert(guarded.size() == count_ && newtons.size() == count_);
+    passes_ = force_is_asked() && !gripped_;
+    if (!passes_) close_gates();
+    const glm::dmat3 back = glm::transpose(mapping_.turn);
+    for (std::size_t finger = 0; finger < count_; ++finger) {
+        Finger& one = fingers_[finger];
+        // A force that is not finite is told on, so that the device learns of it.
+        if (one.free) one.risen = std::min(rise_ticks, one.risen + ticks);
+        one.free = passes_ && (one.free || glm::dot(guarded[finger], guarded[finger]) == 0);
+        // One that is not finite is told on, so that the device learns of it.
+        newtons[finger] = is_known(guarded[finger])
+                              ? one.risen / double{rise_ticks} * (back * guarded[finger])
+                              : guarded[finger];
+    }
+}
+
+}  // namespace touchable

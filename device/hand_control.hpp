@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+
+#include "device/device_driver.hpp"
+#include "device/workspace.hpp"
+
+namespace touchable {
+
+/// How places of a device become places of the scene.
+struct HandMapping {
+    Workspace workspace{};
+    glm::dmat3 turn{1.0};  ///< a rotation: from the device's axes to x right, y up, z towards the person
+};
+
+/// What stands between a device that a person holds and the fingers: which place of the scene each place of
+/// the device is, and whether forces reach the hand.
+///
+/// - Forces are off until somebody asks for them. From then on each finger feels them once it has been free:
+///   they rise over `rise_ticks`. Off is at once.
+/// - The device is held still in the scene while it is repositioned (clutch): no force, and afterwards as if
+///   forces had just been asked for.
+/// - Recentring makes the place where the hand is now that of the workspace's centre; likewise.
+///
+/// The first button asks for forces; while they are on, it is the clutch. The second one stops them. One that
+/// is pressed when the device is first heard does nothing.
+class HandControl {
+public:
+    static constexpr int most_fingers = 80;  // eight devices of ten
+    static constexpr int rise_ticks = 300;
+
+    HandControl(int fingers, const HandMapping& mapping);
+
+    // The haptic thread's, every tick: neither waits nor allocates.
+    /// In: device metres, not numbers where there is no place. Out: goals, scene units.
+    void to_goals(std::span<glm::dvec3> places, std::uint32_t buttons);
+    /// Of guarded forces what reaches the device, in its axes. `ticks`: that have passed since the last call.
+    void to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons);
+    /// Whether any finger may feel a force in this tick.
+    bool exerts() const { return passes_; }
+
+    // Any thread.
+    void ask_force(bool on) { asked_.store(on, std::memory_order_relaxed); }
+    bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
+    void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key
+    void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
+
+    /// Before it is used: where the clip's first frame puts the device.
+    void set_mapping(const HandMapping& mapping) { mapping_ = mapping; }
+    const HandMapping& mapping() const { return mapping_; }
+
+private:
+    struct Finger {
+        glm::dvec3 place{0.0};  // the person's axes, metres, before the offset
+        glm::dvec3 goal{0.0};   // where it is held
+        int risen = 0;          // of rise_ticks: the share of its force that reaches the hand
+        bool free = false;      // has been, since forces were asked for
+        bool known = false;
+    };
+    std::optional<glm::dvec3> centre() const;
+    void take_buttons(std::uint32_t buttons, bool known);
+    void close_gates();
+
+    HandMapping mapping_;
+    const std::size_t count_;
+    std::atomic<bool> asked_{false}, held_{false};
+    std::atomic<std::uint32_t> recentrings_{0};
+    // The haptic thread's.
+    std::array<Finger, most_fingers> fingers_{};
+    glm::dvec3 offset_{0.0};             // added to places, the person's axes
+    std::optional<glm::dvec3> gripped_;  // the hand's place when the clutch began
+    std::uint32_t recentred_ = 0;
+    std::uint32_t pressed_ = ~0U;  // before
+    bool clutch_button_ = false;
+    bool passes_ = false;
+};
+
+}  // namespace touchable

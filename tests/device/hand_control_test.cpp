@@ -1,0 +1,138 @@
+#include "device/hand_control.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace touchable::test {
+namespace {
+
+constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+
+class Control : public testing::Test {
+protected:
+    glm::dvec3 goal(const glm::dvec3& place, std::uint32_t buttons = 0) {
+        glm::dvec3 out = place;
+        control.to_goals(std::span(&out, 1), buttons);
+        return out;
+    }
+    glm::dvec3 felt(const glm::dvec3& guarded, int ticks = 1) {
+        glm::dvec3 out;
+        control.to_device(std::span(&guarded, 1), ticks, std::span(&out, 1));
+        return out;
+    }
+    /// Until the force is all there.
+    void ask() {
+        control.ask_force(true);
+        felt({0, 0, 0});
+        for (int tick = 0; tick < HandControl::rise_ticks; ++tick) felt({0, 0, 1});
+        ASSERT_EQ(felt({0, 0, 1}), glm::dvec3(0, 0, 1));
+    }
+
+    // 1 mm of the device is 10 units of the scene.
+    HandControl control{1, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)}};
+};
+
+TEST_F(Control, PlacesAreMappedByASimilarity) {
+    const glm::dvec3 at = goal({0.001, -0.002, 0.003});
+    EXPECT_NEAR(at.x, 10, 1e-9);
+    EXPECT_NEAR(at.y, -20, 1e-9);
+    EXPECT_NEAR(at.z, -470, 1e-9);
+    EXPECT_TRUE(std::isnan(goal({0, nowhere, 0}).y));
+}
+
+TEST_F(Control, ATurnedDeviceFeelsForcesInItsOwnAxes) {
+    // The device's x is the person's y, its y is the person's -x.
+    control.set_mapping({Workspace{1, {0, 0, 0}}, glm::dmat3(0, 1, 0, -1, 0, 0, 0, 0, 1)});
+    EXPECT_EQ(goal({0.1, 0, 0}), glm::dvec3(0, 0.1, 0));
+    ask();
+    EXPECT_EQ(felt({0, 3, 0}), glm::dvec3(3, 0, 0));
+}
+
+TEST_F(Control, NoForceUnlessItIsAskedFor) {
+    goal({0, 0, 0});
+    for (int tick = 0; tick < 1000; ++tick) EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
+    EXPECT_FALSE(control.exerts());
+}
+
+TEST_F(Control, AFingerInsideFeelsNothingUntilItHasBeenFreeAndThenItRises) {
+    control.ask_force(true);
+    for (int tick = 0; tick < 1000; ++tick) EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
+    felt({0, 0, 0});
+    double before = 0;
+    for (int tick = 0; tick < HandControl::rise_ticks; ++tick) {
+        const double now = felt({0, 0, 5}).z;
+        EXPECT_LE(now - before, 5.0 / HandControl::rise_ticks + 1e-12);
+        before = now;
+    }
+    EXPECT_EQ(before, 5);
+}
+
+TEST_F(Control, SkippedTicksCountForTheRise) {
+    control.ask_force(true);
+    felt({0, 0, 0});
+    felt({0, 0, 1}, 149);
+    EXPECT_NEAR(felt({0, 0, 1}, 1).z, 0.5, 1e-12);
+}
+
+TEST_F(Control, OffIsAtOnce) {
+    ask();
+    control.ask_force(false);
+    EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
+    control.ask_force(true);
+    EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0)) << "it begins anew";
+}
+
+TEST_F(Control, TheFirstButtonAsksAndThenHoldsAndTheSecondStops) {
+    goal({0, 0, 0}, 1);
+    EXPECT_FALSE(control.force_is_asked()) << "pressed before it was heard: nobody meant that";
+    goal({0, 0, 0}, 0);
+    goal({0, 0, 0}, 1);
+    EXPECT_TRUE(control.force_is_asked());
+    goal({0.001, 0, 0}, 1);
+    EXPECT_NEAR(goal({0.001, 0, 0}, 1).x, 10, 1e-9) << "it moves on: the press was for the force";
+    goal({0.001, 0, 0}, 0);
+    ask();
+    const glm::dvec3 held = goal({0.001, 0, 0}, 1);
+    EXPECT_EQ(goal({0.009, 0.002, 0}, 1), held) << "the clutch";
+    EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0)) << "nothing is felt meanwhile";
+    EXPECT_NEAR(glm::length(goal({0.009, 0.002, 0}, 0) - held), 0, 1e-9) << "it goes on where it was";
+    EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0)) << "and begins anew";
+    EXPECT_NEAR(goal({0.008, 0.002, 0}, 0).x, held.x - 10, 1e-9);
+    goal({0, 0, 0}, 2);
+    EXPECT_FALSE(control.force_is_asked());
+}
+
+TEST_F(Control, AButtonThatIsHeldThroughAGapIsNotPressedAgain) {
+    goal({0, 0, 0}, 0);
+    goal({0, 0, nowhere}, 0);
+    goal({0, 0, 0}, 1);
+    EXPECT_FALSE(control.force_is_asked());
+}
+
+TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {
+    ask();
+    goal({0.03, 0.01, -0.02});
+    control.recentre();
+    EXPECT_NEAR(glm::length(goal({0.03, 0.01, -0.02}) - glm::dvec3(0, 0, -500)), 0, 1e-9);
+    EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
+}
+
+TEST_F(Control, AKeyIsAClutchAsWell) {
+    control.hold(true);
+    const glm::dvec3 held = goal({0.005, 0, 0});
+    EXPECT_EQ(goal({0.009, 0, 0}), held);
+    control.hold(false);
+    EXPECT_NEAR(goal({0.009, 0, 0}).x, held.x, 1e-9);
+    EXPECT_NEAR(goal({0.010, 0, 0}).x, held.x + 10, 1e-9);
+}
+
+TEST_F(Control, WhatIsNotFiniteIsToldOn) {
+    ask();
+    EXPECT_TRUE(std::isnan(felt({0, nowhere, 0}).y)) << "so that the device leaves itself limp";
+}
+
+}  // namespace
+}  // namespace touchable::test
