@@ -81,6 +81,12 @@ std::uint32_t DeviceGroup::buttons() {
     return pressed;
 }
 
+double DeviceGroup::age_s() const {
+    double oldest = 0;
+    for (const auto& device : devices_) oldest = std::max(oldest, device->age_s());
+    return oldest;
+}
+
 std::string DeviceGroup::wish() const {
     std::string wishes;
     for (const auto& device : devices_)

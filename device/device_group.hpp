@@ -24,6 +24,7 @@ public:
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override;  ///< that are pressed on any of them
+    double age_s() const override;     ///< of the oldest
     std::string wish() const override;
     Result<void> health() const override;
 

@@ -60,14 +60,13 @@ public:
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override { return buttons_; }
+    double age_s() const override { return age_s_; }
     std::string wish() const override;
     Result<void> health() const override;
 
     /// A step of the device's thread: a force out, a position in, or a look for hardware that is gone. False:
     /// it is given up.
     bool turn();
-    /// The haptic thread's: how old the position was that it read last, s; infinite where there was none.
-    double age_s() const { return age_s_; }
     /// Any thread.
     DrivenFacts facts() const;
 

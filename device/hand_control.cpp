@@ -18,7 +18,7 @@ bool is_known(const glm::dvec3& place) {
 }  // namespace
 
 HandControl::HandControl(int fingers, const HandMapping& mapping)
-    : mapping_(mapping), count_(static_cast<std::size_t>(fingers)) {
+    : mapping_(mapping), count_(static_cast<std::size_t>(fingers)), offset_(mapping.offset) {
     assert(fingers >= 1 && fingers <= most_fingers);
 }
 
@@ -67,6 +67,8 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons) 
     }
     const auto hand = centre();
     take_buttons(buttons, hand.has_value());
+    ++figures_.ticks;
+    if (!hand) ++figures_.placeless;
 
     const bool clutched = clutch_button_ || held_.load(std::memory_order_relaxed);
     if (clutched && !gripped_ && hand) {
@@ -96,6 +98,7 @@ void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std:
     assert(guarded.size() == count_ && newtons.size() == count_);
     passes_ = force_is_asked() && !gripped_;
     if (!passes_) close_gates();
+    if (passes_) ++figures_.exerting;
     const glm::dmat3 back = glm::transpose(mapping_.turn);
     for (std::size_t finger = 0; finger < count_; ++finger) {
         Finger& one = fingers_[finger];

@@ -16,7 +16,15 @@ namespace touchable {
 /// How places of a device become places of the scene.
 struct HandMapping {
     Workspace workspace{};
-    glm::dmat3 turn{1.0};  ///< a rotation: from the device's axes to x right, y up, z towards the person
+    glm::dmat3 turn{1.0};    ///< a rotation: from the device's axes to x right, y up, z towards the person
+    glm::dvec3 offset{0.0};  ///< metres, those axes: added to what is turned
+};
+
+/// How a hand was held, in ticks.
+struct HandFigures {
+    std::int64_t ticks = 0;
+    std::int64_t placeless = 0;  ///< no finger's place was known
+    std::int64_t exerting = 0;   ///< forces were asked for, and not kept back by the clutch
 };
 
 /// What stands between a device that a person holds and the fingers: which place of the scene each place of
@@ -44,6 +52,7 @@ public:
     void to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons);
     /// Whether any finger may feel a force in this tick.
     bool exerts() const { return passes_; }
+    const HandFigures& figures() const { return figures_; }  ///< or once it is at rest, anybody's
 
     // Any thread.
     void ask_force(bool on) { asked_.store(on, std::memory_order_relaxed); }
@@ -52,7 +61,10 @@ public:
     void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
 
     /// Before it is used: where the clip's first frame puts the device.
-    void set_mapping(const HandMapping& mapping) { mapping_ = mapping; }
+    void set_mapping(const HandMapping& mapping) {
+        mapping_ = mapping;
+        offset_ = mapping.offset;
+    }
     const HandMapping& mapping() const { return mapping_; }
 
 private:
@@ -79,6 +91,7 @@ private:
     std::uint32_t pressed_ = ~0U;  // before
     bool clutch_button_ = false;
     bool passes_ = false;
+    HandFigures figures_;
 };
 
 }  // namespace touchable

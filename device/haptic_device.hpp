@@ -63,8 +63,11 @@ public:
     virtual bool read_positions(std::span<glm::dvec3> device_metres) = 0;
     virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
 
-    /// Buttons that were pressed as of the newest reading, one bit each. The haptic thread's.
+    // Of the newest reading, the haptic thread's.
+    /// Buttons that were pressed, one bit each.
     virtual std::uint32_t buttons() { return 0; }
+    /// How old the positions were, s; infinite where there were none.
+    virtual double age_s() const { return 0; }
 
     /// What it waits for, for the person who holds it; empty: nothing. May allocate, as `health`.
     virtual std::string wish() const { return {}; }

@@ -105,11 +105,15 @@ std::string RealtimeGrant::in_words() const {
            (cpu >= 0 ? ", on CPU " + std::to_string(cpu) : ", on any CPU");
 }
 
-RealtimeGrant become_realtime() {
-    RealtimeGrant grant;
+bool become_fifo() {
     sched_param priority{};
     priority.sched_priority = haptic_priority;
-    grant.fifo = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
+    return pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
+}
+
+RealtimeGrant become_realtime() {
+    RealtimeGrant grant;
+    grant.fifo = become_fifo();
     grant.memory_limit = memory_limit();
     grant.memory = lock_memory(grant.memory_limit.has_value());
     grant.cpu = stay_on_last_cpu();

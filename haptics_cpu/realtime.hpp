@@ -31,6 +31,10 @@ inline constexpr int haptic_priority = 80;
 /// without what is refused.
 RealtimeGrant become_realtime();
 
+/// For a thread that carries a device's bytes: SCHED_FIFO as the haptic one has it, on any CPU. False: it is
+/// not permitted.
+bool become_fifo();
+
 /// Sleeps until a moment of the monotonic clock, absolutely.
 void sleep_until(std::chrono::steady_clock::time_point moment);
 

@@ -73,6 +73,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     if (!clip.ok()) return clip.error();
     options.session.clip = std::move(*clip);
     options.session.recorded = options.record.has_value();
+    options.session.device_log = options.device_log.has_value();
     if (auto read = read_live_camera(words.clip_word->count() > 0, options.session); !read.ok())
         return read.error();
     auto playback = read_playback(words.playback);
@@ -87,6 +88,10 @@ void add_file_options(CLI::App& sub, TouchOptions& o) {
     add_file_option(sub, "--json", o.json, "write the figures as JSON; -: to standard output");
     add_file_option(sub, "--forces", o.forces,
                     "write goal, proxy and force of every tick and finger as CSV; -: to standard output");
+    add_file_option(
+        sub, "--device-log", o.device_log,
+        "of a device that you hold: places, buttons and forces of every tick as CSV, which replays as a "
+        "device; -: to standard output");
     auto* record = add_file_option(sub, "--record", o.record, "keep what it takes to repeat the run");
     auto* replay =
         add_file_option(sub, "--replay", o.replay, "repeat a recorded run and compare every force with it");
@@ -115,9 +120,6 @@ std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& sessio
         sub.add_flag("--live", session.live,
                      "in real time on the wall clock, each part on a thread of its own"),
         add_live_camera_option(sub, session),
-        sub.add_option("--device", session.device,
-                       "live: what the hand holds, simulated[:key=value,...] (docs/devices.md); without it "
-                       "nothing holds the hand back"),
         sub.add_option(
                "--hand", session.hand,
                "wander, stroke, press, poke, csv:FILE or rec:FILE, each with :key=value,... (docs/hands.md)")
@@ -180,9 +182,10 @@ void group_options(CLI::App& sub) {
          {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--camera",
           "--start", "--rate", "--loop", "--play"}},
         {"The hand",
-         {"--hand", "--fingers", "--seconds", "--live", "--device", "--max-force", "--max-stiffness"}},
+         {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
+          "--world-from-camera", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},
-        {"Files", {"--json", "--forces", "--record", "--replay", "--overwrite", "--strict"}},
+        {"Files", {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--strict"}},
         {"A picture", {"--picture", "--picture-at", "--picture-size", "--view", "--show"}},
         {"Expert",
          {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness", "--stiffness-slew",
@@ -203,6 +206,7 @@ void add_touch_command(CLI::App& app, Command& command) {
     words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
     words->fix_by_recording(add_playback_options(*sub, words->playback));
     words->fix_by_recording(add_hand_options(*sub, o.session));
+    words->fix_by_recording(add_held_device_options(*sub, o.held, o.session));
     words->fix_by_recording(add_filter_options(*sub, words->clip));
     words->fix_by_recording({add_interpolation_option(*sub, words->clip.choice)});
     add_file_options(*sub, o);

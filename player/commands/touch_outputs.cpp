@@ -28,6 +28,7 @@ std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& 
 Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
     Outputs outputs{{}, options.existing};
     const std::pair<const char*, const MaybePath&> asked_for[] = {{"--forces", options.forces},
+                                                                  {"--device-log", options.device_log},
                                                                   {"--record", options.record},
                                                                   {"--json", options.json},
                                                                   {"--picture", options.picture.file}};
@@ -59,6 +60,12 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     std::unique_ptr<TouchOutputs> out(new TouchOutputs);
     const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing); };
     if (auto opened = open_if(options.forces, out->forces_, forces); !opened.ok()) return opened.error();
+    if (options.device_log && !setup.device_log)
+        return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
+    const auto log = [&](const auto& path) {
+        return DeviceLogFile::create(path, options.existing, *setup.device_log);
+    };
+    if (auto opened = open_if(options.device_log, out->device_log_, log); !opened.ok()) return opened.error();
     const auto record = [&](const auto& path) {
         return RecordingFile::create(path, setup.settings.fingers, options.existing);
     };
@@ -78,6 +85,7 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
 std::vector<TouchSink*> TouchOutputs::sinks() {
     std::vector<TouchSink*> sinks;
     if (forces_) sinks.push_back(forces_.get());
+    if (device_log_) sinks.push_back(device_log_.get());
     if (record_) sinks.push_back(record_.get());
     if (picture_) sinks.push_back(&*picture_);
     return sinks;
@@ -97,6 +105,8 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const st
                                   const TouchSetup& setup) {
     if (forces_)
         if (auto done = forces_->finish(); !done.ok()) return done;
+    if (device_log_)
+        if (auto done = device_log_->finish(); !done.ok()) return done;
     if (record_) {
         nlohmann::ordered_json facts = recorded_facts(setup);
         facts["force_hash"] = force_hash;

@@ -40,6 +40,7 @@ private:
     TouchOutputs() = default;
 
     std::unique_ptr<ForcesFile> forces_;
+    std::unique_ptr<DeviceLogFile> device_log_;
     std::unique_ptr<RecordingFile> record_;
     std::unique_ptr<OutputFile> json_;
     std::optional<TouchPicture> picture_;

@@ -87,6 +87,12 @@ std::string what_it_builds(const std::string& builder) {
     return builder == "vulkan" ? "in whole frames on a GPU" : "in whole frames";
 }
 
+/// How a device was held.
+void add_hand_figures(Json& report, const HandFigures& hand) {
+    report["forces_on_ticks"] = hand.exerting;
+    report["placeless_ticks"] = hand.placeless;
+}
+
 }  // namespace
 
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LiveFacts* live,
@@ -113,6 +119,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
+    if (setup.control) add_hand_figures(report, setup.control->figures());
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
@@ -176,6 +183,9 @@ std::string report_to_text(const Json& r) {
                         r["device_name"].get<std::string>() + ")" + (why.empty() ? "" : ": " + why));
     const auto hand = r["hand"].get<std::string>(), device = r.value("device", hand);
     line("fingers", count("fingers") + ", " + hand + (device == hand ? "" : " with " + device));
+    if (r.contains("forces_on_ticks"))
+        line("device", number(r["forces_on_ticks"].get<double>() / 1000, "forces on for %.3f s; ") +
+                           number(r["placeless_ticks"].get<double>() / 1000, "no position for %.3f s"));
     line("scale", number(1 / r["device_metres_per_metre"].get<double>(),
                          "the hand moves 1 m over %.3g m of the scene"));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "player/commands/builder_options.hpp"
+#include "player/commands/force_keys.hpp"
 #include "player/commands/touch_outputs.hpp"
 #include "player/commands/touch_report.hpp"
 #include "player/session/live_port.hpp"
@@ -32,11 +33,21 @@ bool runs_live(const TouchSetup& setup, const TouchOptions& options) {
     return setup.live && !options.replay;
 }
 
+// Somebody who holds a device says when it is over: eleven days.
+constexpr std::int64_t until_it_is_ended = 1'000'000'000;
+
 Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks) {
     auto port = open_port(s);
     if (!port.ok()) return port.error();
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
+    std::optional<ForceKeys> keys;
+    if (s.control) {
+        if (!settings.ticks) settings.ticks = until_it_is_ended;
+        keys.emplace(*s.control);
+        std::cerr << how_to_begin(*s.held_device, *s.control, keys->listens()) << '\n';
+        settings.device_in_words = [&s] { return state_of(*s.held_device, *s.control); };
+    }
     LiveSession session(s.scene, *s.feed, **port, *s.solver, settings);
     if (auto ran = session.run(sinks); !ran.ok()) return ran.error();
     LiveFacts facts = session.facts();
@@ -190,8 +201,10 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
 }  // namespace
 
 Result<void> run_touch(const TouchOptions& options) {
+    TouchOptions run = options;
+    if (auto held = hold_devices(options.held, run.session); !held.ok()) return held;
     std::string at_work = "what is to be touched";
-    return within_memory(at_work, [&] { return touch(options, at_work); });
+    return within_memory(at_work, [&] { return touch(run, at_work); });
 }
 
 }  // namespace touchable

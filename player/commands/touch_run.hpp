@@ -6,6 +6,7 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "player/commands/held_device.hpp"
 #include "player/commands/picture_options.hpp"
 #include "player/session/session_options.hpp"
 
@@ -15,7 +16,8 @@ namespace touchable {
 struct TouchOptions {
     /// With `replay` only the builder and the clip, which may be empty: the recorded one then.
     SessionOptions session;
-    std::optional<std::filesystem::path> json, forces, record, replay;
+    HeldDeviceWords held;
+    std::optional<std::filesystem::path> json, forces, record, replay, device_log;
     std::optional<std::filesystem::path> play;  ///< read into `session.playback` already
     Existing existing = Existing::keep;         ///< what becomes of earlier files of those names
     bool strict = false;                        ///< what the report warns of is an error of kind check

@@ -9,8 +9,8 @@ namespace touchable {
 
 namespace {
 
-/// Lower median of frame 0's valid depths; the far plane where none is valid.
-double median_depth(const Scene& scene, const SurfaceFrame& first) {
+/// Of frame 0's valid depths, in order; the far plane where none is valid.
+std::vector<double> depths_of(const Scene& scene, const SurfaceFrame& first) {
     // Every pixel is asked for: one by one, a lazy frame would take longer than all frames whole.
     SurfaceFrame whole;
     const bool is_lazy = first.codes.empty() && make_cpu_builder(scene)->build(first.raw, whole).ok();
@@ -20,16 +20,37 @@ double median_depth(const Scene& scene, const SurfaceFrame& first) {
         for (int x = 0; x < scene.width; ++x)
             if (const DepthSample sample = frame.vertices->at(x, y); sample.valid)
                 depths.push_back(sample.depth);
-    if (depths.empty()) return scene.depth.far;
-    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((depths.size() - 1) / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
-    return *middle;
+    if (depths.empty()) depths.push_back(scene.depth.far);
+    return depths;
+}
+
+/// So many of them, of all, are not above it.
+double quantile(std::vector<double>& depths, double share) {
+    const auto at =
+        depths.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
+    std::nth_element(depths.begin(), at, depths.end());
+    return *at;
+}
+
+/// What is seen between the nearest and the deepest fiftieth, and a fifth of it in front.
+Workspace fitted(const Scene& scene, std::vector<double>& depths, double median, const glm::dvec3& reach) {
+    const double near = quantile(depths, 0.02), far = quantile(depths, 0.98);
+    const double wide = scene.width / scene.camera.fx * median,
+                 high = scene.height / scene.camera.fy * median;
+    const double least_room = 0.05 * wide, room = std::max(0.2 * (far - near), least_room);
+    const double deep = far - near + 2 * room;
+    const double scale = std::min({2 * reach.x / wide, 2 * reach.y / high, 2 * reach.z / deep});
+    return {scale, {0, 0, -(near + far) / 2}};
 }
 
 }  // namespace
 
-Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first) {
-    Workspace workspace = default_workspace(scene.width, scene.camera.fx, median_depth(scene, first));
+Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach) {
+    std::vector<double> depths = depths_of(scene, first);
+    const double median = quantile(depths, 0.5);
+    const bool has_reach = reach.x > 0 && reach.y > 0 && reach.z > 0;
+    Workspace workspace = has_reach ? fitted(scene, depths, median, reach)
+                                    : default_workspace(scene.width, scene.camera.fx, median);
     if (scene.device_metres_per_unit) workspace.metres_per_scene_unit = *scene.device_metres_per_unit;
     return workspace;
 }

@@ -1,39 +1,8 @@
 #include "player/session/forces_file.hpp"
 
-#include <array>
-#include <charconv>
+#include "player/session/csv_row.hpp"
 
 namespace touchable {
-
-namespace {
-
-/// Fields of a row, each followed by a comma but the last.
-class Row {
-public:
-    explicit Row(std::string& text) : text_(text) {}
-    Row& operator<<(double value) {
-        std::array<char, 40> digits;
-        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
-                                       std::chars_format::general, 17);
-        return add(digits.data(), end.ptr);
-    }
-    Row& operator<<(std::int64_t value) {
-        std::array<char, 24> digits;
-        return add(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
-    }
-    Row& operator<<(const glm::dvec3& v) { return *this << v.x << v.y << v.z; }
-    void end() { text_.back() = '\n'; }
-
-private:
-    Row& add(const char* begin, const char* end) {
-        text_.append(begin, end);
-        text_ += ',';
-        return *this;
-    }
-    std::string& text_;
-};
-
-}  // namespace
 
 Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file, Existing existing) {
     auto out = OutputFile::create("--forces", file, existing);
@@ -49,7 +18,7 @@ Result<void> ForcesFile::take(const TouchTick& tick) {
     rows_.clear();
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& contact = tick.contacts[k];
-        Row row(rows_);
+        CsvRow row(rows_);
         row << tick.tick << static_cast<double>(tick.time_ns) / 1e9 << static_cast<std::int64_t>(k)
             << contact.goal << contact.proxy << tick.forces[k].force << std::int64_t{contact.touching}
             << contact.pixel_x << contact.pixel_y << contact.properties.stiffness

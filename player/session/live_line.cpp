@@ -16,13 +16,13 @@ Result<void> LiveLine::take(const TouchTick& tick) {
     return {};
 }
 
-void LiveLine::show(std::int64_t frames, const char* what) {
+void LiveLine::show(std::int64_t frames, const char* what, const std::function<std::string()>& device) {
     if (!line_.is_due()) return;
     char text[128];
     std::snprintf(text, sizeof text, "live %.1f s, %lld ticks skipped, %lld %s, %.2f N",
                   static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
                   static_cast<long long>(frames), what, newtons_);
-    line_.show(text);
+    line_.show(device ? text + ("; " + device()) : text);
 }
 
 }  // namespace touchable

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "player/session/progress.hpp"
 #include "player/session/touch_session.hpp"
 
@@ -10,8 +13,8 @@ namespace touchable {
 class LiveLine final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override;
-    /// How many frames came too late, or what else there is to say of them.
-    void show(std::int64_t frames, const char* what);
+    /// How many frames came too late, or what else there is to say of them; and of the device.
+    void show(std::int64_t frames, const char* what, const std::function<std::string()>& device);
 
 private:
     StatusLine line_;

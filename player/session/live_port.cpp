@@ -1,6 +1,7 @@
 #include "player/session/live_port.hpp"
 
 #include "player/session/device_port.hpp"
+#include "player/session/held_port.hpp"
 
 namespace touchable {
 
@@ -16,7 +17,9 @@ Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
     if (HapticDevice* device = device_of(setup))
         if (auto opened = device->open(); !opened.ok()) return opened.error();
     std::unique_ptr<HapticPort> port;
-    if (setup.held_device)
+    if (setup.control)
+        port = std::make_unique<HeldPort>(*setup.held_device, *setup.control, setup.device_log.get());
+    else if (setup.held_device)
         port = std::make_unique<DevicePort>(*setup.held_device, setup.workspace);
     else if (setup.device)
         port = std::make_unique<SimulatedPort>(*setup.hand, *setup.device, setup.workspace);

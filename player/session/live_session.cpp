@@ -128,9 +128,10 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         drain();
         late_frames_.store(threads.late_frames(), std::memory_order_relaxed);
         if (live_source)
-            line.show(camera.frames_shown(), end ? "frames felt, and no more come" : "frames felt");
+            line.show(camera.frames_shown(), end ? "frames felt, and no more come" : "frames felt",
+                      settings_.device_in_words);
         else if (!log_->is_open())  // whoever gives commands sees the picture
-            line.show(threads.late_frames(), "frames late");
+            line.show(threads.late_frames(), "frames late", settings_.device_in_words);
         std::this_thread::sleep_for(sink_pause);
     }
     loop.stop();

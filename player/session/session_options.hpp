@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <glm/mat4x4.hpp>
 #include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "device/hand_control.hpp"
 #include "device/haptic_device.hpp"
 #include "device/workspace.hpp"
 #include "engine/result.hpp"
@@ -40,6 +42,11 @@ struct SessionOptions {
     std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
     /// Live: a device whose handles are the fingers, and no hand; it is opened when the session begins.
     std::shared_ptr<HapticDevice> held_device;
+    /// Of that device: asks for its forces, repositions it. Nothing: it is there as it is, with all forces.
+    std::shared_ptr<HandControl> control;
+    std::optional<glm::dmat4> world_from_camera;  ///< rigid, metres: that device's places are the world's
+    double hand_scale = 1;                        ///< a finger's way for that of the hand, of the fitted one
+    bool device_log = false;                      ///< ticks are kept as that device had them
     /// Where that device is; nothing: where the clip's first frame puts it.
     std::optional<Workspace> workspace;
     /// That others of the program use as well; nothing: the run opens one of its own if it needs one.

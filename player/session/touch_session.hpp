@@ -35,6 +35,8 @@ struct TouchSessionSettings {
     std::optional<std::int64_t> ticks;
     /// What was asked of the clip's clock (PlaybackClock), at which ticks.
     std::vector<PlaybackCommand> playback;
+    /// Of a live run: what is to be said of its device while it goes on; nothing: nothing.
+    std::function<std::string()> device_in_words;
     /// Time of a tick; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
     /// Frames of a tick; those around its moment on the clip's clock by default.

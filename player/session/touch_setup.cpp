@@ -1,6 +1,7 @@
 #include "player/session/touch_setup.hpp"
 
 #include <algorithm>
+#include <glm/matrix.hpp>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,9 @@
 namespace touchable {
 
 namespace {
+
+// Ticks that may wait to be written, as TickLog's: four seconds.
+constexpr int device_log_ticks = 4096;
 
 /// The builder that was asked for, or what auto is in this run. A GPU that was named may be a software one,
 /// and has to be there whether auto takes it or not.
@@ -101,16 +105,36 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
                        "' never comes to the clip's end; --seconds must say how long to touch");
 }
 
-/// A hand over the frame that it begins with, and where it stands there. The scale is that of the clip's
-/// first frame, wherever it begins, unless that is known.
-Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
+/// Where a device stands over the clip: as somebody says, as the clip's first frame says, or fitted to what
+/// the device reaches.
+Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     if (options.workspace) {
         setup.workspace = *options.workspace;
+    } else if (options.world_from_camera) {
+        setup.workspace = {setup.scene.metres_per_unit, glm::dvec3(0)};
     } else {
         const auto first = setup.feed->pair_at(0);
         if (!first.ok()) return first.error();
-        setup.workspace = clip_workspace(setup.scene, *first->prev.frame);
+        const glm::dvec3 reach = setup.control ? setup.held_device->capabilities().reach : glm::dvec3(0);
+        setup.workspace = clip_workspace(setup.scene, *first->prev.frame, reach);
     }
+    setup.workspace.metres_per_scene_unit /= options.hand_scale;
+    if (!setup.control) return {};
+    HandMapping mapping{setup.workspace};
+    if (options.world_from_camera) {
+        // From the camera's axes (x right, y down, z forward) to the person's.
+        const glm::dmat3 upright(1, 0, 0, 0, -1, 0, 0, 0, -1);
+        mapping.turn = upright * glm::transpose(glm::dmat3(*options.world_from_camera));
+        mapping.offset = -(mapping.turn * glm::dvec3((*options.world_from_camera)[3]));
+    }
+    setup.control->set_mapping(mapping);
+    return {};
+}
+
+/// A hand over the frame that it begins with, and where it stands there. The scale is that of the clip's
+/// first frame, wherever it begins, unless that is known.
+Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
+    if (auto placed = place_workspace(setup, options); !placed.ok()) return placed;
     setup.hand_words = setup.held_device ? "a person's hand" : options.hand;
     const auto begin = setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0));
     if (!begin.ok()) return begin.error();
@@ -147,6 +171,8 @@ Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) 
     setup.settings.fingers = fingers;
     setup.held_device = options.held_device;
     setup.device_words = options.held_device->name();
+    setup.control = options.control;
+    if (options.device_log) setup.device_log = std::make_unique<DeviceLog>(device_log_ticks, fingers);
     keep_within(options.held_device->limits(), setup.settings.guard);
     return {};
 }

@@ -1,0 +1,158 @@
+#include "player/commands/held_device.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <glm/matrix.hpp>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "device/catalog/device_catalog.hpp"
+#include "device/device_group.hpp"
+#include "haptics_cpu/realtime.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr const char* right_frame =
+    "right would be 16 numbers, row by row, of a rotation and a translation in metres that take points from "
+    "the "
+    "camera (x right, y down, z forward) to the world, or a file with them";
+
+/// Numbers of a text, with commas or spaces between; nothing where there is anything else.
+std::optional<std::vector<double>> numbers_of(std::string text) {
+    for (char& c : text)
+        if (c == ',' || c == ';' || c == '[' || c == ']') c = ' ';
+    std::istringstream in(text);
+    std::vector<double> numbers;
+    for (double number = 0; in >> number;) numbers.push_back(number);
+    in.clear();
+    std::string rest;
+    if (in >> rest) return std::nullopt;
+    return numbers;
+}
+
+bool is_rigid(const glm::dmat4& m) {
+    const glm::dmat3 turn(m);
+    const glm::dmat3 unit = glm::transpose(turn) * turn;
+    bool rigid = glm::determinant(turn) > 0;
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            rigid = rigid && std::abs(unit[column][row] - (column == row ? 1.0 : 0.0)) < 1e-3;
+    return rigid && m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1 &&
+           std::isfinite(m[3][0] + m[3][1] + m[3][2]);
+}
+
+Result<glm::dmat4> read_frame(const std::string& words) {
+    std::string text = words;
+    if (std::ifstream file(words); file) text = std::string(std::istreambuf_iterator<char>(file), {});
+    const auto numbers = numbers_of(text);
+    if (!numbers || numbers->size() != 16)
+        return usage_error("--world-from-camera '" + words + "': " + right_frame);
+    glm::dmat4 frame;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            frame[column][row] = (*numbers)[static_cast<std::size_t>(4 * row + column)];
+    if (!is_rigid(frame))
+        return usage_error(
+            "--world-from-camera '" + words +
+            "': is no rotation and translation (its rows are not unit vectors at right angles, or "
+            "the last one is not 0 0 0 1); " +
+            right_frame);
+    return frame;
+}
+
+bool is_simulated(const std::string& device) {
+    return device.substr(0, device.find(':')) == "simulated";
+}
+
+/// All of them as one.
+Result<std::shared_ptr<HapticDevice>> make_held(const std::vector<std::string>& words) {
+    auto keeper = LimpKeeper::start();
+    if (!keeper.ok()) return keeper.error();
+    DrivenSettings driven;
+    driven.keeper = *keeper;
+    driven.as_thread_begins = [] { become_fifo(); };
+    std::vector<std::unique_ptr<HapticDevice>> devices;
+    for (const std::string& one : words) {
+        auto device = make_device(one, driven);
+        if (!device.ok()) return device.error();
+        devices.push_back(std::move(*device));
+    }
+    if (devices.size() == 1) return std::shared_ptr<HapticDevice>(std::move(devices.front()));
+    return std::shared_ptr<HapticDevice>(std::make_shared<DeviceGroup>(std::move(devices)));
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
+                                                  SessionOptions& session) {
+    return {sub.add_option(
+                   "--device", words.devices,
+                   "live: what is held, NAME[:key=value,...] (touchable devices; docs/devices.md). Several "
+                   "are fingers of one hand. simulated is held by --hand, others by you")
+                ->allow_extra_args(false),
+            sub.add_flag(
+                "--force-on", words.force_on,
+                "a device that you hold exerts forces from the start; otherwise its button or Enter asks "
+                "for them"),
+            sub.add_option(
+                "--world-from-camera", words.world_from_camera,
+                "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
+                "row by row, or a file with them"),
+            sub.add_option(
+                   "--hand-scale", session.hand_scale,
+                   "how far a finger goes for a way of the device: 1 fits the picture into its reach, 0.5 "
+                   "is finer")
+                ->check(CLI::Range(0.01, 100.0))
+                ->capture_default_str()};
+}
+
+Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session) {
+    const auto& devices = words.devices;
+    const bool simulated = std::any_of(devices.begin(), devices.end(), is_simulated);
+    if (simulated && devices.size() > 1)
+        return usage_error("--device simulated is held by the hand alone, not beside another device");
+    if (simulated) session.device = devices.front();
+    if (devices.empty() || simulated) {
+        if (words.force_on || !words.world_from_camera.empty() || session.hand_scale != 1)
+            return usage_error(
+                "--force-on, --world-from-camera and --hand-scale are for a --device that you hold");
+        return {};
+    }
+    if (!session.live) return usage_error("--device needs --live: a device is held in real time");
+    if (!words.world_from_camera.empty()) {
+        auto frame = read_frame(words.world_from_camera);
+        if (!frame.ok()) return frame.error();
+        session.world_from_camera = *frame;
+    }
+    auto held = make_held(devices);
+    if (!held.ok()) return held.error();
+    session.held_device = std::move(*held);
+    if (session.held_device->fingers() > HandControl::most_fingers)
+        return usage_error("--device: that are more than " + std::to_string(HandControl::most_fingers) +
+                           " fingers");
+    session.control = std::make_shared<HandControl>(session.held_device->fingers(), HandMapping{});
+    session.control->ask_force(words.force_on);
+    return {};
+}
+
+std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal) {
+    if (device.capabilities().axes_driven == 0)
+        return "the " + device.name() + " exerts no force: you see what you touch, and do not feel it";
+    if (control.force_is_asked()) return "forces are on; Ctrl-C ends";
+    std::string ways = device.capabilities().buttons > 0 ? "press the device's first button" : "";
+    if (has_terminal) ways += ways.empty() ? "press Enter" : ", or Enter,";
+    if (ways.empty()) return "forces are off, and stay off: --force-on asks for them";
+    return "forces are off: " + ways + " to turn them on; Ctrl-C ends";
+}
+
+std::string state_of(const HapticDevice& device, const HandControl& control) {
+    if (std::string wish = device.wish(); !wish.empty()) return wish;
+    return control.force_is_asked() ? "forces on" : "forces off";
+}
+
+}  // namespace touchable

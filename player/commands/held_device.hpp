@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "player/session/session_options.hpp"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace touchable {
+
+/// Devices that a person holds, as on the command line.
+struct HeldDeviceWords {
+    std::vector<std::string> devices;  ///< "falcon", "network:port=6000"; several are one hand
+    bool force_on = false;             ///< asked for before the start
+    std::string world_from_camera;     ///< 16 numbers, or a file with them; empty: none
+};
+
+/// --device, --force-on, --world-from-camera, --hand-scale.
+std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
+                                                  SessionOptions& session);
+
+/// Makes the devices, not opened yet, and the process that leaves them limp; a simulated one is the hand's.
+/// Best called before there is much in memory. Refuses (ErrorKind::usage) what is none.
+Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session);
+
+/// What to do now, for the person who holds it; one line.
+std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal);
+/// What it waits for, and whether forces are on; short.
+std::string state_of(const HapticDevice& device, const HandControl& control);
+
+}  // namespace touchable

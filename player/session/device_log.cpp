@@ -1,0 +1,75 @@
+#include "player/session/device_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "player/session/csv_row.hpp"
+
+namespace touchable {
+
+DeviceLog::DeviceLog(int ticks, int fingers) : slots_(static_cast<std::size_t>(ticks)) {
+    for (Slot& slot : slots_) {
+        slot.places.resize(static_cast<std::size_t>(fingers));
+        slot.newtons.resize(static_cast<std::size_t>(fingers));
+    }
+}
+
+void DeviceLog::push(const DeviceTick& tick) {
+    const std::uint64_t at = pushed_.load(std::memory_order_relaxed);
+    if (at - popped_.load(std::memory_order_acquire) == slots_.size()) {
+        lost_.fetch_add(1, std::memory_order_relaxed);
+        return;
+    }
+    Slot& slot = slots_[at % slots_.size()];
+    slot.tick = tick;
+    std::copy(tick.places.begin(), tick.places.end(), slot.places.begin());
+    std::copy(tick.newtons.begin(), tick.newtons.end(), slot.newtons.begin());
+    slot.tick.places = slot.places;
+    slot.tick.newtons = slot.newtons;
+    pushed_.store(at + 1, std::memory_order_release);
+}
+
+Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesystem::path& file,
+                                                             Existing existing, DeviceLog& log) {
+    auto out = OutputFile::create("--device-log", file, existing);
+    if (!out.ok()) return out.error();
+    if (auto written = (*out)->write("time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"); !written.ok())
+        return written.error();
+    return std::unique_ptr<DeviceLogFile>(new DeviceLogFile(std::move(*out), log));
+}
+
+Result<void> DeviceLogFile::take(const TouchTick&) {
+    rows_.clear();
+    const auto write = [this](const DeviceTick& tick) {
+        for (std::size_t finger = 0; finger < tick.places.size(); ++finger) {
+            CsvRow row(rows_);
+            row << static_cast<double>(tick.tick) / 1000 << static_cast<std::int64_t>(finger);
+            if (const glm::dvec3& place = tick.places[finger]; std::isfinite(place.x + place.y + place.z))
+                row << place;
+            else
+                row.empty().empty().empty();
+            row << std::int64_t{tick.buttons};
+            if (std::isfinite(tick.age_s))
+                row << tick.age_s * 1000;
+            else
+                row.empty();
+            row << tick.newtons[finger] << std::int64_t{tick.exerts};
+            row.end();
+        }
+    };
+    while (log_.pop(write)) {
+    }
+    return file_->write(rows_);
+}
+
+Result<void> DeviceLogFile::finish() {
+    if (auto rest = take({}); !rest.ok()) return rest;
+    if (log_.lost() > 0)
+        return Error{ErrorKind::internal, std::to_string(log_.lost()) +
+                                              " ticks of the device were lost on their way to --device-log; "
+                                              "the disk is too slow for what was asked to be written"};
+    return file_->finish();
+}
+
+}  // namespace touchable

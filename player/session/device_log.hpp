@@ -1,0 +1,74 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "player/session/output_file.hpp"
+#include "player/session/touch_session.hpp"
+
+namespace touchable {
+
+/// A tick as a device had it.
+struct DeviceTick {
+    std::int64_t tick = 0;
+    std::uint32_t buttons = 0;
+    double age_s = 0;                       ///< of the positions
+    bool exerts = false;                    ///< forces were on, and not kept back
+    std::span<const glm::dvec3> places{};   ///< device metres, not a number where there was none
+    std::span<const glm::dvec3> newtons{};  ///< as given to the device
+};
+
+/// Ticks of a device on their way from the haptic thread to a file: a ring between one writer and one reader.
+class DeviceLog {
+public:
+    DeviceLog(int ticks, int fingers);
+
+    /// Haptic thread; neither waits nor allocates. One for which there is no room is lost, and counted.
+    void push(const DeviceTick& tick);
+    /// Reader. Hands the oldest tick to `take`; false where there is none.
+    template <class Take>
+    bool pop(Take take) {
+        const std::uint64_t at = popped_.load(std::memory_order_relaxed);
+        if (at == pushed_.load(std::memory_order_acquire)) return false;
+        take(slots_[at % slots_.size()].tick);
+        popped_.store(at + 1, std::memory_order_release);
+        return true;
+    }
+    std::int64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+private:
+    struct Slot {
+        DeviceTick tick;
+        std::vector<glm::dvec3> places, newtons;
+    };
+    std::vector<Slot> slots_;
+    std::atomic<std::int64_t> lost_{0};
+    alignas(64) std::atomic<std::uint64_t> pushed_{0};
+    alignas(64) std::atomic<std::uint64_t> popped_{0};
+};
+
+/// `--device-log FILE`, or `-`: a row for each tick and finger (docs/devices.md, Logs). Replays as a device.
+class DeviceLogFile final : public TouchSink {
+public:
+    /// `log` outlives it.
+    static Result<std::unique_ptr<DeviceLogFile>> create(const std::filesystem::path& file, Existing existing,
+                                                         DeviceLog& log);
+    /// All that has come by now.
+    Result<void> take(const TouchTick&) override;
+    /// Gives the file its name. Error: ticks are missing.
+    Result<void> finish();
+
+private:
+    DeviceLogFile(std::unique_ptr<OutputFile> file, DeviceLog& log) : file_(std::move(file)), log_(log) {}
+
+    std::unique_ptr<OutputFile> file_;
+    DeviceLog& log_;
+    std::string rows_;
+};
+
+}  // namespace touchable

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "device/hand_control.hpp"
+#include "haptics_cpu/haptic_port.hpp"
+#include "player/session/device_log.hpp"
+
+namespace touchable {
+
+/// A device that a person holds, with what stands between it and the fingers: mapping, clutch, and the force
+/// that is asked for.
+class HeldPort final : public HapticPort {
+public:
+    /// All of them outlive the port; the device is open. `log`: nullptr: nobody wants one.
+    HeldPort(HapticDevice& device, HandControl& control, DeviceLog* log);
+    bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    bool write_forces(std::span<const glm::dvec3> newtons) override;
+
+private:
+    HapticDevice& device_;
+    HandControl& control_;
+    DeviceLog* log_;
+    std::vector<glm::dvec3> places_, newtons_;
+    std::int64_t tick_ = -1, written_ = -1;
+};
+
+}  // namespace touchable
