@@ -27,6 +27,7 @@ const std::map<std::string, Rooms> may_use{
     {"haptics_cpu", {"engine", "engine/scene", "engine/frame"}},
     {"device", {"engine"}},
     {"device/network", {"engine", "device"}},
+    {"device/falcon", {"engine", "device"}},
     {"device/catalog", {"engine", "device", "device/network"}},
     {"shaders", {}},
     {"player/view",
