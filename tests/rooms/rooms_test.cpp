@@ -28,7 +28,7 @@ const std::map<std::string, Rooms> may_use{
     {"device", {"engine"}},
     {"device/network", {"engine", "device"}},
     {"device/falcon", {"engine", "device"}},
-    {"device/catalog", {"engine", "device", "device/network"}},
+    {"device/catalog", {"engine", "device", "device/network", "device/falcon"}},
     {"shaders", {}},
     {"player/view",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
