@@ -4,7 +4,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 
 #include "engine/trigonometry.hpp"
 
@@ -99,13 +98,6 @@ bool is_the_arms_own(const FalconAngles& angles, const glm::dvec3& place) {
 
 double falcon_angle(std::int16_t count) {
     return angle_at_zero + radians_per_count * count;
-}
-
-std::optional<std::int16_t> falcon_count(double angle) {
-    const double count = std::round((angle - angle_at_zero) / radians_per_count);
-    using Count = std::numeric_limits<std::int16_t>;
-    if (!(count >= Count::min() && count <= Count::max())) return std::nullopt;
-    return static_cast<std::int16_t>(count);
 }
 
 /// Motor's axis, knee and grip's joint are a triangle of known sides.

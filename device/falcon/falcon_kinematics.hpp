@@ -22,8 +22,6 @@ using FalconAngles =
 /// Of the arm, at an encoder's count: 320 slots of four counts on the motor's shaft, whose capstan of 14.25
 /// mm turns the arm's drum of 110 mm; 35 degrees at 0.
 double falcon_angle(std::int16_t count);
-/// Nearest count, where it fits into one.
-std::optional<std::int16_t> falcon_count(double angle);
 
 /// Closed form. Nothing where an arm does not reach.
 std::optional<FalconAngles> falcon_angles(const glm::dvec3& place);

@@ -62,7 +62,9 @@ protected:
     }
     void move_to(const glm::dvec3& place) {
         const auto angles = falcon_angles(place);
-        for (std::size_t arm = 0; arm < 3; ++arm) falcon->counts[arm] = *falcon_count((*angles)[arm]);
+        for (std::size_t arm = 0; arm < 3; ++arm)
+            falcon->counts[arm] =
+                static_cast<int>(std::lround(((*angles)[arm] - 0.610865238198) / 6.35905e-4));
     }
 
     std::shared_ptr<FakeFalcon> falcon = std::make_shared<FakeFalcon>();
