@@ -173,7 +173,6 @@ Result<void> LimpKeeper::tell(int place, const LastWord* word) {
 LimpKeeper::Kept& LimpKeeper::Kept::operator=(Kept&& other) noexcept {
     std::swap(keeper_, other.keeper_);
     std::swap(place_, other.place_);
-    std::swap(said_, other.said_);
     return *this;
 }
 
@@ -182,11 +181,10 @@ LimpKeeper::Kept::~Kept() {
     if (auto told = keeper_->tell(place_, nullptr); told.ok()) keeper_->taken_[place_] = false;
 }
 
+/// Told again even where it reads the same: a device that was opened anew has often the number of its old
+/// descriptor, and the keeper would hold the old one.
 Result<void> LimpKeeper::Kept::say(const LastWord& word) {
-    if (word.descriptor == said_.descriptor && word.bytes == said_.bytes) return {};
-    auto told = keeper_->tell(place_, &word);
-    if (told.ok()) said_ = word;
-    return told;
+    return keeper_->tell(place_, &word);
 }
 
 }  // namespace touchable

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "device/falcon/falcon_device.hpp"
 #include "device/network/network_device.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr DeviceKind kinds[] = {
+    {"falcon", "Novint Falcon (docs/devices.md)", make_falcon_device},
     {"network", "any program that sends UDP datagrams (docs/network-hand.md)", make_network_device},
 };
 

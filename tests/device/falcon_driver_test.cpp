@@ -1,0 +1,435 @@
+// A Falcon from its plug to its last bytes, over a fake one that does all that real ones are known to do
+// wrong.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "device/driven_device.hpp"
+#include "device/falcon/falcon_driver.hpp"
+#include "tests/device/fake_falcon.hpp"
+
+namespace touchable::test {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+const std::string limp_packet = "<AAAAAAAAAAAABA>";
+const std::string limp = limp_packet + limp_packet;
+
+std::string some_image(std::size_t bytes) {
+    std::mt19937 random(3);
+    std::string image;
+    while (image.size() < bytes) image += static_cast<char>(random() % 256);
+    return image;
+}
+
+class Falcon : public ::testing::Test {
+protected:
+    FalconSettings settings(const std::string& image = {}) {
+        FalconSettings settings;
+        settings.firmware = bytes_of(image);
+        settings.patience.question = milliseconds(2);
+        if (in_vain) settings.patience = {milliseconds(2), milliseconds(5), milliseconds(2)};
+        return settings;
+    }
+    std::unique_ptr<FalconDriver> driver_for(const std::string& image = {}) {
+        return std::make_unique<FalconDriver>(
+            settings(image), [falcon = falcon]() -> Result<std::unique_ptr<UsbPort>> {
+                if (!falcon->plugged) return Error{ErrorKind::device, "no Novint Falcon is plugged in"};
+                ++falcon->opened;
+                return std::unique_ptr<UsbPort>(std::make_unique<FakeFalconPort>(falcon));
+            });
+    }
+    void connect(FalconDriver& driver) {
+        const auto connected = driver.connect([] { return false; });
+        ASSERT_TRUE(connected.ok()) << connected.error().message;
+    }
+    /// As the device's thread does it.
+    Result<bool> turn(FalconDriver& driver, const glm::dvec3& newtons = glm::dvec3(0.0)) {
+        if (auto sent = driver.send(std::span(&newtons, 1)); !sent.ok()) return sent.error();
+        return driver.receive(sample, patience);
+    }
+    void home(FalconDriver& driver) {
+        for (int go = 0; go < 20 && !driver.wish().empty(); ++go) ASSERT_TRUE(turn(driver).ok());
+        ASSERT_EQ(driver.wish(), "");
+    }
+    void move_to(const glm::dvec3& place) {
+        const auto angles = falcon_angles(place);
+        for (std::size_t arm = 0; arm < 3; ++arm)
+            falcon->counts[arm] =
+                static_cast<int>(std::lround(((*angles)[arm] - 0.610865238198) / 6.35905e-4));
+    }
+
+    std::shared_ptr<FakeFalcon> falcon = std::make_shared<FakeFalcon>();
+    bool in_vain = false;  // is it waited for what will not come?
+    DeviceSample sample;
+    microseconds patience{1500};
+};
+
+TEST_F(Falcon, OneThatRunsIsOnlyAsked) {
+    auto driver = driver_for();
+    connect(*driver);
+    EXPECT_EQ(falcon->commands, (std::vector<FtdiCommand>{{9, 1}, {3, 2}, {0, 1}, {0, 2}}));
+    EXPECT_EQ(falcon->written.substr(0, 16), "<AAAAAAAAAAAAJA>");  // no force, homing, red
+    EXPECT_EQ(falcon->loaded, "");
+}
+
+TEST_F(Falcon, WithoutFirmwareItSaysHowToGiveIt) {
+    falcon->has_firmware = false;
+    const auto connected = driver_for()->connect([] { return false; });
+    ASSERT_FALSE(connected.ok());
+    EXPECT_EQ(connected.error().kind, ErrorKind::device);
+    EXPECT_NE(connected.error().message.find("--device falcon:firmware=FILE"), std::string::npos);
+}
+
+TEST_F(Falcon, FirmwareIsLoadedAsItsOwnersDescribeIt) {
+    falcon->has_firmware = false;
+    falcon->image = some_image(7318);
+    auto driver = driver_for(falcon->image);
+    connect(*driver);
+    EXPECT_EQ(falcon->loaded, falcon->image);
+    ASSERT_EQ(falcon->blocks.size(), 119U);  // 118 of 62 bytes, and 2
+    EXPECT_EQ(falcon->blocks[117], 62U);
+    EXPECT_EQ(falcon->blocks[118], 2U);
+    const std::vector<FtdiCommand> described{
+        {9, 1},     {3, 2},     {0, 1},     {0, 2},               // is there firmware?
+        {0, 1},     {0, 2},     {9, 16},    {3, 0x4138}, {4, 8},  // 9600 8N1
+        {2, 0},     {1, 0x200}, {1, 0x100}, {1, 0x101},           // no flow control, RTS low, DTR up
+        {1, 0x100}, {3, 0x15},  {0, 1},     {0, 2},               // DTR down, 140 kbaud
+        {9, 1},     {3, 2},     {0, 1},     {0, 2}};              // 1.5 Mbaud
+    EXPECT_EQ(falcon->commands, described);
+    const std::string loading = falcon->written.substr(falcon->written.find('\x0a'));
+    EXPECT_EQ(loading.substr(0, 4 + 7318), std::string("\x0a\x43\x0d") + "A" + falcon->image);
+}
+
+TEST_F(Falcon, GreetingsThatItDoesNotHearAndAnswersInPiecesAreBorne) {
+    in_vain = true;
+    falcon->has_firmware = false;
+    falcon->image = some_image(2000);
+    falcon->deaf_greetings = 7;
+    falcon->zero_before_welcome = true;
+    falcon->longest_packet = 3;
+    connect(*driver_for(falcon->image));
+    EXPECT_EQ(falcon->loaded, falcon->image);
+}
+
+TEST_F(Falcon, ABlockThatComesBackChangedIsLoadedAnewFromTheStart) {
+    falcon->has_firmware = false;
+    falcon->image = some_image(2000);
+    int echoes = 0;
+    falcon->spoil_echo = [&](const std::string& block) {
+        std::string echo = block;
+        if (++echoes == 5) echo[1] = static_cast<char>(echo[1] ^ 4);
+        return echo;
+    };
+    connect(*driver_for(falcon->image));
+    EXPECT_EQ(falcon->loaded, falcon->image);
+    EXPECT_EQ(echoes, 5 + 1 + 33);  // 'A' and three blocks, the spoilt one; then all of them
+}
+
+TEST_F(Falcon, LoadingThatNeverSucceedsSaysWhere) {
+    in_vain = true;
+    falcon->has_firmware = false;
+    falcon->image = some_image(2000);
+    std::string message;
+    const auto refused = [&] {
+        falcon->blocks.clear();
+        const auto connected = driver_for(falcon->image)->connect([] { return false; });
+        return connected.ok() ? std::string() : connected.error().message;
+    };
+    falcon->spoil_echo = [&](const std::string& block) {
+        return block == "A" || falcon->blocks.size() % 3 != 0 ? block : block.substr(0, 10);
+    };
+    message = refused();
+    EXPECT_NE(message.find("block 3 of 33: 10 of 62 bytes came back (4 goes)"), std::string::npos) << message;
+    falcon->spoil_echo = [](const std::string& block) { return block == "A" ? "B" : block; };
+    message = refused();
+    EXPECT_NE(message.find("the mark that begins it came back changed"), std::string::npos) << message;
+    falcon->deaf_greetings = 1000000;
+    message = refused();
+    EXPECT_NE(message.find("does not answer; pull its power plug"), std::string::npos) << message;
+}
+
+TEST_F(Falcon, AFileThatIsNotItsFirmwareIsNotTakenForIt) {
+    in_vain = true;
+    falcon->has_firmware = false;
+    falcon->image = some_image(2000);
+    const auto connected = driver_for(some_image(1500))->connect([] { return false; });
+    ASSERT_FALSE(connected.ok());
+    EXPECT_NE(connected.error().message.find("is the file its firmware?"), std::string::npos);
+    EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+}
+
+TEST_F(Falcon, LoadingIsGivenUpInTheMiddle) {
+    falcon->has_firmware = false;
+    falcon->image = some_image(8000);
+    const auto connected = driver_for(falcon->image)->connect([this] { return falcon->blocks.size() >= 20; });
+    ASSERT_FALSE(connected.ok());
+    EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
+    EXPECT_LT(falcon->blocks.size(), 25U);
+}
+
+TEST_F(Falcon, BeforeItIsHomedThereIsNeitherPlaceNorForce) {
+    falcon->homed = false;
+    auto driver = driver_for();
+    connect(*driver);
+    for (int go = 0; go < 30; ++go) {
+        ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+        EXPECT_TRUE(std::isnan(sample.metres[0].x));
+        EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+        EXPECT_EQ(falcon->state, 9);  // homing, red
+    }
+    EXPECT_EQ(driver->wish(), "pull the Falcon's grip out, then push it in, until its ring is green");
+    falcon->homed = true;
+    int reports = 0;
+    while (std::isnan(sample.metres[0].x)) {
+        ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+        ASSERT_LE(++reports, 100);
+        EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+    }
+    EXPECT_EQ(reports, FalconDriver::homed_reports);  // one false report homes nothing
+    ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+    EXPECT_EQ(driver->wish(), "");
+    EXPECT_EQ(falcon->state, 3);  // homing, green
+    EXPECT_LT(falcon->motors[0], 0);
+    falcon->homed = false;
+    ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+    EXPECT_TRUE(std::isnan(sample.metres[0].x));
+    ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+    EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+}
+
+TEST_F(Falcon, PlacesButtonsAndForcesAreItsOwn) {
+    auto driver = driver_for();
+    connect(*driver);
+    home(*driver);
+    falcon->buttons = 5;
+    for (const glm::dvec3& place :
+         {glm::dvec3(0.0), glm::dvec3(0.02, -0.03, 0.01), glm::dvec3(-0.04, 0, -0.02)}) {
+        move_to(place);
+        ASSERT_TRUE(turn(*driver).ok());
+        EXPECT_LT(glm::length(sample.metres[0] - place), 1e-4);  // a count
+        EXPECT_EQ(sample.buttons, 5U);
+    }
+    move_to(glm::dvec3(0.0));
+    ASSERT_TRUE(turn(*driver).ok());
+    ASSERT_TRUE(turn(*driver, {0, 0, 8}).ok());
+    for (const int word : falcon->motors) EXPECT_NEAR(word, -2019, 3);  // the middle is not at whole counts
+}
+
+TEST_F(Falcon, EncodersThatFitNoPlaceGiveNone) {
+    auto driver = driver_for();
+    connect(*driver);
+    home(*driver);
+    falcon->counts = {3000, -3000, 100};
+    for (int go = 0; go < 300; ++go) {
+        ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+        EXPECT_TRUE(std::isnan(sample.metres[0].x));
+        if (go == 0) continue;
+        EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+    }
+    EXPECT_NE(driver->wish().find("cannot reach"), std::string::npos);
+    move_to({0.01, 0, 0});
+    ASSERT_TRUE(turn(*driver).ok());
+    EXPECT_NEAR(sample.metres[0].x, 0.01, 1e-4);
+    EXPECT_EQ(driver->wish(), "");
+}
+
+TEST_F(Falcon, AnAnswerThatComesLateLeavesNoLag) {
+    auto driver = driver_for();
+    connect(*driver);
+    home(*driver);
+    patience = milliseconds(20);
+    falcon->empty_reads = 3;
+    falcon->holds_next = true;
+    const auto late = turn(*driver);
+    ASSERT_TRUE(late.ok());
+    EXPECT_FALSE(*late);
+    move_to({0, 0.02, 0});
+    ASSERT_TRUE(*turn(*driver));  // both came; the newer counts
+    EXPECT_NEAR(sample.metres[0].y, 0.02, 1e-4);
+    for (const double y : {0.018, 0.016, 0.014}) {
+        move_to({0, y, 0});
+        ASSERT_TRUE(*turn(*driver));
+        EXPECT_NEAR(sample.metres[0].y, y, 1e-4);
+    }
+}
+
+// Answers that are cut, damaged, repeated, late, in pieces or lost, at random: a place is the grip's of the
+// last turns or there is none, and never is there a force without a place.
+TEST_F(Falcon, ATurnWithFaultsGivesNoPlaceThatIsNotTheGrips) {
+    constexpr unsigned seed = 20;
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    auto driver = driver_for();
+    connect(*driver);
+    home(*driver);
+    patience = microseconds(200);
+    std::string held;
+    falcon->spoil = [&](std::string answer) {
+        answer = std::exchange(held, std::string()) + answer;
+        switch (random() % 20) {
+            case 0:
+                return answer.substr(0, random() % answer.size());
+            case 1:
+                return answer.erase(random() % answer.size(), 2);
+            case 2:
+                answer[random() % answer.size()] = "<>\x01\xff"[random() % 4];
+                return answer;
+            case 3:
+                return answer + answer;
+            case 4:
+                held = answer;
+                return std::string();
+            case 5:
+                return std::string();
+            default:
+                return answer;
+        }
+    };
+    int places = 0, none = 0;
+    std::vector<double> last_x(40, 0.0);
+    for (int go = 0; go < 3000; ++go) {
+        const double x = 0.03 * std::sin(0.01 * go);
+        last_x[static_cast<std::size_t>(go) % last_x.size()] = x;
+        falcon->longest_packet = 1 + random() % 62;
+        move_to({x, 0, 0});
+        sample.metres[0] = glm::dvec3(std::nan(""));
+        const auto came = turn(*driver, {3, 0, 0});
+        ASSERT_TRUE(came.ok()) << go;
+        if (!*came) {
+            ++none;
+            continue;
+        }
+        if (std::isnan(sample.metres[0].x)) continue;
+        ++places;
+        ASSERT_LT(std::abs(sample.metres[0].y), 1e-4) << go;
+        ASSERT_TRUE(std::any_of(last_x.begin(), last_x.end(),
+                                [&](double each) { return std::abs(each - sample.metres[0].x) < 1e-4; }))
+            << go << " " << sample.metres[0].x << " for " << x;
+    }
+    EXPECT_GT(places, 2000);
+    EXPECT_GT(none, 100);
+    EXPECT_GT(driver->damaged(), 100);
+    driver->disconnect();
+    EXPECT_EQ(falcon->last_bytes(32), limp);
+    EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+}
+
+TEST_F(Falcon, ItsLastBytesAreZeroForce) {
+    auto driver = driver_for();
+    connect(*driver);
+    home(*driver);
+    move_to(glm::dvec3(0.0));
+    for (int go = 0; go < 3; ++go) ASSERT_TRUE(turn(*driver, {8, 0, 0}).ok());
+    EXPECT_NE(falcon->motors, (std::array<int, 3>{}));
+    driver->disconnect();
+    EXPECT_EQ(falcon->last_bytes(32), limp);
+    EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+    const std::size_t written = falcon->written.size();
+    driver->disconnect();
+    EXPECT_EQ(falcon->written.size(), written);
+}
+
+TEST_F(Falcon, UnpluggedInTheMiddleIsAnErrorAndNoMore) {
+    auto driver = driver_for();
+    connect(*driver);
+    home(*driver);
+    falcon->plugged = false;
+    const auto gone = turn(*driver, {1, 0, 0});
+    ASSERT_FALSE(gone.ok());
+    EXPECT_EQ(gone.error().message, "fake: was unplugged");
+    driver->disconnect();
+    EXPECT_FALSE(driver->connect([] { return false; }).ok());
+    falcon->plugged = true;
+    connect(*driver);
+    EXPECT_NE(driver->wish(), "");  // homing is believed anew
+    home(*driver);
+}
+
+TEST_F(Falcon, OneThatBabblesHoldsNobodyAndIsTakenForGone) {
+    auto driver = driver_for();
+    connect(*driver);
+    home(*driver);
+    falcon->babbles = true;
+    Result<bool> came = true;
+    for (int go = 0; go < 1000000 && came.ok(); ++go) came = turn(*driver);
+    EXPECT_FALSE(came.ok());
+    driver->disconnect();
+    EXPECT_EQ(falcon->last_bytes(32), limp);
+}
+
+TEST_F(Falcon, OneThatLostItsPowerIsLoadedAgain) {
+    falcon->image = some_image(1500);
+    auto driver = driver_for(falcon->image);
+    connect(*driver);
+    home(*driver);
+    falcon->pull_power();
+    Result<bool> came = true;
+    for (int go = 0; go < 1000 && came.ok(); ++go) came = turn(*driver);
+    ASSERT_FALSE(came.ok());
+    EXPECT_NE(came.error().message.find("does not answer any more"), std::string::npos);
+    driver->disconnect();
+    connect(*driver);
+    EXPECT_EQ(falcon->loaded, falcon->image);
+    ASSERT_TRUE(turn(*driver).ok());
+    EXPECT_NE(driver->wish(), "");
+}
+
+TEST_F(Falcon, TheKeeperIsGivenTheSameBytes) {
+    auto driver = driver_for();
+    EXPECT_FALSE(driver->last_word());
+    connect(*driver);
+    const auto word = driver->last_word();
+    ASSERT_TRUE(word);
+    EXPECT_EQ(word->descriptor, 77);
+    EXPECT_EQ(word->usb_endpoint, 0x02);
+    EXPECT_EQ(word->bytes, bytes_of(limp_packet));
+    driver->disconnect();
+    EXPECT_FALSE(driver->last_word());
+}
+
+TEST_F(Falcon, ItSaysWhatItIs) {
+    const auto driver = driver_for();
+    EXPECT_EQ(driver->name(), "Novint Falcon");
+    EXPECT_EQ(driver->limits().max_force, 8);
+    EXPECT_EQ(driver->capabilities().axes_driven, 3);
+    EXPECT_EQ(driver->capabilities().buttons, 4);
+    EXPECT_EQ(driver->capabilities().reach.x, 0.05);
+    EXPECT_FALSE(driver->capabilities().own_watchdog);
+}
+
+/// Waits for what must come; a test that waits for ever is stopped by its time.
+template <class Condition>
+void wait_for(Condition&& condition) {
+    while (!condition()) std::this_thread::yield();
+}
+
+TEST_F(Falcon, AsADeviceItIsLimpOnceNobodyWritesAndWhenItIsClosed) {
+    move_to(glm::dvec3(0.0));
+    DrivenDevice device(driver_for());
+    ASSERT_TRUE(device.open().ok());
+    std::array<glm::dvec3, 1> place, force{glm::dvec3(0, 0, 5)};
+    wait_for([&] { return device.read_positions(place) && !std::isnan(place[0].x); });
+    EXPECT_LT(glm::length(place[0]), 1e-4);
+    const auto motor = [this] {
+        const std::lock_guard lock(falcon->mutex);
+        return falcon->motors[0];
+    };
+    wait_for([&] { return device.write_forces(force) && motor() < -1000; });
+    wait_for([&] { return motor() == 0; });  // without a word for `silence_s`
+    wait_for([&] { return device.write_forces(force) && motor() < -1000; });
+    device.close();
+    EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
+    EXPECT_EQ(falcon->last_bytes(32), limp);
+}
+
+}  // namespace
+}  // namespace touchable::test
