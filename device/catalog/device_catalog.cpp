@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "device/inverse3/inverse3_device.hpp"
 #include "device/network/network_device.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr DeviceKind kinds[] = {
+    {"inverse3", "a Haply Inverse3, through the service of its makers", make_inverse3_device},
     {"network", "any program that sends UDP datagrams (docs/network-hand.md)", make_network_device},
 };
 
