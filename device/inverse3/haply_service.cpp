@@ -22,6 +22,7 @@ using ServiceClock = std::chrono::steady_clock;
 constexpr std::size_t longest_http_body = 64 * 1024;
 constexpr std::size_t most_unread_messages = 1024;
 constexpr milliseconds longest_write{50};
+const std::string no_answer = "no answer";
 
 /// One connection, of a context of its own.
 struct ServiceLine {
@@ -102,7 +103,11 @@ int on_service_event(lws* connection, lws_callback_reasons reason, void*, void* 
             line.state = ServiceLine::State::finished;
             break;
         case LWS_CALLBACK_CLOSED_CLIENT_HTTP:
-            if (line.state == ServiceLine::State::opening) line.fail("it closed the connection");
+            // An answer of unknown length ends so.
+            if (line.state == ServiceLine::State::opening && line.http_status != 0)
+                line.state = ServiceLine::State::finished;
+            else if (line.state == ServiceLine::State::opening)
+                line.fail("it closed the connection");
             break;
         default:
             return 0;
@@ -139,6 +144,7 @@ public:
         to.address = to.host = to.origin = "localhost";
         to.port = port;
         to.path = path;
+        to.ssl_connection = LCCSCF_HTTP_NO_FOLLOW_REDIRECT;  // it is this machine's service or none
         to.method = method;
         to.local_protocol_name = service_protocols[0].name;
         to.pwsi = &connection_;
@@ -186,7 +192,7 @@ Result<void> settle(ServiceConnection& connection, milliseconds patience, const 
     while (connection.line().state == ServiceLine::State::opening) {
         if (given_up && given_up()) return Error{ErrorKind::interrupted, "stopped while it was connecting"};
         if (ServiceClock::now() >= until) {
-            connection.line().fail("no answer within " + std::to_string(patience.count()) + " ms");
+            connection.line().fail(no_answer + " within " + std::to_string(patience.count()) + " ms");
             break;
         }
         connection.work(milliseconds(1));
@@ -248,7 +254,7 @@ private:
 
 /// "HS:" is what libwebsockets says of somebody who answers, but not as a WebSocket.
 Error no_haply_service(const std::string& address, const std::string& why) {
-    if (why.find("HS:") != std::string::npos)
+    if (why.find("HS:") != std::string::npos || why.starts_with(no_answer))
         return Error{ErrorKind::device, "what answers at " + address + " is no Haply service (" + why +
                                             "); right would be inverse3:port=N with the service's port"};
     return Error{ErrorKind::device,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <deque>
+#include <random>
 
 #include "device/inverse3/inverse3_device.hpp"
 #include "device/limp_keeper.hpp"
@@ -264,6 +265,45 @@ TEST(Inverse3Driver, AVersionThatIsGivenIsNotAskedFor) {
     driven.wire.version = "";
     ASSERT_TRUE(driven.connect().ok());
     EXPECT_NE(driven.wire.sent.back().find(R"("values")"), std::string::npos);
+}
+
+/// Short, corrupt, repeated, late, lost and cut at random moments.
+TEST(Inverse3Driver, WhateverComesItEndsWithZeroAndTellsNoPlaceThatCannotBe) {
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        std::mt19937 chance(seed);
+        const auto one_in = [&](unsigned many) { return chance() % many == 0; };
+        Driven driven;
+        ASSERT_TRUE(driven.connect().ok());
+        int losses = 0;
+        for (int step = 0; step < 150; ++step) {
+            std::string next = driven.wire.state;
+            if (one_in(4)) next.resize(1 + chance() % next.size());
+            if (one_in(4)) next[chance() % next.size()] ^= static_cast<char>(1u << chance() % 8);
+            for (unsigned copies = chance() % 4; copies > 0; --copies) driven.wire.coming.push_back(next);
+            driven.wire.broken = one_in(50);
+            driven.wire.answers = !one_in(3);
+            DeviceSample sample;
+            const auto heard = driven.driver.receive(sample, no_time);
+            if (heard.ok() && *heard) {
+                ASSERT_TRUE(std::isfinite(sample.metres[0].x));
+            }
+            const bool sent = driven.push({0, 0, one_in(2) ? 1.0 : 0.0}).ok();
+            if (heard.ok() && sent) continue;
+            ++losses;
+            const bool cut = driven.wire.broken;
+            driven.driver.disconnect();
+            if (!cut) {
+                ASSERT_EQ(driven.wire.sent.back(), zero_force);
+            }
+            driven.wire.broken = false;
+            driven.wire.answers = true;
+            driven.wire.coming.clear();
+            ASSERT_TRUE(driven.connect().ok());
+            ASSERT_EQ(driven.wire.sent.back(), zero_force);
+        }
+        EXPECT_GT(losses, 5);
+    }
 }
 
 TEST(Inverse3Driver, GivesUpConnectingWhenItIsToldTo) {

@@ -1,5 +1,7 @@
 // Whole sessions with a service on a real port: WebSocket, HTTP, threads.
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -131,6 +133,54 @@ TEST(Inverse3Session, NoServiceIsOneLine) {
                   "no Haply service at " + where +
                       "; start it (sudo systemctl start haply-inverse-service, or open Haply Hub)");
     }
+}
+
+/// Answers whoever connects with "403", as something else at that port might.
+class SomethingElse {
+public:
+    SomethingElse() : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
+        sockaddr_in here{};
+        here.sin_family = AF_INET;
+        here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof here;
+        auto* address = reinterpret_cast<sockaddr*>(&here);
+        if (bind(listener_, address, size) == 0 && listen(listener_, 1) == 0 &&
+            getsockname(listener_, address, &size) == 0)
+            port_ = ntohs(here.sin_port);
+        thread_ = std::thread([this] {
+            for (int peer; (peer = accept(listener_, nullptr, nullptr)) >= 0; close(peer)) {
+                char room[2048];
+                const std::string answer = "HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\n\r\n";
+                if (recv(peer, room, sizeof room, 0) > 0)
+                    send(peer, answer.data(), answer.size(), MSG_NOSIGNAL);
+                while (recv(peer, room, sizeof room, 0) > 0) {
+                }
+            }
+        });
+    }
+    ~SomethingElse() {
+        shutdown(listener_, SHUT_RDWR);
+        thread_.join();
+        close(listener_);
+    }
+    std::uint16_t port() const { return port_; }
+
+private:
+    int listener_;
+    std::uint16_t port_ = 0;
+    std::thread thread_;
+};
+
+TEST(Inverse3Session, SomethingElseAtThatPortIsNoService) {
+    const SomethingElse there;
+    const auto opened = device_at(there.port(), ",service=3.5")->open();
+    ASSERT_FALSE(opened.ok());
+    EXPECT_NE(opened.error().message.find("is no Haply service"), std::string::npos)
+        << opened.error().message;
+    const auto asked = device_at(there.port())->open();
+    ASSERT_FALSE(asked.ok());
+    EXPECT_NE(asked.error().message.find("does not say which version it is"), std::string::npos)
+        << asked.error().message;
 }
 
 TEST(Inverse3Session, AnotherGenerationAndAServiceWithoutAVersionAreRefused) {
