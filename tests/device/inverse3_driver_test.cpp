@@ -268,14 +268,14 @@ TEST(Inverse3Driver, AVersionThatIsGivenIsNotAskedFor) {
 }
 
 /// Short, corrupt, repeated, late, lost and cut at random moments.
-TEST(Inverse3Driver, WhateverComesItEndsWithZeroAndTellsNoPlaceThatCannotBe) {
+TEST(Inverse3Driver, WhateverComesItEndsWithZeroAndTellsNumbers) {
+    int losses = 0;
     for (unsigned seed = 1; seed <= 4; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         std::mt19937 chance(seed);
         const auto one_in = [&](unsigned many) { return chance() % many == 0; };
         Driven driven;
         ASSERT_TRUE(driven.connect().ok());
-        int losses = 0;
         for (int step = 0; step < 150; ++step) {
             std::string next = driven.wire.state;
             if (one_in(4)) next.resize(1 + chance() % next.size());
@@ -302,8 +302,8 @@ TEST(Inverse3Driver, WhateverComesItEndsWithZeroAndTellsNoPlaceThatCannotBe) {
             ASSERT_TRUE(driven.connect().ok());
             ASSERT_EQ(driven.wire.sent.back(), zero_force);
         }
-        EXPECT_GT(losses, 5);
     }
+    EXPECT_GT(losses, 15);
 }
 
 TEST(Inverse3Driver, GivesUpConnectingWhenItIsToldTo) {
