@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -189,6 +190,14 @@ Result<std::size_t> CsvTable::column(std::string_view name_or_number) const {
 }
 
 Result<std::vector<double>> CsvTable::numbers(std::size_t column) const {
+    return numbers(column, false);
+}
+
+Result<std::vector<double>> CsvTable::numbers_where_given(std::size_t column) const {
+    return numbers(column, true);
+}
+
+Result<std::vector<double>> CsvTable::numbers(std::size_t column, bool may_be_empty) const {
     std::vector<double> values;
     values.reserve(rows());
     std::vector<std::string_view> fields;
@@ -196,6 +205,10 @@ Result<std::vector<double>> CsvTable::numbers(std::size_t column) const {
     for (std::size_t row = 0; row < rows(); ++row) {
         if (const auto done = split(line(row + (has_header_ ? 1 : 0)), fields); !done) return done.error();
         const std::string_view field = fields[column];
+        if (may_be_empty && field.empty()) {
+            values.push_back(std::numeric_limits<double>::quiet_NaN());
+            continue;
+        }
         const std::optional<double> value = parse_number(field);
         if (!value || !std::isfinite(*value)) {
             std::string message = place(row) + ", column '" + name + "' holds ";

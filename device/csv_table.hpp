@@ -32,12 +32,15 @@ public:
     Result<std::size_t> column(std::string_view name_or_number) const;
     /// All values of a column, from the top. Refuses (file, line, column) what is not a finite number.
     Result<std::vector<double>> numbers(std::size_t column) const;
+    /// The same, where a field may be empty: not a number then.
+    Result<std::vector<double>> numbers_where_given(std::size_t column) const;
     /// As the file's name stands in messages: "FILE: line N" of row `row`.
     std::string place(std::size_t row) const;
     const std::string& file() const { return file_; }
 
 private:
     CsvTable() = default;
+    Result<std::vector<double>> numbers(std::size_t column, bool may_be_empty) const;
     Result<void> find_lines();
     Result<void> check_fields();
     std::size_t fields_by(char separator);

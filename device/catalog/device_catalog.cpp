@@ -3,14 +3,18 @@
 #include <algorithm>
 
 #include "device/falcon/falcon_device.hpp"
+#include "device/inverse3/inverse3_device.hpp"
 #include "device/network/network_device.hpp"
+#include "device/recorded/recorded_device.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr DeviceKind kinds[] = {
     {"falcon", "Novint Falcon (docs/devices.md)", make_falcon_device},
+    {"inverse3", "a Haply Inverse3, through the service of its makers", make_inverse3_device},
     {"network", "any program that sends UDP datagrams (docs/network-hand.md)", make_network_device},
+    {"recorded", "a log of any device, told again: recorded:FILE", make_recorded_device},
 };
 
 }  // namespace

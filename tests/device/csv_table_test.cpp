@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "tests/device/temporary_file.hpp"
@@ -127,6 +128,22 @@ TEST(CsvTable, RefusalNamesLineAndColumn) {
     EXPECT_EQ(table_refusal("a,\"b\"c\n1,2\n"), "line 1: text follows a closing quote; expected a comma");
     EXPECT_EQ(table_refusal(std::string("a,b\n1,\0\n", 8)),
               "line 2 holds bytes that are no text; give a comma-separated table");
+}
+
+TEST(CsvTable, AFieldMayBeEmptyWhereThatIsAsked) {
+    const TemporaryFile file("table.csv", "a,b\n1,2\n,x\n3,4\n");
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_TRUE(table.ok()) << table.error().message;
+    const Result<std::vector<double>> given = table->numbers_where_given(0);
+    ASSERT_TRUE(given.ok()) << given.error().message;
+    ASSERT_EQ(given->size(), 3u);
+    EXPECT_EQ((*given)[0], 1);
+    EXPECT_TRUE(std::isnan((*given)[1]));
+    EXPECT_EQ((*given)[2], 3);
+    EXPECT_FALSE(table->numbers(0).ok());
+    const Result<std::vector<double>> letter = table->numbers_where_given(1);
+    ASSERT_FALSE(letter.ok());
+    EXPECT_TRUE(letter.error().message.ends_with("line 3, column 'b' holds 'x'; expected a finite number"));
 }
 
 TEST(CsvTable, RefusesWhatIsNoFile) {

@@ -1,0 +1,249 @@
+#include "device/inverse3/inverse3_driver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <thread>
+#include <utility>
+
+namespace touchable {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr milliseconds connecting{2000}, first_word{500}, last_answer{50};
+constexpr std::uint32_t last_mask = 0x746f7563;  // any will do: it hides nothing from this machine
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+    return std::as_bytes(std::span(text));
+}
+
+std::string version_in_words(const Inverse3Version& version) {
+    return std::to_string(version.major) + "." + std::to_string(version.minor);
+}
+
+std::string listed(const std::vector<Inverse3Arm>& arms) {
+    std::string ids;
+    for (const Inverse3Arm& arm : arms) ids += (ids.empty() ? "" : ", ") + arm.id;
+    return ids;
+}
+
+}  // namespace
+
+Inverse3Driver::Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service)
+    : choice_(std::move(choice)), service_(std::move(service)), room_(LocalHaplyService::longest_message) {}
+
+/// The reach is that of the sphere in which the service's tutorial on positions keeps its targets.
+DeviceCapabilities Inverse3Driver::capabilities() const {
+    return {.axes_sensed = 3,
+            .axes_driven = 3,
+            .reach = glm::dvec3(0.1),
+            .rate_hz = 1e6 / static_cast<double>(shortest_turn.count()),
+            .buttons = 3,
+            .own_watchdog = false};
+}
+
+Result<void> Inverse3Driver::connect(const GivenUp& given_up) {
+    transport_.reset();
+    id_.clear();
+    trouble_.clear();
+    settings_ = {};
+    unanswered_ = nonsense_ = 0;
+    pushed_ = false;
+    if (auto learnt = learn_version(given_up); !learnt.ok()) return learnt;
+    auto spoken = service_->speak(connecting, given_up);
+    if (!spoken.ok()) return spoken.error();
+    transport_ = std::move(*spoken);
+    // The first message comes by itself and has the arms' configurations.
+    answered_ = said_ = Clock::now();
+    const auto inventory = await([](const Inverse3Message&) { return true; }, given_up);
+    if (!inventory.ok()) return inventory.error();
+    if (auto chosen = choose(inventory->arms); !chosen.ok()) return chosen;
+    if (auto limp = say(zero()); !limp.ok()) return limp;
+    const auto limp = await([](const Inverse3Message& message) { return !message.arms.empty(); }, given_up);
+    return limp.ok() ? Result<void>{} : limp.error();
+}
+
+/// A force scale belongs to 3.5 and later, and a service that does not tell of it is none the worse.
+Result<void> Inverse3Driver::learn_version(const GivenUp& given_up) {
+    if (choice_.version) {
+        version_ = *choice_.version;
+    } else {
+        const auto answer = service_->get("/version", connecting, given_up);
+        if (!answer.ok()) return answer.error();
+        const auto version = decode_inverse3_version(*answer);
+        if (!version.ok())
+            return Error{ErrorKind::device,
+                         service_->address() +
+                             " does not say which version it is (GET /version); right would be "
+                             "a Haply Inverse Service from 3.1 on, or its version, as "
+                             "inverse3:service=3.4"};
+        version_ = *version;
+    }
+    const auto dialect = inverse3_dialect(version_);
+    if (!dialect.ok()) return dialect.error();
+    dialect_ = *dialect;
+    if (dialect_ == Inverse3Dialect::vector) {
+        const auto scale = service_->get("/settings/devices/force_scale", first_word, given_up);
+        if (scale.ok()) settings_.force_scale = decode_force_scale(*scale);
+    }
+    return {};
+}
+
+/// The first message that is enough. Where none comes, the service is asked for one.
+Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Message&),
+                                              const GivenUp& given_up) {
+    const auto since = Clock::now();
+    for (bool asked = false;;) {
+        if (given_up && given_up()) return Error{ErrorKind::interrupted, "stopped while it was connecting"};
+        auto heard = hear(milliseconds(20));
+        if (!heard.ok()) return heard.error();
+        if (*heard && enough(**heard)) return std::move(**heard);
+        const auto waited = Clock::now() - since;
+        if (waited > connecting)
+            return Error{ErrorKind::device, "the Haply service at " + service_->address() +
+                                                " does not tell the state of its devices; restart it"};
+        if (waited > first_word && !std::exchange(asked, true))
+            if (auto said = say(encode_inverse3_full_state_request()); !said.ok()) return said.error();
+    }
+}
+
+Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
+    const auto found = choice_.id.empty()
+                           ? arms.begin()
+                           : std::find_if(arms.begin(), arms.end(),
+                                          [this](const Inverse3Arm& arm) { return arm.id == choice_.id; });
+    if (arms.empty())
+        return Error{ErrorKind::device,
+                     "the Haply service knows of no Inverse3; plug it in and switch it on"};
+    if (choice_.id.empty() && arms.size() > 1)
+        return Error{ErrorKind::device, "there are several Inverse3 (" + listed(arms) +
+                                            "); choose one: --device inverse3:id=" + arms.front().id};
+    if (found == arms.end())
+        return Error{ErrorKind::device,
+                     "there is no Inverse3 '" + choice_.id + "'; the Haply service knows of " + listed(arms)};
+    if (found->settings) {
+        const auto scale = settings_.force_scale;
+        settings_ = *found->settings;
+        settings_.force_scale = scale;
+    }
+    if (!settings_.basis.empty() && settings_.basis != "XYZ" && settings_.basis != "+X+Y+Z")
+        return Error{ErrorKind::device, "the Haply service turns the axes of " + found->id + " (basis " +
+                                            settings_.basis.substr(0, 12) +
+                                            "); right would be XYZ, set in Haply Hub"};
+    id_ = found->id;
+    return {};
+}
+
+void Inverse3Driver::disconnect() noexcept {
+    try {
+        if (transport_ && !id_.empty()) {
+            [[maybe_unused]] const auto said = say(zero());
+            // A connection that is closed with something unread may lose what was written last.
+            const auto until = Clock::now() + last_answer;
+            while (unanswered_ > 0 && Clock::now() < until)
+                if (!hear(milliseconds(5)).ok()) break;
+        }
+        transport_.reset();
+    } catch (...) {
+        transport_.reset();
+    }
+    id_.clear();
+}
+
+Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
+    if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
+    const bool pushes = newtons[0] != glm::dvec3(0);
+    if (unanswered_ >= most_unanswered && !(pushed_ && !pushes)) return {};
+    std::this_thread::sleep_until(said_ + shortest_turn);
+    auto said = say(encode_inverse3_force(dialect_, id_, newtons[0]));
+    pushed_ = pushes;
+    return said;
+}
+
+Result<void> Inverse3Driver::say(const std::string& text) {
+    if (auto sent = transport_->send(bytes_of(text)); !sent.ok()) return sent;
+    said_ = Clock::now();
+    if (unanswered_++ == 0) answered_ = said_;
+    return {};
+}
+
+/// One message, if one comes. What cannot be read is an answer all the same.
+Result<std::optional<Inverse3Message>> Inverse3Driver::hear(microseconds patience) {
+    const auto count = transport_->receive(room_, patience);
+    if (!count.ok()) return count.error();
+    if (*count == 0) return std::optional<Inverse3Message>();
+    unanswered_ = std::max(unanswered_ - 1, 0);
+    answered_ = Clock::now();
+    auto message = decode_inverse3_message({reinterpret_cast<const char*>(room_.data()), *count});
+    if (message.ok()) {
+        nonsense_ = 0;
+        return std::optional(std::move(*message));
+    }
+    if (++nonsense_ >= most_nonsense) return message.error();
+    return std::optional<Inverse3Message>();
+}
+
+/// The newest of what has come.
+Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience) {
+    if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
+    bool any = false;
+    for (int most = 64; most > 0; --most) {
+        const int nonsense = nonsense_;
+        const auto heard = hear(any ? microseconds(0) : patience);
+        if (!heard.ok()) return heard.error();
+        if (!*heard && nonsense_ == nonsense) break;
+        if (!*heard) continue;
+        const auto taken = take(**heard, sample);
+        if (!taken.ok()) return taken;
+        any = any || *taken;
+    }
+    if (unanswered_ > 0 && Clock::now() - answered_ > longest_answer)
+        return Error{ErrorKind::device, "the Haply service at " + service_->address() +
+                                            " has not answered for half a second; restart it"};
+    return any;
+}
+
+Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& sample) {
+    const auto arm = std::find_if(message.arms.begin(), message.arms.end(),
+                                  [this](const Inverse3Arm& each) { return each.id == id_; });
+    if (arm == message.arms.end())
+        return Error{ErrorKind::device,
+                     "Inverse3 " + id_ + " is gone from the Haply service; plug it in again"};
+    trouble_.clear();
+    if (arm->powered == false) trouble_ = "has no power: plug in its power supply";
+    if (arm->ready == false) trouble_ = "is not ready: look at it in Haply Hub";
+    if (arm->calibrated == false) trouble_ = "is not calibrated: calibrate it as its manual says";
+    if (!arm->place) return false;
+    const glm::dvec3 nowhere(std::numeric_limits<double>::quiet_NaN());
+    sample.metres[0] = arm->calibrated == false ? nowhere : *arm->place - choice_.centre;
+    sample.buttons = message.buttons;
+    return true;
+}
+
+std::string Inverse3Driver::zero() const {
+    return encode_inverse3_force(dialect_, id_, glm::dvec3(0));
+}
+
+std::optional<LastWord> Inverse3Driver::last_word() const {
+    if (!transport_ || id_.empty() || transport_->descriptor() < 0) return std::nullopt;
+    return LastWord{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}};
+}
+
+std::string Inverse3Driver::wish() const {
+    if (id_.empty()) return {};
+    if (!trouble_.empty()) return "Inverse3 " + id_ + " " + trouble_;
+    const std::string altered = altered_forces(settings_);
+    return altered.empty() ? altered
+                           : "the Haply service " + altered + "; change it in Haply Hub if that is not meant";
+}
+
+std::string Inverse3Driver::service_in_words() const {
+    if (id_.empty()) return {};
+    const std::string settings = in_words(settings_);
+    return "Inverse3 " + id_ + ", Haply Inverse Service " + version_in_words(version_) +
+           (settings.empty() ? "" : ": " + settings);
+}
+
+}  // namespace touchable
