@@ -2,12 +2,15 @@
 
 #include <algorithm>
 
+#include "device/hid/spacemouse_device.hpp"
 #include "device/network/network_device.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr DeviceKind kinds[] = {
+    {"spacemouse", "a 3Dconnexion SpaceMouse (HID) moves the finger; it exerts no force",
+     make_spacemouse_device},
     {"network", "any program that sends UDP datagrams (docs/network-hand.md)", make_network_device},
 };
 
