@@ -3,12 +3,15 @@
 #include <algorithm>
 
 #include "device/hid/spacemouse_device.hpp"
+#include "device/hid/woodenhaptics_device.hpp"
 #include "device/network/network_device.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr DeviceKind kinds[] = {
+    {"woodenhaptics", "WoodenHaptics and Polhem, open hardware (HID); its build is described in a file",
+     make_woodenhaptics_device},
     {"spacemouse", "a 3Dconnexion SpaceMouse (HID) moves the finger; it exerts no force",
      make_spacemouse_device},
     {"network", "any program that sends UDP datagrams (docs/network-hand.md)", make_network_device},
