@@ -173,7 +173,6 @@ Result<void> LimpKeeper::tell(int place, const LastWord* word) {
 LimpKeeper::Kept& LimpKeeper::Kept::operator=(Kept&& other) noexcept {
     std::swap(keeper_, other.keeper_);
     std::swap(place_, other.place_);
-    std::swap(said_, other.said_);
     return *this;
 }
 
@@ -183,10 +182,7 @@ LimpKeeper::Kept::~Kept() {
 }
 
 Result<void> LimpKeeper::Kept::say(const LastWord& word) {
-    if (word.descriptor == said_.descriptor && word.bytes == said_.bytes) return {};
-    auto told = keeper_->tell(place_, &word);
-    if (told.ok()) said_ = word;
-    return told;
+    return keeper_->tell(place_, &word);
 }
 
 }  // namespace touchable

@@ -29,7 +29,8 @@ public:
         Kept(Kept&& other) noexcept : keeper_(std::move(other.keeper_)), place_(other.place_) {}
         Kept& operator=(Kept&& other) noexcept;
         ~Kept();
-        /// Another word, or another descriptor, in place of the last. The same one again costs nothing.
+        /// Another word, or another descriptor, in place of the last. Said anew of hardware that came back:
+        /// its descriptor may have the number that the lost one had.
         Result<void> say(const LastWord& word);
 
     private:
@@ -37,7 +38,6 @@ public:
         Kept(std::shared_ptr<LimpKeeper> keeper, int place) : keeper_(std::move(keeper)), place_(place) {}
         std::shared_ptr<LimpKeeper> keeper_;
         int place_ = 0;
-        LastWord said_{};
     };
     /// Error (device): `most_devices` are kept already.
     static Result<Kept> keep(std::shared_ptr<LimpKeeper> keeper);
