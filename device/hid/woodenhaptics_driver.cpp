@@ -48,8 +48,9 @@ Result<void> WoodenHapticsDriver::connect(const GivenUp& given_up) {
     auto woken = await_reading(
         given_up, [] { return true; }, "does not answer with reports of 14 bytes; is its firmware another?");
     if (!woken.ok()) return woken;
-    if (std::exchange(was_held_, true)) return {};
+    if (was_held_) return {};
     if (build_.homing == WoodenParameters::Homing::button) {
+        was_held_ = true;
         if (is_homed_ && reading_.info == 0) homed_ = Homed::yes;
         return {};
     }
@@ -57,8 +58,10 @@ Result<void> WoodenHapticsDriver::connect(const GivenUp& given_up) {
     auto homed = await_reading(
         given_up, [this] { return is_at_home(); },
         "does not take the counters of its home pose; is its firmware another?");
-    if (homed.ok()) homed_ = Homed::yes;
-    return homed;
+    if (!homed.ok()) return homed;
+    was_held_ = true;
+    homed_ = Homed::yes;
+    return {};
 }
 
 /// Asks, with no current, until a reading came that is right.

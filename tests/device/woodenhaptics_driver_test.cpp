@@ -168,6 +168,8 @@ TEST(WoodenDriver, ABoardWithoutCommandsIsRefused) {
     const auto connected = bench.connect();
     ASSERT_FALSE(connected.ok());
     EXPECT_NE(connected.error().message.find("home pose"), std::string::npos);
+    bench.driver->disconnect();
+    EXPECT_FALSE(bench.connect().ok()) << "it was never held, so it was never away";
 }
 
 TEST(WoodenDriver, WaitingForItCanBeGivenUp) {
