@@ -29,7 +29,8 @@ public:
         Kept(Kept&& other) noexcept : keeper_(std::move(other.keeper_)), place_(other.place_) {}
         Kept& operator=(Kept&& other) noexcept;
         ~Kept();
-        /// Another word, or another descriptor, in place of the last.
+        /// Another word, or another descriptor, in place of the last. Said anew of hardware that came back:
+        /// its descriptor may have the number that the lost one had.
         Result<void> say(const LastWord& word);
 
     private:

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "device/falcon/falcon_device.hpp"
+#include "device/hid/spacemouse_device.hpp"
+#include "device/hid/woodenhaptics_device.hpp"
 #include "device/inverse3/inverse3_device.hpp"
 #include "device/network/network_device.hpp"
 #include "device/recorded/recorded_device.hpp"
@@ -11,8 +13,12 @@ namespace touchable {
 namespace {
 
 constexpr DeviceKind kinds[] = {
-    {"falcon", "Novint Falcon (docs/devices.md)", make_falcon_device},
+    {"falcon", "a Novint Falcon (USB)", make_falcon_device},
     {"inverse3", "a Haply Inverse3, through the service of its makers", make_inverse3_device},
+    {"woodenhaptics", "WoodenHaptics and Polhem, open hardware (HID); its build is described in a file",
+     make_woodenhaptics_device},
+    {"spacemouse", "a 3Dconnexion SpaceMouse (HID) moves the finger; it exerts no force",
+     make_spacemouse_device},
     {"network", "any program that sends UDP datagrams (docs/network-hand.md)", make_network_device},
     {"recorded", "a log of any device, told again: recorded:FILE", make_recorded_device},
 };

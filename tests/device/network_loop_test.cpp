@@ -97,7 +97,7 @@ protected:
             under_way.pop_front();
             const double away = std::abs(hand.handle().place().z - rest);
             (tick < 100 ? early : late) =
-                std::max(tick < 100 || tick >= 300 ? away : 0, tick < 100 ? early : late);
+                std::max(tick < 100 || tick >= 300 ? away : 0.0, tick < 100 ? early : late);
             if (HasFailure()) return 0;
         }
         device.close();

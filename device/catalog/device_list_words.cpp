@@ -1,0 +1,74 @@
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "device/catalog/device_list.hpp"
+#include "engine/printable.hpp"
+
+namespace touchable {
+namespace {
+
+std::string ids_in_words(const ConnectedDevice& device) {
+    constexpr const char* digits = "0123456789abcdef";
+    std::string words;
+    for (const int id : {int{device.vendor}, int{device.product}}) {
+        if (!words.empty()) words += ':';
+        for (int shift = 12; shift >= 0; shift -= 4) words += digits[id >> shift & 15];
+    }
+    return words;
+}
+
+std::string listed(const std::vector<std::string>& items) {
+    std::string words;
+    for (const std::string& item : items) words += (words.empty() ? "" : ", ") + printable(item);
+    return words;
+}
+
+std::string device_lines(const ConnectedDevice& device) {
+    std::string words = device.what + "  (" + device.place + ", " + ids_in_words(device);
+    if (!device.name.empty()) words += ", " + in_quotes(device.name);
+    words += ")\n";
+    if (!device.driven.empty()) words += "    drive it with:  --device " + device.driven + "\n";
+    if (!device.why_not.empty()) words += "    known, but cannot be driven: " + device.why_not + "\n";
+    if (!device.firmware.empty()) words += "    firmware: " + printable(device.firmware) + "\n";
+    if (!device.node.empty())
+        words += "    node: " + device.node +
+                 (device.may_use ? ", may be used" : ", may not be used by you") + "\n";
+    if (!device.held_by.empty()) words += "    open in: " + listed(device.held_by) + "\n";
+    if (device.ready) return words + "    ready\n";
+    if (device.next.empty()) return words;
+    return words + (device.why_not.empty() ? "    not ready; do:  " : "    instead: ") +
+           printable(device.next, 400) + "\n";
+}
+
+}  // namespace
+
+std::string devices_in_words(const std::vector<ConnectedDevice>& devices) {
+    if (devices.empty())
+        return "No device that is known here is connected: plug one in and switch it on. The network hand "
+               "(--device network) and the mouse need none.\n";
+    std::string words;
+    for (const ConnectedDevice& device : devices) words += device_lines(device);
+    return words;
+}
+
+std::string devices_in_json(const std::vector<ConnectedDevice>& devices) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const ConnectedDevice& device : devices)
+        list.push_back({{"place", device.place},
+                        {"ids", ids_in_words(device)},
+                        {"name", device.name},
+                        {"what", device.what},
+                        {"driven", device.driven},
+                        {"why_not", device.why_not},
+                        {"firmware", device.firmware},
+                        {"nodes", device.nodes},
+                        {"node", device.node},
+                        {"may_use", device.may_use},
+                        {"held_by", device.held_by},
+                        {"ready", device.ready},
+                        {"next", device.next}});
+    const nlohmann::ordered_json whole = {{"touchable_devices", 1}, {"devices", std::move(list)}};
+    return whole.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace touchable
