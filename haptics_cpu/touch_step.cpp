@@ -76,8 +76,10 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
         solve(field, ticks);
         done.solve_us = std::chrono::duration<double, std::micro>(steady_clock::now() - start).count();
         done.blend = field.blend();
-        for (const Contact& contact : contacts_)
-            done.behind |= is_behind_surface(field, contact.proxy, behind_tolerance);
+        // A hand that has let go is nowhere, be it where the surface came by since.
+        for (std::size_t k = 0; k < contacts_.size(); ++k)
+            done.behind |= !(contacts_[k].goal_held && guards_[k].has_let_go()) &&
+                           is_behind_surface(field, contacts_[k].proxy, behind_tolerance);
     } else {
         meet_nothing();
     }

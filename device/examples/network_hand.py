@@ -20,14 +20,14 @@ for tick in range(1, int(seconds * 1000)):
     while (now := time.monotonic() - start) < tick / 1000:
         time.sleep(max(0.0, tick / 1000 - now - 0.0001))
     try:
-        send(tick, (0.01 * math.sin(now), 0.0, 0.03 * math.cos(2 * now)))
+        send(tick, (0.01 * math.sin(now), 0.0, 0.05 + 0.06 * math.cos(2 * now)))
         answer = hand.recv(1024)
     except (ConnectionRefusedError, TimeoutError):
         continue  # nobody listens yet, or the answer was lost: a real hand would be limp now
     if len(answer) == 52 and zlib.crc32(answer[:-4]) == struct.unpack("<I", answer[-4:])[0]:
         forces.append(math.hypot(*struct.unpack_from("<3d", answer, head.size)))
         trips.append((time.monotonic_ns() - head.unpack_from(answer)[7]) / 1e6)
-send(tick + 1, (0, 0, 0.03), last=True)
+send(tick + 1, (0, 0, 0.1), last=True)
 trips.sort()
 if trips:
     print(f"{len(trips)} answers, round trip {trips[len(trips) // 2]:.2f} ms median, "

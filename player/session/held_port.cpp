@@ -21,10 +21,12 @@ bool HeldPort::read_goals(std::int64_t tick, const HeightField&, std::span<glm::
 
 bool HeldPort::write_forces(std::span<const glm::dvec3> newtons) {
     const auto passed = static_cast<int>(std::min<std::int64_t>(tick_ - written_, HandControl::rise_ticks));
+    const bool is_tick = tick_ > written_;  // the zeros at the end are of none
     written_ = tick_;
     control_.to_device(newtons, passed, newtons_);
     const bool works = device_.write_forces(newtons_);
-    if (log_) log_->push({tick_, device_.buttons(), device_.age_s(), control_.exerts(), places_, newtons_});
+    if (log_ && is_tick)
+        log_->push({tick_, device_.buttons(), device_.age_s(), control_.exerts(), places_, newtons_});
     return works;
 }
 

@@ -285,7 +285,7 @@ TEST_F(Live, AThreadThatCannotStartIsOneLineOfError) {
 TEST_F(Live, ADeviceIsRefusedWhereItCannotBe) {
     for (const auto& [words, fragment] : std::vector<std::pair<Words, const char*>>{
              {{"--device", "simulated"}, "--live"},
-             {{"--live", "--device", "falcon"}, "simulated"},
+             {{"--live", "--device", "falkon"}, "simulated"},
              {{"--live", "--device", "simulated:mass=no"}, "0.05 to 10 kg"}}) {
         Words all{"touch", clip};
         all.insert(all.end(), words.begin(), words.end());

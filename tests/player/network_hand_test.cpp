@@ -1,0 +1,207 @@
+// A program of somebody else's as the hand: from its datagrams to forces and back. No test depends on a
+// deadline.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "device/network/network_packet.hpp"
+#include "device/network/udp_socket.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::uint16_t free_port() {
+    UdpSocket socket;
+    EXPECT_TRUE(socket.bind("127.0.0.1", 0).ok());
+    return socket.port();
+}
+
+/// What a command says on standard output, and its exit code behind it.
+std::string said_by(const std::string& command) {
+    std::string said;
+    FILE* pipe = popen((command + " 2>&1; echo exit $?").c_str(), "r");
+    std::array<char, 256> some;
+    while (fgets(some.data(), some.size(), pipe)) said += some.data();
+    pclose(pipe);
+    return said;
+}
+
+/// A hand that, once it is answered, presses into the middle of the picture: a millimetre a packet, from
+/// before the surface to behind it.
+class PressingHand {
+public:
+    explicit PressingHand(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+        sockaddr_in to{};
+        to.sin_family = AF_INET;
+        to.sin_port = htons(port);
+        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+    }
+    ~PressingHand() { ::close(socket_); }
+    PressingHand(const PressingHand&) = delete;
+    PressingHand& operator=(const PressingHand&) = delete;
+
+    /// One packet out; the newest answer that has come within a moment.
+    NetworkPacket press() {
+        NetworkPacket packet;
+        packet.sequence = ++sequence_;
+        if (newest_.kind == NetworkPacket::Kind::forces) place_ = std::max(-0.03, place_ - 0.001);
+        packet.vectors[0] = {0, 0, place_};
+        const auto bytes = encode(packet);
+        [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), 0);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return hear(0);
+    }
+    bool feels_something() {
+        for (int tries = 0; tries < 5'000; ++tries)
+            if (glm::length(press().vectors[0]) > 0.1) return true;
+        return false;
+    }
+    NetworkPacket hear(int patience_ms) {
+        pollfd waited_for{socket_, POLLIN, 0};
+        std::byte room[1024];
+        while (poll(&waited_for, 1, patience_ms) == 1) {
+            const auto came = recv(socket_, room, sizeof room, 0);
+            if (came < 0) break;
+            if (const auto packet =
+                    decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
+                packet.ok())
+                newest_ = *packet;
+            if (newest_.last) break;
+        }
+        return newest_;
+    }
+
+private:
+    int socket_;
+    std::uint32_t sequence_ = 0;
+    double place_ = 0.1;
+    NetworkPacket newest_;
+};
+
+class NetworkTouch : public ::testing::Test {
+protected:
+    NetworkTouch() {
+        const Outcome made = run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "4"});
+        EXPECT_EQ(made.code, 0) << made.err;
+    }
+    std::string device() const { return "network:port=" + std::to_string(port); }
+
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", report = folder / "r.json", log = folder / "log.csv",
+                      record = folder / "live.rec";
+    const std::uint16_t port = free_port();
+};
+
+TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
+    Outcome live;
+    std::thread touchable([&] {
+        live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "3.5",
+                              "--json", report, "--device-log", log, "--record", record});
+    });
+    const std::string said =
+        said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py 3 " +
+                std::to_string(port));
+    touchable.join();
+    ASSERT_EQ(live.code, 0) << live.err;
+    EXPECT_NE(said.find("ms p99, largest force "), std::string::npos) << said;
+    EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
+    EXPECT_EQ(said.find("largest force 0.00"), std::string::npos) << said;
+    const auto facts = nlohmann::json::parse(file_contents(report));
+    EXPECT_EQ(facts["device"], "network hand");
+    EXPECT_GT(facts["forces_on_ticks"], 1000);
+    EXPECT_GT(facts["contact_ticks"], 50);
+    EXPECT_EQ(facts["proxy_behind_mesh_ticks"], 0);
+    const Outcome replay = run_touchable({"touch", "--replay", record, "--json", folder / "again.json"});
+    EXPECT_EQ(replay.code, 0) << replay.err;
+    EXPECT_EQ(nlohmann::json::parse(file_contents(folder / "again.json"))["force_hash"], facts["force_hash"]);
+
+    std::ifstream rows(log);
+    std::string header, row;
+    std::getline(rows, header);
+    EXPECT_EQ(header, "time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on");
+    std::int64_t count = 0;
+    while (std::getline(rows, row)) ++count;
+    EXPECT_EQ(count, facts["ticks"].get<std::int64_t>());
+    const std::string plotted =
+        said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/plot_live.py " +
+                (folder / "plot.png").string() + " < " + log);
+    EXPECT_EQ(plotted, "exit 0\n");
+    EXPECT_EQ(file_contents(folder / "plot.png").substr(1, 3), "PNG");
+}
+
+TEST_F(NetworkTouch, ThatNobodyAskedForForcesHasNone) {
+    Outcome live;
+    std::thread touchable([&] {
+        live = run_touchable(
+            {"touch", clip, "--live", "--device", device(), "--seconds", "1", "--json", report});
+    });
+    PressingHand hand(port);
+    for (int packet = 0; packet < 800; ++packet) EXPECT_EQ(hand.press().vectors[0], glm::dvec3(0));
+    touchable.join();
+    EXPECT_EQ(live.code, 0) << live.err;
+    EXPECT_NE(live.err.find("forces are off"), std::string::npos) << live.err;
+    EXPECT_EQ(nlohmann::json::parse(file_contents(report))["forces_on_ticks"], 0);
+}
+
+TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {
+    for (const int signal : {SIGKILL, SIGSEGV, SIGABRT, SIGTERM}) {
+        const pid_t program = fork();
+        if (program == 0) {
+            const int nowhere = open("/dev/null", O_RDWR);
+            for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
+            execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "touch", clip.c_str(), "--live", "--device",
+                  device().c_str(), "--force-on", nullptr);
+            _exit(127);
+        }
+        PressingHand hand(port);
+        EXPECT_TRUE(hand.feels_something()) << signal;
+        kill(program, signal);
+        const NetworkPacket last = hand.hear(5000);
+        EXPECT_TRUE(last.last) << "nobody told the hand, after signal " << signal;
+        EXPECT_EQ(last.vectors[0], glm::dvec3(0));
+        waitpid(program, nullptr, 0);
+    }
+}
+
+TEST_F(NetworkTouch, WhatCannotBeIsOneLine) {
+    const std::vector<std::pair<Words, std::string>> refused{
+        {{"--device", device()}, "--live"},
+        {{"--live", "--device", "network:port=0"}, "1 to 65535"},
+        {{"--live", "--device", "network:listen=192.0.2.1"}, "192.0.2.1"},
+        {{"--live", "--device", device(), "--world-from-camera", "1,2,3"}, "16 numbers"},
+        {{"--live", "--device", device(), "--world-from-camera", "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1"},
+         "rotation"},
+        {{"--live", "--device", "simulated", "--device", device()}, "simulated"},
+        {{"--live", "--force-on"}, "--device"},
+        {{"--live", "--device-log", log}, "--device-log"},
+    };
+    for (const auto& [words, part] : refused) {
+        Words all{"touch", clip, "--seconds", "0.1"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome outcome = run_touchable(all);
+        EXPECT_TRUE(outcome.code == 2 || outcome.code == 5) << outcome.code << ' ' << outcome.err;
+        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+        EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    }
+}
+
+}  // namespace
+}  // namespace touchable::test
