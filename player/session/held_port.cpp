@@ -4,7 +4,7 @@
 
 namespace touchable {
 
-HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceLog* log)
+HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log)
     : device_(device),
       control_(control),
       log_(log),

@@ -5,7 +5,7 @@
 
 #include "device/hand_control.hpp"
 #include "haptics_cpu/haptic_port.hpp"
-#include "player/session/device_log.hpp"
+#include "player/session/device_tick_log.hpp"
 
 namespace touchable {
 
@@ -14,14 +14,14 @@ namespace touchable {
 class HeldPort final : public HapticPort {
 public:
     /// All of them outlive the port; the device is open. `log`: nullptr: nobody wants one.
-    HeldPort(HapticDevice& device, HandControl& control, DeviceLog* log);
+    HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log);
     bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
 
 private:
     HapticDevice& device_;
     HandControl& control_;
-    DeviceLog* log_;
+    DeviceTickLog* log_;
     std::vector<glm::dvec3> places_, newtons_;
     std::int64_t tick_ = -1, written_ = -1;
 };

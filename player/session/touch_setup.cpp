@@ -172,7 +172,7 @@ Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) 
     setup.held_device = options.held_device;
     setup.device_words = options.held_device->name();
     setup.control = options.control;
-    if (options.device_log) setup.device_log = std::make_unique<DeviceLog>(device_log_ticks, fingers);
+    if (options.device_log) setup.device_log = std::make_unique<DeviceTickLog>(device_log_ticks, fingers);
     keep_within(options.held_device->limits(), setup.settings.guard);
     return {};
 }

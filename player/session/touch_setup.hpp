@@ -10,7 +10,7 @@
 #include "device/simulated_device.hpp"
 #include "device/workspace.hpp"
 #include "engine/scene/temporal.hpp"
-#include "player/session/device_log.hpp"
+#include "player/session/device_tick_log.hpp"
 #include "player/session/recording.hpp"
 #include "player/session/session_options.hpp"
 #include "player/session/touch_session.hpp"
@@ -35,7 +35,7 @@ struct TouchSetup {
     std::unique_ptr<SimulatedDevice> device;    ///< that the hand holds
     std::shared_ptr<HapticDevice> held_device;  ///< that a person holds
     std::shared_ptr<HandControl> control;       ///< of that device; nothing: it is there as it is
-    std::unique_ptr<DeviceLog> device_log;      ///< of that device; nothing: nobody wants one
+    std::unique_ptr<DeviceTickLog> device_log;      ///< of that device; nothing: nobody wants one
     Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;

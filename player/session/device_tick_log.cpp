@@ -1,4 +1,4 @@
-#include "player/session/device_log.hpp"
+#include "player/session/device_tick_log.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 
 namespace touchable {
 
-DeviceLog::DeviceLog(int ticks, int fingers) : slots_(static_cast<std::size_t>(ticks)) {
+DeviceTickLog::DeviceTickLog(int ticks, int fingers) : slots_(static_cast<std::size_t>(ticks)) {
     for (Slot& slot : slots_) {
         slot.places.resize(static_cast<std::size_t>(fingers));
         slot.newtons.resize(static_cast<std::size_t>(fingers));
     }
 }
 
-void DeviceLog::push(const DeviceTick& tick) {
+void DeviceTickLog::push(const DeviceTick& tick) {
     const std::uint64_t at = pushed_.load(std::memory_order_relaxed);
     if (at - popped_.load(std::memory_order_acquire) == slots_.size()) {
         lost_.fetch_add(1, std::memory_order_relaxed);
@@ -31,7 +31,7 @@ void DeviceLog::push(const DeviceTick& tick) {
 }
 
 Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesystem::path& file,
-                                                             Existing existing, DeviceLog& log) {
+                                                             Existing existing, DeviceTickLog& log) {
     auto out = OutputFile::create("--device-log", file, existing);
     if (!out.ok()) return out.error();
     if (auto written = (*out)->write("time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"); !written.ok())

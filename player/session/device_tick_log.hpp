@@ -24,9 +24,9 @@ struct DeviceTick {
 };
 
 /// Ticks of a device on their way from the haptic thread to a file: a ring between one writer and one reader.
-class DeviceLog {
+class DeviceTickLog {
 public:
-    DeviceLog(int ticks, int fingers);
+    DeviceTickLog(int ticks, int fingers);
 
     /// Haptic thread; neither waits nor allocates. One for which there is no room is lost, and counted.
     void push(const DeviceTick& tick);
@@ -57,17 +57,17 @@ class DeviceLogFile final : public TouchSink {
 public:
     /// `log` outlives it.
     static Result<std::unique_ptr<DeviceLogFile>> create(const std::filesystem::path& file, Existing existing,
-                                                         DeviceLog& log);
+                                                         DeviceTickLog& log);
     /// All that has come by now.
     Result<void> take(const TouchTick&) override;
     /// Gives the file its name. Error: ticks are missing.
     Result<void> finish();
 
 private:
-    DeviceLogFile(std::unique_ptr<OutputFile> file, DeviceLog& log) : file_(std::move(file)), log_(log) {}
+    DeviceLogFile(std::unique_ptr<OutputFile> file, DeviceTickLog& log) : file_(std::move(file)), log_(log) {}
 
     std::unique_ptr<OutputFile> file_;
-    DeviceLog& log_;
+    DeviceTickLog& log_;
     std::string rows_;
 };
 
