@@ -101,6 +101,7 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
     if (sliding.range.max > held.range.max)
         notes.push_back(
             "dynamic friction goes beyond static friction: where it is above, both are as the static one");
+    scene.remarks = joined_remarks(std::move(scene.remarks), layers.remarks);
     scene.haptic = {stiffness.range, held.range, sliding.range};
     const TrackInfo info{"haptic", std::string(format), "rgb24", joined.width, joined.height};
     return StillPlane{PlaneRole::haptic, plane_from(std::move(joined)), info, std::move(layers.files),

@@ -259,14 +259,25 @@ VideoSource read_video(const Node& node, const Scene& scene) {
     return video;
 }
 
+std::vector<Remark> read_remarks(const Node& node) {
+    const std::string right = "an array of at most " + std::to_string(most_remarks) + " texts";
+    std::vector<Remark> remarks;
+    for (const Node& remark : node.elements(0, most_remarks, right)) {
+        const std::string text = remark.text();
+        if (text.size() > longest_remark)
+            remark.refuse("a text of at most " + std::to_string(longest_remark) + " bytes");
+        remarks.push_back(remark_of_text(text));
+    }
+    return remarks;
+}
+
 Scene read_scene(const Node& node) {
     check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
                      "colour_camera", "depth", "height_map", "haptic", "default_properties", "hole_stiffness",
                      "filter", "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
     Scene scene;
-    if (node.has("remarks"))
-        for (const Node& remark : node["remarks"].elements(0, 1000, "an array of texts")) remark.text();
+    if (node.has("remarks")) scene.remarks = read_remarks(node["remarks"]);
     if (node.has("name")) scene.name = node["name"].text();
     scene.width = node["width"].whole();
     scene.height = node["height"].whole();
@@ -301,6 +312,12 @@ const char* name_of(const std::pair<const char*, Choice> (&choices)[n], Choice s
     for (const auto& [name, choice] : choices)
         if (choice == sought) return name;
     return "";
+}
+
+OrderedJson write_remarks(const std::vector<Remark>& remarks) {
+    OrderedJson json = OrderedJson::array();
+    for (const Remark& remark : remarks) json.push_back(remark_text(remark));
+    return json;
 }
 
 OrderedJson write_camera(const Camera& camera, const LensDistortion& lens) {
@@ -439,9 +456,9 @@ Result<Scene> read_scene_file(const std::filesystem::path& file) {
     return parse_scene(text, file.string());
 }
 
-std::string scene_to_json(const Scene& scene, const std::vector<std::string>& remarks) {
+std::string scene_to_json(const Scene& scene) {
     OrderedJson json = {{"touchable_scene", scene_format_version}};
-    if (!remarks.empty()) json["remarks"] = remarks;
+    if (!scene.remarks.empty()) json["remarks"] = write_remarks(scene.remarks);
     json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
     if (!scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
     json.update(
