@@ -278,6 +278,74 @@ TEST(SceneFile, RandomScenesComeBackToTheLastBit) {
     }
 }
 
+/// A clip that was packed is the same bytes whoever packs it, now and later.
+TEST(SceneFile, IsWrittenTheSameToTheByte) {
+    const std::string text = R"({
+  "touchable_scene": 1,
+  "name": "globe",
+  "width": 64,
+  "height": 48,
+  "rate": [
+    30,
+    1
+  ],
+  "metres_per_unit": 0.001,
+  "camera": {
+    "fx": 37.301587301587304,
+    "fy": 37.301587301587304,
+    "cx": 32.0,
+    "cy": 23.0
+  },
+  "depth": {
+    "coding": "linear",
+    "semantics": "range",
+    "near": 40.0,
+    "far": 180.0,
+    "bits": 16,
+    "code_max": 65535,
+    "near_is": "high",
+    "invalid": []
+  },
+  "height_map": {
+    "max": 1.0,
+    "units": "levels",
+    "bits": 8
+  },
+  "haptic": {
+    "stiffness": [
+      0.1,
+      2.0
+    ],
+    "static_friction": [
+      0.0,
+      1.0
+    ],
+    "dynamic_friction": [
+      0.0,
+      1.0
+    ]
+  },
+  "default_properties": {
+    "stiffness": 1.0,
+    "static_friction": 0.0,
+    "dynamic_friction": 0.0
+  },
+  "filter": {},
+  "interpolation": "linear",
+  "device_metres_per_unit": 0.0006356504689253938,
+  "folder": {
+    "depth": "depth_%06d.png",
+    "colour": "colour_%06d.png",
+    "haptic": "haptic_%06d.png",
+    "height": "height_%06d.png",
+    "first": 0,
+    "count": 2
+  }
+}
+)";
+    EXPECT_EQ(scene_to_json(parsed(text)), text);
+}
+
 TEST(SceneFile, TextIsReadTheSameWayTwice) {
     for (const char* json : {recording, globe}) {
         const Scene scene = parsed(json);
