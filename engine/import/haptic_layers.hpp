@@ -31,9 +31,9 @@ struct HapticLayers {
 inline constexpr std::array<std::string_view, 3> property_names{"stiffness", "static friction",
                                                                 "dynamic friction"};
 
-/// One haptic picture of all layers, of the size of the first that is a picture; others are resampled to the
-/// nearest pixel. Each must be whole: 8 bits are kept of grey, and red of colour. `scene` gets the
-/// ranges, and the remarks.
+/// One haptic picture of all layers, of the size of the first that is a picture, or of the scene's where that
+/// is smaller; others are resampled to the nearest pixel. Each must be whole: 8 bits are kept of grey, and
+/// red of colour. `scene` gets the ranges, and the remarks.
 Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene);
 
 }  // namespace touchable
