@@ -350,10 +350,13 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         if (!files) return files.error();
         const auto rate = rate_of(*files);
         if (rate) scene.rate = *rate;
+        const std::string why = unusable_times(*files);
         guess.say(short_number(scene.rate.per_second()) + " frames a second" +
-                  (scene.rate.own_times ? " on average, each at its own time"
-                   : rate ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
-                          : ""));
+                      (scene.rate.own_times ? " on average, each at its own time"
+                       : rate ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
+                       : why.empty() ? ""
+                                     : ", as " + why),
+                  "a scene file's rate says otherwise");
     }
     return guess.made();
 }
