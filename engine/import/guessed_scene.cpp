@@ -30,9 +30,11 @@ public:
 
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
                           const DepthCoding* coding = nullptr);
-    GuessedScene made() { return {std::move(scene_), std::move(guesses_), std::move(inputs_)}; }
+    GuessedScene made() { return {std::move(scene_), std::move(inputs_)}; }
     Scene& scene() { return scene_; }
-    void say(std::string guess) { guesses_.push_back("guessed: " + std::move(guess)); }
+    void say(std::string guess, std::string otherwise = {}) {
+        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise)});
+    }
 
 private:
     Result<void> find_camera(const fs::path& folder);
@@ -47,7 +49,6 @@ private:
     const SourceDescription& known_;
     const Preset* preset_;
     Scene scene_;
-    std::vector<std::string> guesses_;
     std::vector<fs::path> inputs_;
     CameraFile file_;
 };
@@ -57,7 +58,8 @@ void Guess::take(const Intrinsics& intrinsics, const std::string& whose) {
     if (intrinsics.width > 0 && intrinsics.height > 0 &&
         (intrinsics.width != scene_.width || intrinsics.height != scene_.height))
         say(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
-            " pixels and is scaled to these pictures (--intrinsics FX,FY,CX,CY says otherwise)");
+                " pixels and is scaled to these pictures",
+            "--intrinsics FX,FY,CX,CY says otherwise");
     scene_.camera = scaled_camera(intrinsics, scene_.width, scene_.height);
 }
 
@@ -79,14 +81,15 @@ Result<void> Guess::find_camera(const fs::path& folder) {
         take_fov(*known_.fov);
     } else if (beside) {
         take(file_.intrinsics, beside->filename().string());
-        say("the camera is that of " + beside->string() + " (--intrinsics says otherwise)");
+        say("the camera is that of " + beside->lexically_relative(here).string(),
+            "--intrinsics says otherwise");
     } else if (preset_ && preset_->intrinsics.fx > 0) {
         take(preset_->intrinsics, "the camera of --preset " + std::string(preset_->name));
     } else {
         const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
         take_fov(fov);
-        say("the camera sees " + short_number(fov) +
-            " degrees from left to right (--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise)");
+        say("the camera sees " + short_number(fov) + " degrees from left to right",
+            "--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise");
     }
     return {};
 }
@@ -109,10 +112,10 @@ void Guess::set_relative(bool near_is_high, bool is_inverse) {
     depth.far = assumed_far;
     depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
     say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
-        " m and its farthest for " + short_number(assumed_far) + " m, " + (near_is_high ? "large" : "small") +
-        " values near (a scene file says otherwise, touchable init-scene writes one to begin with; "
-        "--depth-unit "
-        "where values are lengths)");
+            " m and its farthest for " + short_number(assumed_far) + " m, " +
+            (near_is_high ? "large" : "small") + " values near",
+        "a scene file says otherwise, touchable init-scene writes one to begin with; --depth-unit where "
+        "values are lengths");
 }
 
 /// By the size of what is there.
@@ -122,8 +125,8 @@ Result<void> Guess::find_unit(const SurveyedValues& values) {
         set_metric(*known_.metres_per_code);
         const double median = values.median * *known_.metres_per_code;
         if (!(median > 1e-3 && median < 1000))
-            say("the median depth is " + short_number(median) +
-                " m: --depth-unit is the metres that a stored 1 stands for, such as 0.001");
+            say("the median depth is " + short_number(median) + " m",
+                "--depth-unit is the metres that a stored 1 stands for, such as 0.001");
         return {};
     }
     if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
@@ -161,7 +164,7 @@ Result<void> Guess::find_unit(const SurveyedValues& values) {
 }
 
 void Guess::guess_unit(const SurveyedValues& values) {
-    const std::string otherwise = " (--depth-unit METRES says otherwise)";
+    const std::string otherwise = "--depth-unit METRES says otherwise";
     const bool is_signed = values.negative > 0.01;
     if (values.bits == 8 || values.is_normalised || is_signed) {
         // Networks that guess depth write more for what is nearer.
@@ -170,13 +173,15 @@ void Guess::guess_unit(const SurveyedValues& values) {
         const bool metres = values.median < 30;
         set_metric(metres ? 1 : 0.001);
         say(std::string("values are ") + (metres ? "metres" : "millimetres") + ", as their median is " +
-            short_number(values.median) + otherwise);
+                short_number(values.median),
+            otherwise);
     } else {
         const bool fine = values.median > 12000, coarse = values.median < 100;
         const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
         set_metric(unit);
         say("a code is " + short_number(1000 * unit) + " mm, as their median is " +
-            short_number(values.median) + otherwise);
+                short_number(values.median),
+            otherwise);
     }
 }
 
@@ -345,10 +350,13 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         if (!files) return files.error();
         const auto rate = rate_of(*files);
         if (rate) scene.rate = *rate;
+        const std::string why = unusable_times(*files);
         guess.say(short_number(scene.rate.per_second()) + " frames a second" +
-                  (scene.rate.own_times ? " on average, each at its own time"
-                   : rate ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
-                          : ""));
+                      (scene.rate.own_times ? " on average, each at its own time"
+                       : rate ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
+                       : why.empty() ? ""
+                                     : ", as " + why),
+                  "a scene file's rate says otherwise");
     }
     return guess.made();
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/import/depth_values.hpp"
+#include "engine/import/number_words.hpp"
 #include "engine/import/picture_files.hpp"
 #include "engine/import/still_maps.hpp"
 #include "engine/media/codecs.hpp"
@@ -106,7 +107,11 @@ Result<void> ImageFolderReader::find_files() {
         tracks_.push_back({role, std::move(found->files), role == PlaneRole::depth ? *stack : nullptr});
     }
     count_ = static_cast<std::int64_t>(depth->count());
-    if (std::exchange(scene_.rate_unstated, false)) scene_.rate = own_rate_of(*depth).value_or(scene_.rate);
+    if (!std::exchange(scene_.rate_unstated, false)) return {};
+    scene_.rate = own_rate_of(*depth).value_or(scene_.rate);
+    if (const std::string why = unusable_times(*depth); !why.empty())
+        notes_.push_back(why + ": played at " + short_number(scene_.rate.per_second()) +
+                         " frames a second (the scene's rate says otherwise)");
     return {};
 }
 

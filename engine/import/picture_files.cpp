@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/import/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -284,7 +285,7 @@ std::size_t nearest_key(const std::vector<double>& keys, double key) {
 
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
     auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
-    if (found) found->remark = close_times(*found, pattern);
+    if (found && rate_of(*found)) found->remark = close_times(*found, pattern);
     return found;
 }
 
@@ -358,6 +359,18 @@ std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
 std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
     const auto seconds = seconds_of(pictures);
     return seconds ? rate_of_seconds(*seconds) : std::nullopt;
+}
+
+std::string unusable_times(const PictureFiles& pictures) {
+    if (pictures.list.empty() || pictures.keys.size() < 2 || rate_of(pictures)) return "";
+    const std::string list = "the times of " + printable(pictures.list.filename().string()) + " are ";
+    const auto seconds = seconds_of(pictures);
+    if (!seconds)
+        return list +
+               "whole numbers that only count (times are seconds with a point, or milli-, micro- or "
+               "nanoseconds since 1970)";
+    const double mean = seconds->back() / static_cast<double>(seconds->size() - 1);
+    return list + short_number(mean) + " s apart on average, as no frames are (times are seconds)";
 }
 
 std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {

@@ -44,6 +44,8 @@ std::size_t nearest_key(const std::vector<double>& keys, double key);
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds);
 /// The same of pictures whose keys are times.
 std::optional<FrameRate> rate_of(const PictureFiles& pictures);
+/// Why the times of a list are of no use; empty where they are, and where there is no list of times.
+std::string unusable_times(const PictureFiles& pictures);
 /// Their own times wherever they can be, however even: to a clip that was written as a list not a nanosecond
 /// is lost.
 std::optional<FrameRate> own_rate_of(const PictureFiles& pictures);

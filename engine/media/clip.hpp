@@ -34,7 +34,8 @@ public:
     virtual const std::vector<TrackInfo>& tracks() const = 0;
     /// As the container says; nullopt where only reading would tell.
     virtual std::optional<std::int64_t> frame_count() const = 0;
-    /// What a person should know: planes resampled, far plane found in the frames, defaults assumed.
+    /// What a person should know beside the scene's remarks: planes resampled, far plane found in the frames,
+    /// defaults assumed.
     virtual const std::vector<std::string>& notes() const = 0;
     /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error names file, track
     /// and frame.
@@ -82,6 +83,9 @@ enum class Archive {
     fast,   ///< quick to decode
     small,  ///< few bytes: for each plane the coding that takes fewer
 };
+
+/// All a person should know of a clip: what was guessed or remarked of its scene, then the reader's notes.
+std::vector<std::string> told_of(const ClipReader& clip);
 
 /// How a clip's pictures are stored. Depth, haptic and height always keep every value.
 struct ClipStorage {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/result.hpp"
 #include "engine/scene/camera.hpp"
@@ -12,6 +13,7 @@
 #include "engine/scene/depth_coding.hpp"
 #include "engine/scene/frame_rate.hpp"
 #include "engine/scene/lens.hpp"
+#include "engine/scene/remark.hpp"
 
 namespace touchable {
 
@@ -138,7 +140,8 @@ struct StoredDepth {
 /// What a clip means. Everything but the pictures.
 struct Scene {
     std::string name;
-    int width = 0, height = 0;  ///< of the depth plane, 1 to 16384 pixels
+    std::vector<Remark> remarks{};  ///< for people: what was guessed of the rest; changes nothing
+    int width = 0, height = 0;      ///< of the depth plane, 1 to 16384 pixels
     FrameRate rate;
     bool rate_unstated = false;  ///< the frames' own times stand then, as whoever reads them finds them
     double metres_per_unit = 0.001;

@@ -106,8 +106,11 @@ TEST_F(GuessedFolder, TakesTheCameraThatLiesThere) {
     const GuessedScene guessed = guess();
     EXPECT_EQ(guessed.scene.camera.fx, 20);
     EXPECT_EQ(guessed.scene.camera.cy, 6.5);
-    EXPECT_TRUE(std::any_of(guessed.guesses.begin(), guessed.guesses.end(), [](const std::string& words) {
-        return words.find("camera_info.yaml (--intrinsics says otherwise)") != std::string::npos;
+    const auto& remarks = guessed.scene.remarks;
+    EXPECT_TRUE(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
+        return remark.is_guess &&
+               remark_in_words(remark) ==
+                   "guessed: the camera is that of camera_info.yaml (--intrinsics says otherwise)";
     }));
 }
 
@@ -118,7 +121,7 @@ TEST_F(GuessedFolder, OpensTheSameFromTheSceneFileThatIsWritten) {
     }
     const auto guessed = frames();
     const GuessedScene scene = guess();
-    write_bytes(folder / "scene.json", scene_to_json(scene.scene, scene.guesses));
+    write_bytes(folder / "scene.json", scene_to_json(scene.scene));
     const auto described = frames();
     ASSERT_EQ(described.size(), guessed.size());
     for (std::size_t n = 0; n < guessed.size(); ++n) EXPECT_TRUE(same_frame(described[n], guessed[n])) << n;

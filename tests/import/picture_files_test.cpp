@@ -86,6 +86,22 @@ TEST(PictureFiles, OfAListAreSecondsApartWhereItHasAPoint) {
     EXPECT_EQ(*rate->own_times, (std::vector<std::int64_t>{0, 1'000'000'000, 3'000'000'000}));
 }
 
+TEST(PictureFiles, TimesOfAListThatAreOfNoUseAreSaidToBe) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.png", "b.png", "c.png"}) write_bytes(folder / name, "");
+    const auto said = [&](const char* list) {
+        write_bytes(folder / "depth.txt", list);
+        return unusable_times(found_in(folder, "depth.txt"));
+    };
+    EXPECT_NE(said("0 a.png\n33 b.png\n67 c.png\n").find("depth.txt are whole numbers that only count"),
+              std::string::npos);
+    EXPECT_NE(said("0.0 a.png\n0.0002 b.png\n0.0008 c.png\n").find("are 0.0004 s apart on average"),
+              std::string::npos);
+    EXPECT_EQ(said("0.5 a.png\n0.6 b.png\n0.8 c.png\n"), "");
+    EXPECT_EQ(said("1700000000000 a.png\n1700000000033 b.png\n"), "") << "milliseconds since 1970";
+    EXPECT_EQ(said("a.png\nb.png\n"), "") << "has none";
+}
+
 TEST(PictureFiles, OfAListThatAreOneTimeAreSaidToBe) {
     const TemporaryFolder folder;
     for (const char* name : {"a.png", "b.png", "c.png", "d.png"}) write_bytes(folder / name, "");
