@@ -54,11 +54,8 @@ private:
     std::size_t digits_ = 1;
 };
 
-bool is_numbered(const std::string& pattern) {
-    return pattern.find('%') != std::string::npos;
-}
 bool is_list(const std::string& pattern) {
-    return pattern.ends_with(".txt");
+    return pattern.ends_with(".txt") && pattern.find('*') == std::string::npos;
 }
 
 bool is_file(const fs::path& file) {
@@ -71,17 +68,26 @@ Error missing(const fs::path& file, PlaneRole role, std::size_t frame, const std
                        std::to_string(frame) + "): is missing" + more);
 }
 
-/// Where depth's picture of number `expected` is missing and later ones are there: which numbers are missing.
-std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected, bool is_first) {
+/// Where depth's first picture is missing and later ones are there.
+std::string first_of(const fs::path& folder, const Numbered& pattern, std::int64_t expected) {
     const auto later = pattern.numbers(folder, expected);
+    return later.empty() ? ""
+                         : "; the first that is there is number " + std::to_string(later.front()) +
+                               ": give folder.first";
+}
+
+/// Where depth's picture of number `expected` is missing and later ones of its row are there: which numbers
+/// are missing.
+std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected,
+                   std::int64_t step) {
+    auto later = pattern.numbers(folder, expected);
+    std::erase_if(later, [&](std::int64_t number) { return (number - expected) % step != 0; });
     if (later.empty()) return "";
-    if (is_first)
-        return "; the first that is there is number " + std::to_string(later.front()) + ": give folder.first";
     std::string gaps;
     for (const std::int64_t number : later) {
         if (number > expected) gaps += (gaps.empty() ? "" : ", ") + std::to_string(expected);
-        if (number > expected + 1) gaps += " to " + std::to_string(number - 1);
-        expected = number + 1;
+        if (number > expected + step) gaps += " to " + std::to_string(number - step);
+        expected = number + step;
     }
     return ", though later ones exist up to number " + std::to_string(later.back()) +
            "; missing numbers: " + printable(gaps, 120);
@@ -90,8 +96,9 @@ std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t
 Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& source) {
     const Numbered pattern(source.depth);
     PictureFiles found;
-    for (std::int64_t number = source.first; source.count == 0 || number < source.first + source.count;
-         ++number) {
+    const std::int64_t step = source.step;
+    for (std::int64_t number = source.first; source.count == 0 || number < source.first + step * source.count;
+         number += step) {
         const fs::path file = pattern.file(folder, number);
         if (is_file(file)) {
             found.files.push_back(file);
@@ -100,8 +107,8 @@ Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& 
         const bool is_first = number == source.first;
         if (is_first || source.count > 0)
             return missing(file, PlaneRole::depth, found.count(),
-                           is_first && source.count == 0 ? beyond(folder, pattern, number, true) : "");
-        const std::string later = beyond(folder, pattern, number, false);
+                           is_first && source.count == 0 ? first_of(folder, pattern, number) : "");
+        const std::string later = beyond(folder, pattern, number, step);
         if (!later.empty())
             found.remark = "ends after " + std::to_string(found.count()) +
                            " frames: " + file.filename().string() + " is missing" + later;
@@ -316,8 +323,10 @@ Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const 
     PictureFiles beside;
     if (is_numbered(pattern)) {
         const Numbered numbered(pattern);
+        const PictureNumbers& own = numbers_of(source, role);
+        const std::int64_t first = own.first.value_or(source.first), step = own.step.value_or(source.step);
         for (std::size_t frame = 0; frame < depth.count(); ++frame) {
-            beside.files.push_back(numbered.file(folder, source.first + static_cast<std::int64_t>(frame)));
+            beside.files.push_back(numbered.file(folder, first + step * static_cast<std::int64_t>(frame)));
             if (!is_file(beside.files.back())) return missing(beside.files.back(), role, frame, "");
         }
         return beside;

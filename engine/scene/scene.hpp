@@ -87,6 +87,14 @@ struct UnstatedFilters {
 };
 inline constexpr UnstatedFilters all_unstated{true, true, true, true, true};
 
+/// Numbers of a plane whose pictures are not numbered as depth's are. What is left out is as of depth.
+struct PictureNumbers {
+    std::optional<int> first{};
+    std::optional<int> step{};
+    bool any() const { return first.has_value() || step.has_value(); }
+    bool operator==(const PictureNumbers&) const = default;
+};
+
 /// Files of a folder of images: a pattern with one printf-like field of digits ("depth_%04d.png"), or with
 /// one star ("depth/*.png": all there are, in order), or a list of them (".txt": a line each, a time before
 /// the name where it has one). Where depth is none of these it names a still: a clip of one frame. Stills
@@ -95,10 +103,14 @@ struct FolderSource {
     std::string depth, colour, haptic, height;  ///< empty: no such plane; depth is required
     int first = 0;                              ///< number of the first image
     int count = 0;                              ///< 0: as many as there are without a gap
+    int step = 1;                               ///< from one frame's number to the next one's, 1 or more
+    PictureNumbers colour_numbers{}, haptic_numbers{}, height_numbers{};
 };
 
 /// Whether a pattern names a single picture.
 bool is_still(std::string_view pattern);
+/// Whether it has a field of digits.
+bool is_numbered(std::string_view pattern);
 
 /// Where depth is in each picture of a video. Colour is the other half.
 enum class VideoLayout { alone, left, right, top, bottom };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/scene/checked_json.hpp"
+#include "engine/scene/folder_json.hpp"
 
 namespace touchable {
 namespace {
@@ -234,18 +235,6 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
 }
 
-FolderSource read_folder(const Node& node) {
-    node.allow_only({"depth", "colour", "haptic", "height", "first", "count"});
-    FolderSource folder;
-    folder.depth = node["depth"].text();
-    if (node.has("colour")) folder.colour = node["colour"].text();
-    if (node.has("haptic")) folder.haptic = node["haptic"].text();
-    if (node.has("height")) folder.height = node["height"].text();
-    if (node.has("first")) folder.first = node["first"].whole();
-    if (node.has("count")) folder.count = node["count"].whole();
-    return folder;
-}
-
 VideoSource read_video(const Node& node, const Scene& scene) {
     node.allow_only({"depth", "colour", "haptic", "height", "layout", "values"});
     VideoSource video;
@@ -379,16 +368,6 @@ OrderedJson write_filter(const Scene& scene) {
         json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
     if (!open.flying_pixels)
         json["flying_pixels"] = {filter.flying_pixels.constant, filter.flying_pixels.quadratic};
-    return json;
-}
-
-OrderedJson write_folder(const FolderSource& folder) {
-    OrderedJson json = {{"depth", folder.depth}};
-    if (!folder.colour.empty()) json["colour"] = folder.colour;
-    if (!folder.haptic.empty()) json["haptic"] = folder.haptic;
-    if (!folder.height.empty()) json["height"] = folder.height;
-    json["first"] = folder.first;
-    json["count"] = folder.count;
     return json;
 }
 
