@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "engine/printable.hpp"
@@ -63,9 +64,9 @@ bool is_file(const fs::path& file) {
     return fs::is_regular_file(file, ignored);
 }
 
-Error missing(const fs::path& file, PlaneRole role, std::size_t frame, const std::string& more) {
-    return input_error(file.string() + " (" + std::string(role_name(role)) + ", frame " +
-                       std::to_string(frame) + "): is missing" + more);
+Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
+    return input_error(file.string() + " (" + std::string(what) + ", frame " + std::to_string(frame) +
+                       "): is missing" + more);
 }
 
 /// Where depth's first picture is missing and later ones are there.
@@ -106,7 +107,7 @@ Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& 
         }
         const bool is_first = number == source.first;
         if (is_first || source.count > 0)
-            return missing(file, PlaneRole::depth, found.count(),
+            return missing(file, "depth", found.count(),
                            is_first && source.count == 0 ? first_of(folder, pattern, number) : "");
         const std::string later = beyond(folder, pattern, number, step);
         if (!later.empty())
@@ -298,7 +299,7 @@ Result<PictureFiles> found_files(const fs::path& folder, const std::string& patt
 Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
     if (is_numbered(source.depth)) return numbered_files(folder, source);
     if (is_still(source.depth)) {
-        if (!is_file(folder / source.depth)) return missing(folder / source.depth, PlaneRole::depth, 0, "");
+        if (!is_file(folder / source.depth)) return missing(folder / source.depth, "depth", 0, "");
         return PictureFiles{{folder / source.depth}, {}, false, {}, {}};
     }
     auto found = found_files(folder, source.depth);
@@ -317,22 +318,30 @@ Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& sou
     return found;
 }
 
-Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const FolderSource& source,
-                                  const PictureFiles& depth) {
-    const std::string& pattern = pattern_of(source, role);
+namespace {
+
+/// Files that go with depth's.
+struct FilesBeside {
+    std::string_view what;
+    const std::string& pattern;
+    const PictureNumbers& numbers;
+};
+
+Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sought,
+                                  const FolderSource& source, const PictureFiles& depth) {
+    const auto& [what, pattern, own] = sought;
     PictureFiles beside;
     if (is_numbered(pattern)) {
         const Numbered numbered(pattern);
-        const PictureNumbers& own = numbers_of(source, role);
         const std::int64_t first = own.first.value_or(source.first), step = own.step.value_or(source.step);
         for (std::size_t frame = 0; frame < depth.count(); ++frame) {
             beside.files.push_back(numbered.file(folder, first + step * static_cast<std::int64_t>(frame)));
-            if (!is_file(beside.files.back())) return missing(beside.files.back(), role, frame, "");
+            if (!is_file(beside.files.back())) return missing(beside.files.back(), what, frame, "");
         }
         return beside;
     }
     if (is_still(pattern)) {
-        if (!is_file(folder / pattern)) return missing(folder / pattern, role, 0, "");
+        if (!is_file(folder / pattern)) return missing(folder / pattern, what, 0, "");
         beside.files.assign(depth.count(), folder / pattern);
         return beside;
     }
@@ -344,10 +353,22 @@ Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const 
         beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame])
                                                    : std::min(frame, found->count() - 1)]);
     if (!by_key && found->count() != depth.count())
-        beside.remark = std::string(role_name(role)) + " has " + std::to_string(found->count()) +
-                        " pictures for depth's " + std::to_string(depth.count()) +
-                        ": paired in their order, from the first on";
+        beside.remark = std::string(what) + " has " + std::to_string(found->count()) + " files for depth's " +
+                        std::to_string(depth.count()) + ": paired in their order, from the first on";
     return beside;
+}
+
+}  // namespace
+
+Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const FolderSource& source,
+                                  const PictureFiles& depth) {
+    return paired_files(folder, {role_name(role), pattern_of(source, role), numbers_of(source, role)}, source,
+                        depth);
+}
+
+Result<PictureFiles> camera_files(const fs::path& folder, const FolderSource& source,
+                                  const PictureFiles& depth) {
+    return paired_files(folder, {"cameras", source.cameras, source.camera_numbers}, source, depth);
 }
 
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {

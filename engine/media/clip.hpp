@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,9 @@ public:
     virtual std::optional<std::int64_t> frame_count() const = 0;
     /// What a person should know: planes resampled, far plane found in the frames, defaults assumed.
     virtual const std::vector<std::string>& notes() const = 0;
+    /// The camera of each frame as it is stored, where some have another than the scene's; otherwise none.
+    /// (`open_clip` gives all frames the scene's.)
+    virtual std::span<const Camera> frame_cameras() const { return {}; }
     /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error names file, track
     /// and frame.
     virtual Result<std::optional<RawFrame>> next() = 0;

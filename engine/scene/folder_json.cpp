@@ -27,7 +27,7 @@ FolderJson write_pictures(const std::string& pattern, const PictureNumbers& numb
 }  // namespace
 
 FolderSource read_folder(const FolderNode& node) {
-    node.allow_only({"depth", "colour", "haptic", "height", "first", "count"});
+    node.allow_only({"depth", "colour", "haptic", "height", "cameras", "first", "count"});
     FolderSource folder;
     PictureNumbers of_depth;
     folder.depth = read_pictures(node["depth"], of_depth);
@@ -38,6 +38,7 @@ FolderSource read_folder(const FolderNode& node) {
     if (node.has("colour")) folder.colour = read_pictures(node["colour"], folder.colour_numbers);
     if (node.has("haptic")) folder.haptic = read_pictures(node["haptic"], folder.haptic_numbers);
     if (node.has("height")) folder.height = read_pictures(node["height"], folder.height_numbers);
+    if (node.has("cameras")) folder.cameras = read_pictures(node["cameras"], folder.camera_numbers);
     if (node.has("first")) folder.first = node["first"].whole();
     if (node.has("count")) folder.count = node["count"].whole();
     return folder;
@@ -50,6 +51,7 @@ FolderJson write_folder(const FolderSource& folder) {
     if (!folder.colour.empty()) json["colour"] = write_pictures(folder.colour, folder.colour_numbers);
     if (!folder.haptic.empty()) json["haptic"] = write_pictures(folder.haptic, folder.haptic_numbers);
     if (!folder.height.empty()) json["height"] = write_pictures(folder.height, folder.height_numbers);
+    if (!folder.cameras.empty()) json["cameras"] = write_pictures(folder.cameras, folder.camera_numbers);
     json["first"] = folder.first;
     json["count"] = folder.count;
     return json;

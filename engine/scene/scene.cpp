@@ -304,6 +304,17 @@ Result<void> check_still(const FolderSource& folder) {
     return {};
 }
 
+Result<void> check_cameras(const FolderSource& folder) {
+    if (folder.cameras.empty() && !folder.camera_numbers.any()) return {};
+    if (auto check = check_pattern("folder.cameras", folder.cameras); !check) return check;
+    if (is_still(folder.cameras))
+        return input_error("folder.cameras is " + in_quotes(folder.cameras) +
+                           ": must be a file for each frame, such as \"cameras/%06d.json\", "
+                           "\"cameras/*.pincam\" or a list, \"cameras.txt\"; one of all frames is the "
+                           "scene's camera");
+    return check_numbers("folder.cameras", folder.cameras, folder.camera_numbers);
+}
+
 Result<void> check_folder(const FolderSource& folder) {
     if (auto depth = check_pattern("folder.depth", folder.depth); !depth) return depth;
     const std::tuple<const char*, const std::string&, const PictureNumbers&> optional_planes[] = {
@@ -315,12 +326,20 @@ Result<void> check_folder(const FolderSource& folder) {
         if (auto check = check_pattern(member, pattern); !check) return check;
         if (auto check = check_numbers(member, pattern, numbers); !check) return check;
     }
+    if (auto cameras = check_cameras(folder); !cameras) return cameras;
     const PictureNumbers of_depth{{}, folder.step == 1 ? std::optional<int>() : folder.step};
     if (auto step = check_numbers("folder.depth", folder.depth, of_depth); !step) return step;
     if (auto first = check_within("folder.first", folder.first, 0, largest_number); !first) return first;
     const int most = (largest_number - folder.first) / folder.step;
     if (auto count = check_within("folder.count", folder.count, 0, most); !count) return count;
     return check_still(folder);
+}
+
+Result<void> check_one_focal_length(const Scene& scene) {
+    const bool differ = scene.folder && !scene.folder->cameras.empty();
+    if (!differ || scene.stored.kind != StoredDepth::Kind::disparity) return {};
+    return input_error("folder.cameras is " + in_quotes(scene.folder->cameras) +
+                       ": must be left out, because depth.coding is disparity, which is of one focal length");
 }
 
 Result<void> check_video(const Scene& scene) {
@@ -388,6 +407,7 @@ Result<void> validate(const Scene& scene) {
                        : Result<void>{};
         },
         [&] { return scene.folder ? check_folder(*scene.folder) : Result<void>{}; },
+        [&] { return check_one_focal_length(scene); },
         [&] { return scene.video ? check_video(scene) : Result<void>{}; });
 }
 

@@ -105,6 +105,9 @@ struct FolderSource {
     int count = 0;                              ///< 0: as many as there are without a gap
     int step = 1;                               ///< from one frame's number to the next one's, 1 or more
     PictureNumbers colour_numbers{}, haptic_numbers{}, height_numbers{};
+    /// Files with the camera of each frame, where it changes: numbered, with a star, or a list. Empty: none.
+    std::string cameras{};
+    PictureNumbers camera_numbers{};
 };
 
 /// Whether a pattern names a single picture.
@@ -155,6 +158,9 @@ struct Scene {
     bool rate_unstated = false;  ///< the frames' own times stand then, as whoever reads them finds them
     double metres_per_unit = 0.001;
     Camera camera;
+    /// No camera but those of `folder.cameras`: the reader takes their median, and clears this. Until then
+    /// `camera` is only one that could be.
+    bool camera_from_frames = false;
     LensDistortion
         lens;  ///< of depth as it is stored; whoever opens a clip undoes it (registered_colour.hpp)
     /// Of colour as it is stored; without it colour has depth's pixels. Whoever opens a clip brings it there.

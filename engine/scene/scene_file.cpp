@@ -262,7 +262,11 @@ Scene read_scene(const Node& node) {
     scene.rate_unstated = !node.has("rate");
     if (node.has("rate")) scene.rate = read_rate(node["rate"]);
     if (node.has("metres_per_unit")) scene.metres_per_unit = node["metres_per_unit"].number();
-    read_camera(node["camera"], scene);
+    scene.camera_from_frames = !node.has("camera") && node.has("folder") && node["folder"].has("cameras");
+    if (scene.camera_from_frames)
+        scene.camera = {1.0 * scene.width, 1.0 * scene.width, 0.5 * scene.width, 0.5 * scene.height};
+    else
+        read_camera(node["camera"], scene);
     if (node.has("colour_camera")) scene.colour_camera = read_colour_camera(node["colour_camera"]);
     read_depth(node["depth"], scene);
     if (node.has("height_map")) read_height_map(node["height_map"], scene.height_coding);
@@ -423,8 +427,8 @@ std::string scene_to_json(const Scene& scene, const std::vector<std::string>& re
     if (!remarks.empty()) json["remarks"] = remarks;
     json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
     if (!scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
-    json.update(
-        {{"metres_per_unit", scene.metres_per_unit}, {"camera", write_camera(scene.camera, scene.lens)}});
+    json["metres_per_unit"] = scene.metres_per_unit;
+    if (!scene.camera_from_frames) json["camera"] = write_camera(scene.camera, scene.lens);
     if (scene.colour_camera) json["colour_camera"] = write_colour_camera(*scene.colour_camera);
     json.update({{"depth", write_depth(scene)},
                  {"height_map", write_height_map(scene.height_coding)},

@@ -337,7 +337,7 @@ TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
             example += line + "\n";
         }
     }
-    EXPECT_EQ(examples, 5);
+    EXPECT_EQ(examples, 6);
 }
 
 class SceneFileOnDisk : public testing::Test {
