@@ -48,7 +48,7 @@ struct Bent {
 /// The ray that is shown at (u, v), by trying.
 std::pair<long double, long double> ray_shown_at(const Bent& lens, long double u, long double v) {
     long double x = u, y = v;
-    for (int k = 0; k < 80; ++k) {
+    for (int k = 0; k < 30; ++k) {
         const long double radial = lens.radial(x, y);
         x = u / radial;
         y = v / radial;
