@@ -143,6 +143,8 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
         return input_error(of_file +
                            "a camera gives codes of 16 bits: depth.bits must be 16, and its coding "
                            "metric, linear or inverse");
+    if (made.camera_from_frames)
+        return input_error(of_file + "camera is missing: must be given, as folder.cameras are of pictures");
     if (made.width != first.front().width || made.height != first.front().height)
         return input_error(of_file + "is of " + std::to_string(made.width) + "x" +
                            std::to_string(made.height) + ", the camera gives " +

@@ -306,6 +306,10 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,
                                               const std::optional<SourceDescription>& known) {
     auto reader = open_stored(path, scene_file, known);
+    if (reader && (*reader)->scene().camera_from_frames)
+        return input_error(
+            (scene_file ? *scene_file : path).string() +
+            ": camera is missing: must be given, as folder.cameras are of the pictures of its folder alone");
     return reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader);
 }
 

@@ -32,6 +32,10 @@ Result<PictureFiles> depth_files(const std::filesystem::path& folder, const Fold
 Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole role,
                                   const FolderSource& source, const PictureFiles& depth);
 
+/// The file of `source.cameras` for each of `depth`, paired likewise.
+Result<PictureFiles> camera_files(const std::filesystem::path& folder, const FolderSource& source,
+                                  const PictureFiles& depth);
+
 /// The files of a star pattern or a list alone.
 Result<PictureFiles> found_files(const std::filesystem::path& folder, const std::string& pattern);
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,9 @@ public:
     /// What a person should know beside the scene's remarks: planes resampled, far plane found in the frames,
     /// defaults assumed.
     virtual const std::vector<std::string>& notes() const = 0;
+    /// The camera of each frame as it is stored, where some have another than the scene's; otherwise none.
+    /// (`open_clip` gives all frames the scene's.)
+    virtual std::span<const Camera> frame_cameras() const { return {}; }
     /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error names file, track
     /// and frame.
     virtual Result<std::optional<RawFrame>> next() = 0;

@@ -89,6 +89,14 @@ struct UnstatedFilters {
 };
 inline constexpr UnstatedFilters all_unstated{true, true, true, true, true};
 
+/// Numbers of a plane whose pictures are not numbered as depth's are. What is left out is as of depth.
+struct PictureNumbers {
+    std::optional<int> first{};
+    std::optional<int> step{};
+    bool any() const { return first.has_value() || step.has_value(); }
+    bool operator==(const PictureNumbers&) const = default;
+};
+
 /// Files of a folder of images: a pattern with one printf-like field of digits ("depth_%04d.png"), or with
 /// one star ("depth/*.png": all there are, in order), or a list of them (".txt": a line each, a time before
 /// the name where it has one). Where depth is none of these it names a still: a clip of one frame. Stills
@@ -97,10 +105,17 @@ struct FolderSource {
     std::string depth, colour, haptic, height;  ///< empty: no such plane; depth is required
     int first = 0;                              ///< number of the first image
     int count = 0;                              ///< 0: as many as there are without a gap
+    int step = 1;                               ///< from one frame's number to the next one's, 1 or more
+    PictureNumbers colour_numbers{}, haptic_numbers{}, height_numbers{};
+    /// Files with the camera of each frame, where it changes: numbered, with a star, or a list. Empty: none.
+    std::string cameras{};
+    PictureNumbers camera_numbers{};
 };
 
 /// Whether a pattern names a single picture.
 bool is_still(std::string_view pattern);
+/// Whether it has a field of digits.
+bool is_numbered(std::string_view pattern);
 
 /// Where depth is in each picture of a video. Colour is the other half.
 enum class VideoLayout { alone, left, right, top, bottom };
@@ -146,6 +161,9 @@ struct Scene {
     bool rate_unstated = false;  ///< the frames' own times stand then, as whoever reads them finds them
     double metres_per_unit = 0.001;
     Camera camera;
+    /// No camera but those of `folder.cameras`: the reader takes their median, and clears this. Until then
+    /// `camera` is only one that could be.
+    bool camera_from_frames = false;
     LensDistortion
         lens;  ///< of depth as it is stored; whoever opens a clip undoes it (registered_colour.hpp)
     /// Of colour as it is stored; without it colour has depth's pixels. Whoever opens a clip brings it there.

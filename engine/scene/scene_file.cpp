@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/scene/checked_json.hpp"
+#include "engine/scene/folder_json.hpp"
 #include "engine/scene/scene_words.hpp"
 
 namespace touchable {
@@ -200,18 +201,6 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
 }
 
-FolderSource read_folder(const Node& node) {
-    node.allow_only({"depth", "colour", "haptic", "height", "first", "count"});
-    FolderSource folder;
-    folder.depth = node["depth"].text();
-    if (node.has("colour")) folder.colour = node["colour"].text();
-    if (node.has("haptic")) folder.haptic = node["haptic"].text();
-    if (node.has("height")) folder.height = node["height"].text();
-    if (node.has("first")) folder.first = node["first"].whole();
-    if (node.has("count")) folder.count = node["count"].whole();
-    return folder;
-}
-
 VideoSource read_video(const Node& node, const Scene& scene) {
     node.allow_only({"depth", "colour", "haptic", "height", "layout", "values"});
     VideoSource video;
@@ -250,7 +239,11 @@ Scene read_scene(const Node& node) {
     scene.rate_unstated = !node.has("rate");
     if (node.has("rate")) scene.rate = read_rate(node["rate"]);
     if (node.has("metres_per_unit")) scene.metres_per_unit = node["metres_per_unit"].number();
-    read_camera(node["camera"], scene);
+    scene.camera_from_frames = !node.has("camera") && node.has("folder") && node["folder"].has("cameras");
+    if (scene.camera_from_frames)
+        scene.camera = {1.0 * scene.width, 1.0 * scene.width, 0.5 * scene.width, 0.5 * scene.height};
+    else
+        read_camera(node["camera"], scene);
     if (node.has("colour_camera")) scene.colour_camera = read_colour_camera(node["colour_camera"]);
     read_depth(node["depth"], scene);
     if (node.has("height_map")) read_height_map(node["height_map"], scene.height_coding);

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/scene/folder_json.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/scene_words.hpp"
 
@@ -106,16 +107,6 @@ OrderedJson write_filter(const Scene& scene) {
     return json;
 }
 
-OrderedJson write_folder(const FolderSource& folder) {
-    OrderedJson json = {{"depth", folder.depth}};
-    if (!folder.colour.empty()) json["colour"] = folder.colour;
-    if (!folder.haptic.empty()) json["haptic"] = folder.haptic;
-    if (!folder.height.empty()) json["height"] = folder.height;
-    json["first"] = folder.first;
-    json["count"] = folder.count;
-    return json;
-}
-
 OrderedJson write_video(const VideoSource& video) {
     OrderedJson json = {{"depth", video.depth}};
     if (!video.colour.empty()) json["colour"] = video.colour;
@@ -133,8 +124,8 @@ std::string scene_to_json(const Scene& scene) {
     if (!scene.remarks.empty()) json["remarks"] = write_remarks(scene.remarks);
     json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
     if (!scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
-    json.update(
-        {{"metres_per_unit", scene.metres_per_unit}, {"camera", write_camera(scene.camera, scene.lens)}});
+    json["metres_per_unit"] = scene.metres_per_unit;
+    if (!scene.camera_from_frames) json["camera"] = write_camera(scene.camera, scene.lens);
     if (scene.colour_camera) json["colour_camera"] = write_colour_camera(*scene.colour_camera);
     json.update({{"depth", write_depth(scene)},
                  {"height_map", write_height_map(scene.height_coding)},

@@ -86,6 +86,10 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.folder->height, b.folder->height);
     EXPECT_EQ(a.folder->first, b.folder->first);
     EXPECT_EQ(a.folder->count, b.folder->count);
+    EXPECT_EQ(a.folder->step, b.folder->step);
+    EXPECT_EQ(a.folder->colour_numbers, b.folder->colour_numbers);
+    EXPECT_EQ(a.folder->haptic_numbers, b.folder->haptic_numbers);
+    EXPECT_EQ(a.folder->height_numbers, b.folder->height_numbers);
 }
 
 PropertyRange random_range(Random& random) {
@@ -142,7 +146,30 @@ Scene random_scene(Random& random) {
     if (random.below(2)) scene.device_metres_per_unit = random.between(1e-6, 1);
     if (random.below(2))
         scene.folder = FolderSource{"d_%04d.png", "", "h%d.png", "", static_cast<int>(random.below(99)), 5};
+    if (scene.folder && random.below(2)) {
+        scene.folder->step = 1 + static_cast<int>(random.below(9));
+        if (random.below(2)) scene.folder->haptic_numbers.first = static_cast<int>(random.below(999));
+        if (random.below(2)) scene.folder->haptic_numbers.step = 1 + static_cast<int>(random.below(9));
+    }
     return scene;
+}
+
+TEST(SceneFile, PlanesHaveNumbersOfTheirOwn) {
+    const std::string plain = R"("folder": {"depth": "depth_%04d.png", "colour": "image_%04d.png", )";
+    std::string json = recording;
+    const auto place = json.find(plain);
+    ASSERT_NE(place, std::string::npos);
+    json.replace(place, plain.size(),
+                 R"("folder": {"depth": {"files": "d%d.png", "step": 3}, "haptic": {"files": "h%d.png"},
+                     "colour": {"files": "rgb/%06d.png", "first": 100, "step": 2}, )");
+    const FolderSource folder = *parsed(json).folder;
+    EXPECT_EQ(folder.depth, "d%d.png");
+    EXPECT_EQ(folder.first, 3) << "that of the folder";
+    EXPECT_EQ(folder.step, 3);
+    EXPECT_EQ(folder.colour, "rgb/%06d.png");
+    EXPECT_EQ(folder.colour_numbers, (PictureNumbers{100, 2}));
+    EXPECT_EQ(folder.haptic, "h%d.png");
+    EXPECT_FALSE(folder.haptic_numbers.any());
 }
 
 TEST(SceneFile, RecordingIsReadAsWritten) {
@@ -426,7 +453,7 @@ TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
             example += line + "\n";
         }
     }
-    EXPECT_EQ(examples, 5);
+    EXPECT_EQ(examples, 6);
 }
 
 class SceneFileOnDisk : public testing::Test {
