@@ -78,35 +78,32 @@ Result<void> settle_far(DepthMeaning& meaning, std::span<const PlaneView> first,
     derive_valid_range(scene.depth);
     if (auto valid = validate(scene); !valid) return input_error(node + ": " + valid.error().message);
     char words[200];
-    std::snprintf(words, sizeof words,
-                  "guessed: deeper than %.3g m is no depth: twice what the first frames show (a scene file's "
-                  "depth.far says otherwise)",
+    std::snprintf(words, sizeof words, "deeper than %.3g m is no depth: twice what the first frames show",
                   scene.depth.far * scene.metres_per_unit);
-    meaning.notes.emplace_back(words);
+    add_remark(scene.remarks, {words, true, "a scene file's depth.far says otherwise"});
     return {};
 }
 
 /// What the driver tells of the camera stands in for what nobody says.
 SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, SourceDescription known,
-                            std::vector<std::string>& notes) {
+                            std::vector<Remark>& remarks) {
     const bool is_intels = facts.card.find("RealSense") != std::string::npos;
     if (is_intels && known.preset.empty()) {
         known.preset = "realsense";
-        notes.emplace_back(
-            "guessed: it is as --preset realsense has it, of 1 mm a code (--depth-unit METRES says "
-            "otherwise: "
-            "0.0001 of a D405, 0.00025 of an L515)");
+        add_remark(remarks, {"it is as --preset realsense has it, of 1 mm a code", true,
+                             "--depth-unit METRES says otherwise: 0.0001 of a D405, 0.00025 of an L515"});
     }
     const Preset* preset = known.preset.empty() ? nullptr : preset_named(known.preset);
     const bool has_unit = known.metres_per_code || preset != nullptr;
     if (format == V4L2_PIX_FMT_Z16 && !has_unit) {
         known.metres_per_code = 0.001;
-        notes.emplace_back(
-            "guessed: a code is 1 mm, as most cameras of Z16 have it (--depth-unit METRES says otherwise)");
+        add_remark(remarks, {"a code is 1 mm, as most cameras of Z16 have it", true,
+                             "--depth-unit METRES says otherwise"});
     }
     if (format != V4L2_PIX_FMT_Z16)
-        notes.emplace_back(
-            "Y16 is grey of 16 bits, here taken for depth: of an infrared or a heat camera it is none");
+        add_remark(remarks,
+                   {"Y16 is grey of 16 bits, here taken for depth: of an infrared or a heat camera it is "
+                    "none"});
     return known;
 }
 
@@ -115,7 +112,8 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
 Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
                                       std::span<const PlaneView> first, const SourceDescription& known) {
     DepthMeaning meaning;
-    const SourceDescription all = with_card(facts, format, known, meaning.notes);
+    std::vector<Remark> remarks;
+    const SourceDescription all = with_card(facts, format, known, remarks);
     auto guessed =
         guess_scene(std::filesystem::path(facts.node).parent_path(), picture_of(fullest(first)), all);
     if (!guessed) return Error{guessed.error().kind, facts.node + ": " + guessed.error().message};
@@ -126,7 +124,7 @@ Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t form
                            ": a camera's codes are lengths: --depth-unit METRES says what a stored 1 stands "
                            "for, such as 0.001" +
                            (all.preset.empty() ? "" : "; --preset " + all.preset + " is of other pictures"));
-    for (std::string& guess : guessed->guesses) meaning.notes.push_back(std::move(guess));
+    meaning.scene.remarks = joined_remarks(std::move(remarks), meaning.scene.remarks);
     meaning.scene.name = facts.card;
     if (auto settled = settle_far(meaning, first, facts.node); !settled) return settled.error();
     return meaning;
@@ -136,7 +134,7 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
                                      const std::filesystem::path& scene_file) {
     auto scene = read_scene_file(scene_file);
     if (!scene) return scene.error();
-    DepthMeaning meaning{std::move(*scene), {}, {scene_file}};
+    DepthMeaning meaning{std::move(*scene), {scene_file}};
     Scene& made = meaning.scene;
     made.folder.reset();
     made.video.reset();
@@ -145,6 +143,8 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
         return input_error(of_file +
                            "a camera gives codes of 16 bits: depth.bits must be 16, and its coding "
                            "metric, linear or inverse");
+    if (made.camera_from_frames)
+        return input_error(of_file + "camera is missing: must be given, as folder.cameras are of pictures");
     if (made.width != first.front().width || made.height != first.front().height)
         return input_error(of_file + "is of " + std::to_string(made.width) + "x" +
                            std::to_string(made.height) + ", the camera gives " +

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "engine/camera/node_facts.hpp"
@@ -15,10 +14,9 @@
 
 namespace touchable {
 
-/// What a camera's depth means, and what was assumed.
+/// What a camera's depth means, and as its remarks what was assumed.
 struct DepthMeaning {
-    Scene scene;  ///< far plane and all
-    std::vector<std::string> notes{};
+    Scene scene;                                  ///< far plane and all
     std::vector<std::filesystem::path> inputs{};  ///< files that were read for it
 };
 

@@ -145,7 +145,6 @@ Result<void> V4l2Camera::look_first(const SourceDescription& known,
     if (!pictures.back().timed_by_driver)
         notes_.emplace_back(
             "the camera's driver does not say when frames are taken: they count from their arrival");
-    for (std::string& note : meaning->notes) notes_.push_back(std::move(note));
     tracks_.push_back({"depth", "v4l2", format_text(format.code), format.width, format.height, true});
     return {};
 }

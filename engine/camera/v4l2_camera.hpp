@@ -26,7 +26,8 @@ struct V4l2Choice {
 };
 
 /// A camera as a live source: Z16, or grey of 16 bits taken for depth. Its first frames say what nobody has
-/// said: `known` and guesses, as of a picture (guessed_scene.hpp), which the notes tell; or `scene_file`.
+/// said: `known` and guesses, as of a picture (guessed_scene.hpp), which the scene's remarks tell; or
+/// `scene_file`.
 ///
 /// Before `begin` frames come one by one as the camera takes them, at most a few seconds late. From then on
 /// `next` gives the newest one, at the time at which it was taken. Numbers are the driver's count, so that

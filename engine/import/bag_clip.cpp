@@ -19,8 +19,8 @@ namespace {
 
 class BagReader final : public ClipReader {
 public:
-    BagReader(BagRecording recording, const Scene& scene, std::vector<std::string> notes)
-        : recording_(std::move(recording)), scene_(scene), notes_(std::move(notes)), values_(scene) {}
+    BagReader(BagRecording recording, const Scene& scene)
+        : recording_(std::move(recording)), scene_(scene), values_(scene) {}
     Result<void> open();
 
     const Scene& scene() const override { return scene_; }
@@ -155,21 +155,22 @@ Result<std::optional<RawFrame>> BagReader::next() {
 
 /// What a person says stands; the rest is what the recording says.
 Result<SourceDescription> completed(BagRecording& recording, SourceDescription known,
-                                    std::vector<std::string>& notes) {
+                                    std::vector<Remark>& remarks) {
     const BagStreams& streams = recording.streams();
     const Preset* const preset = preset_named(known.preset);
     auto camera = bag_camera(recording.bag(), streams.depth.topic);
     if (!camera) return camera.error();
     if (!known.intrinsics && !known.fov && *camera && !(preset && preset->intrinsics.fx > 0)) {
         known.intrinsics = (*camera)->intrinsics;
-        notes.push_back("the camera is that of " + printable((*camera)->topic));
+        add_remark(remarks, {"the camera is that of " + printable((*camera)->topic)});
     }
     if (known.metres_per_code || !known.preset.empty()) return known;
     const auto unit = bag_depth_unit(recording.bag(), streams.depth.topic);
     if (!unit) return unit.error();
     if (*unit) {
         known.metres_per_code = *unit;
-        notes.push_back("a code is " + short_number(1000 * **unit) + " mm, as the camera's Depth Units say");
+        add_remark(remarks,
+                   {"a code is " + short_number(1000 * **unit) + " mm, as the camera's Depth Units say"});
     } else {  // as ROS defines its encodings
         constexpr double millimetre = 0.001;
         known.metres_per_code = streams.depth.kind == RosPictureKind::depth_floats ? 1 : millimetre;
@@ -178,15 +179,15 @@ Result<SourceDescription> completed(BagRecording& recording, SourceDescription k
 }
 
 /// How the lens of depth bends, and where colour's camera stands, as far as the recording says it.
-Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<std::string>& notes) {
+Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<Remark>& remarks) {
     const BagStreams& streams = recording.streams();
     const auto depth = bag_camera(recording.bag(), streams.depth.topic);
     if (!depth) return depth.error();
     if (*depth) {
         scene.lens = (*depth)->lens;
         if (!(*depth)->unknown_lens.empty())
-            notes.push_back("the lens of depth bends (" + printable((*depth)->unknown_lens) +
-                            "), which is not undone");
+            add_remark(remarks, {"the lens of depth bends (" + printable((*depth)->unknown_lens) +
+                                 "), which is not undone"});
     }
     if (!streams.colour || is_registered_topic(streams.depth.topic)) return {};
     const auto colour = bag_camera(recording.bag(), streams.colour->topic);
@@ -199,9 +200,9 @@ Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<std:
     if (!*depth_pose || !*colour_pose) {
         const bool same_frame = !(*depth)->frame.empty() && (*depth)->frame == (*colour)->frame;
         if (!same_frame && !((*depth)->intrinsics == (*colour)->intrinsics))
-            notes.push_back(
-                "colour is not brought onto depth's pixels, as the recording does not say how its "
-                "cameras stand (a scene file's colour_camera says it)");
+            add_remark(remarks,
+                       {"colour is not brought onto depth's pixels, as the recording does not say how its "
+                        "cameras stand (a scene file's colour_camera says it)"});
         return {};
     }
     const auto first = recording.colour(0);
@@ -215,19 +216,19 @@ Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<std:
     return {};
 }
 
-void say_streams(const BagStreams& streams, std::vector<std::string>& notes) {
-    notes.push_back("depth is " + printable(streams.depth.topic) +
-                    (streams.colour ? ", colour is " + printable(streams.colour->topic)
-                                    : std::string(", there is no colour")));
+void say_streams(const BagStreams& streams, std::vector<Remark>& remarks) {
+    add_remark(remarks, {"depth is " + printable(streams.depth.topic) +
+                         (streams.colour ? ", colour is " + printable(streams.colour->topic)
+                                         : std::string(", there is no colour"))});
     for (const std::string& other : streams.others)
-        notes.push_back(printable(other) + " is depth as well, and is left out");
+        add_remark(remarks, {printable(other) + " is depth as well, and is left out"});
 }
 
 Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path& file,
                            const SourceDescription& known) {
-    std::vector<std::string> notes;
-    say_streams(recording.streams(), notes);
-    const auto said = completed(recording, known, notes);
+    std::vector<Remark> remarks;
+    say_streams(recording.streams(), remarks);
+    const auto said = completed(recording, known, remarks);
     if (!said) return said.error();
     const auto first = recording.depth(0);
     if (!first) return first.error();
@@ -236,16 +237,17 @@ Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path&
     Scene& scene = guessed->scene;
     scene.name = file.stem().string();
     scene.video.emplace().depth = file.filename().string();
-    if (auto added = add_cameras(recording, scene, notes); !added) return added.error();
+    if (auto added = add_cameras(recording, scene, remarks); !added) return added.error();
     if (auto valid = validate(scene); !valid)
         return input_error(file.string() + ": its cameras are damaged: " + valid.error().message);
     const auto rate = rate_of_seconds(recording.times());
     if (rate) scene.rate = *rate;
-    notes.push_back((rate ? "" : "guessed: ") + short_number(scene.rate.per_second()) + " frames a second" +
-                    (scene.rate.own_times ? " on average, each at its own time"
-                     : rate               ? ", by their times"
-                                          : ""));
-    guessed->guesses.insert(guessed->guesses.begin(), notes.begin(), notes.end());
+    add_remark(remarks, {short_number(scene.rate.per_second()) + " frames a second" +
+                             (scene.rate.own_times ? " on average, each at its own time"
+                              : rate               ? ", by their times"
+                                                   : ""),
+                         !rate});
+    scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
     return guessed;
 }
 
@@ -267,14 +269,13 @@ Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& f
         described.scene = *scene;
         if (std::exchange(described.scene.rate_unstated, false))
             described.scene.rate = rate_of_seconds(recording->times()).value_or(scene->rate);
-        say_streams(recording->streams(), described.guesses);
+        say_streams(recording->streams(), described.scene.remarks);
     } else {
         auto guessed = guess(*recording, file, known);
         if (!guessed) return guessed.error();
         described = std::move(*guessed);
     }
-    auto reader =
-        std::make_unique<BagReader>(std::move(*recording), described.scene, std::move(described.guesses));
+    auto reader = std::make_unique<BagReader>(std::move(*recording), described.scene);
     reader->add_input(file);
     if (auto opened = reader->open(); !opened) return opened.error();
     for (const auto& input : described.inputs) reader->add_input(input);

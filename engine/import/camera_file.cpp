@@ -174,6 +174,17 @@ std::optional<CameraFile> from_colmap(const std::string& text) {
     return {};
 }
 
+/// ARKitScenes' .pincam: width height fx fy cx cy.
+std::optional<Intrinsics> from_pincam(const std::vector<double>& numbers) {
+    if (numbers.size() != 6 || !is_side(numbers[0]) || !is_side(numbers[1])) return {};
+    return Intrinsics{numbers[2],
+                      numbers[3],
+                      numbers[4],
+                      numbers[5],
+                      static_cast<int>(numbers[0]),
+                      static_cast<int>(numbers[1])};
+}
+
 std::optional<CameraFile> parsed(const std::string& text) {
     const auto begin = text.find_first_not_of(" \t\r\n");
     if (begin != std::string::npos && text[begin] == '{') {
@@ -183,8 +194,10 @@ std::optional<CameraFile> parsed(const std::string& text) {
     if (auto found = from_calib(text)) return found;
     if (auto found = from_yaml(text)) return found;
     if (auto found = from_colmap(text)) return found;
-    if (text.find_first_not_of("0123456789+-.eE, \t\r\n[];") == std::string::npos)
+    if (text.find_first_not_of("0123456789+-.eE, \t\r\n[];") == std::string::npos) {
         if (const auto found = from_matrix(numbers_in(text))) return CameraFile{*found};
+        if (const auto found = from_pincam(numbers_in(text))) return CameraFile{*found};
+    }
     return {};
 }
 
@@ -232,8 +245,8 @@ Result<CameraFile> read_camera_file(const fs::path& file) {
     return input_error(
         file.string() +
         ": has no camera that could be read: must have fx, fy, cx, cy (JSON), a matrix K, "
-        "intrinsic_matrix or camera_matrix (JSON, YAML), 3x3 numbers, or be COLMAP's cameras.txt "
-        "or Middlebury's calib.txt");
+        "intrinsic_matrix or camera_matrix (JSON, YAML), 3x3 numbers, or be COLMAP's cameras.txt, "
+        "Middlebury's calib.txt or ARKitScenes' .pincam (width height fx fy cx cy)");
 }
 
 std::optional<fs::path> camera_file_in(const fs::path& folder) {

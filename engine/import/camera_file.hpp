@@ -17,8 +17,8 @@ struct CameraFile {
 };
 
 /// Intrinsics as programs write them: JSON of RealSense (fx, ppx), Open3D (intrinsic_matrix), Record3D and
-/// ROS (K); YAML of ROS (camera_matrix); COLMAP's cameras.txt; Middlebury's calib.txt; a matrix of 3x3 or 4x4
-/// numbers. An error says what a file that is none of these should have.
+/// ROS (K); YAML of ROS (camera_matrix); COLMAP's cameras.txt; Middlebury's calib.txt; ARKitScenes' .pincam;
+/// a matrix of 3x3 or 4x4 numbers. An error says what a file that is none of these should have.
 Result<CameraFile> read_camera_file(const std::filesystem::path& file);
 
 /// What an object of JSON, such as those files are, says of a camera.

@@ -39,7 +39,9 @@ public:
 
 private:
     Error refuse(const std::string& what) const { return input_error(file_ + ": " + what); }
-    void guess(std::string what) { notes_.push_back("guessed: " + std::move(what)); }
+    void guess(std::string what, std::string otherwise) {
+        add_remark(scene_.remarks, {std::move(what), true, std::move(otherwise)});
+    }
     void stand_up();
     Result<void> describe(const SourceDescription& known);
     void find_camera(const SourceDescription& known);
@@ -72,7 +74,7 @@ Result<void> DepthPhotoReader::open(const std::optional<Scene>& replacement, con
     if (replacement) {
         scene_ = *replacement;
     } else {
-        for (std::string& note : photo_.notes) notes_.push_back(std::move(note));
+        for (Remark& remark : photo_.remarks) add_remark(scene_.remarks, std::move(remark));
         if (auto described = describe(known); !described) return described;
     }
     if (auto settled = settle_depth(); !settled) return settled;
@@ -105,7 +107,8 @@ Result<void> DepthPhotoReader::describe(const SourceDescription& known) {
         scene_.depth.near = unscaled_near;
         scene_.depth.far = unscaled_far;
         guess("depth has no scale: its nearest is taken for " + short_number(unscaled_near) +
-              " m and its farthest for " + short_number(unscaled_far) + " m (a scene file says otherwise)");
+                  " m and its farthest for " + short_number(unscaled_far) + " m",
+              "");
     }
     find_camera(known);
     derive_valid_range(scene_.depth);
@@ -117,7 +120,7 @@ Result<void> DepthPhotoReader::describe(const SourceDescription& known) {
 }
 
 void DepthPhotoReader::find_camera(const SourceDescription& known) {
-    const char* const otherwise = " (--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise)";
+    const char* const otherwise = "--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise";
     const int width = scene_.width, height = scene_.height;
     const Image& colour = photo_.colour.image;
     if (known.intrinsics) {
@@ -133,12 +136,13 @@ void DepthPhotoReader::find_camera(const SourceDescription& known) {
             {focal_length, focal_length, std::nullopt, std::nullopt, colour.width, colour.height}, width,
             height);
         guess("the camera sees " +
-              short_number(360 / 3.14159265358979323846 * std::atan(0.5 * width / scene_.camera.fx)) +
-              " degrees from left to right, by its focal length, " + short_number(photo_.film_focal_length) +
-              " mm in terms of 35 mm film" + otherwise);
+                  short_number(360 / 3.14159265358979323846 * std::atan(0.5 * width / scene_.camera.fx)) +
+                  " degrees from left to right, by its focal length, " +
+                  short_number(photo_.film_focal_length) + " mm in terms of 35 mm film",
+              otherwise);
     } else {
         scene_.camera = camera_of_fov(usual_fov, width, height);
-        guess("the camera sees " + short_number(usual_fov) + " degrees from left to right" + otherwise);
+        guess("the camera sees " + short_number(usual_fov) + " degrees from left to right", otherwise);
     }
 }
 

@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "engine/import/orientation.hpp"
 #include "engine/import/source_description.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/media/stored_image.hpp"
+#include "engine/scene/remark.hpp"
 
 namespace touchable {
 
@@ -23,7 +23,7 @@ struct DepthPhoto {
     double metres_per_unit = 1;
     std::optional<Intrinsics> camera{};  ///< of upright pictures of the size that it names
     double film_focal_length = 0;        ///< mm (ExifFacts)
-    std::vector<std::string> notes{};
+    std::vector<Remark> remarks{};       ///< of what is guessed there
 };
 
 /// A clip of one frame, of depth's size. Camera: as known, by the file's, by its focal length, or 60 degrees

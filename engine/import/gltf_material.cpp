@@ -200,9 +200,10 @@ HapticLayers MaterialReader::read() {
         return !texture || (texture->has("extras") && (*texture)["extras"].has("touchable_range"));
     };
     if (!states_range(stiffness) || !states_range(friction))
-        say(file_.string() +
-            " states no units: black and white are the ends of haptic in the clip's scene file, or of "
-            "\"extras\": {\"touchable_range\": [black, white]} beside a texture");
+        add_remark(layers_.remarks,
+                   {file_.filename().string() +
+                        " states no units: black and white are the ends of haptic in the clip's scene file",
+                    true, "\"extras\": {\"touchable_range\": [black, white]} beside a texture say others"});
     for (const char* other : {"vibrotactileTexture", "temperature", "vibration", "custom"})
         if (chosen.has(other)) say(std::string(other) + " of " + file_.string() + " is not used");
     return std::move(layers_);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/import/camera_file.hpp"
+#include "engine/import/guessed_cameras.hpp"
 #include "engine/import/known_camera.hpp"
 #include "engine/import/number_words.hpp"
 #include "engine/import/picture_files.hpp"
@@ -24,15 +25,23 @@ namespace fs = std::filesystem;
 constexpr double soft_holes = 0.1;
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
+bool holds_words(const StoredImage& picture) {
+    return picture.values.empty() && picture.image.bytes_per_sample == 2 && picture.bits == 16;
+}
+
 class Guess {
 public:
     Guess(const SourceDescription& known, const Preset* preset) : known_(known), preset_(preset) {}
 
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
                           const DepthCoding* coding = nullptr);
-    GuessedScene made() { return {std::move(scene_), std::move(guesses_), std::move(inputs_)}; }
+    GuessedScene made() { return {std::move(scene_), std::move(inputs_)}; }
     Scene& scene() { return scene_; }
-    void say(std::string guess) { guesses_.push_back("guessed: " + std::move(guess)); }
+    void say(std::string guess, std::string otherwise = {}) {
+        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise)});
+    }
+    void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
+    Result<void> find_rate(const fs::path& folder);
 
 private:
     Result<void> find_camera(const fs::path& folder);
@@ -47,9 +56,9 @@ private:
     const SourceDescription& known_;
     const Preset* preset_;
     Scene scene_;
-    std::vector<std::string> guesses_;
     std::vector<fs::path> inputs_;
     CameraFile file_;
+    std::optional<GuessedCameras> frames_;  // that have one each
 };
 
 /// Of pictures of another size, those of a camera with the same view.
@@ -57,7 +66,8 @@ void Guess::take(const Intrinsics& intrinsics, const std::string& whose) {
     if (intrinsics.width > 0 && intrinsics.height > 0 &&
         (intrinsics.width != scene_.width || intrinsics.height != scene_.height))
         say(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
-            " pixels and is scaled to these pictures (--intrinsics FX,FY,CX,CY says otherwise)");
+                " pixels and is scaled to these pictures",
+            "--intrinsics FX,FY,CX,CY says otherwise");
     scene_.camera = scaled_camera(intrinsics, scene_.width, scene_.height);
 }
 
@@ -77,16 +87,21 @@ Result<void> Guess::find_camera(const fs::path& folder) {
         take(*known_.intrinsics, "--intrinsics");
     } else if (known_.fov) {
         take_fov(*known_.fov);
+    } else if (frames_) {
+        scene_.camera = frames_->median;
+        say("the camera is that of " + frames_->files + (is_still(frames_->files) ? "" : ", the median"),
+            "--intrinsics says otherwise");
     } else if (beside) {
         take(file_.intrinsics, beside->filename().string());
-        say("the camera is that of " + beside->string() + " (--intrinsics says otherwise)");
+        say("the camera is that of " + beside->lexically_relative(here).string(),
+            "--intrinsics says otherwise");
     } else if (preset_ && preset_->intrinsics.fx > 0) {
         take(preset_->intrinsics, "the camera of --preset " + std::string(preset_->name));
     } else {
         const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
         take_fov(fov);
-        say("the camera sees " + short_number(fov) +
-            " degrees from left to right (--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise)");
+        say("the camera sees " + short_number(fov) + " degrees from left to right",
+            "--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise");
     }
     return {};
 }
@@ -109,10 +124,10 @@ void Guess::set_relative(bool near_is_high, bool is_inverse) {
     depth.far = assumed_far;
     depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
     say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
-        " m and its farthest for " + short_number(assumed_far) + " m, " + (near_is_high ? "large" : "small") +
-        " values near (a scene file says otherwise, touchable init-scene writes one to begin with; "
-        "--depth-unit "
-        "where values are lengths)");
+            " m and its farthest for " + short_number(assumed_far) + " m, " +
+            (near_is_high ? "large" : "small") + " values near",
+        "a scene file says otherwise, touchable init-scene writes one to begin with; --depth-unit where "
+        "values are lengths");
 }
 
 /// By the size of what is there.
@@ -122,8 +137,8 @@ Result<void> Guess::find_unit(const SurveyedValues& values) {
         set_metric(*known_.metres_per_code);
         const double median = values.median * *known_.metres_per_code;
         if (!(median > 1e-3 && median < 1000))
-            say("the median depth is " + short_number(median) +
-                " m: --depth-unit is the metres that a stored 1 stands for, such as 0.001");
+            say("the median depth is " + short_number(median) + " m",
+                "--depth-unit is the metres that a stored 1 stands for, such as 0.001");
         return {};
     }
     if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
@@ -161,7 +176,7 @@ Result<void> Guess::find_unit(const SurveyedValues& values) {
 }
 
 void Guess::guess_unit(const SurveyedValues& values) {
-    const std::string otherwise = " (--depth-unit METRES says otherwise)";
+    const std::string otherwise = "--depth-unit METRES says otherwise";
     const bool is_signed = values.negative > 0.01;
     if (values.bits == 8 || values.is_normalised || is_signed) {
         // Networks that guess depth write more for what is nearer.
@@ -170,22 +185,23 @@ void Guess::guess_unit(const SurveyedValues& values) {
         const bool metres = values.median < 30;
         set_metric(metres ? 1 : 0.001);
         say(std::string("values are ") + (metres ? "metres" : "millimetres") + ", as their median is " +
-            short_number(values.median) + otherwise);
+                short_number(values.median),
+            otherwise);
     } else {
         const bool fine = values.median > 12000, coarse = values.median < 100;
         const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
         set_metric(unit);
         say("a code is " + short_number(1000 * unit) + " mm, as their median is " +
-            short_number(values.median) + otherwise);
+                short_number(values.median),
+            otherwise);
     }
 }
 
 /// Cameras write 0 where they see nothing. Depth without a scale has something everywhere.
 void Guess::set_invalid(const StoredImage& depth) {
     if (scene_.stored.kind == StoredDepth::Kind::relative) return;
-    const bool has_words = scene_.depth_bits == 16 && depth.values.empty() && depth.bits == 16;
     const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
-    const int other = preset_ ? preset_->invalid : has_words && !is_told ? 65535 : 0;
+    const int other = preset_ ? preset_->invalid : holds_words(depth) && !is_told ? 65535 : 0;
     DepthCoding& coding = scene_.depth;
     for (const int code : {0, other})
         if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
@@ -213,6 +229,21 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
     derive_valid_range(scene_.depth);
     if (auto valid = validate(scene_); !valid)
         return usage_error("--intrinsics, --fov, --depth-unit, --preset: " + valid.error().message);
+    return {};
+}
+
+Result<void> Guess::find_rate(const fs::path& folder) {
+    const auto files = depth_files(folder, *scene_.folder);
+    if (!files) return files.error();
+    const auto rate = rate_of(*files);
+    if (rate) scene_.rate = *rate;
+    const std::string why = unusable_times(*files);
+    say(short_number(scene_.rate.per_second()) + " frames a second" +
+            (scene_.rate.own_times ? " on average, each at its own time"
+             : rate        ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
+             : why.empty() ? ""
+                           : ", as " + why),
+        "a scene file's rate says otherwise");
     return {};
 }
 
@@ -259,7 +290,8 @@ int depth_mark(const PictureGroup& group) {
 
 bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth) {
     if (group.pattern == depth.pattern ||
-        has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp"}))
+        has_word(group.pattern,
+                 {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp", "ultrawide"}))
         return false;
     const auto first = read_stored_image(group.first);
     if (!first || !first->values.empty() || first->image.bytes_per_sample != 1) return false;
@@ -295,11 +327,8 @@ std::string found_there(const std::vector<PictureGroup>& groups) {
     return words.empty() ? "no pictures" : words + (groups.size() > 4 ? ", ..." : "");
 }
 
-}  // namespace
-
-Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
-    const auto preset = known_preset(known);
-    if (!preset) return preset.error();
+/// All that there are; of pictures that call themselves depth the first can be read.
+Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder) {
     std::vector<PictureGroup> groups = picture_groups(folder);
     constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
     if (groups.size() > most_groups) groups.resize(most_groups);
@@ -310,6 +339,11 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         if (!has_word(group.pattern, {"depth"})) continue;
         if (const auto first = first_picture(group.first); !first) return first.error();
     }
+    return groups;
+}
+
+/// Null: none goes as depth.
+const PictureGroup* depth_among(const std::vector<PictureGroup>& groups) {
     const PictureGroup* depth = nullptr;
     int best = 0;
     for (const PictureGroup& group : groups)
@@ -317,39 +351,58 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
             best = mark;
             depth = &group;
         }
+    return depth;
+}
+
+const PictureGroup* colour_among(const std::vector<PictureGroup>& groups, const PictureGroup& depth) {
+    for (const PictureGroup& group : groups)
+        if (goes_as_colour(group, depth) && (group.count == 1) == (depth.count == 1)) return &group;
+    return nullptr;
+}
+
+}  // namespace
+
+Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
+    const auto preset = known_preset(known);
+    if (!preset) return preset.error();
+    const auto groups = readable_groups(folder);
+    if (!groups) return groups.error();
+    const PictureGroup* depth = depth_among(*groups);
     if (depth == nullptr)
         return input_error(folder.string() + ": no pictures of depth were found (there are " +
-                           found_there(groups) + "): describe them with --scene FILE (docs/scene_file.md)");
-    const PictureGroup* colour = nullptr;
-    for (const PictureGroup& group : groups)
-        if (colour == nullptr && goes_as_colour(group, *depth) && (group.count == 1) == (depth->count == 1))
-            colour = &group;
+                           found_there(*groups) + "): describe them with --scene FILE (docs/scene_file.md)");
+    const PictureGroup* colour = colour_among(*groups, *depth);
     const auto stored = read_depth(depth->first);
     if (!stored) return stored.error();
-    Guess guess(known, *preset);
+    std::optional<GuessedCameras> cameras;
+    if (!known.intrinsics && !known.fov) {
+        auto found = guess_cameras(folder, depth->pattern, stored->image.width, stored->image.height);
+        if (!found) return found.error();
+        cameras = std::move(*found);
+    }
+    const bool is_arkit = cameras && *preset == nullptr && !known.metres_per_code && holds_words(*stored);
+    Guess guess(known, is_arkit ? preset_named("arkitscenes") : *preset);
+    if (cameras) guess.know_cameras(*cameras);
     if (auto described = guess.describe(folder, *stored); !described)
         return Error{described.error().kind, folder.string() + ": " + described.error().message};
+    if (is_arkit)
+        guess.say(
+            "a code is 1 mm and 0 is no depth, as ARKitScenes has them (--depth-unit METRES says otherwise)");
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
     scene.folder->depth = depth->pattern;
+    if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
+        scene.folder->cameras = cameras->files;
     if (colour != nullptr) scene.folder->colour = colour->pattern;
-    for (const PictureGroup& group : groups)
+    for (const PictureGroup& group : *groups)
         if (has_word(group.pattern, {"haptic"}) && scene.folder->haptic.empty())
             scene.folder->haptic = group.pattern;
     for (const std::string& remark : unusable_lists(folder)) guess.say(remark);
     guess.say("depth is " + depth->pattern +
               (colour != nullptr ? ", colour is " + colour->pattern : ", there is no colour"));
-    if (depth->count > 1) {
-        const auto files = depth_files(folder, *scene.folder);
-        if (!files) return files.error();
-        const auto rate = rate_of(*files);
-        if (rate) scene.rate = *rate;
-        guess.say(short_number(scene.rate.per_second()) + " frames a second" +
-                  (scene.rate.own_times ? " on average, each at its own time"
-                   : rate ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
-                          : ""));
-    }
+    if (depth->count > 1)
+        if (auto timed = guess.find_rate(folder); !timed) return timed.error();
     return guess.made();
 }
 

@@ -11,10 +11,10 @@
 
 namespace touchable {
 
-/// A scene for pictures that have no scene file: what is said and known of them, and guesses for the rest.
+/// A scene for pictures that have no scene file: what is said and known of them, and guesses for the rest,
+/// which its remarks tell.
 struct GuessedScene {
     Scene scene;
-    std::vector<std::string> guesses;           ///< what was assumed, and how to say otherwise
     std::vector<std::filesystem::path> inputs;  ///< files that were read for it, beside pictures
 };
 

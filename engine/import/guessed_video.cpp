@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* otherwise = " (a scene file's video.layout and values say otherwise)";
+constexpr const char* otherwise = "a scene file's video.layout and values say otherwise";
 
 /// What Record3D writes behind the pictures of its MP4: {"intrinsicMatrix": [nine numbers], ...}.
 std::optional<Intrinsics> record3d_camera(const fs::path& file) {
@@ -211,11 +211,11 @@ Result<GuessedScene> VideoGuess::make() {
     scene.name = file_.stem().string();
     scene.rate = (*video)->rate();
     scene.video = source_;
-    guessed->guesses.insert(guessed->guesses.begin(), "guessed: " + std::string(found->what) + otherwise);
+    scene.remarks = joined_remarks({{found->what, true, otherwise}}, scene.remarks);
     if (found->is_hue && !camera)
-        guessed->guesses.push_back(
-            "guessed: red is 0.5 m and the whole circle of hues goes to 1.5 m (a scene file's depth.near and "
-            "far say otherwise, touchable init-scene writes one to begin with)");
+        add_remark(scene.remarks, {"red is 0.5 m and the whole circle of hues goes to 1.5 m", true,
+                                   "a scene file's depth.near and far say otherwise, touchable init-scene "
+                                   "writes one to begin with"});
     return guessed;
 }
 

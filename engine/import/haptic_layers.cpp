@@ -38,7 +38,7 @@ Result<LayerPicture> read_layer(const LinkedFile& link, std::string_view propert
     const Image& image = stored->image;
     if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
     const std::string what = std::string(property) + ": " + link.name;
-    if (image.channels == 3 && !as_grey(image)) notes.push_back(what + " is colour: its red is taken");
+    if (!is_grey(image)) notes.push_back(what + " is colour: its red is taken");
     if (image.channels == 1 && stored->bits > 8)
         notes.push_back(what + " has " + std::to_string(stored->bits) + " bits: 8 are kept");
     if (stored->codec == "mjpeg")
@@ -49,10 +49,18 @@ Result<LayerPicture> read_layer(const LinkedFile& link, std::string_view propert
     return picture;
 }
 
-/// Into one channel of a picture of three.
-void put_channel(const LayerPicture& layer, std::size_t channel, Image& to) {
-    const auto columns = nearest_samples(layer.width, to.width),
-               rows = nearest_samples(layer.height, to.height);
+/// Samples of `from` for each of `to`, by way of a picture of `between`.
+std::vector<int> samples_by_way(int from, int between, int to) {
+    const std::vector<int> first = nearest_samples(from, between);
+    std::vector<int> samples = nearest_samples(between, to);
+    for (int& sample : samples) sample = first[static_cast<std::size_t>(sample)];
+    return samples;
+}
+
+/// Into one channel of a picture of three, which stands for one of `whole`.
+void put_channel(const LayerPicture& layer, std::size_t channel, const TrackInfo& whole, Image& to) {
+    const auto columns = samples_by_way(layer.width, whole.width, to.width),
+               rows = samples_by_way(layer.height, whole.height, to.height);
     std::uint8_t* pixel = to.samples.data() + channel;
     for (const int row : rows)
         for (const int column : columns) {
@@ -60,6 +68,16 @@ void put_channel(const LayerPicture& layer, std::size_t channel, Image& to) {
                                    static_cast<std::size_t>(column)];
             pixel += 3;
         }
+}
+
+/// No larger than what is made of it: a picture of 16000x16000 for a small clip need not be held.
+Image room_for(const TrackInfo& whole, const Scene& scene) {
+    const auto pixels = [](int width, int height) { return std::int64_t{width} * height; };
+    const std::int64_t wanted = pixels(scene.width, scene.height);
+    const bool is_smaller = wanted > 0 && wanted < pixels(whole.width, whole.height);
+    Image image{is_smaller ? scene.width : whole.width, is_smaller ? scene.height : whole.height, 1, 3, {}};
+    image.samples.resize(3 * static_cast<std::size_t>(pixels(image.width, image.height)));
+    return image;
 }
 
 std::string size_words(int width, int height) {
@@ -70,6 +88,7 @@ std::string size_words(int width, int height) {
 
 Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene) {
     std::vector<std::string> notes = std::move(layers.notes);
+    TrackInfo info{"haptic", std::string(format), "rgb24", 0, 0};
     Image joined{0, 0, 1, 3, {}};
     LayerPicture last;
     for (std::size_t k = 0; k < layers.properties.size(); ++k) {
@@ -81,19 +100,21 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
             continue;
         }
         if (last.samples.empty() || !(last.from == *picture)) {
+            last = {};  // two large ones are one too many
             auto read = read_layer(*picture, property, notes);
             if (!read) return read.error();
             last = std::move(*read);
             if (!picture->file.empty()) layers.files.push_back(picture->file);
         }
         if (joined.samples.empty()) {
-            joined = {last.width, last.height, 1, 3, {}};
-            joined.samples.resize(3 * last.samples.size());
+            info.width = last.width;
+            info.height = last.height;
+            joined = room_for(info, scene);
         }
-        if (last.width != joined.width || last.height != joined.height)
+        if (last.width != info.width || last.height != info.height)
             notes.push_back(property + " is " + size_words(last.width, last.height) +
-                            ": resampled to the nearest pixel of " + size_words(joined.width, joined.height));
-        put_channel(last, k, joined);
+                            ": resampled to the nearest pixel of " + size_words(info.width, info.height));
+        put_channel(last, k, info, joined);
         notes.push_back(property + " goes from " + short_number(range.min) + " to " +
                         short_number(range.max) + (k == 0 ? " N/mm" : ""));
     }
@@ -101,8 +122,8 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
     if (sliding.range.max > held.range.max)
         notes.push_back(
             "dynamic friction goes beyond static friction: where it is above, both are as the static one");
+    scene.remarks = joined_remarks(std::move(scene.remarks), layers.remarks);
     scene.haptic = {stiffness.range, held.range, sliding.range};
-    const TrackInfo info{"haptic", std::string(format), "rgb24", joined.width, joined.height};
     return StillPlane{PlaneRole::haptic, plane_from(std::move(joined)), info, std::move(layers.files),
                       std::move(notes)};
 }

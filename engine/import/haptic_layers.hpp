@@ -10,6 +10,7 @@
 #include "engine/import/linked_file.hpp"
 #include "engine/media/still_planes.hpp"
 #include "engine/result.hpp"
+#include "engine/scene/remark.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -24,13 +25,15 @@ struct HapticLayer {
 struct HapticLayers {
     std::array<HapticLayer, 3> properties;
     std::vector<std::string> notes{};
+    std::vector<Remark> remarks{};               ///< what was assumed of their values
     std::vector<std::filesystem::path> files{};  ///< that were read for it, its own first
 };
 inline constexpr std::array<std::string_view, 3> property_names{"stiffness", "static friction",
                                                                 "dynamic friction"};
 
-/// One haptic picture of all layers, of the size of the first that is a picture; others are resampled to the
-/// nearest pixel. Each must be whole: 8 bits are kept of grey, and red of colour. `scene` gets the ranges.
+/// One haptic picture of all layers, of the size of the first that is a picture, or of the scene's where that
+/// is smaller; others are resampled to the nearest pixel. Each must be whole: 8 bits are kept of grey, and
+/// red of colour. `scene` gets the ranges, and the remarks.
 Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene);
 
 }  // namespace touchable

@@ -79,9 +79,9 @@ bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
     if (type->second != "disparity" || !take_disparities(photo, {*least, *most})) return false;
     const auto accuracy = xmp.find("depthData:Accuracy");
     if (accuracy != xmp.end() && accuracy->second == "relative")
-        photo.notes.push_back(
-            "its depths are right among each other, says the camera; in metres they may be larger or smaller "
-            "all together");
+        add_remark(photo.remarks,
+                   {"its depths are right among each other, says the camera; in metres they may be "
+                    "larger or smaller all together"});
     return true;
 }
 
@@ -89,24 +89,24 @@ bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
 bool describe_by_codec(const heif_depth_representation_info& info, DepthPhoto& photo) {
     const auto type = info.depth_representation_type;
     if (type == heif_depth_representation_type_nonuniform_disparity) {
-        photo.notes.push_back(
-            "its disparities are spaced unevenly, by a table that is not read: they are taken as even");
+        add_remark(
+            photo.remarks,
+            {"its disparities are spaced unevenly, by a table that is not read: they are taken as even"});
         return false;
     }
     if (info.has_z_near && info.has_z_far && info.z_near > 0 && is_range(info.z_near, info.z_far)) {
         const bool is_linear = type == heif_depth_representation_type_uniform_Z;
         set_depths(photo, is_linear ? DepthCodingKind::linear : DepthCodingKind::inverse, !is_linear,
                    info.z_near, info.z_far);
-        photo.notes.push_back(
-            std::string("guessed: lengths are metres") +
-            (is_linear ? " and small values are near, as values grow evenly with depth" : "") +
-            " (a scene file says otherwise)");
+        add_remark(photo.remarks,
+                   {std::string("lengths are metres") +
+                        (is_linear ? " and small values are near, as values grow evenly with depth" : ""),
+                    true});
         return true;
     }
     if (!info.has_d_min || !info.has_d_max || !take_disparities(photo, {info.d_min, info.d_max}))
         return false;
-    photo.notes.push_back(
-        "guessed: its disparities are 1/metres, as Apple writes them (a scene file says otherwise)");
+    add_remark(photo.remarks, {"its disparities are 1/metres, as Apple writes them", true});
     return true;
 }
 

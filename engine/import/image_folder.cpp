@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "engine/import/depth_values.hpp"
+#include "engine/import/frame_cameras.hpp"
+#include "engine/import/number_words.hpp"
 #include "engine/import/picture_files.hpp"
 #include "engine/import/still_maps.hpp"
 #include "engine/media/codecs.hpp"
@@ -35,6 +37,7 @@ public:
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return count_; }
     const std::vector<std::string>& notes() const override { return notes_; }
+    std::span<const Camera> frame_cameras() const override { return cameras_; }
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override;
@@ -60,6 +63,7 @@ private:
         return files.front() == files.back() ? files.front().string() : folder_.string();
     }
     Result<void> find_files();
+    Result<void> read_cameras(const PictureFiles& depth);
     Result<void> read_first();
     Result<void> look_at_all();
     Result<void> find_far_plane();
@@ -71,6 +75,7 @@ private:
     Scene scene_;
     std::vector<Track> tracks_;  // depth is the first
     std::vector<TrackInfo> infos_;
+    std::vector<Camera> cameras_;  // of the frames; empty: the scene's
     std::vector<std::string> notes_;
     std::int64_t count_ = 0;
     std::int64_t number_ = 0;  // of the frame that `next` gives
@@ -105,8 +110,34 @@ Result<void> ImageFolderReader::find_files() {
             if (inputs().empty() || inputs().back() != file) add_input(file);
         tracks_.push_back({role, std::move(found->files), role == PlaneRole::depth ? *stack : nullptr});
     }
+    if (!source.cameras.empty())
+        if (auto read = read_cameras(*depth); !read) return read;
     count_ = static_cast<std::int64_t>(depth->count());
-    if (std::exchange(scene_.rate_unstated, false)) scene_.rate = own_rate_of(*depth).value_or(scene_.rate);
+    if (!std::exchange(scene_.rate_unstated, false)) return {};
+    scene_.rate = own_rate_of(*depth).value_or(scene_.rate);
+    if (const std::string why = unusable_times(*depth); !why.empty())
+        notes_.push_back(why + ": played at " + short_number(scene_.rate.per_second()) +
+                         " frames a second (the scene's rate says otherwise)");
+    return {};
+}
+
+/// The scene's camera stays, or is their median where it has none.
+Result<void> ImageFolderReader::read_cameras(const PictureFiles& depth) {
+    auto found = camera_files(folder_, *scene_.folder, depth);
+    if (!found) return found.error();
+    if (!found->remark.empty()) notes_.push_back(found->remark);
+    if (!found->list.empty()) add_input(found->list);
+    for (const auto& file : found->files)
+        if (inputs().empty() || inputs().back() != file) add_input(file);
+    auto cameras = read_frame_cameras(found->files, scene_.width, scene_.height);
+    if (!cameras) return cameras.error();
+    if (std::exchange(scene_.camera_from_frames, false)) {
+        scene_.camera = median_camera(*cameras);
+        notes_.push_back("the camera is the median of those of the frames");
+    }
+    const bool differ = std::any_of(cameras->begin(), cameras->end(),
+                                    [&](const Camera& camera) { return !(camera == scene_.camera); });
+    if (differ) cameras_ = std::move(*cameras);
     return {};
 }
 

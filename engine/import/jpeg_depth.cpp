@@ -141,7 +141,7 @@ Result<void> JpegDepth::describe_unit() {
     if (unit == "mm" || unit == "millimeters") {
         photo_.metres_per_unit = 0.001;
     } else if (unit == "none") {
-        photo_.notes.push_back("guessed: lengths are metres (a scene file says otherwise)");
+        add_remark(photo_.remarks, {"lengths are metres", true});
     } else if (unit != "m" && unit != "meters") {
         return refuse("its " + std::string(prefix_) + "Units is " + in_quotes(*written) +
                       ": must be m (Meters) or mm");

@@ -68,7 +68,7 @@ Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDe
     constexpr double millimetre = 0.001;
     if (!said.metres_per_code && said.preset.empty()) said.metres_per_code = millimetre;
     std::optional<K4aCameras> cameras;
-    std::vector<std::string> notes;
+    std::vector<Remark> remarks;
     const bool is_told = said.intrinsics || said.fov;
     if (const auto text = (*demuxer)->attachment(calibration_file); text && !is_told) {
         auto read = parse_k4a_calibration(*text, *depth_size, colour_size,
@@ -80,7 +80,7 @@ Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDe
             return input_error(file.string() + ": its " + calibration_file +
                                ": the depth camera's focal lengths must be above 0");
         said.intrinsics = Intrinsics{camera.fx, camera.fy, camera.cx, camera.cy};
-        notes.push_back("the cameras are those of the recording's calibration.json");
+        add_remark(remarks, {"the cameras are those of the recording's calibration.json"});
     }
     auto guessed = guess_scene(file.parent_path(), *first, said);
     if (!guessed) return Error{guessed.error().kind, file.string() + ": " + guessed.error().message};
@@ -94,10 +94,11 @@ Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDe
         scene.colour_camera = cameras->colour;
     }
     if (colour_size && !scene.colour_camera)
-        notes.push_back("colour is not brought onto depth's pixels, as nothing says how its camera stands");
+        add_remark(remarks,
+                   {"colour is not brought onto depth's pixels, as nothing says how its camera stands"});
     if (auto valid = validate(scene); !valid)
         return input_error(file.string() + ": its " + calibration_file + ": " + valid.error().message);
-    guessed->guesses.insert(guessed->guesses.begin(), notes.begin(), notes.end());
+    scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
     return guessed;
 }
 

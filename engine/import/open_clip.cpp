@@ -102,8 +102,7 @@ Opened open_video(const Candidate& candidate) {
         auto guessed = is_azure_kinect(candidate) ? guess_k4a(candidate.file, candidate.known)
                                                   : guess_video(candidate.file, candidate.known);
         if (!guessed) return guessed.error();
-        return with_inputs(open_video_clip(folder, guessed->scene, std::move(guessed->guesses)),
-                           guessed->inputs);
+        return with_inputs(open_video_clip(folder, guessed->scene), guessed->inputs);
     }
     Scene scene = *candidate.scene;
     scene.folder.reset();
@@ -136,9 +135,7 @@ Opened open_picture(const Candidate& candidate) {
                            {own->file});
     auto guessed = guess_picture(candidate.file, candidate.known);
     if (!guessed) return guessed.error();
-    return with_inputs(
-        open_bare_picture(candidate.file, std::move(guessed->scene), std::move(guessed->guesses)),
-        guessed->inputs);
+    return with_inputs(open_bare_picture(candidate.file, std::move(guessed->scene)), guessed->inputs);
 }
 
 /// With depth in its metadata, or of depth itself where somebody says what it is.
@@ -248,8 +245,7 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
     if (has_own) return open_described(folder, own);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
-    return with_inputs(open_image_folder(folder, guessed->scene, std::move(guessed->guesses)),
-                       guessed->inputs);
+    return with_inputs(open_image_folder(folder, guessed->scene), guessed->inputs);
 }
 
 /// With the pixels of depth and colour as they are stored.
@@ -310,6 +306,10 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,
                                               const std::optional<SourceDescription>& known) {
     auto reader = open_stored(path, scene_file, known);
+    if (reader && (*reader)->scene().camera_from_frames)
+        return input_error(
+            (scene_file ? *scene_file : path).string() +
+            ": camera is missing: must be given, as folder.cameras are of the pictures of its folder alone");
     return reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader);
 }
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
+#include "engine/import/number_words.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -54,11 +56,8 @@ private:
     std::size_t digits_ = 1;
 };
 
-bool is_numbered(const std::string& pattern) {
-    return pattern.find('%') != std::string::npos;
-}
 bool is_list(const std::string& pattern) {
-    return pattern.ends_with(".txt");
+    return pattern.ends_with(".txt") && pattern.find('*') == std::string::npos;
 }
 
 bool is_file(const fs::path& file) {
@@ -66,22 +65,31 @@ bool is_file(const fs::path& file) {
     return fs::is_regular_file(file, ignored);
 }
 
-Error missing(const fs::path& file, PlaneRole role, std::size_t frame, const std::string& more) {
-    return input_error(file.string() + " (" + std::string(role_name(role)) + ", frame " +
-                       std::to_string(frame) + "): is missing" + more);
+Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
+    return input_error(file.string() + " (" + std::string(what) + ", frame " + std::to_string(frame) +
+                       "): is missing" + more);
 }
 
-/// Where depth's picture of number `expected` is missing and later ones are there: which numbers are missing.
-std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected, bool is_first) {
+/// Where depth's first picture is missing and later ones are there.
+std::string first_of(const fs::path& folder, const Numbered& pattern, std::int64_t expected) {
     const auto later = pattern.numbers(folder, expected);
+    return later.empty() ? ""
+                         : "; the first that is there is number " + std::to_string(later.front()) +
+                               ": give folder.first";
+}
+
+/// Where depth's picture of number `expected` is missing and later ones of its row are there: which numbers
+/// are missing.
+std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected,
+                   std::int64_t step) {
+    auto later = pattern.numbers(folder, expected);
+    std::erase_if(later, [&](std::int64_t number) { return (number - expected) % step != 0; });
     if (later.empty()) return "";
-    if (is_first)
-        return "; the first that is there is number " + std::to_string(later.front()) + ": give folder.first";
     std::string gaps;
     for (const std::int64_t number : later) {
         if (number > expected) gaps += (gaps.empty() ? "" : ", ") + std::to_string(expected);
-        if (number > expected + 1) gaps += " to " + std::to_string(number - 1);
-        expected = number + 1;
+        if (number > expected + step) gaps += " to " + std::to_string(number - step);
+        expected = number + step;
     }
     return ", though later ones exist up to number " + std::to_string(later.back()) +
            "; missing numbers: " + printable(gaps, 120);
@@ -90,8 +98,9 @@ std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t
 Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& source) {
     const Numbered pattern(source.depth);
     PictureFiles found;
-    for (std::int64_t number = source.first; source.count == 0 || number < source.first + source.count;
-         ++number) {
+    const std::int64_t step = source.step;
+    for (std::int64_t number = source.first; source.count == 0 || number < source.first + step * source.count;
+         number += step) {
         const fs::path file = pattern.file(folder, number);
         if (is_file(file)) {
             found.files.push_back(file);
@@ -99,9 +108,9 @@ Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& 
         }
         const bool is_first = number == source.first;
         if (is_first || source.count > 0)
-            return missing(file, PlaneRole::depth, found.count(),
-                           is_first && source.count == 0 ? beyond(folder, pattern, number, true) : "");
-        const std::string later = beyond(folder, pattern, number, false);
+            return missing(file, "depth", found.count(),
+                           is_first && source.count == 0 ? first_of(folder, pattern, number) : "");
+        const std::string later = beyond(folder, pattern, number, step);
         if (!later.empty())
             found.remark = "ends after " + std::to_string(found.count()) +
                            " frames: " + file.filename().string() + " is missing" + later;
@@ -284,14 +293,14 @@ std::size_t nearest_key(const std::vector<double>& keys, double key) {
 
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
     auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
-    if (found) found->remark = close_times(*found, pattern);
+    if (found && rate_of(*found)) found->remark = close_times(*found, pattern);
     return found;
 }
 
 Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
     if (is_numbered(source.depth)) return numbered_files(folder, source);
     if (is_still(source.depth)) {
-        if (!is_file(folder / source.depth)) return missing(folder / source.depth, PlaneRole::depth, 0, "");
+        if (!is_file(folder / source.depth)) return missing(folder / source.depth, "depth", 0, "");
         return PictureFiles{{folder / source.depth}, {}, false, {}, {}};
     }
     auto found = found_files(folder, source.depth);
@@ -310,20 +319,30 @@ Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& sou
     return found;
 }
 
-Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const FolderSource& source,
-                                  const PictureFiles& depth) {
-    const std::string& pattern = pattern_of(source, role);
+namespace {
+
+/// Files that go with depth's.
+struct FilesBeside {
+    std::string_view what;
+    const std::string& pattern;
+    const PictureNumbers& numbers;
+};
+
+Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sought,
+                                  const FolderSource& source, const PictureFiles& depth) {
+    const auto& [what, pattern, own] = sought;
     PictureFiles beside;
     if (is_numbered(pattern)) {
         const Numbered numbered(pattern);
+        const std::int64_t first = own.first.value_or(source.first), step = own.step.value_or(source.step);
         for (std::size_t frame = 0; frame < depth.count(); ++frame) {
-            beside.files.push_back(numbered.file(folder, source.first + static_cast<std::int64_t>(frame)));
-            if (!is_file(beside.files.back())) return missing(beside.files.back(), role, frame, "");
+            beside.files.push_back(numbered.file(folder, first + step * static_cast<std::int64_t>(frame)));
+            if (!is_file(beside.files.back())) return missing(beside.files.back(), what, frame, "");
         }
         return beside;
     }
     if (is_still(pattern)) {
-        if (!is_file(folder / pattern)) return missing(folder / pattern, role, 0, "");
+        if (!is_file(folder / pattern)) return missing(folder / pattern, what, 0, "");
         beside.files.assign(depth.count(), folder / pattern);
         return beside;
     }
@@ -335,10 +354,22 @@ Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const 
         beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame])
                                                    : std::min(frame, found->count() - 1)]);
     if (!by_key && found->count() != depth.count())
-        beside.remark = std::string(role_name(role)) + " has " + std::to_string(found->count()) +
-                        " pictures for depth's " + std::to_string(depth.count()) +
-                        ": paired in their order, from the first on";
+        beside.remark = std::string(what) + " has " + std::to_string(found->count()) + " files for depth's " +
+                        std::to_string(depth.count()) + ": paired in their order, from the first on";
     return beside;
+}
+
+}  // namespace
+
+Result<PictureFiles> files_beside(const fs::path& folder, PlaneRole role, const FolderSource& source,
+                                  const PictureFiles& depth) {
+    return paired_files(folder, {role_name(role), pattern_of(source, role), numbers_of(source, role)}, source,
+                        depth);
+}
+
+Result<PictureFiles> camera_files(const fs::path& folder, const FolderSource& source,
+                                  const PictureFiles& depth) {
+    return paired_files(folder, {"cameras", source.cameras, source.camera_numbers}, source, depth);
 }
 
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
@@ -358,6 +389,18 @@ std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
 std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
     const auto seconds = seconds_of(pictures);
     return seconds ? rate_of_seconds(*seconds) : std::nullopt;
+}
+
+std::string unusable_times(const PictureFiles& pictures) {
+    if (pictures.list.empty() || pictures.keys.size() < 2 || rate_of(pictures)) return "";
+    const std::string list = "the times of " + printable(pictures.list.filename().string()) + " are ";
+    const auto seconds = seconds_of(pictures);
+    if (!seconds)
+        return list +
+               "whole numbers that only count (times are seconds with a point, or milli-, micro- or "
+               "nanoseconds since 1970)";
+    const double mean = seconds->back() / static_cast<double>(seconds->size() - 1);
+    return list + short_number(mean) + " s apart on average, as no frames are (times are seconds)";
 }
 
 std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {

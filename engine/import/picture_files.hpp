@@ -32,6 +32,10 @@ Result<PictureFiles> depth_files(const std::filesystem::path& folder, const Fold
 Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole role,
                                   const FolderSource& source, const PictureFiles& depth);
 
+/// The file of `source.cameras` for each of `depth`, paired likewise.
+Result<PictureFiles> camera_files(const std::filesystem::path& folder, const FolderSource& source,
+                                  const PictureFiles& depth);
+
 /// The files of a star pattern or a list alone.
 Result<PictureFiles> found_files(const std::filesystem::path& folder, const std::string& pattern);
 
@@ -44,6 +48,8 @@ std::size_t nearest_key(const std::vector<double>& keys, double key);
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds);
 /// The same of pictures whose keys are times.
 std::optional<FrameRate> rate_of(const PictureFiles& pictures);
+/// Why the times of a list are of no use; empty where they are, and where there is no list of times.
+std::string unusable_times(const PictureFiles& pictures);
 /// Their own times wherever they can be, however even: to a clip that was written as a list not a nanosecond
 /// is lost.
 std::optional<FrameRate> own_rate_of(const PictureFiles& pictures);

@@ -26,6 +26,10 @@ bool is_picture(const fs::path& file) {
     return std::find(std::begin(extensions), std::end(extensions), extension) != std::end(extensions);
 }
 
+bool is_camera_of_frame(const fs::path& file) {
+    return file.extension() == ".pincam";
+}
+
 constexpr const char* list_names[] = {"rgb.txt", "color.txt", "colour.txt", "depth.txt"};
 
 /// A name with a star for its last number: a run of digits, or two with a point between them.
@@ -44,19 +48,40 @@ std::string starred(const std::string& name) {
     return name.substr(0, begin) + "*" + name.substr(end);
 }
 
-void add_pictures(const fs::path& folder, const std::string& within,
-                  std::map<std::string, PictureGroup>& groups, std::size_t& entries) {
+using Wanted = bool (*)(const fs::path&);
+
+void add_files(const fs::path& folder, const std::string& within, Wanted is_wanted,
+               std::map<std::string, PictureGroup>& groups, std::size_t& entries) {
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder / within, ignored)) {
         if (++entries > most_entries) return;
         const std::string name = entry.path().filename().string();
         std::error_code failure;
-        if (name.starts_with(".") || name.find_first_of("%*") != std::string::npos || !is_picture(name) ||
+        if (name.starts_with(".") || name.find_first_of("%*") != std::string::npos || !is_wanted(name) ||
             !entry.is_regular_file(failure))
             continue;
         PictureGroup& group = groups[within + starred(name)];
         if (group.count++ == 0 || entry.path() < group.first) group.first = entry.path();
     }
+}
+
+/// Of the folder itself and of those in it, largest first.
+std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
+    std::map<std::string, PictureGroup> found;
+    std::size_t entries = 0;
+    add_files(folder, "", is_wanted, found, entries);
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.is_directory(ignored))
+            add_files(folder, entry.path().filename().string() + "/", is_wanted, found, entries);
+    std::vector<PictureGroup> groups;
+    for (auto& [pattern, group] : found) {
+        group.pattern = group.count > 1 ? pattern : group.first.lexically_relative(folder).string();
+        groups.push_back(std::move(group));
+    }
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const PictureGroup& a, const PictureGroup& b) { return a.count > b.count; });
+    return groups;
 }
 
 }  // namespace
@@ -78,20 +103,8 @@ std::vector<std::string> unusable_lists(const fs::path& folder) {
 }
 
 std::vector<PictureGroup> picture_groups(const fs::path& folder) {
-    std::map<std::string, PictureGroup> found;
-    std::size_t entries = 0;
-    add_pictures(folder, "", found, entries);
+    std::vector<PictureGroup> groups = groups_of(folder, is_picture);
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (entry.is_directory(ignored))
-            add_pictures(folder, entry.path().filename().string() + "/", found, entries);
-    std::vector<PictureGroup> groups;
-    for (auto& [pattern, group] : found) {
-        group.pattern = group.count > 1 ? pattern : group.first.lexically_relative(folder).string();
-        groups.push_back(std::move(group));
-    }
-    std::stable_sort(groups.begin(), groups.end(),
-                     [](const PictureGroup& a, const PictureGroup& b) { return a.count > b.count; });
     // TUM's lists pair pictures by their times.
     for (const char* list : list_names)
         if (fs::is_regular_file(folder / list, ignored))
@@ -99,6 +112,10 @@ std::vector<PictureGroup> picture_groups(const fs::path& folder) {
                 listed.ok() && is_picture(listed->files.front()))
                 groups.insert(groups.begin(), {list, listed->files.front(), listed->count()});
     return groups;
+}
+
+std::vector<PictureGroup> camera_groups(const fs::path& folder) {
+    return groups_of(folder, is_camera_of_frame);
 }
 
 }  // namespace touchable

@@ -18,6 +18,9 @@ struct PictureGroup {
 /// those that they name.
 std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
 
+/// Likewise the files with the cameras of frames (ARKitScenes' .pincam).
+std::vector<PictureGroup> camera_groups(const std::filesystem::path& folder);
+
 /// Of lists there that cannot be used: why not.
 std::vector<std::string> unusable_lists(const std::filesystem::path& folder);
 

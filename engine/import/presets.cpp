@@ -17,6 +17,7 @@ const Preset presets[] = {
     {"icl", "ICL-NUIM: 5000 codes a metre", {481.2, 480, 319.5, 239.5, 640, 480}, 0, 1.0 / 5000},
     {"7scenes", "7-Scenes: millimetres, 65535 is none", {585, 585, 320, 240, 640, 480}, 0, 0.001, 65535},
     {"scannet", "ScanNet: millimetres", {577.87, 577.87, 319.5, 239.5, 640, 480}, 0, 0.001},
+    {"arkitscenes", "ARKitScenes: millimetres, with the camera of each frame (.pincam)", {}, 60, 0.001},
     {"nyu",
      "NYU Depth, raw: disparities of a Kinect with their bytes swapped",
      {582.62, 582.69, 313.04, 238.44, 640, 480},

@@ -76,7 +76,7 @@ Result<StillPlane> haptic_picture(const std::filesystem::path& file, std::string
 
 /// A length for white where the scene has none: a level, but no more than half of the nearest depth. Metric
 /// codes begin at next to nothing; those that no height could be taken off become no depth.
-void give_height(Scene& scene, std::vector<std::string>& notes) {
+void give_height(Scene& scene) {
     HeightCoding& height = scene.height_coding;
     DepthCoding& depth = scene.depth;
     const bool in_levels = depth.kind == DepthCodingKind::linear;
@@ -84,8 +84,8 @@ void give_height(Scene& scene, std::vector<std::string>& notes) {
     if (depth.kind == DepthCodingKind::metric && depth.near < 2 * length) {
         depth.near = 2 * length;
         derive_valid_range(depth);
-        notes.push_back("depths below " + short_number(depth.near * scene.metres_per_unit * 1000) +
-                        " mm are taken for none, so that heights have room before the camera");
+        add_remark(scene.remarks, {"depths below " + short_number(depth.near * scene.metres_per_unit * 1000) +
+                                   " mm are taken for none, so that heights have room before the camera"});
     }
     length = std::min(length, depth.nearest_depth() / 2);
     height.units = in_levels ? HeightUnits::levels : HeightUnits::world;
@@ -125,13 +125,16 @@ Result<StillPlane> read_height_map(const std::filesystem::path& file, Scene& sce
     const bool is_stated = scene.height_coding.max_height > 0;
     if (!is_stated) {
         scene.height_coding.code_max = static_cast<std::uint16_t>((1 << stored->bits) - 1);
-        give_height(scene, still.notes);
+        give_height(scene);
     }
-    still.notes.push_back(
-        "white in " + file.string() + " is " +
+    const std::string white =
+        "white in " + file.filename().string() + " is " +
         short_number(largest_height(scene.height_coding, scene.depth) * scene.metres_per_unit * 1000) +
-        (is_stated ? " mm high, as height_map says"
-                   : " mm high: taken to be; height_map.max in a scene file says otherwise"));
+        " mm high";
+    if (is_stated)
+        still.notes.push_back(white + ", as height_map says");
+    else
+        add_remark(scene.remarks, {white, true, "height_map.max in a scene file says otherwise"});
     still.plane = plane_from(std::move(stored->image), stored->bits);
     return still;
 }

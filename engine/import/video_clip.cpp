@@ -21,8 +21,8 @@ std::string size_text(int width, int height) {
 
 class VideoReader final : public ClipReader {
 public:
-    VideoReader(std::filesystem::path folder, const Scene& scene, std::vector<std::string> notes)
-        : folder_(std::move(folder)), scene_(scene), source_(*scene.video), notes_(std::move(notes)) {}
+    VideoReader(std::filesystem::path folder, const Scene& scene)
+        : folder_(std::move(folder)), scene_(scene), source_(*scene.video) {}
     Result<void> open();
 
     const Scene& scene() const override { return scene_; }
@@ -254,9 +254,8 @@ bool begins_like_video(std::string_view begin) {
     return std::find(std::begin(boxes), std::end(boxes), box) != std::end(boxes);
 }
 
-Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
-                                                    std::vector<std::string> notes) {
-    auto reader = std::make_unique<VideoReader>(folder, scene, std::move(notes));
+Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene) {
+    auto reader = std::make_unique<VideoReader>(folder, scene);
     if (auto opened = reader->open(); !opened) return opened.error();
     StillMaps maps;
     if (!scene.video->haptic.empty()) maps.haptic = folder / scene.video->haptic;

@@ -16,8 +16,7 @@ namespace touchable {
 /// AVI.
 bool begins_like_video(std::string_view begin);
 
-/// The video, or the two, that the scene's VideoSource names in `folder`. `notes` as for open_image_folder.
-Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
-                                                    std::vector<std::string> notes = {});
+/// The video, or the two, that the scene's VideoSource names in `folder`.
+Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene);
 
 }  // namespace touchable

@@ -168,11 +168,12 @@ void SurfaceReader::add_notes(bool relative, HapticLayers& layers) const {
         layers.notes.push_back(name + " has " + std::to_string(nodes_.with_maps.size()) +
                                " HapticTexturesSurface nodes with maps: the first is taken");
     if (relative)
-        layers.notes.push_back(
-            "stiffness of " + name + " is relative to a device's largest: 1 is taken for " +
-            short_number(unit_) +
-            " N/mm, the upper end of haptic.stiffness in the clip's scene file, which says it otherwise; or "
-            "useRelativeValues='false' and N/m");
+        add_remark(layers.remarks,
+                   {"stiffness of " + file_.filename().string() +
+                        " is relative to a device's largest: 1 is taken for " + short_number(unit_) + " N/mm",
+                    true,
+                    "the upper end of haptic.stiffness in the clip's scene file says it "
+                    "otherwise; or useRelativeValues='false' and N/m"});
     if (map_of(surface_, "dampingMap")) layers.notes.push_back("dampingMap of " + name + " is not used");
     if (surface_.parent().child("TextureTransform"))
         layers.notes.push_back("TextureTransform of " + name +

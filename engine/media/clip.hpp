@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,8 +35,12 @@ public:
     virtual const std::vector<TrackInfo>& tracks() const = 0;
     /// As the container says; nullopt where only reading would tell.
     virtual std::optional<std::int64_t> frame_count() const = 0;
-    /// What a person should know: planes resampled, far plane found in the frames, defaults assumed.
+    /// What a person should know beside the scene's remarks: planes resampled, far plane found in the frames,
+    /// defaults assumed.
     virtual const std::vector<std::string>& notes() const = 0;
+    /// The camera of each frame as it is stored, where some have another than the scene's; otherwise none.
+    /// (`open_clip` gives all frames the scene's.)
+    virtual std::span<const Camera> frame_cameras() const { return {}; }
     /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error names file, track
     /// and frame.
     virtual Result<std::optional<RawFrame>> next() = 0;
@@ -82,6 +87,9 @@ enum class Archive {
     fast,   ///< quick to decode
     small,  ///< few bytes: for each plane the coding that takes fewer
 };
+
+/// All a person should know of a clip: what was guessed or remarked of its scene, then the reader's notes.
+std::vector<std::string> told_of(const ClipReader& clip);
 
 /// How a clip's pictures are stored. Depth, haptic and height always keep every value.
 struct ClipStorage {

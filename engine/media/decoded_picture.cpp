@@ -1,6 +1,11 @@
 #include "engine/media/decoded_picture.hpp"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <cstring>
 
 namespace touchable {
@@ -12,9 +17,9 @@ const AVPixFmtDescriptor& descriptor(const AVFrame& frame) {
     return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
 }
 
-Image rgb_of_size(const AVFrame& frame) {
-    Image image{frame.width, frame.height, 1, 3, {}};
-    image.samples.resize(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height) * 3);
+Image rgb_of_size(int width, int height) {
+    Image image{width, height, 1, 3, {}};
+    image.samples.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
     return image;
 }
 
@@ -22,10 +27,11 @@ std::uint8_t* row_of(Image& image, int y) {
     return image.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) * 3;
 }
 
-Image rgb_of_palette(const AVFrame& frame) {
-    Image image = rgb_of_size(frame);
-    for (int y = 0; y < frame.height; ++y) {
-        const std::uint8_t* from = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+Image rgb_of_palette(const AVFrame& frame, int first, int count) {
+    Image image = rgb_of_size(frame.width, count);
+    for (int y = 0; y < count; ++y) {
+        const std::uint8_t* from =
+            frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * (first + y);
         std::uint8_t* to = row_of(image, y);
         for (int x = 0; x < frame.width; ++x, to += 3) {
             std::uint32_t entry;  // 0xAARRGGBB in host order
@@ -37,12 +43,12 @@ Image rgb_of_palette(const AVFrame& frame) {
 }
 
 /// As H.264 has it; apart from the general way because it is quicker.
-Image rgb_of_planes(const AVFrame& frame) {
-    Image image = rgb_of_size(frame);
-    for (int y = 0; y < frame.height; ++y) {
+Image rgb_of_planes(const AVFrame& frame, int first, int count) {
+    Image image = rgb_of_size(frame.width, count);
+    for (int y = 0; y < count; ++y) {
         const std::uint8_t* planes[3];
         for (int c = 0; c < 3; ++c)
-            planes[c] = frame.data[c] + static_cast<std::ptrdiff_t>(frame.linesize[c]) * y;
+            planes[c] = frame.data[c] + static_cast<std::ptrdiff_t>(frame.linesize[c]) * (first + y);
         std::uint8_t* to = row_of(image, y);
         for (int x = 0; x < frame.width; ++x, to += 3) {
             to[0] = planes[2][x];
@@ -115,20 +121,40 @@ Image joined_bytes(const PlaneView& bytes) {
 }
 
 Image rgb_exact(const AVFrame& frame) {
-    if (frame.format == AV_PIX_FMT_PAL8) return rgb_of_palette(frame);
-    if (frame.format == AV_PIX_FMT_GBRP) return rgb_of_planes(frame);
+    return rgb_rows(frame, 0, frame.height);
+}
+
+Image rgb_rows(const AVFrame& frame, int first, int count) {
+    if (frame.format == AV_PIX_FMT_PAL8) return rgb_of_palette(frame, first, count);
+    if (frame.format == AV_PIX_FMT_GBRP) return rgb_of_planes(frame, first, count);
     const AVPixFmtDescriptor& format = descriptor(frame);
-    Image image = rgb_of_size(frame);
+    Image image = rgb_of_size(frame.width, count);
     for (int c = 0; c < 3; ++c) {
         const AVComponentDescriptor& samples = format.comp[c];
         const std::ptrdiff_t stride = frame.linesize[samples.plane], step = samples.step;
-        for (int y = 0; y < frame.height; ++y) {
-            const std::uint8_t* from = frame.data[samples.plane] + stride * y + samples.offset;
+        for (int y = 0; y < count; ++y) {
+            const std::uint8_t* from = frame.data[samples.plane] + stride * (first + y) + samples.offset;
             std::uint8_t* to = row_of(image, y) + c;
             for (int x = 0; x < frame.width; ++x) to[3 * x] = from[step * x];
         }
     }
     return image;
+}
+
+void drop_rows(AVFrame& frame, int first, int count) {
+    static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    const AVPixFmtDescriptor& format = descriptor(frame);
+    const bool has_palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
+    if (format.log2_chroma_h != 0) return;  // rows of other planes are not these
+    for (int plane = 0; plane < (has_palette ? 1 : AV_NUM_DATA_POINTERS) && frame.data[plane]; ++plane) {
+        const auto stride = static_cast<std::uintptr_t>(std::max(frame.linesize[plane], 0));
+        const auto begin = std::bit_cast<std::uintptr_t>(frame.data[plane]) +
+                           stride * static_cast<std::uintptr_t>(first),
+                   end = begin + stride * static_cast<std::uintptr_t>(count);
+        const auto first_page = (begin + page - 1) / page * page, last_page = end / page * page;
+        if (first_page < last_page)
+            madvise(std::bit_cast<void*>(first_page), last_page - first_page, MADV_DONTNEED);
+    }
 }
 
 bool RgbConverter::set_up_for(const AVFrame& frame) {

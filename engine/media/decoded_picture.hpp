@@ -30,6 +30,12 @@ Image joined_bytes(const PlaneView& bytes);
 
 /// 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
 Image rgb_exact(const AVFrame& frame);
+/// The same of `count` rows from `first` on.
+Image rgb_rows(const AVFrame& frame, int first, int count);
+
+/// Gives these rows' memory back to the system, as far as it is whole pages: nobody may read them again. Of
+/// a frame that nobody else has.
+void drop_rows(AVFrame& frame, int first, int count);
 /// 8-bit RGB of any colour format, rounded where the format is not RGB. Keeps what it has set up for frames
 /// of one kind.
 class RgbConverter {

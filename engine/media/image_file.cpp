@@ -70,16 +70,24 @@ Result<PacketPtr> encode_png(const AVFrame& frame, PngEffort effort) {
 
 }  // namespace
 
+bool is_grey(const Image& image) {
+    if (image.channels == 1) return true;
+    const auto bytes = static_cast<std::size_t>(image.bytes_per_sample);
+    for (std::size_t at = 0; at < image.samples.size(); at += 3 * bytes)
+        if (std::memcmp(image.samples.data() + at, image.samples.data() + at + bytes, 2 * bytes) != 0)
+            return false;
+    return true;
+}
+
 std::optional<Image> as_grey(const Image& image) {
     if (image.channels == 1) return image;
+    if (!is_grey(image)) return std::nullopt;
     const auto bytes = static_cast<std::size_t>(image.bytes_per_sample);
     Image grey{image.width, image.height, image.bytes_per_sample, 1, {}};
     grey.samples.resize(image.samples.size() / 3);
     const std::uint8_t* from = image.samples.data();
-    for (std::size_t at = 0; at < grey.samples.size(); at += bytes, from += 3 * bytes) {
-        if (std::memcmp(from, from + bytes, 2 * bytes) != 0) return std::nullopt;
+    for (std::size_t at = 0; at < grey.samples.size(); at += bytes, from += 3 * bytes)
         std::memcpy(grey.samples.data() + at, from, bytes);
-    }
     return grey;
 }
 

@@ -30,6 +30,8 @@ struct Image {
 
 /// A picture as stored: grey of 8 or 16 bits, or RGB of 8; palettes become RGB, alpha is dropped.
 Result<Image> read_image(const std::filesystem::path& file);
+/// Whether red, green and blue are the same everywhere.
+bool is_grey(const Image& image);
 /// Grey, or grey that is stored as RGB: red, green and blue the same everywhere. Nothing of colour.
 std::optional<Image> as_grey(const Image& image);
 /// Lossless. Grey of 8 or 16 bits, or RGB of 8. Whoever owns `file` commits it.

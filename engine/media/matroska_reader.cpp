@@ -60,6 +60,9 @@ private:
     std::int64_t timestamp_of(int stream, std::int64_t frame) const;
     Result<bool> read_plane(Track& track, RawFrame& frame);
     Result<void> check_time(const TrackThread& track, std::int64_t timestamp);
+    double longest_gap() const;
+    std::int64_t pictures_of_depth() const;
+    Error refuse_times() const;
     Result<std::optional<RawFrame>> read();
     Result<void> check_end(const std::vector<std::string>& present,
                            const std::vector<std::string>& ended) const;
@@ -262,11 +265,12 @@ Result<void> MatroskaReader::describe() {
     const std::optional<double> end_s = demuxer_->pictures_end();
     if (!end_s) return refuse("was never completed: it has no duration");
     constexpr double rounding = 0.002;
-    if (recorded_rate_.own_times && seconds_of(static_cast<std::int64_t>(recorded_rate_.own_times->size()) -
-                                               1) > *end_s - origin_seconds_ + rounding)
-        return refuse("its " + std::string(clip_tags::times_file) + " has the times of " +
-                      std::to_string(recorded_rate_.own_times->size()) +
-                      " frames, the last after the pictures end: must be one for each frame");
+    if (recorded_rate_.own_times) {
+        const auto listed = static_cast<std::int64_t>(recorded_rate_.own_times->size());
+        const double left = *end_s - origin_seconds_ - seconds_of(listed - 1);  // for the last of them
+        if (left < -rounding) return refuse_times();
+        if (left > longest_gap() + rounding && pictures_of_depth() > listed) return refuse_times();
+    }
     promised_ = recorded_rate_.own_times
                     ? static_cast<std::int64_t>(recorded_rate_.own_times->size())
                     : std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
@@ -354,6 +358,31 @@ std::int64_t MatroskaReader::timestamp_of(int stream, std::int64_t frame) const 
     return std::llround((origin_seconds_ + seconds_of(frame)) / tick_of(stream));
 }
 
+double MatroskaReader::longest_gap() const {
+    const auto& times_ns = *recorded_rate_.own_times;
+    std::int64_t longest = 0;
+    for (std::size_t n = 1; n < times_ns.size(); ++n)
+        longest = std::max(longest, times_ns[n] - times_ns[n - 1]);
+    return static_cast<double>(longest) / ns_per_second;
+}
+
+/// By going through the whole file once more; as many as can be read.
+std::int64_t MatroskaReader::pictures_of_depth() const {
+    const auto file = Demuxer::open_matroska(file_);
+    if (!file) return 0;
+    const int stream = tracks_.front().pictures->stream();
+    (*file)->select(stream);
+    std::int64_t count = 0;
+    for (auto packet = (*file)->next(stream); packet && *packet; packet = (*file)->next(stream)) ++count;
+    return count;
+}
+
+Error MatroskaReader::refuse_times() const {
+    return refuse("its " + std::string(clip_tags::times_file) + " has the times of " +
+                  std::to_string(recorded_rate_.own_times->size()) + " frames, but depth has " +
+                  std::to_string(pictures_of_depth()) + " pictures: must be one time for each");
+}
+
 /// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
 Result<void> MatroskaReader::check_time(const TrackThread& track, std::int64_t timestamp) {
     const double seconds = static_cast<double>(timestamp) * tick_of(track.stream());
@@ -361,6 +390,8 @@ Result<void> MatroskaReader::check_time(const TrackThread& track, std::int64_t t
     const double expected = seconds_of(number_);
     constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
     if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding) return {};
+    const auto& own = recorded_rate_.own_times;
+    if (own && number_ >= static_cast<std::int64_t>(own->size())) return refuse_times();
     return input_error(track.name() + ", frame " + std::to_string(number_) +
                        ": is missing, or not at its time: the picture found there is stamped " +
                        std::to_string(seconds - origin_seconds_) + " s instead of " +

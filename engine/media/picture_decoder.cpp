@@ -1,7 +1,18 @@
 #include "engine/media/picture_decoder.hpp"
 
+#include <chrono>
+#include <condition_variable>
 #include <cstring>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
 #include <utility>
+#include <vector>
+
+#include "engine/start_thread.hpp"
+#include "engine/stop_request.hpp"
 
 extern "C" {
 #include <libavutil/imgutils.h>
@@ -40,16 +51,22 @@ bool is_cut(AVCodecID codec, std::string_view bytes) {
 /// What the header of a PNG says that its decoder keeps to itself.
 struct PngHeader {
     int bits = 8;
+    std::uint64_t pixels = 0;
     bool grey = false, interlaced = false;
     bool made_after = false;  ///< FFmpeg makes its samples of others once all are decoded
 };
 
 PngHeader png_header(std::string_view png) {
     constexpr std::size_t end = 33;  // of signature and IHDR, which comes first
-    if (png.size() < end) return {};
+    if (png.size() < end || codec_of(png) != AV_CODEC_ID_PNG) return {};
     const auto byte = [&](std::size_t at) { return static_cast<int>(static_cast<unsigned char>(png[at])); };
+    const auto side = [&](std::size_t at) {
+        return static_cast<std::uint64_t>(byte(at) << 8 | byte(at + 1)) << 16 |
+               static_cast<std::uint64_t>(byte(at + 2) << 8 | byte(at + 3));
+    };
     PngHeader header;
     header.bits = byte(24);
+    header.pixels = side(16) * side(20);
     header.grey = byte(25) == 0 || byte(25) == 4;
     header.interlaced = byte(28) != 0;
     const bool palette = byte(25) == 3;
@@ -77,8 +94,8 @@ public:
             if (row[k] != noise(k)) return false;
         return true;
     }
-    static bool same(const AVFrame& a, const AVFrame& b) {
-        return std::memcmp(row_of(a), row_of(b), static_cast<std::size_t>(row_bytes(a))) == 0;
+    static std::vector<std::uint8_t> copy(const AVFrame& frame) {
+        return {row_of(frame), row_of(frame) + row_bytes(frame)};
     }
 
 private:
@@ -116,15 +133,66 @@ Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPa
     return frame;
 }
 
+/// A tenth of a second or more.
+bool takes_long(const AVPacket& packet) {
+    const std::string_view bytes(reinterpret_cast<const char*>(packet.data),
+                                 static_cast<std::size_t>(packet.size));
+    constexpr std::uint64_t many_pixels = 1 << 24;
+    constexpr std::size_t large_file = 4 << 20;
+    return png_header(bytes).pixels >= many_pixels || bytes.size() >= large_file;
+}
+
+/// A picture that is decoded on a thread of its own.
+struct Decoding {
+    std::string where;
+    AVCodecID codec;
+    PacketPtr packet;
+    std::optional<LastRow> last_row;
+    std::mutex mutex{};
+    std::condition_variable is_done{};
+    std::optional<Result<FramePtr>> frame{};  // guarded by mutex
+
+    void run() {
+        auto decoded = decode(where, codec, *packet, last_row ? &*last_row : nullptr);
+        const std::lock_guard lock(mutex);
+        frame.emplace(std::move(decoded));
+        is_done.notify_one();
+    }
+};
+
+/// FFmpeg decodes a picture in one go, which takes seconds of the largest. Whoever asks the program to stop
+/// does not wait for them: the thread, which has all that it needs, then comes to its end alone.
+Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec, const AVPacket& packet,
+                                       std::optional<LastRow> last_row) {
+    if (!takes_long(packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
+    const auto decoding =
+        std::shared_ptr<Decoding>(new Decoding{where, codec, PacketPtr(av_packet_clone(&packet)), last_row});
+    if (!decoding->packet) return no_memory();
+    std::thread thread;
+    if (auto started = start_thread(thread, "that decodes a picture", [decoding] { decoding->run(); });
+        !started)
+        return started.error();
+    thread.detach();
+    std::unique_lock lock(decoding->mutex);
+    constexpr std::chrono::milliseconds look_again{50};  // a signal sets a flag and wakes nobody
+    while (!decoding->is_done.wait_for(lock, look_again, [&] { return decoding->frame.has_value(); }))
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    return std::move(*decoding->frame);
+}
+
 /// A PNG is decoded once more, over other noise, where its last row is the noise, or was made of what was
 /// decoded and may have been noise: no row that was decoded depends on it.
 Result<FramePtr> decode_png(const std::string& where, const AVPacket& packet, const PngHeader& header) {
-    LastRow noise(1), other(2);
-    auto frame = decode(where, AV_CODEC_ID_PNG, packet, &noise);
-    if (!frame || !(header.made_after || noise.untouched(**frame))) return frame;
-    const auto again = decode(where, AV_CODEC_ID_PNG, packet, &other);
-    if (!again) return again.error();
-    if (LastRow::same(**frame, **again)) return frame;
+    const LastRow noise(1), other(2);
+    std::vector<std::uint8_t> last_row;
+    {
+        auto frame = decode_unless_stopped(where, AV_CODEC_ID_PNG, packet, noise);
+        if (!frame || !(header.made_after || noise.untouched(**frame))) return frame;
+        last_row = LastRow::copy(**frame);
+    }
+    auto again = decode_unless_stopped(where, AV_CODEC_ID_PNG, packet, other);
+    if (!again || LastRow::copy(**again) == last_row) return again;
     return input_error(where + ": is damaged: its data end before the picture does");
 }
 
@@ -137,9 +205,9 @@ Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string&
     if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
     const auto packet = packet_of(bytes);
     if (!packet) return packet.error();
-    const PngHeader header = codec == AV_CODEC_ID_PNG ? png_header(bytes) : PngHeader{};
+    const PngHeader header = png_header(bytes);
     auto frame = codec == AV_CODEC_ID_PNG ? decode_png(where, **packet, header)
-                                          : decode(where, codec, **packet, nullptr);
+                                          : decode_unless_stopped(where, codec, **packet, std::nullopt);
     if (!frame) return frame.error();
     return DecodedPicture{std::move(*frame), codec, header.grey ? header.bits : 8, header.interlaced};
 }

@@ -192,6 +192,12 @@ std::string& pattern_of(FolderSource& source, PlaneRole role) {
     return const_cast<std::string&>(pattern_of(std::as_const(source), role));
 }
 
+const PictureNumbers& numbers_of(const FolderSource& source, PlaneRole role) {
+    return role == PlaneRole::colour   ? source.colour_numbers
+           : role == PlaneRole::haptic ? source.haptic_numbers
+                                       : source.height_numbers;
+}
+
 Plane plane_from(Image image, int bits) {
     const auto owned = std::make_shared<const Image>(std::move(image));
     return {owned->view(), owned, bits};

@@ -28,6 +28,9 @@ const PlaneView& plane_of(const RawFrame& frame, PlaneRole role);
 std::string& pattern_of(FolderSource& source, PlaneRole role);
 const std::string& pattern_of(const FolderSource& source, PlaneRole role);
 
+/// Of colour, haptic and height: numbers of their own.
+const PictureNumbers& numbers_of(const FolderSource& source, PlaneRole role);
+
 /// Samples and what keeps them alive.
 struct Plane {
     PlaneView view;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@ public:
     const std::vector<TrackInfo>& tracks() const override { return reader_->tracks(); }
     std::optional<std::int64_t> frame_count() const override { return reader_->frame_count(); }
     const std::vector<std::string>& notes() const override { return reader_->notes(); }
+    std::span<const Camera> frame_cameras() const override { return reader_->frame_cameras(); }
     Result<std::optional<RawFrame>> next() override { return reader_->next(); }
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override { return reader_->seek(frame); }

@@ -59,9 +59,9 @@ Result<void> StillPlanesReader::lay(StillPlane still) {
     notes_.push_back(file + " is " + std::string(role_name(still.role)) + " of every frame" +
                      (replaces ? ", in place of the clip's own" : ""));
     std::move(still.notes.begin(), still.notes.end(), std::back_inserter(notes_));
-    const PlaneView& view = still.plane.view;
-    if (view.width != scene_.width || view.height != scene_.height)
-        notes_.push_back(resampling_note(still.role, view.width, view.height, scene_));
+    const TrackInfo& stored = still.info;
+    if (stored.width != scene_.width || stored.height != scene_.height)
+        notes_.push_back(resampling_note(still.role, stored.width, stored.height, scene_));
     auto fitted = fit_plane(still.role, std::move(still.plane), scene_, file);
     if (!fitted) return fitted.error();
     planes_.emplace_back(still.role, std::move(*fitted));

@@ -15,7 +15,7 @@ namespace touchable {
 /// A picture that serves all frames of a clip.
 struct StillPlane {
     PlaneRole role = PlaneRole::haptic;
-    Plane plane;                                 ///< of any size
+    Plane plane;                                 ///< of any size: as stored, or resampled already
     TrackInfo info;                              ///< how it is stored
     std::vector<std::filesystem::path> files{};  ///< that it was read from, the one that was named first
     std::vector<std::string> notes{};

@@ -13,6 +13,7 @@
 
 #include "engine/media/number_picture.hpp"
 #include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -200,7 +201,7 @@ private:
     Image rgb_;
 };
 
-enum class TiffOutcome { read, damaged, coloured };
+enum class TiffOutcome { read, damaged, coloured, interrupted };
 
 TiffOutcome read_tiles(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) {
     std::uint32_t across = 0, down = 0;
@@ -213,6 +214,7 @@ TiffOutcome read_tiles(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels)
     std::vector<char> tile(static_cast<std::size_t>(size));
     for (std::uint32_t y = 0; y < layout.height; y += down)
         for (std::uint32_t x = 0; x < layout.width; x += across) {
+            if (stop_requested()) return TiffOutcome::interrupted;
             if (TIFFReadEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, 0), tile.data(), size) != size)
                 return TiffOutcome::damaged;
             if (!pixels.put(static_cast<int>(x), static_cast<int>(y), tile.data(),
@@ -229,6 +231,7 @@ TiffOutcome read_rows(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) 
     std::vector<char> row(static_cast<std::size_t>(size));
     const int width = static_cast<int>(layout.width);
     for (std::uint32_t y = 0; y < layout.height; ++y) {
+        if (stop_requested()) return TiffOutcome::interrupted;
         if (TIFFReadScanline(tiff, row.data(), y, 0) != 1) return TiffOutcome::damaged;
         if (!pixels.put(0, static_cast<int>(y), row.data(), width, 1, width)) return TiffOutcome::coloured;
     }
@@ -266,6 +269,8 @@ Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where
             return tiff_damage(file, where);
         case TiffOutcome::coloured:
             return input_error(where + ": is in colour of 16 bits: must be grey, or RGB of 8 bits");
+        case TiffOutcome::interrupted:
+            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
         case TiffOutcome::read:
             break;
     }

@@ -22,6 +22,7 @@ struct Camera {
         const double a = u(x), b = v(y);
         return std::sqrt(a * a + b * b + 1.0);
     }
+    bool operator==(const Camera&) const = default;
 };
 
 /// The paper's camera (Eq. 3): square pixels of `pixel_width`, same unit as `focal_length`; its lower-left

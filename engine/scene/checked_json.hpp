@@ -38,6 +38,7 @@ public:
 
     /// Refuses what is not an object, and members other than these.
     void allow_only(const std::vector<std::string>& legal) const;
+    bool is_object() const { return value_.is_object(); }
     bool has(const char* member) const { return value_.contains(member); }  ///< false where this is no object
     Node operator[](const char* member) const;                              ///< a member that must be there
 

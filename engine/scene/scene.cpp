@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "engine/printable.hpp"
 #include "engine/scene/terraces.hpp"
@@ -269,6 +271,21 @@ Result<void> check_pattern(const std::string& member, const std::string& pattern
         "\"depth/*.png\"; a list, such as \"depth.txt\"; or the name of a single picture");
 }
 
+constexpr int largest_number = 999'999'999;
+
+/// A star's files and a list's are paired with depth's, and not counted.
+Result<void> check_numbers(const std::string& member, const std::string& pattern,
+                           const PictureNumbers& numbers) {
+    if (numbers.any() && !is_numbered(pattern))
+        return input_error(member + (numbers.first ? ".first" : ".step") + " is " +
+                           text(numbers.first ? *numbers.first : *numbers.step) +
+                           ": must be left out, because " + in_quotes(pattern) +
+                           " has no field of digits, such as %06d");
+    return first_refusal(
+        [&] { return check_within(member + ".first", numbers.first.value_or(0), 0, largest_number); },
+        [&] { return check_within(member + ".step", numbers.step.value_or(1), 1, largest_number); });
+}
+
 /// A still has one picture of each kind. (One of materials may serve a row of depths.)
 Result<void> check_still(const FolderSource& folder) {
     for (const auto& [member, name] :
@@ -287,19 +304,42 @@ Result<void> check_still(const FolderSource& folder) {
     return {};
 }
 
+Result<void> check_cameras(const FolderSource& folder) {
+    if (folder.cameras.empty() && !folder.camera_numbers.any()) return {};
+    if (auto check = check_pattern("folder.cameras", folder.cameras); !check) return check;
+    if (is_still(folder.cameras))
+        return input_error("folder.cameras is " + in_quotes(folder.cameras) +
+                           ": must be a file for each frame, such as \"cameras/%06d.json\", "
+                           "\"cameras/*.pincam\" or a list, \"cameras.txt\"; one of all frames is the "
+                           "scene's camera");
+    return check_numbers("folder.cameras", folder.cameras, folder.camera_numbers);
+}
+
 Result<void> check_folder(const FolderSource& folder) {
     if (auto depth = check_pattern("folder.depth", folder.depth); !depth) return depth;
-    const std::pair<const char*, const std::string&> optional_planes[] = {
-        {"folder.colour", folder.colour}, {"folder.haptic", folder.haptic}, {"folder.height", folder.height}};
-    for (const auto& [member, pattern] : optional_planes) {
-        if (pattern.empty()) continue;
+    const std::tuple<const char*, const std::string&, const PictureNumbers&> optional_planes[] = {
+        {"folder.colour", folder.colour, folder.colour_numbers},
+        {"folder.haptic", folder.haptic, folder.haptic_numbers},
+        {"folder.height", folder.height, folder.height_numbers}};
+    for (const auto& [member, pattern, numbers] : optional_planes) {
+        if (pattern.empty() && !numbers.any()) continue;
         if (auto check = check_pattern(member, pattern); !check) return check;
+        if (auto check = check_numbers(member, pattern, numbers); !check) return check;
     }
-    constexpr int largest_number = 999'999'999;
+    if (auto cameras = check_cameras(folder); !cameras) return cameras;
+    const PictureNumbers of_depth{{}, folder.step == 1 ? std::optional<int>() : folder.step};
+    if (auto step = check_numbers("folder.depth", folder.depth, of_depth); !step) return step;
     if (auto first = check_within("folder.first", folder.first, 0, largest_number); !first) return first;
-    if (auto count = check_within("folder.count", folder.count, 0, largest_number - folder.first); !count)
-        return count;
+    const int most = (largest_number - folder.first) / folder.step;
+    if (auto count = check_within("folder.count", folder.count, 0, most); !count) return count;
     return check_still(folder);
+}
+
+Result<void> check_one_focal_length(const Scene& scene) {
+    const bool differ = scene.folder && !scene.folder->cameras.empty();
+    if (!differ || scene.stored.kind != StoredDepth::Kind::disparity) return {};
+    return input_error("folder.cameras is " + in_quotes(scene.folder->cameras) +
+                       ": must be left out, because depth.coding is disparity, which is of one focal length");
 }
 
 Result<void> check_video(const Scene& scene) {
@@ -328,6 +368,10 @@ Result<void> check_video(const Scene& scene) {
 
 bool is_still(std::string_view pattern) {
     return pattern.find_first_of("%*") == std::string_view::npos && !pattern.ends_with(".txt");
+}
+
+bool is_numbered(std::string_view pattern) {
+    return pattern.find('%') != std::string_view::npos;
 }
 
 VideoValues usual_values(DepthCodingKind kind) {
@@ -363,6 +407,7 @@ Result<void> validate(const Scene& scene) {
                        : Result<void>{};
         },
         [&] { return scene.folder ? check_folder(*scene.folder) : Result<void>{}; },
+        [&] { return check_one_focal_length(scene); },
         [&] { return scene.video ? check_video(scene) : Result<void>{}; });
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/result.hpp"
 #include "engine/scene/camera.hpp"
@@ -12,6 +13,7 @@
 #include "engine/scene/depth_coding.hpp"
 #include "engine/scene/frame_rate.hpp"
 #include "engine/scene/lens.hpp"
+#include "engine/scene/remark.hpp"
 
 namespace touchable {
 
@@ -87,6 +89,14 @@ struct UnstatedFilters {
 };
 inline constexpr UnstatedFilters all_unstated{true, true, true, true, true};
 
+/// Numbers of a plane whose pictures are not numbered as depth's are. What is left out is as of depth.
+struct PictureNumbers {
+    std::optional<int> first{};
+    std::optional<int> step{};
+    bool any() const { return first.has_value() || step.has_value(); }
+    bool operator==(const PictureNumbers&) const = default;
+};
+
 /// Files of a folder of images: a pattern with one printf-like field of digits ("depth_%04d.png"), or with
 /// one star ("depth/*.png": all there are, in order), or a list of them (".txt": a line each, a time before
 /// the name where it has one). Where depth is none of these it names a still: a clip of one frame. Stills
@@ -95,10 +105,17 @@ struct FolderSource {
     std::string depth, colour, haptic, height;  ///< empty: no such plane; depth is required
     int first = 0;                              ///< number of the first image
     int count = 0;                              ///< 0: as many as there are without a gap
+    int step = 1;                               ///< from one frame's number to the next one's, 1 or more
+    PictureNumbers colour_numbers{}, haptic_numbers{}, height_numbers{};
+    /// Files with the camera of each frame, where it changes: numbered, with a star, or a list. Empty: none.
+    std::string cameras{};
+    PictureNumbers camera_numbers{};
 };
 
 /// Whether a pattern names a single picture.
 bool is_still(std::string_view pattern);
+/// Whether it has a field of digits.
+bool is_numbered(std::string_view pattern);
 
 /// Where depth is in each picture of a video. Colour is the other half.
 enum class VideoLayout { alone, left, right, top, bottom };
@@ -138,11 +155,15 @@ struct StoredDepth {
 /// What a clip means. Everything but the pictures.
 struct Scene {
     std::string name;
-    int width = 0, height = 0;  ///< of the depth plane, 1 to 16384 pixels
+    std::vector<Remark> remarks{};  ///< for people: what was guessed of the rest; changes nothing
+    int width = 0, height = 0;      ///< of the depth plane, 1 to 16384 pixels
     FrameRate rate;
     bool rate_unstated = false;  ///< the frames' own times stand then, as whoever reads them finds them
     double metres_per_unit = 0.001;
     Camera camera;
+    /// No camera but those of `folder.cameras`: the reader takes their median, and clears this. Until then
+    /// `camera` is only one that could be.
+    bool camera_from_frames = false;
     LensDistortion
         lens;  ///< of depth as it is stored; whoever opens a clip undoes it (registered_colour.hpp)
     /// Of colour as it is stored; without it colour has depth's pixels. Whoever opens a clip brings it there.

@@ -3,52 +3,19 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/scene/checked_json.hpp"
+#include "engine/scene/folder_json.hpp"
+#include "engine/scene/scene_words.hpp"
 
 namespace touchable {
 namespace {
 
 using checked_json::Node;
-
-/// What `depth.coding` can be: a coding of codes, or of what the frames settle to be one.
-struct Coding {
-    DepthCodingKind kind;
-    StoredDepth::Kind stored = StoredDepth::Kind::codes;
-    bool operator==(const Coding&) const = default;
-};
-constexpr std::pair<const char*, Coding> coding_names[] = {
-    {"linear", {DepthCodingKind::linear}},
-    {"inverse", {DepthCodingKind::inverse}},
-    {"metric", {DepthCodingKind::metric}},
-    {"hue", {DepthCodingKind::hue}},
-    {"disparity", {DepthCodingKind::inverse, StoredDepth::Kind::disparity}},
-    {"relative", {DepthCodingKind::linear, StoredDepth::Kind::relative}},
-    {"relative-inverse", {DepthCodingKind::inverse, StoredDepth::Kind::relative}}};
-constexpr std::pair<const char*, bool> byte_order_names[] = {{"plain", false}, {"swapped", true}};
-constexpr std::pair<const char*, DepthSemantics> semantics_names[] = {{"range", DepthSemantics::range},
-                                                                      {"planar", DepthSemantics::planar}};
-constexpr std::pair<const char*, bool> near_is_high_names[] = {{"high", true}, {"low", false}};
-constexpr std::pair<const char*, HeightUnits> unit_names[] = {{"levels", HeightUnits::levels},
-                                                              {"world", HeightUnits::world}};
-constexpr std::pair<const char*, FrameInterpolation> interpolation_names[] = {
-    {"hold", FrameInterpolation::hold}, {"linear", FrameInterpolation::linear}};
-constexpr std::pair<const char*, VideoLayout> layout_names[] = {{"alone", VideoLayout::alone},
-                                                                {"left", VideoLayout::left},
-                                                                {"right", VideoLayout::right},
-                                                                {"top", VideoLayout::top},
-                                                                {"bottom", VideoLayout::bottom}};
-constexpr std::pair<const char*, VideoValues> value_names[] = {
-    {"grey", VideoValues::grey}, {"mean", VideoValues::mean}, {"hue", VideoValues::hue}};
-
-constexpr std::pair<const char*, bool> temporal_names[] = {{"off", false}, {"on", true}};
-constexpr std::pair<const char*, TerraceRemoval> terrace_names[] = {
-    {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
-
-// --- reading ---
+using namespace scene_words;
 
 void check_version(const Node& version) {
     if (version.integer(1, std::numeric_limits<int>::max()) > scene_format_version)
@@ -234,18 +201,6 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
 }
 
-FolderSource read_folder(const Node& node) {
-    node.allow_only({"depth", "colour", "haptic", "height", "first", "count"});
-    FolderSource folder;
-    folder.depth = node["depth"].text();
-    if (node.has("colour")) folder.colour = node["colour"].text();
-    if (node.has("haptic")) folder.haptic = node["haptic"].text();
-    if (node.has("height")) folder.height = node["height"].text();
-    if (node.has("first")) folder.first = node["first"].whole();
-    if (node.has("count")) folder.count = node["count"].whole();
-    return folder;
-}
-
 VideoSource read_video(const Node& node, const Scene& scene) {
     node.allow_only({"depth", "colour", "haptic", "height", "layout", "values"});
     VideoSource video;
@@ -259,21 +214,36 @@ VideoSource read_video(const Node& node, const Scene& scene) {
     return video;
 }
 
+std::vector<Remark> read_remarks(const Node& node) {
+    const std::string right = "an array of at most " + std::to_string(most_remarks) + " texts";
+    std::vector<Remark> remarks;
+    for (const Node& remark : node.elements(0, most_remarks, right)) {
+        const std::string text = remark.text();
+        if (text.size() > longest_remark)
+            remark.refuse("a text of at most " + std::to_string(longest_remark) + " bytes");
+        remarks.push_back(remark_of_text(text));
+    }
+    return remarks;
+}
+
 Scene read_scene(const Node& node) {
     check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
                      "colour_camera", "depth", "height_map", "haptic", "default_properties", "hole_stiffness",
                      "filter", "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
     Scene scene;
-    if (node.has("remarks"))
-        for (const Node& remark : node["remarks"].elements(0, 1000, "an array of texts")) remark.text();
+    if (node.has("remarks")) scene.remarks = read_remarks(node["remarks"]);
     if (node.has("name")) scene.name = node["name"].text();
     scene.width = node["width"].whole();
     scene.height = node["height"].whole();
     scene.rate_unstated = !node.has("rate");
     if (node.has("rate")) scene.rate = read_rate(node["rate"]);
     if (node.has("metres_per_unit")) scene.metres_per_unit = node["metres_per_unit"].number();
-    read_camera(node["camera"], scene);
+    scene.camera_from_frames = !node.has("camera") && node.has("folder") && node["folder"].has("cameras");
+    if (scene.camera_from_frames)
+        scene.camera = {1.0 * scene.width, 1.0 * scene.width, 0.5 * scene.width, 0.5 * scene.height};
+    else
+        read_camera(node["camera"], scene);
     if (node.has("colour_camera")) scene.colour_camera = read_colour_camera(node["colour_camera"]);
     read_depth(node["depth"], scene);
     if (node.has("height_map")) read_height_map(node["height_map"], scene.height_coding);
@@ -289,117 +259,6 @@ Scene read_scene(const Node& node) {
     if (node.has("folder")) scene.folder = read_folder(node["folder"]);
     if (node.has("video")) scene.video = read_video(node["video"], scene);
     return scene;
-}
-
-// --- writing ---
-
-/// Members stay in the order a person would write them.
-using OrderedJson = nlohmann::ordered_json;
-
-template <class Choice, std::size_t n>
-const char* name_of(const std::pair<const char*, Choice> (&choices)[n], Choice sought) {
-    for (const auto& [name, choice] : choices)
-        if (choice == sought) return name;
-    return "";
-}
-
-OrderedJson write_camera(const Camera& camera, const LensDistortion& lens) {
-    OrderedJson json = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
-    if (lens.any()) json["distortion"] = lens.terms;
-    return json;
-}
-
-OrderedJson write_colour_camera(const ColourCamera& colour) {
-    OrderedJson json = {{"width", colour.width}, {"height", colour.height}};
-    json.update(write_camera(colour.camera, colour.lens));
-    const auto& r = colour.from_depth.rotation;
-    const auto& t = colour.from_depth.translation;
-    json["from_depth"] = {r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2], 0, 0, 0, 1};
-    return json;
-}
-
-OrderedJson write_depth(const Scene& scene) {
-    const DepthCoding& depth = scene.depth;
-    const StoredDepth& stored = scene.stored;
-    const bool metric = depth.kind == DepthCodingKind::metric;
-    const bool disparity = stored.kind == StoredDepth::Kind::disparity;
-    OrderedJson json = {{"coding", name_of(coding_names, Coding{depth.kind, stored.kind})},
-                        {"semantics", name_of(semantics_names, depth.semantics)}};
-    if (metric) json["scale"] = depth.scale;
-    if (disparity)
-        json.update({{"baseline", stored.baseline}, {"scale", stored.scale}, {"offset", stored.offset}});
-    if (!disparity) json["near"] = depth.near;
-    if (!scene.far_from_frames && !disparity) json["far"] = depth.far;
-    json["bits"] = scene.depth_bits;
-    if (stored.bytes_swapped) json["bytes"] = "swapped";
-    if (stored.rotated > 0) json["rotated"] = stored.rotated;
-    if (!disparity) json["code_max"] = depth.code_max;
-    if (!metric && !disparity) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
-    if (depth.kind == DepthCodingKind::hue) json["least_sum"] = depth.least_sum;
-    json["invalid"] =
-        std::vector<int>(depth.invalid_codes.begin(), depth.invalid_codes.begin() + depth.invalid_code_count);
-    return json;
-}
-
-OrderedJson write_height_map(const HeightCoding& height) {
-    int bits = 8;
-    while ((1 << bits) - 1 < height.code_max) ++bits;
-    return {{"max", height.max_height}, {"units", name_of(unit_names, height.units)}, {"bits", bits}};
-}
-
-OrderedJson write_range(const PropertyRange& range) {
-    return OrderedJson::array({range.min, range.max});
-}
-
-OrderedJson write_default_properties(const HapticProperties& properties) {
-    // Not every double in N/m is a thousand times a double; those are written in N/m.
-    OrderedJson json;
-    const double in_n_per_mm = properties.stiffness / 1000.0;
-    if (in_n_per_mm * 1000.0 == properties.stiffness)
-        json["stiffness"] = in_n_per_mm;
-    else
-        json["stiffness_n_per_m"] = properties.stiffness;
-    json["static_friction"] = properties.static_friction;
-    json["dynamic_friction"] = properties.dynamic_friction;
-    return json;
-}
-
-/// Filters that the scene leaves open stay open.
-OrderedJson write_filter(const Scene& scene) {
-    const FilterSettings& filter = scene.filter;
-    const UnstatedFilters& open = scene.unstated;
-    OrderedJson json = OrderedJson::object();
-    if (!open.median) json["median"] = filter.median;
-    if (!open.fill_holes) json["fill_holes"] = filter.fill_holes;
-    if (!open.terraces) json["terraces"] = name_of(terrace_names, filter.terraces);
-    if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
-    if (filter.levels != DepthLength{}) json["levels"] = {filter.levels.constant, filter.levels.quadratic};
-    if (!open.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
-    if (filter.temporal_noise != DepthLength{})
-        json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
-    if (!open.flying_pixels)
-        json["flying_pixels"] = {filter.flying_pixels.constant, filter.flying_pixels.quadratic};
-    return json;
-}
-
-OrderedJson write_folder(const FolderSource& folder) {
-    OrderedJson json = {{"depth", folder.depth}};
-    if (!folder.colour.empty()) json["colour"] = folder.colour;
-    if (!folder.haptic.empty()) json["haptic"] = folder.haptic;
-    if (!folder.height.empty()) json["height"] = folder.height;
-    json["first"] = folder.first;
-    json["count"] = folder.count;
-    return json;
-}
-
-OrderedJson write_video(const VideoSource& video) {
-    OrderedJson json = {{"depth", video.depth}};
-    if (!video.colour.empty()) json["colour"] = video.colour;
-    if (!video.haptic.empty()) json["haptic"] = video.haptic;
-    if (!video.height.empty()) json["height"] = video.height;
-    json["layout"] = name_of(layout_names, video.layout);
-    json["values"] = name_of(value_names, video.values);
-    return json;
 }
 
 }  // namespace
@@ -437,30 +296,6 @@ Result<Scene> read_scene_file(const std::filesystem::path& file) {
                            ": cannot be read: must be a scene file (JSON, docs/scene_file.md)");
     text.resize(static_cast<std::size_t>(stream.gcount()));
     return parse_scene(text, file.string());
-}
-
-std::string scene_to_json(const Scene& scene, const std::vector<std::string>& remarks) {
-    OrderedJson json = {{"touchable_scene", scene_format_version}};
-    if (!remarks.empty()) json["remarks"] = remarks;
-    json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
-    if (!scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
-    json.update(
-        {{"metres_per_unit", scene.metres_per_unit}, {"camera", write_camera(scene.camera, scene.lens)}});
-    if (scene.colour_camera) json["colour_camera"] = write_colour_camera(*scene.colour_camera);
-    json.update({{"depth", write_depth(scene)},
-                 {"height_map", write_height_map(scene.height_coding)},
-                 {"haptic",
-                  {{"stiffness", write_range(scene.haptic.stiffness)},
-                   {"static_friction", write_range(scene.haptic.static_friction)},
-                   {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
-                 {"default_properties", write_default_properties(scene.default_properties)},
-                 {"filter", write_filter(scene)},
-                 {"interpolation", name_of(interpolation_names, scene.interpolation)}});
-    if (scene.hole_stiffness) json["hole_stiffness"] = *scene.hole_stiffness;
-    if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;
-    if (scene.folder) json["folder"] = write_folder(*scene.folder);
-    if (scene.video) json["video"] = write_video(*scene.video);
-    return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace touchable

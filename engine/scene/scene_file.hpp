@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
@@ -18,7 +17,7 @@ Result<Scene> parse_scene(std::string_view json, std::string_view where);
 Result<Scene> read_scene_file(const std::filesystem::path& file);
 
 /// The same description as text; parse_scene gives back the same scene, every double to its last bit.
-/// `remarks` are for people, and parse_scene passes them over.
-std::string scene_to_json(const Scene& scene, const std::vector<std::string>& remarks = {});
+/// (Of a remark what says otherwise is not kept.)
+std::string scene_to_json(const Scene& scene);
 
 }  // namespace touchable

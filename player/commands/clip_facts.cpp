@@ -61,7 +61,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     facts.chosen = clip->chosen;
     facts.tracks = clip->reader->tracks();
     facts.frames = clip->reader->frame_count();
-    facts.notes = clip->reader->notes();
+    facts.notes = told_of(*clip->reader);
     add_first_frame(**first, facts);
     if (facts.chosen) {
         facts.measured = facts.chosen->measured;

@@ -13,7 +13,7 @@ namespace touchable {
 
 /// What was done, for a person.
 struct Converted {
-    std::vector<std::string> notes;  ///< the reader's
+    std::vector<std::string> notes;  ///< what is told of the clip that was read
     Scene scene;                     ///< of what was written
     std::vector<TrackInfo> tracks;   ///< that it has
     std::int64_t frames = 0;

@@ -3,7 +3,7 @@
 #include <iostream>
 #include <utility>
 
-#include "engine/printable.hpp"
+#include "engine/scene/remark.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/window/window_loop.hpp"
 
@@ -143,10 +143,10 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
 /// What nobody said of the clip: one who touches it is to know that its size may be another.
 void WindowLoop::tell_guesses() {
     bool any = false;
-    for (const std::string& note : clip_->notes()) {
-        if (!note.starts_with("guessed: ")) continue;
+    for (const Remark& remark : clip_->scene().remarks) {
+        if (!remark.is_guess) continue;
         any = true;
-        std::cerr << "touchable: " << printable(note, 500) << '\n';
+        std::cerr << "touchable: " << remark_in_words(remark) << '\n';
     }
     if (any && !kiosk_)
         say(clip_->is_camera()

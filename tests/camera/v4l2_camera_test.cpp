@@ -114,7 +114,7 @@ TEST_F(Camera, WithoutATimeOfItsOwnIsTimedByArrival) {
     add().timestamps = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
     const auto camera = running();
     std::string notes;
-    for (const std::string& note : camera->notes()) notes += note + '\n';
+    for (const std::string& note : told_of(*camera)) notes += note + '\n';
     EXPECT_NE(notes.find("count from their arrival"), std::string::npos) << notes;
     const auto zero = steady_clock::now();
     std::int64_t before = 0;
@@ -318,7 +318,7 @@ TEST_F(Camera, SaysWhatItAssumes) {
     // The last thousandth of 8 pictures of 20x12 pixels is one pixel and a part: the second deepest.
     EXPECT_NEAR(scene.depth.far, 2 * 0.001 * (500 + (w - 1) + 3 * (h - 1) + 7 * 7 - 1), 1e-9);
     std::string notes;
-    for (const std::string& note : (*camera)->notes()) notes += note + '\n';
+    for (const std::string& note : told_of(**camera)) notes += note + '\n';
     for (const char* fragment : {"RealSense(TM) Depth Ca: Z16, 20x12 at 30 frames/s", "--preset realsense",
                                  "79 degrees", "deeper than 1.2 m is no depth"})
         EXPECT_NE(notes.find(fragment), std::string::npos) << fragment << " is not in\n" << notes;

@@ -25,7 +25,7 @@ std::filesystem::path kept_bag(const std::string& name) {
 
 std::string all_notes(const ClipReader& reader) {
     std::string all;
-    for (const std::string& note : reader.notes()) all += note + "\n";
+    for (const std::string& note : told_of(reader)) all += note + "\n";
     return all;
 }
 void expect_note(const ClipReader& reader, const std::string& words) {
@@ -152,7 +152,7 @@ TEST(Bag, ItsGuessedSceneDescribesIt) {
     std::filesystem::copy_file(kept_bag("realsense_lz4.bag"), folder / "my.bag");
     const auto guessed = guess_clip(folder / "my.bag", {});
     ASSERT_EQ(message(guessed), "");
-    write_bytes(folder / "my.json", scene_to_json(guessed->scene, guessed->guesses));
+    write_bytes(folder / "my.json", scene_to_json(guessed->scene));
     const auto described = opened_bag(folder / "my.json"), itself = opened_bag(folder / "my.bag");
     ASSERT_EQ(described.frames.size(), 3U);
     for (std::size_t n = 0; n < 3; ++n) EXPECT_TRUE(same_frame(described.frames[n], itself.frames[n])) << n;

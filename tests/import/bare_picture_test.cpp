@@ -26,7 +26,8 @@ SourceDescription camera_of(double fx, double fy, std::optional<double> unit) {
 }
 
 bool notes_have(const ClipReader& reader, const std::string& words) {
-    return std::any_of(reader.notes().begin(), reader.notes().end(),
+    const std::vector<std::string> told = told_of(reader);
+    return std::any_of(told.begin(), told.end(),
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }
 
@@ -113,7 +114,7 @@ TEST(BarePicture, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
         write_picture(folder / "my.png", memory, bytes);
         const auto guessed = guess_picture(folder / "my.png", {});
         ASSERT_EQ(message(guessed), "");
-        write_bytes(folder / "my.json", scene_to_json(guessed->scene, guessed->guesses));
+        write_bytes(folder / "my.json", scene_to_json(guessed->scene));
         auto described = open_clip(folder / "my.json"), bare = open_clip(folder / "my.png");
         ASSERT_EQ(message(described), "");
         EXPECT_TRUE(notes_have(**bare, "described by my.json"));

@@ -40,6 +40,7 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
         {"\xef\xbb\xbf{\"fx\": 500, \"fy\": 501}", {500, 501}},
         {"500 0 320.5\n0 501 240.25\n0 0 1\n", wanted},
         {"5e2 0 320.5 0\n0 501 240.25 0\n0 0 1 0\n0 0 0 1\n", wanted},
+        {"640 480 500 501 320.5 240.25\n", {500, 501, 320.5, 240.25, 640, 480}},
         {"# Camera list\n1 PINHOLE 640 480 500 501 321 240.75\n", {500, 501, 320.5, 240.25, 640, 480}},
         {"1 SIMPLE_RADIAL 640 480 500 321 240.75 0.1\n", {500, 500, 320.5, 240.25, 640, 480}}};
     for (const auto& [text, intrinsics] : files) EXPECT_EQ(read(folder, text).intrinsics, intrinsics) << text;
@@ -53,9 +54,10 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
 
 TEST(CameraFiles, WithoutACameraAreRefused) {
     const TemporaryFolder folder;
-    for (const char* text : {"", "{", "{}", "[1, 2]", "1 2 3", "hello", R"({"fx": -3, "fy": 2})",
-                             R"({"fx": 1e300, "fy": 2})", R"({"K": [1, 2]})", "camera_matrix: nothing\n",
-                             "camera_matrix:\ndata", "1 PINHOLE 640 480 500\n", R"({"fx": "500"})"}) {
+    for (const char* text :
+         {"", "{", "{}", "[1, 2]", "1 2 3", "hello", R"({"fx": -3, "fy": 2})", R"({"fx": 1e300, "fy": 2})",
+          R"({"K": [1, 2]})", "camera_matrix: nothing\n", "camera_matrix:\ndata", "1 PINHOLE 640 480 500\n",
+          "0 480 500 501 320 240", "640 480 500 501 320", "640 480 -500 501 320 240", R"({"fx": "500"})"}) {
         write_bytes(folder / "camera.txt", text);
         EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("has no camera"), std::string::npos)
             << text;

@@ -106,8 +106,11 @@ TEST_F(GuessedFolder, TakesTheCameraThatLiesThere) {
     const GuessedScene guessed = guess();
     EXPECT_EQ(guessed.scene.camera.fx, 20);
     EXPECT_EQ(guessed.scene.camera.cy, 6.5);
-    EXPECT_TRUE(std::any_of(guessed.guesses.begin(), guessed.guesses.end(), [](const std::string& words) {
-        return words.find("camera_info.yaml (--intrinsics says otherwise)") != std::string::npos;
+    const auto& remarks = guessed.scene.remarks;
+    EXPECT_TRUE(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
+        return remark.is_guess &&
+               remark_in_words(remark) ==
+                   "guessed: the camera is that of camera_info.yaml (--intrinsics says otherwise)";
     }));
 }
 
@@ -118,13 +121,67 @@ TEST_F(GuessedFolder, OpensTheSameFromTheSceneFileThatIsWritten) {
     }
     const auto guessed = frames();
     const GuessedScene scene = guess();
-    write_bytes(folder / "scene.json", scene_to_json(scene.scene, scene.guesses));
+    write_bytes(folder / "scene.json", scene_to_json(scene.scene));
     const auto described = frames();
     ASSERT_EQ(described.size(), guessed.size());
     for (std::size_t n = 0; n < guessed.size(); ++n) EXPECT_TRUE(same_frame(described[n], guessed[n])) << n;
     SourceDescription known;
     known.fov = 50;
     EXPECT_NE(message(open_clip(folder.path(), std::nullopt, known)).find("describes these pictures"),
+              std::string::npos);
+}
+
+/// As ARKitScenes has them: each frame has a camera of its own, and cameras of other pictures lie beside.
+TEST_F(GuessedFolder, OfArkitScenesHasTheCamerasOfItsFrames) {
+    for (const char* within : {"lowres_wide_intrinsics", "a_wide_intrinsics"})
+        std::filesystem::create_directory(folder / within);
+    for (int n = 0; n < 5; ++n) {
+        const std::string time = "41048190_3379." + std::to_string(110 + 33 * n);
+        depth("lowres_depth/" + time + ".png", 1000 + n);
+        colour("lowres_wide/" + time + ".png", static_cast<std::uint8_t>(n));
+        colour("confidence/" + time + ".png", 2);
+        const std::string focal = std::to_string(n < 4 ? 20 : 26);
+        write_bytes(folder / ("lowres_wide_intrinsics/" + time + ".pincam"),
+                    "16 12 " + focal + " " + focal + " 7.5 5.5\n");
+        write_bytes(folder / ("a_wide_intrinsics/" + time + ".pincam"), "640 480 800 800 320 240\n");
+    }
+    const GuessedScene guessed = guess();
+    EXPECT_EQ(guessed.scene.folder->depth, "lowres_depth/41048190_*.png");
+    EXPECT_EQ(guessed.scene.folder->colour, "lowres_wide/41048190_*.png");
+    EXPECT_EQ(guessed.scene.folder->cameras, "lowres_wide_intrinsics/41048190_*.pincam");
+    EXPECT_EQ(guessed.scene.camera, (Camera{20, 20, 7.5, 5.5}));
+    EXPECT_EQ(guessed.scene.depth.scale, 0.001);
+    EXPECT_FALSE(guessed.scene.depth.is_valid(0));
+    EXPECT_EQ(guessed.scene.depth.invalid_code_count, 1);
+    const auto says = [&](const std::string& part) {
+        const auto& remarks = guessed.scene.remarks;
+        return std::any_of(remarks.begin(), remarks.end(), [&](const Remark& remark) {
+            return remark_in_words(remark).find(part) != std::string::npos;
+        });
+    };
+    EXPECT_TRUE(says("that of lowres_wide_intrinsics/41048190_*.pincam, the median (--intrinsics says"));
+    EXPECT_TRUE(says("a code is 1 mm and 0 is no depth, as ARKitScenes has them"));
+    const auto read = frames();
+    ASSERT_EQ(read.size(), 5U);
+    EXPECT_EQ(read[3].depth.sample(0, 5), 1003);
+    // 26 / 20 of the way from the centre: columns 0 and 15 are beyond, 1 is 0.95 from column -1.
+    EXPECT_EQ(read[4].depth.sample(0, 5), 0);
+    EXPECT_EQ(read[4].depth.sample(15, 5), 0);
+    EXPECT_EQ(read[4].depth.sample(2, 5), 1004) << "7.5 - 5.5 x 1.3 = 0.35";
+    EXPECT_EQ(read[4].depth.sample(12, 5), 1004 + 130) << "7.5 + 4.5 x 1.3 = 13.35";
+    write_bytes(folder / "scene.json", scene_to_json(guessed.scene));
+    const auto again = frames();
+    ASSERT_EQ(again.size(), 5U);
+    for (std::size_t n = 0; n < 5; ++n) EXPECT_TRUE(same_frame(again[n], read[n])) << n;
+    std::filesystem::remove(folder / "scene.json");
+    SourceDescription known;
+    known.intrinsics = Intrinsics{30, 30};
+    const auto told = guess_folder(folder.path(), known);
+    ASSERT_EQ(message(told), "");
+    EXPECT_EQ(told->scene.folder->cameras, "") << "somebody said the camera";
+    EXPECT_EQ(told->scene.camera.fx, 30);
+    write_bytes(folder / "lowres_wide_intrinsics/41048190_3379.143.pincam", "16 12 20\n");
+    EXPECT_NE(message(open_clip(folder.path())).find("41048190_3379.143.pincam: has no camera"),
               std::string::npos);
 }
 

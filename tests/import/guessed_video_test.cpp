@@ -13,7 +13,8 @@ namespace touchable::test {
 namespace {
 
 bool is_noted(const ClipReader& reader, const std::string& words) {
-    return std::any_of(reader.notes().begin(), reader.notes().end(),
+    const std::vector<std::string> told = told_of(reader);
+    return std::any_of(told.begin(), told.end(),
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }
 
@@ -192,7 +193,7 @@ TEST(GuessedVideo, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
     for (const char* name : {"grey.mkv", "deep.mkv", "hue.mov", "halves.mov"}) {
         const auto guessed = guess_video(folder / name, {});
         ASSERT_EQ(message(guessed), "") << name;
-        write_bytes(folder / "scene.json", scene_to_json(guessed->scene, guessed->guesses));
+        write_bytes(folder / "scene.json", scene_to_json(guessed->scene));
         auto described = open_clip(folder / "scene.json"),
              again = open_clip(folder / name, folder / "scene.json");
         ASSERT_EQ(message(described), "") << name;

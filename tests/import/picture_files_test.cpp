@@ -86,6 +86,22 @@ TEST(PictureFiles, OfAListAreSecondsApartWhereItHasAPoint) {
     EXPECT_EQ(*rate->own_times, (std::vector<std::int64_t>{0, 1'000'000'000, 3'000'000'000}));
 }
 
+TEST(PictureFiles, TimesOfAListThatAreOfNoUseAreSaidToBe) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.png", "b.png", "c.png"}) write_bytes(folder / name, "");
+    const auto said = [&](const char* list) {
+        write_bytes(folder / "depth.txt", list);
+        return unusable_times(found_in(folder, "depth.txt"));
+    };
+    EXPECT_NE(said("0 a.png\n33 b.png\n67 c.png\n").find("depth.txt are whole numbers that only count"),
+              std::string::npos);
+    EXPECT_NE(said("0.0 a.png\n0.0002 b.png\n0.0008 c.png\n").find("are 0.0004 s apart on average"),
+              std::string::npos);
+    EXPECT_EQ(said("0.5 a.png\n0.6 b.png\n0.8 c.png\n"), "");
+    EXPECT_EQ(said("1700000000000 a.png\n1700000000033 b.png\n"), "") << "milliseconds since 1970";
+    EXPECT_EQ(said("a.png\nb.png\n"), "") << "has none";
+}
+
 TEST(PictureFiles, OfAListThatAreOneTimeAreSaidToBe) {
     const TemporaryFolder folder;
     for (const char* name : {"a.png", "b.png", "c.png", "d.png"}) write_bytes(folder / name, "");
@@ -109,6 +125,43 @@ TEST(PictureFiles, OneOfMaterialsServesAllFrames) {
     const auto haptic = files_beside(folder.path(), PlaneRole::haptic, source, *depth);
     ASSERT_EQ(message(haptic), "");
     EXPECT_EQ(names(*haptic), (Names{"map.png", "map.png"}));
+}
+
+TEST(PictureFiles, OfAPlaneHaveNumbersOfTheirOwn) {
+    const TemporaryFolder folder;
+    for (const char* name : {"d3.png", "d5.png", "d7.png", "c100.png", "c104.png", "c108.png", "h3.png",
+                             "h5.png", "h7.png", "t9.png", "t11.png", "t13.png"})
+        write_bytes(folder / name, "");
+    FolderSource source{.depth = "d%d.png", .colour = "c%d.png", .haptic = "t%d.png", .height = "h%d.png"};
+    source.first = 3;
+    source.step = 2;
+    source.colour_numbers = {100, 4};
+    source.haptic_numbers.first = 9;
+    const auto depth = depth_files(folder.path(), source);
+    ASSERT_EQ(message(depth), "");
+    EXPECT_EQ(names(*depth), (Names{"d3.png", "d5.png", "d7.png"}));
+    EXPECT_EQ(depth->remark, "");
+    const auto beside = [&](PlaneRole role) { return files_beside(folder.path(), role, source, *depth); };
+    ASSERT_EQ(message(beside(PlaneRole::colour)), "");
+    EXPECT_EQ(names(*beside(PlaneRole::colour)), (Names{"c100.png", "c104.png", "c108.png"}));
+    EXPECT_EQ(names(*beside(PlaneRole::haptic)), (Names{"t9.png", "t11.png", "t13.png"})) << "depth's step";
+    EXPECT_EQ(names(*beside(PlaneRole::height)), (Names{"h3.png", "h5.png", "h7.png"})) << "depth's numbers";
+    std::filesystem::remove(folder / "c104.png");
+    EXPECT_NE(message(beside(PlaneRole::colour)).find("c104.png (colour, frame 1): is missing"),
+              std::string::npos);
+    source.count = 2;
+    EXPECT_EQ(depth_files(folder.path(), source)->count(), 2U);
+}
+
+TEST(PictureFiles, ThatAreMissingFromARowAreCountedByItsStep) {
+    const TemporaryFolder folder;
+    for (const char* name : {"d0.png", "d10.png", "d40.png", "d45.png", "d60.png"})
+        write_bytes(folder / name, "");
+    FolderSource source{.depth = "d%d.png", .colour = "", .haptic = "", .height = ""};
+    source.step = 10;
+    EXPECT_EQ(depth_files(folder.path(), source)->remark,
+              "ends after 2 frames: d20.png is missing, though later ones exist up to number 60; missing "
+              "numbers: 20 to 30, 50");
 }
 
 TEST(PictureFiles, StampsTellTheirUnitByTheirSize) {

@@ -16,7 +16,8 @@ int code_at(int x, int y, int frame, int most) {
 }
 
 bool some_note_has(const ClipReader& reader, const std::string& words) {
-    return std::any_of(reader.notes().begin(), reader.notes().end(),
+    const std::vector<std::string> told = told_of(reader);
+    return std::any_of(told.begin(), told.end(),
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }
 

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {
@@ -40,6 +44,29 @@ TEST(FrameTimesText, IsRefusedByLine) {
     for (const auto& [text, words] : bad)
         EXPECT_NE(message(parse_frame_times(text, "x.txt")).find(words), std::string::npos)
             << text << message(parse_frame_times(text, "x.txt"));
+}
+
+/// A clip of `frames` frames with the times of `listed`, 40 ms apart.
+std::string refusal_with_times(int listed, int frames) {
+    const TemporaryFolder folder;
+    std::vector<std::int64_t> times_ns;
+    for (int n = 0; n < listed; ++n) times_ns.push_back(40'000'000L * n + (n % 2) * 3'000'000L);
+    Scene scene = small_scene(16, 16, 10);
+    scene.rate = *rate_of_own_times(times_ns);
+    if (auto written = write_clip(folder / "clip.mkv", scene, frames, {}); !written) return message(written);
+    const auto reader = open_clip(folder / "clip.mkv");
+    return message(reader);
+}
+
+TEST(FrameTimesText, MustBeAsManyAsTheClipHasPictures) {
+    EXPECT_EQ(refusal_with_times(10, 10), "");
+    for (const auto& [listed, words] :
+         {std::pair{
+              4, "its timestamps.txt has the times of 4 frames, but depth has 10 pictures: must be one time"},
+          {9, "the times of 9 frames, but depth has 10 pictures"},
+          {13, "the times of 13 frames, but depth has 10 pictures"}})
+        EXPECT_NE(refusal_with_times(listed, 10).find(words), std::string::npos)
+            << refusal_with_times(listed, 10);
 }
 
 }  // namespace

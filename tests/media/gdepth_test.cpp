@@ -67,7 +67,7 @@ Result<std::unique_ptr<ClipReader>> open_bytes(const TemporaryFolder& folder, co
 }
 
 bool has_note(const ClipReader& clip, const std::string& word) {
-    for (const std::string& note : clip.notes())
+    for (const std::string& note : told_of(clip))
         if (note.find(word) != std::string::npos) return true;
     return false;
 }

@@ -193,6 +193,49 @@ TEST(ImageFolder, EveryPlaneHasEveryFrame) {
     EXPECT_NE(refusal(empty).find("depth_000.png (depth, frame 0): is missing"), std::string::npos);
 }
 
+TEST(ImageFolder, PlanesWithNumbersOfTheirOwnAreTheSameClip) {
+    const TemporaryFolder folder;
+    const Planes planes{true, true, true};
+    write_folder(folder, folder_scene(all_source), 3, planes);
+    const auto plain = read_clip(folder / "scene.json");
+    ASSERT_EQ(message(plain), "");
+    const auto renumber = [&](const std::string& role, int first, int step) {
+        for (int n = 2; n >= 0; --n)
+            std::filesystem::rename(
+                folder / (role + "_00" + std::to_string(n) + ".png"),
+                folder / (role + "_" + std::to_string(1000 + first + step * n).substr(1) + ".png"));
+    };
+    renumber("depth", 5, 3);
+    renumber("colour", 100, 2);
+    renumber("haptic", 5, 3);
+    renumber("height", 1, 3);
+    FolderSource source = all_source;
+    source.first = 5;
+    source.step = 3;
+    source.colour_numbers = {100, 2};
+    source.height_numbers.first = 1;
+    const Scene scene = folder_scene(source);
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    auto reader = open_clip(folder.path());
+    ASSERT_EQ(message(reader), "");
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    auto packed = create_clip(folder / "packed.mkv", (*reader)->scene(), exact_clip);
+    ASSERT_EQ(message(packed), "");
+    for (std::size_t n = 0; n < 3; ++n) {
+        EXPECT_TRUE(same_frame(frames->at(n), plain->at(n))) << n;
+        ASSERT_EQ(message((*packed)->write(frames->at(n))), "");
+    }
+    ASSERT_EQ(message((*packed)->finish()), "");
+    const auto back = read_clip(folder / "packed.mkv");
+    ASSERT_EQ(message(back), "");
+    for (std::size_t n = 0; n < 3; ++n) EXPECT_TRUE(same_frame(back->at(n), plain->at(n))) << n;
+    std::filesystem::remove(folder / "colour_104.png");
+    EXPECT_NE(refusal(folder).find("colour_104.png (colour, frame 2): is missing"), std::string::npos)
+        << refusal(folder);
+}
+
 TEST(ImageFolder, ImagesThatDoNotFitAreNamed) {
     const TemporaryFolder folder;
     write_folder(folder, folder_scene(all_source), 3, {true, true, true});

@@ -1,9 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <optional>
+#include <string>
+
 #include "engine/media/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/raw_png.hpp"
+#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
@@ -39,6 +44,65 @@ TEST(PngKinds, GreyOfFewBitsIsAsItWasStored) {
                 ASSERT_EQ(image->view().sample(x, y), stored) << bits << " bits, " << x << "," << y;
             }
     }
+}
+
+/// Wide enough for rows to be whole pages of memory, and more of them than are copied at once.
+TEST(PngKinds, LargePicturesAreAsTheyWereStored) {
+    const TemporaryFolder folder;
+    constexpr int width = 3000, height = 150;
+    const std::string palette = png_chunk("PLTE", rows_of(3 * 256, 1).substr(1));
+    struct Case {
+        int bits, type, stored, channels;
+        std::string others;
+    };
+    for (const Case& c :
+         {Case{8, 0, 1, 1, ""}, Case{16, 0, 1, 1, ""}, Case{8, 2, 3, 3, ""}, Case{8, 3, 1, 3, palette},
+          Case{8, 4, 2, 1, ""}, Case{16, 4, 2, 1, ""}, Case{8, 6, 4, 3, ""}}) {
+        const int step = c.bits / 8 * c.stored;
+        const std::string rows = rows_of(step * width, height);
+        const auto byte = [&](int y, int k) {
+            return static_cast<unsigned char>(
+                rows[static_cast<std::size_t>(y) * static_cast<std::size_t>(step * width + 1) + 1 +
+                     static_cast<std::size_t>(k)]);
+        };
+        const auto image = read_png(folder, raw_png({width, height, c.bits, c.type}, rows, true, c.others));
+        ASSERT_EQ(message(image), "") << c.type;
+        ASSERT_EQ(image->channels, c.channels);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int channel = 0; channel < c.channels; ++channel) {
+                    const int at = step * x + channel;
+                    const int sample = c.type == 3    ? (7 * (3 * byte(y, x) + channel) + 1) & 255
+                                       : c.bits == 16 ? byte(y, at) << 8 | byte(y, at + 1)
+                                                      : byte(y, at);
+                    ASSERT_EQ(image->view().sample(x, y, channel), sample) << c.type << " " << x << "," << y;
+                }
+    }
+}
+
+/// The most memory that this process has had since it was told to look anew, KiB.
+std::optional<long> most_memory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::stol(line.substr(6));
+    return {};
+}
+
+TEST(PngKinds, LargePicturesAreHeldOnce) {
+#ifdef TOUCHABLE_SANITIZED
+    GTEST_SKIP() << "a sanitizer keeps what is freed";
+#endif
+    const TemporaryFolder folder;
+    constexpr int width = 4096, height = 3000;
+    constexpr long picture = 3L * width * height / 1024;
+    write_bytes(folder / "image.png",
+                raw_png({width, height, 8, 2}, std::string((3 * width + 1) * height, '\0')));
+    if (!(std::ofstream("/proc/self/clear_refs") << 5 << std::flush)) GTEST_SKIP() << "it cannot be measured";
+    const auto before = most_memory();
+    const auto image = read_image(folder / "image.png");
+    ASSERT_EQ(message(image), "");
+    // The file and the decoder's copy of it, which are as large here, beside it.
+    EXPECT_LT(*most_memory() - *before, 3 * picture + picture / 3);
 }
 
 /// A folder of one depth picture of 4 bits, and a colour picture that is the same.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -25,16 +26,20 @@ inline std::string png_chunk(const std::string& name, const std::string& content
     return big_endian(content.size(), 4) + body + big_endian(crc, 4);
 }
 
-/// A zlib stream that holds `bytes`, up to 65535, as they are; with an end, or cut before it.
+/// A zlib stream that holds `bytes` as they are, in blocks of up to 65535; with an end, or cut before it.
 inline std::string stored_zlib(const std::string& bytes, bool ended) {
-    const auto size = static_cast<std::uint16_t>(bytes.size()), other = static_cast<std::uint16_t>(~size);
     std::string stream("\x78\x01", 2);
-    stream += ended ? '\1' : '\0';
-    for (const std::uint16_t word : {size, other}) {
-        stream += static_cast<char>(word & 255);
-        stream += static_cast<char>(word >> 8);
+    constexpr std::size_t largest_block = 65535;
+    for (std::size_t at = 0; at == 0 || at < bytes.size(); at += largest_block) {
+        const auto size = static_cast<std::uint16_t>(std::min(largest_block, bytes.size() - at)),
+                   other = static_cast<std::uint16_t>(~size);
+        stream += ended && at + size == bytes.size() ? '\1' : '\0';
+        for (const std::uint16_t word : {size, other}) {
+            stream += static_cast<char>(word & 255);
+            stream += static_cast<char>(word >> 8);
+        }
+        stream.append(bytes, at, size);
     }
-    stream += bytes;
     if (!ended) return stream;
     const auto sum = av_adler32_update(1, reinterpret_cast<const std::uint8_t*>(bytes.data()),
                                        static_cast<std::uint32_t>(bytes.size()));

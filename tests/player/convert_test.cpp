@@ -162,6 +162,42 @@ TEST_F(Convert, AFolderPacksIntoOneClipAndOneMapServesAWholeVideo) {
     EXPECT_EQ(hash_of(at("unpacked")), hash);
 }
 
+std::vector<std::string> remarks_of(const std::string& clip) {
+    const auto reader = open_clip(clip);
+    EXPECT_TRUE(reader.ok()) << reader.error().message;
+    std::vector<std::string> texts;
+    if (reader.ok())
+        for (const Remark& remark : (*reader)->scene().remarks) texts.push_back(remark_text(remark));
+    return texts;
+}
+
+TEST_F(Convert, GuessesAreKnownAsSuchEverAfter) {
+    Image depth{64, 48, 2, 1, {}};
+    for (int k = 0; k < 64 * 48; ++k) {
+        const unsigned code = k % 64 < 20 ? 700 : k % 64 < 44 ? 720 : 740;
+        depth.samples.push_back(static_cast<std::uint8_t>(code & 255U));
+        depth.samples.push_back(static_cast<std::uint8_t>(code >> 8U));
+    }
+    fs::create_directory(at("bare"));
+    for (const char* name : {"bare/depth_0.png", "bare/depth_1.png"})
+        ASSERT_TRUE(write_png(at(name), depth.view()).ok());
+    const auto guesses = remarks_of(at("bare"));
+    const auto is_guessed = [&](const std::string& text) {
+        return std::count(guesses.begin(), guesses.end(), "guessed: " + text);
+    };
+    EXPECT_EQ(is_guessed("the camera sees 60 degrees from left to right"), 1);
+    EXPECT_EQ(is_guessed("a code is 1 mm, as their median is 720"), 1);
+    EXPECT_EQ(is_guessed("30 frames a second"), 1);
+    convert({at("bare"), at("a.mkv")});
+    convert({at("a.mkv"), at("b")});
+    convert({at("b"), at("c.mkv")});
+    for (const char* packed : {"a.mkv", "b", "c.mkv"}) EXPECT_EQ(remarks_of(at(packed)), guesses) << packed;
+    EXPECT_EQ(hash_of(at("c.mkv")), hash_of(at("bare")));
+    const std::string told = run_touchable({"info", at("c.mkv")}).out;
+    EXPECT_TRUE(says(told, "guessed: 30 frames a second (a scene file says otherwise)\n")) << told;
+    EXPECT_TRUE(says(run_touchable({"info", at("bare")}).out, "left to right (--fov DEGREES or --intr"));
+}
+
 TEST_F(Convert, FramesKeepTheirOwnTimesInEveryForm) {
     make("moving");
     const std::string evenly = hash_of(at("clip.mkv"));

@@ -6,6 +6,7 @@
 #include <bit>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "tests/scene/random.hpp"
 
@@ -85,6 +86,10 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.folder->height, b.folder->height);
     EXPECT_EQ(a.folder->first, b.folder->first);
     EXPECT_EQ(a.folder->count, b.folder->count);
+    EXPECT_EQ(a.folder->step, b.folder->step);
+    EXPECT_EQ(a.folder->colour_numbers, b.folder->colour_numbers);
+    EXPECT_EQ(a.folder->haptic_numbers, b.folder->haptic_numbers);
+    EXPECT_EQ(a.folder->height_numbers, b.folder->height_numbers);
 }
 
 PropertyRange random_range(Random& random) {
@@ -141,7 +146,30 @@ Scene random_scene(Random& random) {
     if (random.below(2)) scene.device_metres_per_unit = random.between(1e-6, 1);
     if (random.below(2))
         scene.folder = FolderSource{"d_%04d.png", "", "h%d.png", "", static_cast<int>(random.below(99)), 5};
+    if (scene.folder && random.below(2)) {
+        scene.folder->step = 1 + static_cast<int>(random.below(9));
+        if (random.below(2)) scene.folder->haptic_numbers.first = static_cast<int>(random.below(999));
+        if (random.below(2)) scene.folder->haptic_numbers.step = 1 + static_cast<int>(random.below(9));
+    }
     return scene;
+}
+
+TEST(SceneFile, PlanesHaveNumbersOfTheirOwn) {
+    const std::string plain = R"("folder": {"depth": "depth_%04d.png", "colour": "image_%04d.png", )";
+    std::string json = recording;
+    const auto place = json.find(plain);
+    ASSERT_NE(place, std::string::npos);
+    json.replace(place, plain.size(),
+                 R"("folder": {"depth": {"files": "d%d.png", "step": 3}, "haptic": {"files": "h%d.png"},
+                     "colour": {"files": "rgb/%06d.png", "first": 100, "step": 2}, )");
+    const FolderSource folder = *parsed(json).folder;
+    EXPECT_EQ(folder.depth, "d%d.png");
+    EXPECT_EQ(folder.first, 3) << "that of the folder";
+    EXPECT_EQ(folder.step, 3);
+    EXPECT_EQ(folder.colour, "rgb/%06d.png");
+    EXPECT_EQ(folder.colour_numbers, (PictureNumbers{100, 2}));
+    EXPECT_EQ(folder.haptic, "h%d.png");
+    EXPECT_FALSE(folder.haptic_numbers.any());
 }
 
 TEST(SceneFile, RecordingIsReadAsWritten) {
@@ -277,6 +305,74 @@ TEST(SceneFile, RandomScenesComeBackToTheLastBit) {
     }
 }
 
+/// A clip that was packed is the same bytes whoever packs it, now and later.
+TEST(SceneFile, IsWrittenTheSameToTheByte) {
+    const std::string text = R"({
+  "touchable_scene": 1,
+  "name": "globe",
+  "width": 64,
+  "height": 48,
+  "rate": [
+    30,
+    1
+  ],
+  "metres_per_unit": 0.001,
+  "camera": {
+    "fx": 37.301587301587304,
+    "fy": 37.301587301587304,
+    "cx": 32.0,
+    "cy": 23.0
+  },
+  "depth": {
+    "coding": "linear",
+    "semantics": "range",
+    "near": 40.0,
+    "far": 180.0,
+    "bits": 16,
+    "code_max": 65535,
+    "near_is": "high",
+    "invalid": []
+  },
+  "height_map": {
+    "max": 1.0,
+    "units": "levels",
+    "bits": 8
+  },
+  "haptic": {
+    "stiffness": [
+      0.1,
+      2.0
+    ],
+    "static_friction": [
+      0.0,
+      1.0
+    ],
+    "dynamic_friction": [
+      0.0,
+      1.0
+    ]
+  },
+  "default_properties": {
+    "stiffness": 1.0,
+    "static_friction": 0.0,
+    "dynamic_friction": 0.0
+  },
+  "filter": {},
+  "interpolation": "linear",
+  "device_metres_per_unit": 0.0006356504689253938,
+  "folder": {
+    "depth": "depth_%06d.png",
+    "colour": "colour_%06d.png",
+    "haptic": "haptic_%06d.png",
+    "height": "height_%06d.png",
+    "first": 0,
+    "count": 2
+  }
+}
+)";
+    EXPECT_EQ(scene_to_json(parsed(text)), text);
+}
+
 TEST(SceneFile, TextIsReadTheSameWayTwice) {
     for (const char* json : {recording, globe}) {
         const Scene scene = parsed(json);
@@ -290,6 +386,53 @@ TEST(SceneFile, NameThatIsNoUnicodeStillGivesJson) {
         "a\xff"
         "b";
     EXPECT_TRUE(parse_scene(scene_to_json(scene), "t").ok());
+}
+
+std::string with_remarks(const std::string& remarks) {
+    std::string json = recording;
+    return json.replace(json.find("\"name\""), 0, "\"remarks\": " + remarks + ", ");
+}
+
+TEST(SceneFile, RemarksAreKeptAsTheyAre) {
+    const Scene scene = parsed(with_remarks(R"(["guessed: a code is 1 mm", "by hand\n", "guessed:no"])"));
+    ASSERT_EQ(scene.remarks.size(), 3U);
+    EXPECT_TRUE(scene.remarks[0].is_guess);
+    EXPECT_EQ(scene.remarks[0].what, "a code is 1 mm");
+    EXPECT_EQ(remark_in_words(scene.remarks[0]), "guessed: a code is 1 mm (a scene file says otherwise)");
+    EXPECT_FALSE(scene.remarks[1].is_guess);
+    EXPECT_EQ(remark_in_words(scene.remarks[1]), "by hand\\n");
+    EXPECT_FALSE(scene.remarks[2].is_guess);
+    const auto written = nlohmann::json::parse(scene_to_json(scene));
+    EXPECT_EQ(written["remarks"],
+              nlohmann::json::parse(R"(["guessed: a code is 1 mm", "by hand\n", "guessed:no"])"));
+    EXPECT_EQ(scene_to_json(parsed(scene_to_json(scene))), scene_to_json(scene));
+    EXPECT_EQ(nlohmann::json::parse(scene_to_json(parsed(recording))).count("remarks"), 0U);
+}
+
+TEST(SceneFile, RemarksBeyondALimitAreRefused) {
+    const auto texts = [](std::size_t count, std::size_t length) {
+        return nlohmann::json(std::vector<std::string>(count, std::string(length, 'a'))).dump();
+    };
+    EXPECT_EQ(parsed(with_remarks(texts(100, 2000))).remarks.size(), 100U);
+    const auto many = parse_scene(with_remarks(texts(101, 1)), "test.json");
+    ASSERT_FALSE(many.ok());
+    EXPECT_NE(many.error().message.find("must be an array of at most 100 texts"), std::string::npos);
+    const auto lengthy = parse_scene(with_remarks(texts(1, 2001)), "test.json");
+    ASSERT_FALSE(lengthy.ok());
+    EXPECT_NE(lengthy.error().message.find("remarks[0] is "), std::string::npos);
+    EXPECT_NE(lengthy.error().message.find("must be a text of at most 2000 bytes"), std::string::npos);
+}
+
+TEST(SceneFile, AddedRemarksAreOneEachAndCanBeReadAgain) {
+    Scene scene = parsed(recording);
+    for (const char* what : {"a", "b", "a"}) add_remark(scene.remarks, {what, true});
+    add_remark(scene.remarks, {"a"});  // no guess, and so another
+    EXPECT_EQ(scene.remarks.size(), 3U);
+    for (int n = 0; n < 200; ++n)  // of bytes that are no text
+        add_remark(scene.remarks,
+                   {std::to_string(n) + std::string(5000, '\xff'), true, "--fov says otherwise"});
+    EXPECT_EQ(scene.remarks.size(), 100U);
+    EXPECT_EQ(parsed(scene_to_json(scene)).remarks.size(), 100U);
 }
 
 TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
@@ -310,7 +453,7 @@ TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
             example += line + "\n";
         }
     }
-    EXPECT_EQ(examples, 5);
+    EXPECT_EQ(examples, 6);
 }
 
 class SceneFileOnDisk : public testing::Test {
