@@ -244,6 +244,7 @@ void DrivenDevice::let_go(const Error& why) {
     ++losses_;
     gone_ns_ = looked_ns_ = settings_.clock();
     told_.write({});
+    lost_why_ = why;
     set_words(why, "looking for the " + name_ + " again");
 }
 
@@ -252,14 +253,19 @@ bool DrivenDevice::look_for_it() {
     const std::int64_t now = settings_.clock();
     if (age_of(looked_ns_, now) < settings_.look_again_s) return true;
     looked_ns_ = now;
-    auto lost = health();
-    if (take_hold().ok()) return true;
+    const auto held = take_hold();
+    if (held.ok()) return true;
     driver_->disconnect();
+    // What stands in its way now may be something that a person can do something about.
+    const std::string& why = held.error().message;
+    const std::string now_why = why == lost_why_.message ? std::string() : why;
+    const std::string also = now_why.empty() ? std::string() : ": " + now_why;
     if (age_of(gone_ns_, now) < settings_.away_s) {
-        set_words(lost.error(), "looking for the " + name_ + " again");
+        set_words(Error{lost_why_.kind, lost_why_.message + (now_why.empty() ? "" : "; now " + now_why)},
+                  "looking for the " + name_ + " again" + also);
         return true;
     }
-    set_words(Error{lost.error().kind, lost.error().message + "; it did not come back"}, {});
+    set_words(Error{lost_why_.kind, lost_why_.message + "; it did not come back" + also}, {});
     lost_.store(true, std::memory_order_release);
     return false;
 }

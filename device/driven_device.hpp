@@ -124,6 +124,7 @@ private:
     std::int64_t spoken_ns_ = 0;
     bool held_ = false;  // otherwise it is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;
+    Error lost_why_;  // while it is looked for
     std::optional<LimpKeeper::Kept> kept_;
     // The haptic thread's.
     std::uint32_t buttons_ = 0;
