@@ -136,7 +136,7 @@ Result<void> DrivenDevice::health() const {
 }
 
 DrivenFacts DrivenDevice::facts() const {
-    return {samples_.load(), implausible_.load(), sent_.load(), losses_.load()};
+    return {samples_.load(), implausible_.load(), sent_.load(), losses_.load(), left_out_.load()};
 }
 
 void DrivenDevice::wake() const {
@@ -207,6 +207,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     DeviceSample sample;
     sample.metres.fill(glm::dvec3(no_number));
     const auto came = driver_->receive(sample, patience);
+    left_out_.store(driver_->left_out(), std::memory_order_relaxed);
     if (!came.ok()) return came.error();
     if (std::string wish = driver_->wish(); wish != wish_) set_words(std::nullopt, std::move(wish));
     if (!*came) return {};
@@ -220,6 +221,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     }
     ++samples_;
     told_.write(heard_);
+    if (settings_.as_it_hears) settings_.as_it_hears(heard_.time_ns);
     return {};
 }
 
@@ -234,7 +236,9 @@ Result<void> DrivenDevice::speak() {
             newtons[finger] = asked.newtons[finger];
     spoken_ns_ = now;
     ++sent_;
-    return driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
+    auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
+    if (settings_.as_it_speaks) settings_.as_it_speaks(settings_.clock());
+    return sent;
 }
 
 /// What has failed has no force any more, and no position.

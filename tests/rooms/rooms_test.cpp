@@ -34,6 +34,7 @@ const std::map<std::string, Rooms> may_use{
      {"engine", "device", "device/falcon", "device/hid", "device/inverse3", "device/network",
       "device/recorded"}},
     {"device/hid", {"engine", "engine/scene", "device"}},
+    {"device/measure", {"engine", "device"}},
     {"shaders", {}},
     {"player/view",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
