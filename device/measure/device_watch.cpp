@@ -69,10 +69,10 @@ Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times,
     if (!intervals.empty())
         figures.reports_per_s = static_cast<double>(intervals.size()) /
                                 (static_cast<double>(heard.back() - heard.front()) * 1e-9);
-    figures.interval_s = spread_of(intervals);
-    figures.age_s = spread_of(std::move(readings.ages));
-    figures.going_out_s = spread_of(until_the_next(readings.asked_ns, spoken));
-    figures.until_heard_s = spread_of(until_the_next(spoken, heard));
+    figures.interval_s = percentiles_of(intervals);
+    figures.age_s = percentiles_of(std::move(readings.ages));
+    figures.going_out_s = percentiles_of(until_the_next(readings.asked_ns, spoken));
+    figures.until_heard_s = percentiles_of(until_the_next(spoken, heard));
     figures.rest = rest_of(readings.places);
     return figures;
 }

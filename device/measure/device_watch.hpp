@@ -24,11 +24,12 @@ struct WatchFigures {
     std::int64_t readings = 0;
     std::int64_t without_place = 0;  ///< readings whose first finger had no position
     double reports_per_s = 0;
-    Spread interval_s;     ///< from a report to the next
-    Spread age_s;          ///< of the newest position, at a reading
-    Spread going_out_s;    ///< from asking for a force until it had gone out
-    Spread until_heard_s;  ///< from a force that had gone out to the next report, where no other went between
-    RestFigures rest;      ///< first finger, a place for each reading that had a new one
+    Percentiles interval_s;   ///< from a report to the next
+    Percentiles age_s;        ///< of the newest position, at a reading
+    Percentiles going_out_s;  ///< from asking for a force until it had gone out
+    Percentiles
+        until_heard_s;  ///< from a force that had gone out to the next report, where no other went between
+    RestFigures rest;   ///< first finger, a place for each reading that had a new one
 };
 
 /// Reads it so many ticks. It is open, its reports are told to `times`. Error: it failed (ErrorKind::device);

@@ -20,7 +20,7 @@ double percentile(const std::vector<double>& values, double percent) {
 
 }  // namespace
 
-Spread spread_of(std::vector<double> values) {
+Percentiles percentiles_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
     return {static_cast<std::int64_t>(values.size()), percentile(values, 50), percentile(values, 99),

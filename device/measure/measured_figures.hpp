@@ -8,11 +8,11 @@
 namespace touchable {
 
 /// Of many values; percentiles are values that were there (nearest rank). All 0 where there were none.
-struct Spread {
+struct Percentiles {
     std::int64_t count = 0;
     double median = 0, p99 = 0, greatest = 0;
 };
-Spread spread_of(std::vector<double> values);
+Percentiles percentiles_of(std::vector<double> values);
 
 /// From each moment to the next, s.
 std::vector<double> intervals_between(std::span<const std::int64_t> times_ns);

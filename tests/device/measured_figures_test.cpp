@@ -10,16 +10,16 @@
 namespace touchable::test {
 namespace {
 
-TEST(Spread, IsOfValuesThatWereThere) {
+TEST(Percentiles, IsOfValuesThatWereThere) {
     std::vector<double> values;
     for (int k = 200; k >= 1; --k) values.push_back(k);
-    const Spread spread = spread_of(values);
-    EXPECT_EQ(spread.count, 200);
-    EXPECT_EQ(spread.median, 100);
-    EXPECT_EQ(spread.p99, 198);
-    EXPECT_EQ(spread.greatest, 200);
-    EXPECT_EQ(spread_of({7}).p99, 7);
-    EXPECT_EQ(spread_of({}).count, 0);
+    const Percentiles found = percentiles_of(values);
+    EXPECT_EQ(found.count, 200);
+    EXPECT_EQ(found.median, 100);
+    EXPECT_EQ(found.p99, 198);
+    EXPECT_EQ(found.greatest, 200);
+    EXPECT_EQ(percentiles_of({7}).p99, 7);
+    EXPECT_EQ(percentiles_of({}).count, 0);
 }
 
 TEST(Intervals, AreFromEachMomentToTheNext) {
