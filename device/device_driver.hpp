@@ -63,6 +63,9 @@ public:
     virtual int descriptor() const { return -1; }
     /// For a process that outlives this one, as long as it is connected. Nothing: it has none.
     virtual std::optional<LastWord> last_word() const { return std::nullopt; }
+    /// Reports that came and were left out, so far: damaged, too short, not newer. -1: it does not count
+    /// them.
+    virtual std::int64_t left_out() const { return -1; }
     /// What it waits for, for the person who holds it ("pull the grip out, then push it in"); empty: nothing.
     virtual std::string wish() const { return {}; }
 };

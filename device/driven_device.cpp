@@ -136,7 +136,7 @@ Result<void> DrivenDevice::health() const {
 }
 
 DrivenFacts DrivenDevice::facts() const {
-    return {samples_.load(), implausible_.load(), sent_.load(), losses_.load()};
+    return {samples_.load(), implausible_.load(), sent_.load(), losses_.load(), left_out_.load()};
 }
 
 void DrivenDevice::wake() const {
@@ -207,6 +207,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     DeviceSample sample;
     sample.metres.fill(glm::dvec3(no_number));
     const auto came = driver_->receive(sample, patience);
+    left_out_.store(driver_->left_out(), std::memory_order_relaxed);
     if (!came.ok()) return came.error();
     if (std::string wish = driver_->wish(); wish != wish_) set_words(std::nullopt, std::move(wish));
     if (!*came) return {};
@@ -220,6 +221,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     }
     ++samples_;
     told_.write(heard_);
+    if (settings_.as_it_hears) settings_.as_it_hears(heard_.time_ns);
     return {};
 }
 
@@ -234,7 +236,9 @@ Result<void> DrivenDevice::speak() {
             newtons[finger] = asked.newtons[finger];
     spoken_ns_ = now;
     ++sent_;
-    return driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
+    auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
+    if (settings_.as_it_speaks) settings_.as_it_speaks(settings_.clock());
+    return sent;
 }
 
 /// What has failed has no force any more, and no position.
@@ -244,6 +248,7 @@ void DrivenDevice::let_go(const Error& why) {
     ++losses_;
     gone_ns_ = looked_ns_ = settings_.clock();
     told_.write({});
+    lost_why_ = why;
     set_words(why, "looking for the " + name_ + " again");
 }
 
@@ -252,14 +257,19 @@ bool DrivenDevice::look_for_it() {
     const std::int64_t now = settings_.clock();
     if (age_of(looked_ns_, now) < settings_.look_again_s) return true;
     looked_ns_ = now;
-    auto lost = health();
-    if (take_hold().ok()) return true;
+    const auto held = take_hold();
+    if (held.ok()) return true;
     driver_->disconnect();
+    // What stands in its way now may be something that a person can do something about.
+    const std::string& why = held.error().message;
+    const std::string now_why = why == lost_why_.message ? std::string() : why;
+    const std::string also = now_why.empty() ? std::string() : ": " + now_why;
     if (age_of(gone_ns_, now) < settings_.away_s) {
-        set_words(lost.error(), "looking for the " + name_ + " again");
+        set_words(Error{lost_why_.kind, lost_why_.message + (now_why.empty() ? "" : "; now " + now_why)},
+                  "looking for the " + name_ + " again" + also);
         return true;
     }
-    set_words(Error{lost.error().kind, lost.error().message + "; it did not come back"}, {});
+    set_words(Error{lost_why_.kind, lost_why_.message + "; it did not come back" + also}, {});
     lost_.store(true, std::memory_order_release);
     return false;
 }

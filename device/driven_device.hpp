@@ -26,6 +26,9 @@ struct DrivenSettings {
     std::function<void()> as_thread_begins{};
     std::shared_ptr<LimpKeeper> keeper{};  ///< leaves it limp when this process is gone; nothing: nobody does
     std::function<std::int64_t()> clock{};  ///< ns, never backward, never 0; nothing: the system's steady one
+    /// Called by the device's thread with the moment (ns) at which a position had come, and at which a force
+    /// had gone out; they may not wait.
+    std::function<void(std::int64_t)> as_it_hears{}, as_it_speaks{};
     bool own_thread = true;  ///< false: whoever opens it calls `turn` in its place, as a test in virtual time
 };
 
@@ -35,6 +38,7 @@ struct DrivenFacts {
     std::int64_t implausible = 0;  ///< fingers' places among them that were not believed
     std::int64_t sent = 0;         ///< forces that went out, zeros among them
     std::int64_t losses = 0;       ///< of the hardware, which was looked for afterwards
+    std::int64_t left_out = -1;    ///< reports, by the driver (DeviceDriver::left_out)
 };
 
 /// A HapticDevice of any backend: a thread of its own speaks with the hardware, the haptic thread takes the
@@ -110,7 +114,7 @@ private:
     int wake_ = -1;  // eventfd: there is a new force, or an end
     std::atomic<bool> open_{false}, stopping_{false}, lost_{false};
     std::atomic<const char*> misuse_{nullptr};
-    std::atomic<std::int64_t> samples_{0}, implausible_{0}, sent_{0}, losses_{0};
+    std::atomic<std::int64_t> samples_{0}, implausible_{0}, sent_{0}, losses_{0}, left_out_{-1};
     mutable std::mutex words_mutex_;  // never taken by the haptic thread
     std::optional<Error> fault_;
     std::string wish_;
@@ -124,6 +128,7 @@ private:
     std::int64_t spoken_ns_ = 0;
     bool held_ = false;  // otherwise it is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;
+    Error lost_why_;  // while it is looked for
     std::optional<LimpKeeper::Kept> kept_;
     // The haptic thread's.
     std::uint32_t buttons_ = 0;

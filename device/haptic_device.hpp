@@ -23,6 +23,7 @@ struct DeviceCapabilities {
     double rate_hz = 0;     ///< at which positions come; 0: not known
     int buttons = 0;
     bool own_watchdog = false;  ///< the hardware itself drops a force that nobody renews
+    bool answers = false;       ///< it tells a position in answer to each force, and not by itself
 };
 
 /// A force-feedback device with one or more end points (fingers). Positions are in device metres and forces

@@ -16,6 +16,7 @@
 #include "player/commands/command.hpp"
 #include "player/commands/compare_command.hpp"
 #include "player/commands/convert_command.hpp"
+#include "player/commands/devices_command.hpp"
 #include "player/commands/export_command.hpp"
 #include "player/commands/formats_command.hpp"
 #include "player/commands/info_command.hpp"
@@ -100,6 +101,7 @@ int run(int argc, char** argv) {
     add_compare_command(app, command);
     add_plot_command(app, command);
     add_cameras_command(app, command);
+    add_devices_command(app, command);
     add_check_command(app, command);
 
     try {

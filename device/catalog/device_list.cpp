@@ -7,6 +7,7 @@
 
 #include "device/catalog/device_catalog.hpp"
 #include "device/catalog/known_devices.hpp"
+#include "device/catalog/udev_rules.hpp"
 #include "device/hid/hid_node.hpp"
 
 namespace touchable {
@@ -76,9 +77,7 @@ std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& kn
         return known.through == Through::hidraw
                    ? "sudo modprobe usbhid   (it has no hidraw node; then plug it in again)"
                    : "plug it in again (it has no node in /dev/bus/usb)";
-    if (!device.may_use)
-        return "sudo cp share/udev/70-touchable.rules /etc/udev/rules.d/ && sudo udevadm control --reload   "
-               "(then plug it in again)";
+    if (!device.may_use) return std::string(udev_rules_command) + "   (then plug it in again)";
     if (!known.is_shared && !device.held_by.empty())
         return "close " + held_in_words(device.held_by) + ", which has it open";
     return {};
@@ -100,6 +99,7 @@ void judge(const ConnectedSystem& system, const KnownDevice& known, ConnectedDev
                                    [&](const std::string& each) { return each.starts_with(prefix); });
     if (known.through != Through::service && node != device.nodes.end()) device.node = *node;
     device.may_use = !device.node.empty() && system.may_use(device.node);
+    if (known.through != Through::service && !device.may_use) device.rules = udev_rules_of(device.vendor);
     device.next = what_is_missing(system, known, device);
     device.ready = device.next.empty();
 }

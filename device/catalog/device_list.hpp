@@ -20,6 +20,8 @@ struct ConnectedDevice {
     std::vector<std::string> nodes{};  ///< its nodes in /dev
     std::string node;                  ///< the one that it would be driven by; empty: none, or there is none
     bool may_use = false;              ///< that node, by this user
+    std::vector<std::string>
+        rules{};  ///< of udev, that would let whoever sits at the machine use it; empty: it may be
     std::vector<std::string> held_by{};  ///< programs that have one of its nodes open, as far as it shows
     bool ready = false;
     std::string next;  ///< the one line that makes it ready, or helps where it cannot be driven; empty: ready
@@ -30,7 +32,9 @@ std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system);
 
 /// For a person: lines; with none connected one, which says what to do.
 std::string devices_in_words(const std::vector<ConnectedDevice>& devices);
-/// The same as JSON, with members named as above, ids as "046d:c626".
+/// Every word that --device takes, a line each, and how to begin.
+std::string device_words_in_words();
+/// The same as JSON, with members named as above, ids as "046d:c626", and `words`.
 std::string devices_in_json(const std::vector<ConnectedDevice>& devices);
 
 }  // namespace touchable

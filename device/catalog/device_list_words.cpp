@@ -1,6 +1,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "device/catalog/device_catalog.hpp"
 #include "device/catalog/device_list.hpp"
 #include "engine/printable.hpp"
 
@@ -33,6 +34,7 @@ std::string device_lines(const ConnectedDevice& device) {
     if (!device.node.empty())
         words += "    node: " + device.node +
                  (device.may_use ? ", may be used" : ", may not be used by you") + "\n";
+    for (const std::string& rule : device.rules) words += "    rule: " + rule + "\n";
     if (!device.held_by.empty()) words += "    open in: " + listed(device.held_by) + "\n";
     if (device.ready) return words + "    ready\n";
     if (device.next.empty()) return words;
@@ -44,11 +46,26 @@ std::string device_lines(const ConnectedDevice& device) {
 
 std::string devices_in_words(const std::vector<ConnectedDevice>& devices) {
     if (devices.empty())
-        return "No device that is known here is connected: plug one in and switch it on. The network hand "
-               "(--device network) and the mouse need none.\n";
+        return "No device that is known here is connected: plug one in and switch it on. None is needed: any "
+               "program can be the hand (--device network), and in the window the mouse is (touchable "
+               "play).\n";
     std::string words;
     for (const ConnectedDevice& device : devices) words += device_lines(device);
     return words;
+}
+
+std::string device_words_in_words() {
+    constexpr std::size_t column = 16;
+    std::string words = "What --device takes (docs/devices.md has each one's keys):\n";
+    const auto line = [&words](std::string_view word, std::string_view what) {
+        words += "    " + std::string(word) +
+                 std::string(word.size() < column ? column - word.size() : 1, ' ') + std::string(what) + "\n";
+    };
+    for (const DeviceKind& kind : device_kinds()) line(kind.name, kind.words);
+    line("simulated", "a handle that a scripted hand holds; touch alone, with --hand");
+    return words +
+           "See whether it works:  touchable check --device NAME\n"
+           "Touch with it:         touchable touch CLIP --live --device NAME\n";
 }
 
 std::string devices_in_json(const std::vector<ConnectedDevice>& devices) {
@@ -64,10 +81,15 @@ std::string devices_in_json(const std::vector<ConnectedDevice>& devices) {
                         {"nodes", device.nodes},
                         {"node", device.node},
                         {"may_use", device.may_use},
+                        {"rules", device.rules},
                         {"held_by", device.held_by},
                         {"ready", device.ready},
                         {"next", device.next}});
-    const nlohmann::ordered_json whole = {{"touchable_devices", 1}, {"devices", std::move(list)}};
+    nlohmann::ordered_json words = nlohmann::ordered_json::array();
+    for (const DeviceKind& kind : device_kinds())
+        words.push_back({{"word", kind.name}, {"what", kind.words}});
+    const nlohmann::ordered_json whole = {
+        {"touchable_devices", 1}, {"devices", std::move(list)}, {"words", std::move(words)}};
     return whole.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -31,7 +31,8 @@ DeviceCapabilities FalconDriver::capabilities() const {
             .reach = glm::dvec3(falcon_reach),
             .rate_hz = 1000,
             .buttons = 4,
-            .own_watchdog = false};
+            .own_watchdog = false,
+            .answers = true};
 }
 
 Result<void> FalconDriver::connect(const GivenUp& given_up) {

@@ -48,7 +48,7 @@ public:
     std::optional<LastWord> last_word() const override;
     std::string wish() const override;
 
-    std::int64_t damaged() const { return reader_.damaged(); }  ///< reports that were left out so far
+    std::int64_t left_out() const override { return reader_.damaged(); }
 
 private:
     bool is_homed() const { return homed_in_a_row_ >= homed_reports; }

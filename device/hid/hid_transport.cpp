@@ -29,8 +29,9 @@ Error not_opened(const std::string& node, int failure) {
     std::string words = node + ": may not be opened (" + std::strerror(failure) + ")";
     if (failure == EACCES || failure == EPERM)
         words +=
-            "; copy share/udev/70-touchable.rules to /etc/udev/rules.d, run 'sudo udevadm control --reload', "
-            "and plug it in again";
+            "; 'touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo "
+            "udevadm "
+            "control --reload' permits it; then plug it in again";
     if (failure == ENOENT || failure == ENODEV || failure == ENXIO)
         words += "; right would be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
     return {ErrorKind::device, std::move(words)};

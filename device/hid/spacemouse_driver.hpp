@@ -31,7 +31,7 @@ public:
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
 
-    std::int64_t left_out() const { return left_out_; }  ///< reports that were too short, so far
+    std::int64_t left_out() const override { return left_out_; }  ///< reports that were too short, so far
 
 private:
     void take(std::span<const std::byte> report);

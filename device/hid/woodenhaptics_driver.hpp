@@ -40,7 +40,7 @@ public:
     std::optional<LastWord> last_word() const override;
     std::string wish() const override;
 
-    std::int64_t left_out() const { return left_out_; }  ///< reports that cannot be, so far
+    std::int64_t left_out() const override { return left_out_; }  ///< reports that cannot be, so far
 
 private:
     /// How far it is to known angles.

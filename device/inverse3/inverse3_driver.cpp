@@ -41,7 +41,8 @@ DeviceCapabilities Inverse3Driver::capabilities() const {
             .reach = glm::dvec3(0.1),
             .rate_hz = 1e6 / static_cast<double>(shortest_turn.count()),
             .buttons = 3,
-            .own_watchdog = false};
+            .own_watchdog = false,
+            .answers = true};
 }
 
 Result<void> Inverse3Driver::connect(const GivenUp& given_up) {

@@ -42,7 +42,7 @@ public:
     std::string wish() const override;
 
     std::uint16_t port() const { return socket_.port(); }  ///< while connected
-    std::int64_t left_out() const { return left_out_; }    ///< packets so far
+    std::int64_t left_out() const override { return left_out_; }    ///< packets so far
 
 private:
     struct Peer {

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "player/commands/builder_facts.hpp"
+#include "player/commands/file_option.hpp"
 #include "player/commands/machine_facts.hpp"
+#include "player/commands/outputs.hpp"
 #include "player/commands/typed_numbers.hpp"
 #include "player/commands/vulkan_facts.hpp"
 #include "player/commands/vulkan_report.hpp"
@@ -149,12 +151,20 @@ Result<void> answer(const TouchDemand& demand, bool json) {
 
 struct CheckWords {
     CheckOptions options;
+    DeviceCheckOptions device;
     TouchDemand demand;
     std::string size = "720x480";
 };
 
 Result<CheckOptions> read_words(const CheckWords& words, bool asks) {
     CheckOptions options = words.options;
+    if (!words.device.device.empty()) {
+        if (asks)
+            return usage_error("--device is checked alone; --size, --fingers and --rate ask for a clip");
+        options.device = words.device;
+        options.device->json = options.json;
+        return options;
+    }
     if (!asks) return options;
     options.demand = words.demand;
     const auto size = read_pixel_size("--size", words.size, 16, 8192);
@@ -164,9 +174,29 @@ Result<CheckOptions> read_words(const CheckWords& words, bool asks) {
     return options;
 }
 
+void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
+    auto* device = add_file_option(check, "--device", options.device,
+                                   "a haptic device instead, NAME[:key=value,...] (touchable devices): its "
+                                   "reports, their age and noise, the stiffness that it bears");
+    add_whole_option(check, "--seconds", options.seconds, "with --device: its reports are watched", 1, 600)
+        ->capture_default_str()
+        ->needs(device);
+    add_whole_option(check, "--wait", options.wait, "with --device: seconds for its first position", 1, 3600)
+        ->capture_default_str()
+        ->needs(device);
+    check
+        .add_flag("--hands-off", options.hands_off,
+                  "with --device: no hand is on the handle, so springs are tried without asking")
+        ->needs(device);
+    add_file_option(check, "--out", options.out, "with --device: a file for the report, to attach to a fault")
+        ->needs(device);
+    add_overwrite_option(check, options.existing);
+}
+
 }  // namespace
 
 Result<void> run_check(const CheckOptions& options) {
+    if (options.device) return run_device_check(*options.device);
     if (options.demand)
         return within_memory("frames of that size", [&] { return answer(*options.demand, options.json); });
     const auto report = look_around(!options.json);
@@ -178,8 +208,10 @@ Result<void> run_check(const CheckOptions& options) {
 }
 
 void add_check_command(CLI::App& app, Command& command) {
-    auto* check = app.add_subcommand(
-        "check", "say what this machine is, or whether it can: --size 1920x1080 --fingers 5 --rate 30");
+    auto* check = app.add_subcommand("check",
+                                     "say what this machine is, whether it can (--size 1920x1080 --fingers 5 "
+                                     "--rate 30), or what a --device "
+                                     "does");
     auto words = std::make_shared<CheckWords>();
     check->add_flag("--json", words->options.json, "the same as JSON");
     const std::vector<CLI::Option*> question{
@@ -188,6 +220,7 @@ void add_check_command(CLI::App& app, Command& command) {
             ->capture_default_str(),
         add_whole_option(*check, "--rate", words->demand.rate, "can it: frames per second", 1, 1000)
             ->capture_default_str()};
+    add_device_options(*check, words->device);
     check->callback([words, question, &command] {
         command = [words, question]() -> Result<void> {
             const bool asks = std::any_of(question.begin(), question.end(),

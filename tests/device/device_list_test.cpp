@@ -11,6 +11,7 @@
 
 #include "device/catalog/device_catalog.hpp"
 #include "device/catalog/known_devices.hpp"
+#include "device/catalog/udev_rules.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable {
@@ -110,8 +111,11 @@ TEST_F(DeviceList, OneThatMayNotBeUsedNeedsTheRule) {
     const auto device = only();
     EXPECT_FALSE(device.ready);
     EXPECT_FALSE(device.may_use);
-    EXPECT_NE(device.next.find("share/udev/70-touchable.rules"), std::string::npos);
+    EXPECT_NE(device.next.find("touchable devices --udev-rules | sudo tee"), std::string::npos);
+    EXPECT_EQ(device.rules, (std::vector<std::string>{R"(KERNEL=="hidraw*", ATTRS{idVendor}=="046d", )"
+                                                      R"(ATTRS{idProduct}=="c6*", TAG+="uaccess")"}));
     EXPECT_NE(devices_in_words({device}).find("may not be used by you"), std::string::npos);
+    EXPECT_NE(devices_in_words({device}).find("rule: KERNEL==\"hidraw*\""), std::string::npos);
 }
 
 TEST_F(DeviceList, OneWithoutANodeNeedsItsDriver) {
@@ -243,8 +247,26 @@ TEST_F(DeviceList, JsonSaysTheSame) {
     EXPECT_EQ(mouse.at("node"), "/dev/hidraw4");
     EXPECT_EQ(mouse.at("ready"), true);
     EXPECT_EQ(mouse.at("next"), "");
+    ASSERT_EQ(json.at("words").size(), device_kinds().size());
+    EXPECT_EQ(json.at("words").at(0).at("word"), device_kinds()[0].name);
     EXPECT_EQ(json.at("devices").at(1).at("ready"), false);
     EXPECT_NE(json.at("devices").at(1).at("why_not"), "");
+}
+
+TEST(UdevRules, AreInTheProgramAsTheyAreInTheFile) {
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/share/udev/70-touchable.rules");
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), udev_rules());
+    EXPECT_EQ(udev_rules_of(0x256f).size(), 2u) << "by cable, by Bluetooth";
+    EXPECT_EQ(udev_rules_of(0x0403).size(), 1u);
+    EXPECT_TRUE(udev_rules_of(0x1451).empty()) << "not driven";
+}
+
+TEST(DeviceWords, NameEveryDeviceThatCanBeHeld) {
+    const std::string words = device_words_in_words();
+    for (const DeviceKind& kind : device_kinds())
+        EXPECT_NE(words.find("\n    " + std::string(kind.name) + " "), std::string::npos) << kind.name;
+    EXPECT_NE(words.find("touchable touch CLIP --live --device NAME"), std::string::npos);
+    EXPECT_NE(words.find("touchable check --device NAME"), std::string::npos);
 }
 
 TEST(UdevRules, NameEveryDeviceThatIsDrivenThroughANode) {

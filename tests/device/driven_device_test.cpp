@@ -146,6 +146,22 @@ TEST_F(Driven, AnUnpluggedDeviceIsLookedForAndComesBackWithoutForce) {
     EXPECT_EQ(device.facts().losses, 1);
 }
 
+TEST_F(Driven, WhatKeepsItFromComingBackIsSaid) {
+    settle();
+    hardware.plugged = false;
+    tick({0, 0, 1});
+    hardware.not_opened_because = "fake: may not be opened";
+    while (device.wish() == "looking for the fake again" && turn()) {
+    }
+    EXPECT_EQ(device.wish(), "looking for the fake again: fake: may not be opened");
+    EXPECT_EQ(device.health().error().message, "fake: gone; now fake: may not be opened");
+    for (int turns = 0; turns < 300; ++turns) turn();
+    EXPECT_EQ(device.health().error().message, "fake: gone; now fake: may not be opened") << "said once";
+    while (turn()) {
+    }
+    EXPECT_EQ(device.health().error().message, "fake: gone; it did not come back: fake: may not be opened");
+}
+
 TEST_F(Driven, OneThatDoesNotComeBackIsGivenUp) {
     settle();
     hardware.plugged = false;

@@ -22,6 +22,7 @@ public:
     glm::dvec3 place{0.0};
     std::uint32_t buttons = 0;
     std::string wish;
+    std::string not_opened_because;  ///< what it says when it is connected without being plugged; empty: gone
 
     bool connected = false;
     glm::dvec3 force{0.0};  ///< of finger 0, that was sent last
@@ -40,6 +41,8 @@ public:
     DeviceLimits limits() const override { return {10, 3000}; }
     DeviceCapabilities capabilities() const override { return {.reach = glm::dvec3(0.1), .buttons = 2}; }
     Result<void> connect(const GivenUp&) override {
+        if (!hardware_.plugged && !hardware_.not_opened_because.empty())
+            return Error{ErrorKind::device, hardware_.not_opened_because};
         if (!hardware_.plugged) return hardware_.gone();
         hardware_.connected = true;
         hardware_.force = glm::dvec3(0);

@@ -317,7 +317,7 @@ TEST_F(Falcon, ATurnWithFaultsGivesNoPlaceThatIsNotTheGrips) {
     }
     EXPECT_GT(places, 2000);
     EXPECT_GT(none, 100);
-    EXPECT_GT(driver->damaged(), 100);
+    EXPECT_GT(driver->left_out(), 100);
     driver->disconnect();
     EXPECT_EQ(falcon->last_bytes(32), limp);
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));

@@ -34,6 +34,7 @@ const std::map<std::string, Rooms> may_use{
      {"engine", "device", "device/falcon", "device/hid", "device/inverse3", "device/network",
       "device/recorded"}},
     {"device/hid", {"engine", "engine/scene", "device"}},
+    {"device/measure", {"engine", "device"}},
     {"shaders", {}},
     {"player/view",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
@@ -46,8 +47,8 @@ const std::map<std::string, Rooms> may_use{
       "engine/surface", "engine/gpu", "haptics_cpu", "device", "player/session", "player/view"}},
     {"player/commands",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
-      "engine/surface", "engine/content", "engine/gpu", "haptics_cpu", "device", "device/catalog", "shaders",
-      "player/session", "player/view", "player/window"}}};
+      "engine/surface", "engine/content", "engine/gpu", "haptics_cpu", "device", "device/catalog",
+      "device/measure", "shaders", "player/session", "player/view", "player/window"}}};
 
 /// The folders of what a file includes from the root.
 Rooms used_by(const fs::path& file) {

@@ -1,0 +1,126 @@
+// The stiffness at which a spring begins to shake, found in virtual time, against what theory says of it
+// (docs/stability.md).
+#include "device/measure/stiffness_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/device/bench_device.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr double period = 0.001;
+
+/// That the search found it within its step, and 5 % for what theory leaves out.
+void expect_found(BenchDevice& device, double boundary) {
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_TRUE(found.ok()) << found.error().message;
+    EXPECT_LE(found->quiet, 1.05 * boundary);
+    EXPECT_GE(found->quiet, boundary / std::sqrt(2.0) / 1.05);
+    EXPECT_NEAR(found->shaking / found->quiet, std::sqrt(2.0), 1e-9);
+    EXPECT_TRUE(found->moved);
+    EXPECT_EQ(device.asked, glm::dvec3(0)) << "it ends without force";
+    EXPECT_LE(device.longest, 1.5 * (1 + 1e-12));
+    EXPECT_LT(device.farthest, 0.006) << "let go 3 mm from where it rested, which nudges may have moved";
+}
+
+TEST(StiffnessSearch, FindsColgateAndSchenkelsBound) {
+    for (const double damping : {1.0, 3.0, 5.0})
+        for (const double mass : {0.1, 0.5}) {
+            SCOPED_TRACE(std::to_string(damping) + " N s/m, " + std::to_string(mass) + " kg");
+            BenchDevice device({.mass = mass, .damping = damping, .hand_stiffness = 0});
+            expect_found(device, 2 * damping / period);
+        }
+}
+
+TEST(StiffnessSearch, FindsGilsBoundWhereForcesComeLate) {
+    for (const int delay : {1, 3}) {
+        SCOPED_TRACE(std::to_string(delay) + " ticks late");
+        BenchDevice device({.mass = 0.5, .damping = 5, .hand_stiffness = 0}, delay);
+        expect_found(device, 5 / (period / 2 + delay * period));
+    }
+}
+
+TEST(StiffnessSearch, StaysBelowTheBoundWhereEncodersAreCoarse) {
+    BenchDevice device({.mass = 0.5, .damping = 5, .quantum = 60e-6, .hand_stiffness = 0});
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_TRUE(found.ok());
+    EXPECT_LT(found->quiet, 0.5 * 2 * 5 / period) << "without friction it shakes by a quantum for ever";
+    EXPECT_FALSE(found->why.empty());
+}
+
+TEST(StiffnessSearch, EndsAtTheDevicesOwnLimit) {
+    BenchDevice device({.mass = 0.5, .damping = 20, .hand_stiffness = 0});
+    device.limit = {2, 1234};
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_TRUE(found.ok());
+    EXPECT_EQ(found->quiet, 1234);
+    EXPECT_EQ(found->shaking, 0);
+    EXPECT_EQ(found->most_force, 1) << "half of what it bears";
+    EXPECT_LE(device.longest, 1.0 + 1e-12);
+}
+
+TEST(StiffnessSearch, SaysWhereFrictionHeldItStill) {
+    BenchDevice device({.mass = 0.5, .damping = 5, .friction = 2, .hand_stiffness = 0});
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_TRUE(found.ok());
+    EXPECT_FALSE(found->moved);
+}
+
+TEST(StiffnessSearch, RefusesADeviceWithoutForce) {
+    BenchDevice device({});
+    device.driven = 0;
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_FALSE(found.ok());
+    EXPECT_EQ(found.error().kind, ErrorKind::usage);
+    EXPECT_EQ(device.longest, 0);
+}
+
+/// Each in the middle of a spring's trial, in which a force is on.
+TEST(StiffnessSearch, EndsWithoutForceWhateverEndsIt) {
+    constexpr std::int64_t in_the_nudge = 305;
+    BenchDevice stopped({.hand_stiffness = 0}), lost({.hand_stiffness = 0}), broken({.hand_stiffness = 0});
+    stopped.stops_at = lost.loses_place_at = broken.breaks_at = in_the_nudge;
+    EXPECT_EQ(find_stiffness(stopped, stopped.pace()).error().kind, ErrorKind::interrupted);
+    EXPECT_EQ(find_stiffness(lost, lost.pace()).error().kind, ErrorKind::device);
+    EXPECT_EQ(find_stiffness(broken, broken.pace()).error().message, "bench device: broke");
+    for (const BenchDevice* device : {&stopped, &lost, &broken}) {
+        EXPECT_EQ(device->asked, glm::dvec3(0));
+        EXPECT_GT(device->longest, 0.4) << "there was a force to end";
+    }
+}
+
+TEST(StiffnessSearch, DoesNotPushWhatDoesNotRest) {
+    // A hand that pulls it away: it swings for long.
+    class Swinging final : public HapticDevice {
+    public:
+        std::string name() const override { return "swinging"; }
+        DeviceLimits limits() const override { return {8, 1000}; }
+        int fingers() const override { return 1; }
+        Result<void> open() override { return {}; }
+        void close() override {}
+        bool read_positions(std::span<glm::dvec3> metres) override {
+            metres[0] = {0.002 * std::sin(++reads_ * 0.02), 0, 0};
+            return true;
+        }
+        bool write_forces(std::span<const glm::dvec3> newtons) override {
+            pushed = pushed || newtons[0] != glm::dvec3(0);
+            return true;
+        }
+        Result<void> health() const override { return {}; }
+        bool pushed = false;
+
+    private:
+        int reads_ = 0;
+    } device;
+    const auto found = find_stiffness(device, {[] { return true; }, [] { return std::int64_t{0}; }});
+    ASSERT_FALSE(found.ok());
+    EXPECT_EQ(found.error().kind, ErrorKind::device);
+    EXPECT_NE(found.error().message.find("does not stay still"), std::string::npos) << found.error().message;
+    EXPECT_FALSE(device.pushed);
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,179 @@
+// What the program says of devices, on machines that may have any or none.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "device/catalog/device_catalog.hpp"
+#include "player/commands/device_check_report.hpp"
+#include "tests/player/program.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// Of UDP, that nobody has now.
+std::string free_port() {
+    const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(socket, reinterpret_cast<sockaddr*>(&address), size), 0);
+    getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+    close(socket);
+    return std::to_string(ntohs(address.sin_port));
+}
+
+/// A device's log of `seconds`, whose x flickers by 40 um and whose handle otherwise rests.
+void write_log(const std::string& file, int seconds) {
+    std::ofstream log(file);
+    log << "time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n";
+    for (int tick = 0; tick < seconds * 1000; ++tick)
+        log << tick / 1000 << '.' << std::to_string(1000 + tick % 1000).substr(1) << ",0,"
+            << (tick % 2 == 0 ? "0" : "0.00004") << ",0.01,0,0,0.5,0,0,0,0\n";
+}
+
+TEST(Devices, NamesEveryWordAndHowToBegin) {
+    const Outcome run = run_touchable({"devices"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    for (const DeviceKind& kind : device_kinds())
+        EXPECT_NE(run.out.find("\n    " + std::string(kind.name) + " "), std::string::npos) << kind.name;
+    EXPECT_NE(run.out.find("touchable touch CLIP --live --device NAME"), std::string::npos) << run.out;
+}
+
+TEST(Devices, SayTheSameAsJson) {
+    const Outcome run = run_touchable({"devices", "--json"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    const auto json = nlohmann::json::parse(run.out, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << run.out;
+    EXPECT_TRUE(json["devices"].is_array());
+    EXPECT_EQ(json["words"].size(), device_kinds().size());
+}
+
+TEST(Devices, GiveTheRuleFileToWhoHasTheProgramAlone) {
+    const Outcome run = run_touchable({"devices", "--udev-rules"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(run.out, file_contents(std::string(TOUCHABLE_SOURCE_DIR) + "/share/udev/70-touchable.rules"));
+}
+
+TEST(DeviceCheck, MeasuresALogAsADevice) {
+    const TemporaryFolder folder;
+    const std::string log = folder / "trouble.csv", report = folder / "report.txt";
+    write_log(log, 8);
+    const Outcome run = run_touchable(
+        {"check", "--device", "recorded:" + log + ":force=4", "--seconds", "1", "--json", "--out", report});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto json = nlohmann::json::parse(run.out, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << run.out;
+    EXPECT_EQ(json["touchable_device_check"], 1);
+    EXPECT_EQ(json["device"]["words"], "recorded:trouble.csv:force=4");
+    EXPECT_EQ(json["device"]["axes_driven"], 0);
+    EXPECT_EQ(json["readings"], 1000);
+    EXPECT_GT(json["reports_per_s"].get<double>(), 100);
+    EXPECT_LT(json["reports_per_s"].get<double>(), 1100);
+    EXPECT_GT(json["interval_ms"]["count"].get<int>(), 100);
+    EXPECT_GE(json["age_ms"]["p99"].get<double>(), json["age_ms"]["median"].get<double>());
+    EXPECT_NEAR(json["rest"]["step_um"][0].get<double>(), 40, 1e-6);
+    EXPECT_EQ(json["rest"]["step_um"][1].get<double>(), 0);
+    EXPECT_NEAR(json["rest"]["deviation_um"][0].get<double>(), 20, 10);
+    EXPECT_FALSE(json["rest"]["moved"].get<bool>());
+    EXPECT_EQ(json["losses"], 0);
+    EXPECT_EQ(json["stiffness"]["not_tried"], "it exerts no force");
+
+    const std::string words = file_contents(report);
+    for (const char* part : {"recorded:trouble.csv:force=4", "touchable ", "Linux ", "reports   ",
+                             "age       ", "places    ", "stiffness not tried: it exerts no force"})
+        EXPECT_NE(words.find(part), std::string::npos) << part << " in\n" << words;
+    EXPECT_EQ(words.find(folder.path().string()), std::string::npos) << "folders tell who somebody is";
+
+    const Outcome again = run_touchable({"check", "--device", "recorded:" + log, "--out", report});
+    EXPECT_EQ(again.code, 2) << "the report is there already";
+    EXPECT_EQ(file_contents(report), words);
+}
+
+TEST(DeviceCheck, WhatCannotBeOpenedIsCode5InOneLine) {
+    const Outcome run = run_touchable({"check", "--device", "spacemouse:node=/dev/nonexistent-hidraw"});
+    EXPECT_EQ(run.code, 5);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    EXPECT_TRUE(run.out.empty()) << run.out;
+}
+
+TEST(DeviceCheck, AHandThatNeverComesIsCode5AndLeavesNoReport) {
+    const TemporaryFolder folder;
+    const std::string port = free_port();
+    const Outcome run = run_touchable(
+        {"check", "--device", "network:port=" + port, "--wait", "1", "--out", folder / "report.txt"});
+    EXPECT_EQ(run.code, 5);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    EXPECT_NE(run.err.find("no position within 1 s; waiting for a hand at UDP 127.0.0.1:" + port),
+              std::string::npos)
+        << run.err;
+    EXPECT_EQ(folder.file_count(), 0u);
+}
+
+TEST(DeviceCheck, StopsWhenItIsInterrupted) {
+    const Outcome run =
+        run_interrupted_at_once({"check", "--device", "network:port=" + free_port(), "--wait", "60"});
+    EXPECT_EQ(run.code, 130);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+}
+
+TEST(DeviceCheck, QuestionsThatMakeNoSenseAreCode2) {
+    for (const Words& words : {Words{"--device", "falconn"},
+                               {"--device", "simulated"},
+                               {"--device", "network:prot=1"},
+                               {"--device", ""},
+                               {"--device", "network", "--size", "64x48"},
+                               {"--device", "network", "--seconds", "0"},
+                               {"--hands-off"},
+                               {"--seconds", "3"}}) {
+        Words all{"check"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome run = run_touchable(all);
+        EXPECT_EQ(run.code, 2) << words[0] << ' ' << words.back();
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    }
+}
+
+TEST(DeviceReport, NamesNoFolders) {
+    EXPECT_EQ(without_folders("falcon:firmware=/home/ada/novint.bin,force=2"),
+              "falcon:firmware=novint.bin,force=2");
+    EXPECT_EQ(without_folders("recorded:/home/ada/a.csv:force=4"), "recorded:a.csv:force=4");
+    EXPECT_EQ(without_folders("recorded:ada/logs/a.csv"), "recorded:a.csv");
+    EXPECT_EQ(without_folders("spacemouse:node=/dev/hidraw0"), "spacemouse:node=/dev/hidraw0");
+    EXPECT_EQ(without_folders("network"), "network");
+}
+
+TEST(DeviceReport, SaysWhatTheSearchFound) {
+    DeviceReport report;
+    report.capabilities.answers = true;
+    report.facts.left_out = 7;
+    const auto says = [&report](const char* part) {
+        const std::string text = to_text(report);
+        EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+    };
+    report.stiffness = {.quiet = 800, .shaking = 1131, .why = "its swings doubled", .most_force = 1.5};
+    says("stiffness 0.8 N/mm is quiet, 1.13 N/mm is not: its swings doubled (no hand on it, 1.5 N at most)");
+    says("which is the round trip");
+    says("7 reports");
+    report.stiffness = {.quiet = 1000, .most_force = 1.5};
+    says("1 N/mm, its own limit, is quiet");
+    report.stiffness = {.quiet = 0, .shaking = 100, .why = "it went 3 mm away"};
+    says("even 0.1 N/mm is not quiet: it went 3 mm away");
+    report.stiffness = {.quiet = 1000, .moved = false};
+    says("friction held the handle against every nudge");
+    report.facts.left_out = -1;
+    report.capabilities.answers = false;
+    says("it tells positions by itself");
+    EXPECT_EQ(to_text(report).find(" reports, "), std::string::npos) << "it does not count them";
+    report.watch.rest.farthest_m = 0.004;
+    says("the handle moved (by 4 mm)");
+}
+
+}  // namespace
+}  // namespace touchable::test
