@@ -55,7 +55,10 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
     own.sin6_addr = *host;
     own.sin6_port = htons(port);
     if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0) return {};
-    const Error error = socket_error(where);
+    Error error = socket_error(where);
+    if (errno == EADDRINUSE)
+        error.message += ": another program listens there; --device network:port=N takes another";
+    if (errno == EADDRNOTAVAIL) error.message += ": right would be an address that this machine has";
     close();
     return error;
 }
