@@ -209,7 +209,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     const auto came = driver_->receive(sample, patience);
     left_out_.store(driver_->left_out(), std::memory_order_relaxed);
     if (!came.ok()) return came.error();
-    if (std::string wish = driver_->wish(); wish != wish_) set_words(std::nullopt, std::move(wish));
+    pass_on_wish();
     if (!*came) return {};
     const Told before = std::exchange(heard_, {sample, settings_.clock()});
     const bool was_silent = age_of(before.time_ns, heard_.time_ns) > oldest_s;
@@ -238,6 +238,8 @@ Result<void> DrivenDevice::speak() {
     ++sent_;
     auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
     if (settings_.as_it_speaks) settings_.as_it_speaks(settings_.clock());
+    // Also of hardware from which nothing comes.
+    if (sent.ok()) pass_on_wish();
     return sent;
 }
 
@@ -272,6 +274,10 @@ bool DrivenDevice::look_for_it() {
     set_words(Error{lost_why_.kind, lost_why_.message + "; it did not come back" + also}, {});
     lost_.store(true, std::memory_order_release);
     return false;
+}
+
+void DrivenDevice::pass_on_wish() {
+    if (std::string wish = driver_->wish(); wish != wish_) set_words(std::nullopt, std::move(wish));
 }
 
 void DrivenDevice::set_words(std::optional<Error> fault, std::string wish) {

@@ -99,6 +99,7 @@ private:
     Result<void> speak();
     void let_go(const Error& why);
     bool look_for_it();
+    void pass_on_wish();
     void set_words(std::optional<Error> fault, std::string wish);
     void wake() const;
 

@@ -11,7 +11,7 @@ namespace touchable {
 struct StiffnessFinding {
     double quiet = 0;       ///< N/m, the largest that was quiet; 0: none was
     double shaking = 0;     ///< N/m, the least that was not; 0: all were quiet, up to the device's limit
-    std::string why;        ///< what that one did
+    std::string why{};      ///< what that one did
     bool moved = true;      ///< false: friction held the handle against every nudge, which says nothing
     double most_force = 0;  ///< N, that was exerted at most
 };

@@ -191,6 +191,7 @@ void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
     add_file_option(check, "--out", options.out, "with --device: a file for the report, to attach to a fault")
         ->needs(device);
     add_overwrite_option(check, options.existing);
+    check.get_option("--overwrite")->needs(device);
 }
 
 }  // namespace

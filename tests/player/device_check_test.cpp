@@ -131,6 +131,7 @@ TEST(DeviceCheck, QuestionsThatMakeNoSenseAreCode2) {
                                {"--device", "network", "--size", "64x48"},
                                {"--device", "network", "--seconds", "0"},
                                {"--hands-off"},
+                               {"--overwrite"},
                                {"--seconds", "3"}}) {
         Words all{"check"};
         all.insert(all.end(), words.begin(), words.end());
