@@ -44,8 +44,8 @@ const std::map<std::string, Rooms> may_use{
       "engine/surface", "engine/gpu", "haptics_cpu", "device", "player/session", "player/view"}},
     {"player/commands",
      {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
-      "engine/surface", "engine/content", "engine/gpu", "haptics_cpu", "device", "shaders", "player/session",
-      "player/view", "player/window"}}};
+      "engine/surface", "engine/content", "engine/gpu", "haptics_cpu", "device", "device/catalog", "shaders",
+      "player/session", "player/view", "player/window"}}};
 
 /// The folders of what a file includes from the root.
 Rooms used_by(const fs::path& file) {
