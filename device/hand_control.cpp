@@ -35,6 +35,21 @@ std::optional<glm::dvec3> HandControl::centre() const {
     return sum / static_cast<double>(known);
 }
 
+/// That puts the hand where its fingers are, held or not.
+glm::dvec3 HandControl::offset_in_effect(const glm::dvec3& hand) const {
+    return gripped_ ? offset_ - (hand - *gripped_) : offset_;
+}
+
+void HandControl::go_on_from(const HandControl& before) {
+    ask_force(before.force_is_asked());
+    hold(before.held_.load(std::memory_order_relaxed));
+    if (before.recentrings_.load(std::memory_order_relaxed) != before.recentred_) recentre();
+    // Of a hand that is away, where the device's middle is stays.
+    const glm::dvec3 hand = before.centre().value_or(glm::dvec3(0));
+    const glm::dvec3 there = before.mapping_.workspace.to_scene(hand + before.offset_in_effect(hand));
+    offset_ = mapping_.workspace.to_device(there) - hand;
+}
+
 void HandControl::close_gates() {
     for (Finger& finger : fingers_) {
         finger.risen = 0;
@@ -71,6 +86,7 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons) 
     if (!hand) ++figures_.placeless;
 
     const bool clutched = clutch_button_ || held_.load(std::memory_order_relaxed);
+    clutched_.store(clutched, std::memory_order_relaxed);
     if (clutched && !gripped_ && hand) {
         gripped_ = hand;
         for (std::size_t finger = 0; finger < count_; ++finger)
@@ -100,16 +116,18 @@ void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std:
     if (!passes_) close_gates();
     if (passes_) ++figures_.exerting;
     const glm::dmat3 back = glm::transpose(mapping_.turn);
+    bool waits = false;
     for (std::size_t finger = 0; finger < count_; ++finger) {
         Finger& one = fingers_[finger];
-        // A force that is not finite is told on, so that the device learns of it.
         if (one.free) one.risen = std::min(rise_ticks, one.risen + ticks);
         one.free = passes_ && (one.free || glm::dot(guarded[finger], guarded[finger]) == 0);
+        waits = waits || (passes_ && one.known && !one.free);
         // One that is not finite is told on, so that the device learns of it.
         newtons[finger] = is_known(guarded[finger])
                               ? one.risen / double{rise_ticks} * (back * guarded[finger])
                               : guarded[finger];
     }
+    waits_.store(waits, std::memory_order_relaxed);
 }
 
 }  // namespace touchable

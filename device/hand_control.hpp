@@ -59,6 +59,10 @@ public:
     bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
     void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key
     void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
+    /// By a key or a button: the hand moves, and the fingers do not.
+    bool is_repositioned() const { return clutched_.load(std::memory_order_relaxed); }
+    /// Forces are asked for, and a finger that has not been free since then feels none.
+    bool waits_to_be_free() const { return waits_.load(std::memory_order_relaxed); }
 
     /// Before it is used: where the clip's first frame puts the device.
     void set_mapping(const HandMapping& mapping) {
@@ -66,6 +70,9 @@ public:
         offset_ = mapping.offset;
     }
     const HandMapping& mapping() const { return mapping_; }
+    /// Likewise, after another one that is at rest, for the same hand over the same scene: what was asked of
+    /// that one is asked of this one, and the fingers stay where they were, whatever the mapping is now.
+    void go_on_from(const HandControl& before);
 
 private:
     struct Finger {
@@ -76,12 +83,13 @@ private:
         bool known = false;
     };
     std::optional<glm::dvec3> centre() const;
+    glm::dvec3 offset_in_effect(const glm::dvec3& hand) const;
     void take_buttons(std::uint32_t buttons, bool known);
     void close_gates();
 
     HandMapping mapping_;
     const std::size_t count_;
-    std::atomic<bool> asked_{false}, held_{false};
+    std::atomic<bool> asked_{false}, held_{false}, clutched_{false}, waits_{false};
     std::atomic<std::uint32_t> recentrings_{0};
     // The haptic thread's.
     std::array<Finger, most_fingers> fingers_{};

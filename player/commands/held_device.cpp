@@ -6,6 +6,7 @@
 #include <fstream>
 #include <glm/matrix.hpp>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -69,15 +70,30 @@ bool is_simulated(const std::string& device) {
     return device.substr(0, device.find(':')) == "simulated";
 }
 
+std::vector<CLI::Option*> add_mapping_options(CLI::App& sub, HeldDeviceWords& words,
+                                              SessionOptions& session) {
+    return {sub.add_option(
+                "--world-from-camera", words.world_from_camera,
+                "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
+                "row by row, or a file with them"),
+            sub.add_option(
+                   "--hand-scale", session.hand_scale,
+                   "how far a finger goes for a way of the device: 1 fits the picture into its reach, 0.5 "
+                   "is finer")
+                ->check(CLI::Range(0.01, 100.0))
+                ->capture_default_str()};
+}
+
 /// All of them as one.
-Result<std::shared_ptr<HapticDevice>> make_held(const std::vector<std::string>& words) {
+Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
     auto keeper = LimpKeeper::start();
     if (!keeper.ok()) return keeper.error();
     DrivenSettings driven;
     driven.keeper = *keeper;
     driven.as_thread_begins = [] { become_fifo(); };
     std::vector<std::unique_ptr<HapticDevice>> devices;
-    for (const std::string& one : words) {
+    if (words.is_looked_for_always) driven.away_s = std::numeric_limits<double>::infinity();
+    for (const std::string& one : words.devices) {
         auto device = make_device(one, driven);
         if (!device.ok()) return device.error();
         devices.push_back(std::move(*device));
@@ -90,25 +106,30 @@ Result<std::shared_ptr<HapticDevice>> make_held(const std::vector<std::string>& 
 
 std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
                                                   SessionOptions& session) {
-    return {sub.add_option(
-                   "--device", words.devices,
-                   "live: what is held, NAME[:key=value,...] (touchable devices; docs/devices.md). Several "
-                   "are fingers of one hand. simulated is held by --hand, others by you")
-                ->allow_extra_args(false),
-            sub.add_flag(
-                "--force-on", words.force_on,
-                "a device that you hold exerts forces from the start; otherwise its button or Enter asks "
-                "for them"),
-            sub.add_option(
-                "--world-from-camera", words.world_from_camera,
-                "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
-                "row by row, or a file with them"),
-            sub.add_option(
-                   "--hand-scale", session.hand_scale,
-                   "how far a finger goes for a way of the device: 1 fits the picture into its reach, 0.5 "
-                   "is finer")
-                ->check(CLI::Range(0.01, 100.0))
-                ->capture_default_str()};
+    std::vector<CLI::Option*> options{
+        sub.add_option(
+               "--device", words.devices,
+               "live: what is held, NAME[:key=value,...] (touchable devices; docs/devices.md). Several "
+               "are fingers of one hand. simulated is held by --hand, others by you")
+            ->allow_extra_args(false),
+        sub.add_flag(
+            "--force-on", words.force_on,
+            "a device that you hold exerts forces from the start; otherwise its button or Enter asks "
+            "for them")};
+    for (CLI::Option* const option : add_mapping_options(sub, words, session)) options.push_back(option);
+    return options;
+}
+
+std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWords& words,
+                                                    SessionOptions& session) {
+    std::vector<CLI::Option*> options{
+        sub.add_option(
+               "--device", words.devices,
+               "what leads the fingers: mouse, or NAME[:key=value,...] of a device that you hold "
+               "(docs/devices.md). Several are fingers of one hand. Forces begin when you ask for them")
+            ->allow_extra_args(false)};
+    for (CLI::Option* const option : add_mapping_options(sub, words, session)) options.push_back(option);
+    return options;
 }
 
 Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session) {
@@ -129,7 +150,7 @@ Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session)
         if (!frame.ok()) return frame.error();
         session.world_from_camera = *frame;
     }
-    auto held = make_held(devices);
+    auto held = make_held(words);
     if (!held.ok()) return held.error();
     session.held_device = std::move(*held);
     if (session.held_device->fingers() > HandControl::most_fingers)

@@ -15,6 +15,7 @@
 #include "player/commands/builder_options.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/file_option.hpp"
+#include "player/commands/held_device.hpp"
 #include "player/commands/live_camera_option.hpp"
 #include "player/commands/outputs.hpp"
 #include "player/commands/picture_options.hpp"
@@ -34,6 +35,7 @@ struct PlayWords {
     PlayOptions options;
     ClipTyped clip;
     PlaybackTyped playback;
+    HeldDeviceWords held;
     std::string size = "1280x720";
     std::optional<std::filesystem::path> script;
     CLI::Option* clip_word = nullptr;
@@ -112,6 +114,27 @@ bool ends_by_itself(const std::vector<ScriptedInput>& script) {
     });
 }
 
+/// The mouse needs nothing, and no other is beside it.
+Result<void> hold(const PlayWords& words, PlayOptions& options) {
+    HeldDeviceWords held = words.held;
+    held.is_looked_for_always = words.kiosk;
+    const auto mouse = std::find(held.devices.begin(), held.devices.end(), "mouse");
+    if (mouse != held.devices.end() && held.devices.size() > 1)
+        return usage_error("--device mouse leads the fingers alone, not beside another device");
+    if (mouse != held.devices.end()) held.devices.clear();
+    options.session.live = true;
+    if (auto made = hold_devices(held, options.session); !made.ok()) return made;
+    if (options.session.device)
+        return usage_error("--device " + *options.session.device +
+                           ": is held by a hand of touchable touch; in a window you hold what is there, or "
+                           "lead by the mouse");
+    if (!options.session.held_device) return {};
+    options.hand = std::make_shared<HeldHand>(std::move(options.session.held_device));
+    options.session.held_device.reset();
+    options.session.control.reset();  // each session has its own
+    return {};
+}
+
 Result<PlayOptions> read_words(const PlayWords& words) {
     for (const double number : {words.seconds_value, words.options.screenshot_s})
         if (std::isnan(number)) return usage_error("--seconds and --at must be numbers");
@@ -121,6 +144,8 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         return usage_error(
             "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
     PlayOptions options = words.options;
+    // First, while there is little in memory, and one thread.
+    if (auto made = hold(words, options); !made.ok()) return made.error();
     const auto size = read_pixel_size("--size", words.size, smallest_window, largest_window);
     if (!size.ok()) return size.error();
     options.screen.width = size->width;
@@ -269,6 +294,7 @@ void group_window_options(CLI::App& sub) {
                   {"The window",
                    {"--size", "--fullscreen", "--kiosk", "--idle", "--seconds", "--screenshot", "--at",
                     "--record", "--sound", "--video", "--settings", "--overwrite"}},
+                  {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale"}},
                   {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
                   {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
@@ -279,7 +305,8 @@ void group_window_options(CLI::App& sub) {
 
 void add_play_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<PlayWords>();
-    CLI::App* const sub = app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse");
+    CLI::App* const sub =
+        app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse or a device");
     words->clip_word = add_clip_options(*sub, words->clip);
     add_live_camera_option(*sub, words->options.session);
     add_camera_options(*sub, words->clip.camera);
@@ -287,6 +314,7 @@ void add_play_command(CLI::App& app, Command& command) {
     // Of commands that come later the person in the window is the one who gives them.
     sub->remove_option(sub->get_option("--play"));
     add_window_options(*sub, *words);
+    add_window_device_options(*sub, words->held, words->options.session);
     words->filters = add_filter_options(*sub, words->clip);
     add_builder_options(*sub, words->options.session.builder, {"auto", "cpu", "vulkan"});
     group_window_options(*sub);

@@ -47,7 +47,7 @@ struct SessionOptions {
     std::optional<glm::dmat4> world_from_camera;  ///< rigid, metres: that device's places are the world's
     double hand_scale = 1;                        ///< a finger's way for that of the hand, of the fitted one
     bool device_log = false;                      ///< ticks are kept as that device had them
-    /// Where that device is; nothing: where the clip's first frame puts it.
+    /// Where that device is, before `hand_scale`; nothing: where the clip's first frame puts it.
     std::optional<Workspace> workspace;
     /// That others of the program use as well; nothing: the run opens one of its own if it needs one.
     std::shared_ptr<RunGpu> gpu;

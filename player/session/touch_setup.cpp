@@ -202,6 +202,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->clip = options.clip;
     setup->camera_words = options.camera.value_or("");
     setup->live = options.live;
+    setup->hand_scale = options.hand_scale;
     setup->settings.fingers = options.fingers;
     setup->settings.ticks = options.ticks;
     setup->settings.playback = options.playback;

@@ -35,7 +35,8 @@ struct TouchSetup {
     std::unique_ptr<SimulatedDevice> device;    ///< that the hand holds
     std::shared_ptr<HapticDevice> held_device;  ///< that a person holds
     std::shared_ptr<HandControl> control;       ///< of that device; nothing: it is there as it is
-    std::unique_ptr<DeviceTickLog> device_log;      ///< of that device; nothing: nobody wants one
+    double hand_scale = 1;                      ///< of that device, as SessionOptions has it
+    std::unique_ptr<DeviceTickLog> device_log;  ///< of that device; nothing: nobody wants one
     Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;

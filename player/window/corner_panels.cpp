@@ -34,6 +34,23 @@ std::string printed(std::string key) {
     return key;
 }
 
+/// Of keys that lead the pointer's fingers or a device's, whichever is not there.
+bool does_nothing(WindowVerb verb, bool is_held) {
+    switch (verb) {
+        case WindowVerb::fingers:
+        case WindowVerb::deeper:
+        case WindowVerb::point_right:
+        case WindowVerb::point_down:
+            return is_held;
+        case WindowVerb::clutch:
+        case WindowVerb::recentre:
+        case WindowVerb::coarser:
+            return !is_held;
+        default:
+            return false;
+    }
+}
+
 }  // namespace
 
 void begin_box(const char* name, const FixedBox& box) {
@@ -45,8 +62,9 @@ void begin_box(const char* name, const FixedBox& box) {
 
 void draw_force(const PanelFacts& facts, float height, float scale) {
     const float m = panel_margin * scale;
-    const float bar = 12 * scale, gap = 6 * scale, tall = std::min(150 * scale, height * 0.3F);
     const auto fingers = static_cast<float>(std::max<std::size_t>(facts.forces.size(), 1));
+    const float each = std::min(18 * scale, 180 * scale / fingers);
+    const float bar = each * 2 / 3, gap = each / 3, tall = std::min(150 * scale, height * 0.3F);
     // What is in a box tells its size a picture later: where that is known before, it is said.
     const ImGuiStyle& style = ImGui::GetStyle();
     const float wide = std::max(56 * scale, fingers * (bar + gap) - gap);
@@ -97,7 +115,7 @@ void draw_place(const PanelFacts& facts, float height, float scale) {
     ImGui::End();
 }
 
-void draw_help(float width, float height, float scale) {
+void draw_help(const PanelFacts& facts, float width, float height, float scale) {
     begin_box("help", {.x = width / 2,
                        .y = height / 2 - panel_bar_height * scale / 2,
                        .pivot_x = 0.5F,
@@ -114,11 +132,19 @@ void draw_help(float width, float height, float scale) {
             ImGui::TableNextColumn();
             ImGui::TextUnformatted(what);
         };
-        row("Mouse", "moves the finger; hold the left button to press");
-        row("Wheel", "presses deeper or less; so does dragging with the right button");
-        row("Middle button", "drag: turn; with Shift: move; double click: look at that place");
+        if (facts.hand) {
+            row("Mouse", "drag: turn; with the right button: move");
+            row("Wheel", "nearer, or farther");
+            row("Middle button", "double click: look at that place");
+        } else {
+            row("Mouse", "moves the finger; hold the left button to press");
+            row("Wheel", "presses deeper or less; so does dragging with the right button");
+            row("Middle button", "drag: turn; with Shift: move; double click: look at that place");
+        }
+        if (facts.hand) row("Forces", facts.hand->state.words.c_str());
         const auto keys = key_bindings();
         for (std::size_t k = 0; k < keys.size();) {
+            const bool is_other = does_nothing(keys[k].verb, facts.hand.has_value());
             std::string names;
             const char* const what = keys[k].what;
             do {
@@ -126,7 +152,7 @@ void draw_help(float width, float height, float scale) {
                 names += (names.empty() ? "" : "  ") + name;
                 ++k;
             } while (k < keys.size() && !keys[k].what);
-            row(names, what);
+            if (!is_other) row(names, what);
         }
         ImGui::EndTable();
     }

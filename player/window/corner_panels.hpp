@@ -26,6 +26,6 @@ void draw_place(const PanelFacts& facts, float height, float scale);
 /// What the surface's colours mean: a ramp with its ends, or a list. Lower right, so far from the edge.
 void draw_overlay_scale(const OverlayScale& scale_of, float right, float bottom, float scale);
 /// What keys do. In the middle.
-void draw_help(float width, float height, float scale);
+void draw_help(const PanelFacts& facts, float width, float height, float scale);
 
 }  // namespace touchable

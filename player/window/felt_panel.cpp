@@ -65,7 +65,8 @@ bool is_of_filters(const FeltSetting& setting) {
 
 std::string shown_number(const FeltSetting& setting, float value) {
     char words[32];
-    std::snprintf(words, sizeof words, setting.whole ? "%.0f" : "%.2g", static_cast<double>(value));
+    std::snprintf(words, sizeof words, setting.whole ? "%.0f" : (setting.by_ratio ? "%.3g" : "%.2g"),
+                  static_cast<double>(value));
     return words;
 }
 
@@ -80,7 +81,7 @@ void FeltPanel::draw_number(const FeltSetting& setting, const FeltFacts& facts,
     const std::string number = shown_number(setting, value);
     const std::string words = setting.filter && number == "0" ? "off" : number + " " + setting.unit;
     draw_slider(id.c_str(), value, static_cast<float>(setting.least), static_cast<float>(setting.most), words,
-                scale_);
+                scale_, setting.by_ratio ? ImGuiSliderFlags_Logarithmic : 0);
     if (ImGui::IsItemActive()) {
         held_ = setting.name;
         dragged_ = value;
@@ -110,7 +111,8 @@ void FeltPanel::draw(const FeltFacts& facts, float scale, std::vector<WindowComm
     explain_row(
         "Two sets of settings, to feel the difference. The key B switches; B begins without filters.");
     for (const FeltSetting& setting : felt_settings())
-        if (!is_of_filters(setting)) draw_row(setting, facts, asked);
+        if (!is_of_filters(setting) && (facts.has_device || !setting.of_device))
+            draw_row(setting, facts, asked);
 }
 
 void FeltPanel::draw_filters(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked) {

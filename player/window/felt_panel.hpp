@@ -14,6 +14,7 @@ struct FeltFacts {
     std::map<std::string, std::string> by_hand, in_effect;  ///< as FeltSettings and `felt_in` have them
     std::string filters;                                    ///< each filter with its reason, in words
     bool b_is_on = false;                                   ///< of the two sets
+    bool has_device = false;                                ///< one is held
 };
 
 /// The panel's parts for the settings of what is felt, a row each, where Dear ImGui's cursor is. `scale` as

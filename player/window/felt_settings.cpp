@@ -133,7 +133,21 @@ std::vector<FeltSetting> force_settings() {
          .apply = [](const std::string& value,
                      Options& o) { o.guard.max_stiffness = number_of(value).value_or(0) * 1000; },
          .in_effect =
-             [](const TouchSetup& s) { return short_number(s.settings.guard.max_stiffness / 1000); }}};
+             [](const TouchSetup& s) { return short_number(s.settings.guard.max_stiffness / 1000); }},
+        {.name = "hand-scale",
+         .what =
+             "How far a finger goes for a way of the hand: at 1 the picture fits into the device's reach, "
+             "below it is finer.",
+         .words = {},
+         .least = 0.01,
+         .most = 100,
+         .of_device = true,
+         .by_ratio = true,
+         .apply =
+             [](const std::string& value, Options& o) {
+                 if (o.control) o.hand_scale = number_of(value).value_or(1);
+             },
+         .in_effect = [](const TouchSetup& s) { return short_number(s.hand_scale); }}};
 }
 
 std::vector<FeltSetting> filter_settings() {

@@ -21,6 +21,8 @@ struct FeltSetting {
     bool whole = false;              ///< the number is
     const char* unit = "";           ///< of the number
     bool filter = false;             ///< one of those that `filters` sets together
+    bool of_device = false;          ///< without a device that is held it does nothing
+    bool by_ratio = false;           ///< of the number: twice as much is as far as half as much
     /// What the value, which is one that it can be, does to the options of a run.
     void (*apply)(const std::string& value, SessionOptions& options) = nullptr;
     /// What a run has it at; null: nothing by itself, as "filters".

@@ -12,19 +12,22 @@ namespace {
 constexpr std::int64_t trail_ticks = 500;
 constexpr double farthest_apart = 0.05;  // of a trail from one picture to the next, of the clip's width
 
-/// Whether a finger is on its way from or to where it touches nothing, before the clip's camera: so near to
-/// that it would be in the way of all else.
-bool is_away(const Contact& contact, const FieldProbe& probe) {
+/// Whether a finger is nowhere, or where it touches nothing, before the clip's camera: so near to that it
+/// would be in the way of all else.
+bool is_away(const WatchedFinger& finger, const FieldProbe& probe, double nearest_share) {
+    if (!std::isfinite(glm::dot(finger.goal, finger.goal))) return true;
+    const Contact& contact = finger.contact;
     if (contact.touching) return false;
     if (!(contact.goal.z < 0)) return true;
     const glm::dvec3 pixel = probe.project(contact.goal);
     const auto depth = probe.depth_under(pixel.x, pixel.y);
-    return depth && pixel.z < *depth / 2;
+    return depth && pixel.z < *depth * nearest_share;
 }
 
 }  // namespace
 
-std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, const HeightField& field) {
+std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, const HeightField& field,
+                                            double nearest_share) {
     const auto shown = std::min(tick.fingers.size(), static_cast<std::size_t>(count));
     const FieldProbe probe(field);
     trails_.resize(shown);
@@ -33,7 +36,7 @@ std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, 
     for (std::size_t k = 0; k < shown; ++k) {
         const Contact& contact = tick.fingers[k].contact;
         std::deque<Place>& trail = trails_[k];
-        const bool away = is_away(contact, probe);
+        const bool away = is_away(tick.fingers[k], probe, nearest_share);
         if (!contact.touching || !std::isfinite(contact.pixel_x) || !std::isfinite(contact.pixel_y))
             trail.clear();
         else if (const glm::dvec2 now(contact.pixel_x, contact.pixel_y);

@@ -14,8 +14,10 @@ namespace touchable {
 /// The fingers of a moment as a picture shows them, with the ways they went since they last touched.
 class FingerTrails {
 public:
-    /// Once a picture. Fingers from `count` on are not shown.
-    std::vector<FingerMark> marks(const WatchedTick& tick, int count, const HeightField& field);
+    /// Once a picture. Fingers from `count` on are not shown, nor one whose place nobody knows, nor one that
+    /// touches nothing and is nearer to the clip's camera than this share of the way to the surface.
+    std::vector<FingerMark> marks(const WatchedTick& tick, int count, const HeightField& field,
+                                  double nearest_share = 0.5);
 
 private:
     struct Place {

@@ -9,7 +9,8 @@ namespace {
 
 constexpr const char* title = "Touch the picture";
 constexpr const char* how = "Move, hold the button, and feel";
-constexpr const char* all_words = "Touch the picture Move, hold the button, and feel";
+constexpr const char* how_held = "Take the handle, and feel";
+constexpr const char* all_words = "Touch the picture Move, hold the button, and feel Take the handle";
 constexpr double fade_s = 1.2;
 
 ImU32 white(float opacity) {
@@ -35,7 +36,7 @@ const char* invitation_words() {
     return all_words;
 }
 
-void draw_invitation(double seconds, float width, float height) {
+void draw_invitation(double seconds, float width, float height, bool held) {
     const auto share = static_cast<float>(std::clamp(seconds / fade_s, 0.0, 1.0));
     const float opacity = share * share * (3 - 2 * share);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
@@ -51,7 +52,7 @@ void draw_invitation(double seconds, float width, float height) {
                                  black(0.62F * opacity), black(0.85F * opacity), black(0.85F * opacity));
     const float top = height * 0.80F;
     draw_words(list, font, large, title, width / 2, top, opacity);
-    draw_words(list, font, small, how, width / 2, top + large * 1.25F, 0.85F * opacity);
+    draw_words(list, font, small, held ? how_held : how, width / 2, top + large * 1.25F, 0.85F * opacity);
 }
 
 }  // namespace touchable

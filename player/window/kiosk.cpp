@@ -31,6 +31,8 @@ bool is_for_visitors(WindowVerb verb) {
         case WindowVerb::point_right:
         case WindowVerb::point_down:
         case WindowVerb::force:
+        case WindowVerb::clutch:
+        case WindowVerb::recentre:
         case WindowVerb::mute:
         case WindowVerb::overlay:
         case WindowVerb::home:

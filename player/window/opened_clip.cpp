@@ -67,8 +67,12 @@ SessionOptions OpenedClip::session_options(const FeltSettings& felt) const {
     session.clip = clip_;
     if (!clip_.is_camera()) session.camera.reset();  // of another clip, which was there before
     session.live = session.watched = true;
-    session.fingers = PointerFingers::most;
+    session.fingers = fingers_of_hand();
     session.held_device = held_;
+    if (options_.hand) {
+        session.held_device = options_.hand;
+        session.control = std::make_shared<HandControl>(fingers_of_hand(), HandMapping{});
+    }
     session.recorded = options_.record.has_value();
     return with_felt(std::move(session), felt);
 }
@@ -93,6 +97,8 @@ void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
 }
 
 Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_token& given_up) {
+    if (options_.hand)
+        if (auto opened = options_.hand->open(); !opened.ok()) return opened;
     SessionOptions session = session_options(felt);
     session.given_up = given_up;
     auto setup = setup_from_options(session);
@@ -103,6 +109,7 @@ Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_to
     frames_ = s.feed->reader().frame_count().value_or(0);
     take_over(s, felt);
     workspace_ = s.workspace;
+    workspace_.metres_per_scene_unit *= session.hand_scale;
     // No surface is before the clip's camera.
     device_->set_refuge(workspace_.to_device({0, 0, 0}));
     fingers_.emplace(*device_, workspace_);
@@ -124,7 +131,7 @@ Result<void> OpenedClip::open_film(TouchSetup& setup) {
 
 Result<void> OpenedClip::begin() {
     if (options_.record) {
-        auto file = RecordingFile::create(*options_.record, PointerFingers::most, options_.existing);
+        auto file = RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing);
         if (!file.ok()) return file.error();
         record_ = std::make_unique<Record>(std::move(*file));
         if (auto film = open_film(*ready_); !film.ok()) return film;
@@ -161,6 +168,7 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     auto started = WatchedSession::start(std::move(setup), std::move(sinks));
     if (!started.ok()) return started.error();
     session_ = std::move(*started);
+    control_ = session_->setup().control.get();
     return {};
 }
 
@@ -195,8 +203,9 @@ Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
         change.state = session_->playback();
         return {};
     };
-    // A finger that was inside stays there: how the surface is felt is new, and the ramp is for that.
-    session.start_buried = true;
+    // A finger that was inside stays there: how the surface is felt is new, and the ramp is for that. No hand
+    // is pushed out of what it did not come into.
+    session.start_buried = !options_.hand;
     auto setup = setup_from_options(session);
     if (!setup.ok()) return setup.error();
     change.setup = std::move(*setup);
@@ -252,6 +261,7 @@ Result<void> OpenedClip::take(Change change) {
         if (auto film = open_film(*change.setup); !film.ok()) return film;
     }
     if (record_) record_->hash.emplace();
+    if (control_) change.setup->control->go_on_from(*control_);
     if (auto started = start_session(std::move(change.setup)); !started.ok()) return started;
     begin_listening();
     ended_ = before;

@@ -23,7 +23,8 @@
 
 namespace touchable {
 
-/// A clip in the window: its session, the pointer that touches it, and from where it is seen.
+/// A clip in the window: its session, the pointer or the held device that touches it, and from where it is
+/// seen.
 class OpenedClip {
 public:
     /// As `options` say, which outlive it, over `clip` and by these settings; ready to be begun. `sound`
@@ -53,8 +54,8 @@ public:
     /// Whether the clip, as it plays, has come to where the change begins, or will not.
     bool has_come_to(const Change& change) const;
     /// Ends the session, and begins another one by those settings at the moment, speed and loop of now.
-    /// Fingers stay where they are, and their forces come by the guard's ramp. In a recording it is another
-    /// part.
+    /// Fingers stay where they are, and their forces come by the guard's ramp; those of a held device once
+    /// they have been free. In a recording it is another part.
     Result<void> take(Change change);
 
     WatchedSession& session() { return *session_; }
@@ -62,6 +63,19 @@ public:
     PointerDevice& device() { return *device_; }
     PointerFingers& fingers() { return *fingers_; }
     const PointerFingers& fingers() const { return *fingers_; }
+    /// That leads the fingers; null: the pointer does.
+    const HeldHand* hand() const { return options_.hand.get(); }
+    /// How many fingers are to be seen.
+    int shown() const { return options_.hand ? options_.hand->fingers() : fingers_->shown(); }
+    /// Of that device in the session; null likewise.
+    HandControl* control() const { return control_; }
+    void set_force(bool on) {
+        if (control_)
+            control_->ask_force(on);
+        else
+            device_->set_force(on);
+    }
+    bool force_is_on() const { return control_ ? control_->force_is_asked() : device_->force_is_on(); }
     FingerTrails& trails() { return trails_; }
     WindowView& view() { return *view_; }
     const Scene& scene() const { return *scene_; }
@@ -108,6 +122,7 @@ private:
     nlohmann::ordered_json facts_of_part() const;
     Result<void> open_film(TouchSetup& setup);
     MarkSizes sizes_for(double max_newtons) const;
+    int fingers_of_hand() const { return options_.hand ? options_.hand->fingers() : PointerFingers::most; }
 
     /// `--record`, and the hash that the forces of a part must have again.
     class Record final : public TouchSink {
@@ -129,8 +144,9 @@ private:
     int films_ = 0;  // of a camera that is recorded
     std::shared_ptr<PointerDevice> device_;
     std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go
+    HandControl* control_ = nullptr;      // the session's
     std::optional<Scene> scene_;
-    Workspace workspace_;  // the same for all settings, so that they compare
+    Workspace workspace_;  // before the scale of a hand: the same for all settings, so that they compare
     std::unique_ptr<Record> record_;
     std::optional<TouchListener> listener_;
     std::optional<PointerFingers> fingers_;

@@ -8,6 +8,7 @@
 #include "player/view/overlays.hpp"
 #include "player/window/felt_panel.hpp"
 #include "player/window/finger_halos.hpp"
+#include "player/window/hand_state.hpp"
 
 namespace touchable {
 
@@ -28,9 +29,10 @@ struct PanelFacts {
     std::string overlay;                  ///< of the surface's colours
     const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip's own
     bool force_on = true;
-    double pressed_mm = 0;       ///< how deep the finger is meant to be in the surface; below 0 above it
-    std::vector<double> forces;  ///< newtons, by finger
-    double most_newtons = 1;     ///< of the bar
+    std::optional<HandFacts> hand;  ///< nothing: the pointer is the finger
+    double pressed_mm = 0;          ///< how deep the finger is meant to be in the surface; below 0 above it
+    std::vector<double> forces;     ///< newtons, by finger
+    double most_newtons = 1;        ///< of the bar
     std::vector<FingerHalo> halos;
     PlaceFacts place;
     FeltFacts felt;

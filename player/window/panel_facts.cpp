@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
+#include "haptics_cpu/force_guard.hpp"
 #include "player/view/surface_pick.hpp"
 
 namespace touchable {
@@ -56,6 +57,13 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
                 (picture.graphics().gpu().empty() ? "the CPU" : picture.graphics().gpu())};
 }
 
+/// Whether a finger has to leave a surface that was not there before it.
+bool is_inside(const WatchedTick& felt) {
+    return std::any_of(felt.fingers.begin(), felt.fingers.end(), [](const WatchedFinger& finger) {
+        return (finger.force.reasons & guard_waiting) != 0;
+    });
+}
+
 }  // namespace
 
 PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const WatchedMoment& moment,
@@ -74,14 +82,19 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.speed = static_cast<double>(state.rate) / 1000;
     facts.overlay = name_of(picture.overlay());
     facts.scale = picture.scale();
-    facts.force_on = clip.device().force_is_on();
+    facts.force_on = clip.force_is_on();
+    if (const HeldHand* const hand = clip.hand())
+        facts.hand = HandFacts{hand->name(), hand_state(*hand, *clip.control(), is_inside(moment.felt)),
+                               hand->age_s()};
     facts.pressed_mm = clip.fingers().depth_m() * 1000;
     const auto fingers =
-        std::min(moment.felt.fingers.size(), static_cast<std::size_t>(clip.fingers().count()));
+        std::min(moment.felt.fingers.size(),
+                 static_cast<std::size_t>(clip.hand() ? clip.shown() : clip.fingers().count()));
     for (std::size_t k = 0; k < fingers; ++k)
         facts.forces.push_back(glm::length(moment.felt.fingers[k].force.force));
     facts.place.lines = place_words(clip, moment, field, camera);
     facts.felt = {clip.felt().values(), clip.in_effect(), clip.filters()};
+    facts.felt.has_device = clip.hand() != nullptr;
     facts.figures = figure_words(clip, picture, moment);
     const WatchedFigures figures = clip.session().figures();
     facts.late_ticks = figures.ticks.late;

@@ -9,6 +9,7 @@
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "player/session/session_options.hpp"
+#include "player/window/held_hand.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/window_script.hpp"
@@ -18,6 +19,7 @@ namespace touchable {
 /// A window, and what becomes of it.
 struct PlayOptions {
     SessionOptions session;
+    std::shared_ptr<HeldHand> hand{};  ///< that leads the fingers; nothing: the mouse does
     ScreenOptions screen;
     bool headless = false;
     std::optional<KioskTimes> kiosk{};  ///< nobody watches over it; it loops and keeps nothing

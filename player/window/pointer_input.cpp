@@ -25,14 +25,8 @@ void PointerInput::take(const InputEvent& event, PointerFingers& fingers, Window
             break;
         }
         case Kind::pressed:
-            held_ = event.word;
-            shift_ = event.shift;
+            press(event);
             if (held_ == "left") fingers.press(true);
-            if (held_ == "middle") {
-                const auto now = Clock::now();
-                if (last_middle_ && now - *last_middle_ < double_click) double_click_ = at_;
-                last_middle_ = now;
-            }
             break;
         case Kind::released:
             if (event.word == "left") fingers.press(false);
@@ -50,6 +44,33 @@ void PointerInput::take(const InputEvent& event, PointerFingers& fingers, Window
         default:
             break;
     }
+}
+
+void PointerInput::take_for_view(const InputEvent& event, PointerFingers& fingers, WindowView& view,
+                                 int width, int height) {
+    using Kind = InputEvent::Kind;
+    if (event.kind == Kind::moved) {
+        const glm::dvec2 to(event.x, event.y), moved = to - at_;
+        at_ = to;
+        fingers.set_pointer(to);
+        if (held_ == "right" || (!held_.empty() && shift_))
+            view.pan(moved.x, moved.y, width, height);
+        else if (!held_.empty())
+            view.turn(-moved.x * degrees_per_pixel, moved.y * degrees_per_pixel);
+    }
+    if (event.kind == Kind::pressed) press(event);
+    if (event.kind == Kind::released) held_.clear();
+    if (event.kind == Kind::wheel) view.near_by(std::pow(nearer_per_notch, event.y));
+    if (event.kind == Kind::left_window) leave(fingers);
+}
+
+void PointerInput::press(const InputEvent& event) {
+    held_ = event.word;
+    shift_ = event.shift;
+    if (held_ != "middle") return;
+    const auto now = Clock::now();
+    if (last_middle_ && now - *last_middle_ < double_click) double_click_ = at_;
+    last_middle_ = now;
 }
 
 void PointerInput::drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int width,

@@ -18,6 +18,10 @@ public:
 
     /// An event that no panel takes; of a picture of that size. Keys are not the pointer's.
     void take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width, int height);
+    /// Likewise where fingers are led by something else: left and middle button turn the view, the right one
+    /// moves it, the wheel nears it. `fingers` know where the pointer is, and nobody feels them.
+    void take_for_view(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width,
+                       int height);
     /// By so many pixels, for whoever has keys alone; from the middle of the picture where it was nowhere.
     void move_by(const glm::dvec2& pixels, int width, int height, PointerFingers& fingers);
     /// The panel has the pointer, or it is nowhere: fingers leave, and nothing is held.
@@ -28,6 +32,7 @@ public:
     std::optional<glm::dvec2> take_double_click();
 
 private:
+    void press(const InputEvent& event);
     void drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int width, int height);
 
     glm::dvec2 at_{0.0};

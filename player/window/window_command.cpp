@@ -11,7 +11,7 @@
 namespace touchable {
 namespace {
 
-enum class Takes { nothing, number, word, perhaps_a_word, size };
+enum class Takes { nothing, number, word, perhaps_a_word, on_or_off, size };
 
 struct NamedVerb {
     const char* name;
@@ -32,6 +32,8 @@ constexpr NamedVerb named_verbs[] = {{"play-pause", WindowVerb::play_pause, Take
                                      {"point-right", WindowVerb::point_right, Takes::number, -10000, 10000},
                                      {"point-down", WindowVerb::point_down, Takes::number, -10000, 10000},
                                      {"force", WindowVerb::force, Takes::nothing},
+                                     {"clutch", WindowVerb::clutch, Takes::on_or_off},
+                                     {"recentre", WindowVerb::recentre, Takes::nothing},
                                      {"mute", WindowVerb::mute, Takes::nothing},
                                      {"overlay", WindowVerb::overlay, Takes::perhaps_a_word},
                                      {"home", WindowVerb::home, Takes::nothing},
@@ -81,6 +83,10 @@ std::span<const KeyBinding> key_bindings() {
         {"a", false, point_right, -8, nullptr},
         {"d", false, point_right, 8, nullptr},
         {"f", false, force, 0, "force off at once, or on again"},
+        {"c", false, clutch, 1, "while it is down the hand moves, and no finger"},
+        {"r", false, recentre, 0, "the middle is where the hand is"},
+        {"j", false, coarser, 0.8, "fingers go less far for a way of the hand, or farther"},
+        {"k", false, coarser, 1.25, nullptr},
         {"m", false, mute, 0, "sound off, or on again"},
         {"o", false, overlay, 0, "what the surface is coloured by"},
         {"b", false, settings, 0, "the other settings of what is felt, A or B"},
@@ -135,6 +141,11 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
     WindowCommand command{named->verb, 0, ""};
     if (named->takes == Takes::nothing) {
         if (!rest.empty()) return usage_error("'" + name + "' takes nothing, and not '" + rest + "'");
+        return command;
+    }
+    if (named->takes == Takes::on_or_off) {
+        if (rest != "on" && rest != "off") return usage_error("'" + words + "': " + name + " is on or off");
+        command.number = rest == "on" ? 1 : 0;
         return command;
     }
     if (named->takes == Takes::size) {

@@ -22,6 +22,9 @@ enum class WindowVerb {
     point_right,  ///< `number`: pixels by which the pointer moves, for whoever has keys alone
     point_down,   ///< likewise
     force,        ///< on or off
+    clutch,       ///< `number`: 1 while a held device is repositioned, 0 then
+    recentre,     ///< a held device is in the middle where it is now
+    coarser,      ///< `number`: times as far a finger goes for a way of a held device
     mute,         ///< no sound, or again
     overlay,      ///< `word`: what the surface is coloured by; empty: the next one
     home,         ///< the clip's own view

@@ -86,6 +86,8 @@ Result<PlayFigures> WindowLoop::run() {
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     sum_up();
     if (!failure_) failure_ = clip_->failure();
+    if (!failure_ && options_.hand && options_.hand->is_gone())
+        if (const auto health = options_.hand->health(); !health.ok()) failure_ = health.error();
     const bool is_filmed = film_ && (begun_ || !interrupted());
     const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
@@ -121,6 +123,7 @@ Result<void> WindowLoop::turn() {
     const WatchedMoment* const moment = clip_->session().look();
     say(playback_->go_on(moment));
     watch(moment, Clock::now());
+    if (options_.hand) look_after_hand(moment);
     if (is_due(moment, Clock::now()))
         if (auto drawn = draw(*moment); !drawn.ok())
             if (auto opened = open_graphics_anew(drawn.error()); !opened.ok()) return opened;
@@ -210,26 +213,37 @@ void WindowLoop::take(const InputEvent& event) {
                 return take(WindowCommand{binding.verb, binding.number, ""});
         return;
     }
+    if (event.kind == Kind::key_released) {
+        for (const KeyBinding& binding : key_bindings())
+            if (event.word == binding.key && binding.verb == WindowVerb::clutch)
+                take(WindowCommand{WindowVerb::clutch, 0});
+        return;
+    }
     if (event.kind == Kind::moved) pointer_at_ = {event.x, event.y};
     const bool is_of_panel =
         layer_->holds_pointer() || (!pointer_.holds() && panel_->covers(pointer_at_.x, pointer_at_.y));
     if (is_of_panel && event.kind == Kind::moved) pointer_.leave(clip_->fingers());
     const ScreenSize size = screen_->size();
+    const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
     if (!is_of_panel || event.kind == Kind::released)
-        pointer_.take(event, clip_->fingers(), clip_->view(), size.width, size.height);
-    screen_->hide_pointer(clip_->fingers().shown() > 0);
+        (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);
+    screen_->hide_pointer(!options_.hand && clip_->shown() > 0);
 }
 
 void WindowLoop::say(const Result<void>& done) {
     if (!done.ok()) say(done.error().message, true);
 }
 
-void WindowLoop::say(std::string words, bool bad) {
-    // Who sees no window, or is no visitor, is told what went wrong all the same.
+/// Who sees no window, or is no visitor, learns what went wrong all the same.
+void WindowLoop::tell(const std::string& fault) {
     constexpr std::size_t most_told = 100;
-    const bool is_told = bad && kiosk_ && (told_.size() == most_told || !told_.insert(words).second);
-    if (bad && (options_.headless || kiosk_) && !is_told)
-        std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
+    const bool is_told = kiosk_ && (told_.size() == most_told || !told_.insert(fault).second);
+    if ((options_.headless || kiosk_) && !is_told)
+        std::cerr << "touchable: warning: " << printable(fault, 500) << '\n';
+}
+
+void WindowLoop::say(std::string words, bool bad) {
+    if (bad) tell(words);
     message_ = std::move(words);
     message_is_bad_ = bad;
     message_at_ = Clock::now();

@@ -51,6 +51,9 @@ private:
     void take_of_view(const WindowCommand& command);
     void take_of_fingers(const WindowCommand& command);
     void take_of_window(const WindowCommand& command);
+    void take_of_hand(const WindowCommand& command);
+    void change_scale(double times);
+    void look_after_hand(const WatchedMoment* moment);
     void set_overlay(const std::string& name);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);
@@ -85,6 +88,7 @@ private:
     KeptSettings to_keep() const;
     Error interruption() const;
     void say(std::string words, bool bad = false);
+    void tell(const std::string& fault);
     /// What was refused.
     void say(const Result<void>& done);
     void sum_up();
@@ -118,8 +122,11 @@ private:
     std::optional<PlaybackControl> playback_;
     std::optional<KioskWatch> kiosk_;
     bool is_inviting_ = false;
-    std::set<std::string> told_;  // on the terminal, by a kiosk: once each
-    double tried_again_s_ = 0;    // to open its clip
+    bool hand_is_gone_ = false;
+    Clock::time_point hand_heard_at_;  // while its forces are on
+    glm::dvec3 hand_seen_at_{0.0};     // world, its first finger, when it last was a visit
+    std::set<std::string> told_;       // on the terminal, by a kiosk: once each
+    double tried_again_s_ = 0;         // to open its clip
     double begun_anew_s_ = 0, shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
     SettingsFile settings_;

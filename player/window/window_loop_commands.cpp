@@ -43,7 +43,12 @@ void WindowLoop::take(const WindowCommand& command) {
         case WindowVerb::point_right:
         case WindowVerb::point_down:
         case WindowVerb::force:
-            return take_of_fingers(command);
+            return options_.hand ? take_of_hand(command) : take_of_fingers(command);
+        case WindowVerb::clutch:
+        case WindowVerb::recentre:
+        case WindowVerb::coarser:
+            if (options_.hand) return take_of_hand(command);
+            return say("the finger is the mouse's; a --device that is held can do that");
         case WindowVerb::feel:
         case WindowVerb::settings:
             return feel(command);
@@ -92,8 +97,8 @@ void WindowLoop::take_of_fingers(const WindowCommand& command) {
         case WindowVerb::point_down:
             return pointer_.move_by({0, command.number}, size.width, size.height, fingers);
         default:
-            clip_->device().set_force(!clip_->device().force_is_on());
-            return say(clip_->device().force_is_on() ? "force on" : "force off");
+            clip_->set_force(!clip_->force_is_on());
+            return say(clip_->force_is_on() ? "force on" : "force off");
     }
 }
 
@@ -138,6 +143,9 @@ void WindowLoop::set_overlay(const std::string& name) {
 void WindowLoop::feel(const WindowCommand& command) {
     WindowFelt wanted = wanted_felt_.value_or(felt_);
     const std::size_t space = command.word.find(' ');
+    const FeltSetting* const setting = felt_setting(command.word.substr(0, space));
+    if (setting && setting->of_device && !options_.hand)
+        return say(std::string(setting->name) + " is of a --device that is held; there is none", true);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
     for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
         if (command.verb == WindowVerb::settings) {

@@ -48,7 +48,10 @@ glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
 void WindowLoop::watch_over() {
     const double now = now_s();
     try_again();
-    if (kiosk_->begins_anew(now)) begin_anew();
+    if (kiosk_->begins_anew(now)) {
+        begin_anew();
+        if (options_.hand) clip_->set_force(false);
+    }
     const auto invited = kiosk_->invites(now);
     sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
     if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
@@ -70,8 +73,9 @@ void WindowLoop::try_again() {
 }
 
 /// A finger that goes by itself over the picture, and really touches it: nearer to the middle where there is
-/// nothing to touch farther out.
+/// nothing to touch farther out. Where a device is held there is none.
 void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
+    if (options_.hand) return;
     constexpr double goes_nearer = 0.03;  // a picture, of its way
     const ShownStroke stroke = stroke_at(kiosk_->invites(now_s()).value_or(0));
     const glm::dvec2 size(camera.width, camera.height);

@@ -17,6 +17,8 @@ constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing 
 constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
 constexpr double after_input_ms = 300;  // buttons fade
 constexpr double message_s = 4;
+// FingerTrails': a finger of the pointer is there only on its way; that of a hand is wherever it is.
+constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
 constexpr const char* first_words =
     "move over the picture, and hold the left button to touch it; ? shows all keys";
 
@@ -46,7 +48,7 @@ bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) cons
     const bool has_input =
         is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
     return has_input || since_ms >= idle_pause_ms ||
-           seen_.differs(*moment, clip_->fingers().shown(), clip_->sizes().finger_radius / 50);
+           seen_.differs(*moment, clip_->shown(), clip_->sizes().finger_radius / 50);
 }
 
 double WindowLoop::pause_ms() const {
@@ -100,7 +102,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     const double since = seconds_between(last_picture_, begin);
     const bool is_new = seen_.is_other_frame(moment);
     last_picture_ = begin;
-    seen_.remember(moment, clip_->fingers().shown());
+    seen_.remember(moment, clip_->shown());
     if (size.width < 1 || size.height < 1) {  // minimised
         events_.clear();
         return {};
@@ -114,13 +116,14 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     if (is_inviting_) show_how(field, camera);
     std::vector<glm::dvec3> goals;
     for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
-    clip_->fingers().intend(field, camera, goals);
+    if (!options_.hand) clip_->fingers().intend(field, camera, goals);
 
     WindowGraphics& graphics = picture_.graphics();
     if (auto begun = graphics.begin(); !begun.ok()) return begun;
     // What a session felt last is not felt any more once it has ended.
     const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
-    const auto marks = clip_->trails().marks(felt, clip_->fingers().shown(), field);
+    const auto marks = clip_->trails().marks(felt, clip_->shown(), field,
+                                             options_.hand ? nearest_of_hand : nearest_of_pointer);
     const auto marked = Clock::now();
     if (auto drawn =
             picture_.draw(moment, field, drawn_camera(size), marks, clip_->sizes(), size.width, size.height);
@@ -177,7 +180,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
         facts.message = failure->message;
     else if (is_gone)
         facts.message = remarks.back();
-    else if (!clip_->fingers().was_pressed())
+    else if (!options_.hand && !clip_->fingers().was_pressed())
         facts.message = facts.at_end && !clip_->is_still() ? end_first_words : first_words;
     else if (facts.at_end && !clip_->is_still())
         facts.message = end_words;
@@ -186,9 +189,11 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
 
 void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) {
     // A box of words has its size one picture later.
-    if (facts.place.lines.size() != place_lines_ || facts.message != shown_message_) last_event_ = begin;
+    const std::string said =
+        facts.message + (facts.hand ? facts.hand->state.words + facts.hand->state.remark : "");
+    if (facts.place.lines.size() != place_lines_ || said != shown_message_) last_event_ = begin;
     place_lines_ = facts.place.lines.size();
-    shown_message_ = facts.message;
+    shown_message_ = said;
     const auto end = Clock::now();
     last_draw_ms_ = seconds_between(begin, end) * 1000;
     panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);

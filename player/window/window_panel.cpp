@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -11,6 +12,11 @@
 #include "player/window/panel_rows.hpp"
 
 namespace touchable {
+namespace {
+
+const ImVec4 bad_words(1.0F, 0.62F, 0.45F, 1);
+
+}  // namespace
 
 void WindowPanel::note_box() {
     const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
@@ -33,7 +39,9 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const float m = panel_margin * scale_, bar = panel_bar_height * scale_;
     boxes_.clear();
     draw_finger_halos(facts.halos, scale_);
-    if (facts.invited_s) draw_invitation(*facts.invited_s, w, h);
+    if (facts.invited_s) draw_invitation(*facts.invited_s, w, h, facts.hand.has_value());
+    state_bottom_ = 0;
+    if (!help_shown) draw_state(facts, w);  // it is among the help
     if (facts.is_kiosk) {
         if (!facts.invited_s) draw_force(facts, h, scale_);
         if (facts.scale && !facts.invited_s) draw_overlay_scale(*facts.scale, w - m, h - m, scale_);
@@ -43,7 +51,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     note_box();
     ImGui::End();
     if (!help_shown || facts.message_is_bad) draw_message(facts, w);
-    if (help_shown) return draw_help(w, h, scale_);  // which needs the room
+    if (help_shown) return draw_help(facts, w, h, scale_);  // which needs the room
     draw_force(facts, h, scale_);
     draw_place(facts, h, scale_);
     if (facts.scale && (!shown || PlaybackBar::is_roomy(w, scale_)))
@@ -51,9 +59,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (shown) draw_side(facts, w, h, asked);
 }
 
-/// What the finger and the clip do now. `roomy`: the bar below has room for the rest of it.
-void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
-                              std::vector<WindowCommand>& asked) {
+void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     char words[32];
     draw_label("fingers", scale);
     const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
@@ -66,6 +72,32 @@ void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
     if (draw_slider("##depth", depth, -6, 12, words, scale))
         asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
     explain_row("How deep a finger is meant to be in the surface; below 0 it is above. So does the wheel.");
+}
+
+void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
+    char words[32] = "none";
+    draw_label("device", scale);
+    ImGui::TextUnformatted(hand.device.c_str());
+    explain_row("What leads the fingers. C, held down, repositions the hand; R puts its middle where it is.");
+    draw_label("forces", scale);
+    ImGui::TextUnformatted(hand.state.mood == HandState::Mood::on    ? "on"
+                           : hand.state.mood == HandState::Mood::off ? "off"
+                                                                     : "off: it is away");
+    explain_row("Whether the hand feels what the fingers meet. F asks for it, and stops it.");
+    draw_label("position", scale);
+    if (std::isfinite(hand.age_s)) std::snprintf(words, sizeof words, "%.1f ms old", 1000 * hand.age_s);
+    ImGui::TextUnformatted(words);
+    explain_row("How long ago the device said where the hand is. What is older than 20 ms counts as none.");
+}
+
+/// What the finger and the clip do now. `roomy`: the bar below has room for the rest of it.
+void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
+                              std::vector<WindowCommand>& asked) {
+    char words[32];
+    if (facts.hand)
+        draw_hand(*facts.hand, scale);
+    else
+        draw_pointer(facts, scale, asked);
     draw_label("speed", scale);
     auto speed = static_cast<float>(facts.speed);
     std::snprintf(words, sizeof words, "%.2f\xC3\x97", facts.speed);
@@ -128,15 +160,38 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::End();
 }
 
+WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
+    return {shown || facts.hand ? 104 * scale_ : 0.0F,
+            shown ? width - side_width(width) - 2 * panel_margin * scale_ : width};
+}
+
+/// Whether forces are on: always to be read, whatever else is shown.
+void WindowPanel::draw_state(const PanelFacts& facts, float width) {
+    if (!facts.hand) return;
+    const HandState& state = facts.hand->state;
+    const auto [from, to] = free_of(facts, width);
+    const float m = panel_margin * scale_;
+    begin_box("state", {.x = (from + to) / 2, .y = m, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
+    ImGui::PushTextWrapPos(to - from - m);
+    using Mood = HandState::Mood;
+    const ImVec4 on(0.55F, 0.90F, 0.55F, 1), off(0.95F, 0.78F, 0.35F, 1);
+    const ImVec4& colour = state.mood == Mood::on ? on : (state.mood == Mood::off ? off : bad_words);
+    ImGui::TextColored(colour, "%s", state.words.c_str());
+    if (!state.remark.empty()) ImGui::TextUnformatted(state.remark.c_str());
+    ImGui::PopTextWrapPos();
+    state_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+    ImGui::End();
+}
+
 /// Above the middle of what the panel leaves free.
 void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     if (facts.message.empty()) return;
-    const float m = panel_margin * scale_, from = shown ? 104 * scale_ : 0.0F;
-    const float to = shown ? width - side_width(width) - 2 * m : width;
-    begin_box("message", {.x = (from + to) / 2, .y = m, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
+    const auto [from, to] = free_of(facts, width);
+    const float m = panel_margin * scale_, top = state_bottom_ > 0 ? state_bottom_ + m / 2 : m;
+    begin_box("message",
+              {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
     ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
-    const ImVec4 bad(1.0F, 0.62F, 0.45F, 1);
-    ImGui::TextColored(facts.message_is_bad ? bad : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
+    ImGui::TextColored(facts.message_is_bad ? bad_words : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
                        facts.message.c_str());
     ImGui::PopTextWrapPos();
     ImGui::End();

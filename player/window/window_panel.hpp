@@ -30,6 +30,14 @@ private:
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
     void draw_finger(const PanelFacts& facts, bool roomy, float scale, std::vector<WindowCommand>& asked);
+    void draw_state(const PanelFacts& facts, float width);
+    void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_hand(const HandFacts& hand, float scale);
+    /// Between what the panel and the forces leave free of the width.
+    struct Free {
+        float from, to;
+    };
+    Free free_of(const PanelFacts& facts, float width) const;
     float side_width(float width) const;
 
     struct Box {
@@ -39,6 +47,7 @@ private:
 
     float scale_;
     std::vector<Box> boxes_;  // of what can be pressed
+    float state_bottom_ = 0;  // 0: nothing is said of a device
     PlaybackBar bar_;
     FeltPanel felt_;
     CurvesPanel curves_;

@@ -37,9 +37,9 @@ Result<std::optional<InputEvent>> read_input(const std::string& line) {
         if (!known || !ends(words)) return usage_error(name + " needs left, right or middle");
         return std::optional(event);
     }
-    if (name == "key") {
-        event.kind = Kind::key;
-        if (!(words >> event.word) || !ends(words)) return usage_error("key needs the name of one key");
+    if (name == "key" || name == "key-up") {
+        event.kind = name == "key" ? Kind::key : Kind::key_released;
+        if (!(words >> event.word) || !ends(words)) return usage_error(name + " needs the name of one key");
         std::string known;
         for (const KeyBinding& binding : key_bindings()) {
             if (event.word == binding.key) return std::optional(event);
@@ -71,7 +71,8 @@ Result<ScriptedInput> read_line(const std::string& line) {
     }
     auto command = parse_window_command(rest);
     if (!command.ok())
-        return usage_error(command.error().message + "; or an input: move, press, release, wheel, key, drop");
+        return usage_error(command.error().message +
+                           "; or an input: move, press, release, wheel, key, key-up, drop");
     input.what = std::move(*command);
     return input;
 }

@@ -17,8 +17,8 @@ struct ScriptedInput {
 };
 
 /// A file of timed inputs (docs/play.md), a line each: SECONDS, then move X Y, press BUTTON, release BUTTON,
-/// wheel NOTCHES, key NAME, drop FILE, or a command of the window. Times must not go backward. Refused with
-/// the line.
+/// wheel NOTCHES, key NAME, key-up NAME, drop FILE, or a command of the window. Times must not go backward.
+/// Refused with the line.
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file);
 
 }  // namespace touchable

@@ -129,6 +129,47 @@ TEST_F(Control, AKeyIsAClutchAsWell) {
     EXPECT_NEAR(goal({0.010, 0, 0}).x, held.x + 10, 1e-9);
 }
 
+TEST_F(Control, GoesOnAtAnotherScaleWhereTheFingerWas) {
+    ask();
+    goal({0.002, 0, 0});
+    control.recentre();
+    goal({0.002, 0, 0});
+    const glm::dvec3 before = goal({0.005, 0, 0});  // 3 mm from the middle: 30 units
+    EXPECT_NEAR(before.x, 30, 1e-9);
+    HandControl finer(1, {Workspace{2e-4, {0, 0, -500}}, glm::dmat3(1)});
+    finer.go_on_from(control);
+    EXPECT_TRUE(finer.force_is_asked());
+    glm::dvec3 place(0.005, 0, 0);
+    finer.to_goals(std::span(&place, 1), 0);
+    EXPECT_NEAR(glm::length(place - before), 0, 1e-9);
+    place = {0.006, 0, 0};
+    finer.to_goals(std::span(&place, 1), 0);
+    EXPECT_NEAR(place.x, 35, 1e-9) << "half as far for a millimetre";
+    glm::dvec3 newtons(0, 0, 5);
+    finer.to_device(std::span(&newtons, 1), 1, std::span(&newtons, 1));
+    EXPECT_EQ(newtons, glm::dvec3(0)) << "it was not free yet";
+}
+
+TEST_F(Control, GoesOnWhileItIsRepositioned) {
+    control.hold(true);
+    const glm::dvec3 held = goal({0.005, 0, 0});
+    goal({0.009, 0, 0});
+    EXPECT_TRUE(control.is_repositioned());
+    HandControl next(1, control.mapping());
+    next.go_on_from(control);
+    glm::dvec3 place(0.009, 0, 0);
+    next.to_goals(std::span(&place, 1), 0);
+    EXPECT_NEAR(glm::length(place - held), 0, 1e-9);
+    place = {0.020, 0, 0};
+    next.to_goals(std::span(&place, 1), 0);
+    EXPECT_NEAR(glm::length(place - held), 0, 1e-9) << "the key is still down";
+    next.hold(false);
+    place = {0.020, 0, 0};
+    next.to_goals(std::span(&place, 1), 0);
+    EXPECT_NEAR(glm::length(place - held), 0, 1e-9);
+    EXPECT_FALSE(next.is_repositioned());
+}
+
 TEST_F(Control, WhatIsNotFiniteIsToldOn) {
     ask();
     EXPECT_TRUE(std::isnan(felt({0, nowhere, 0}).y)) << "so that the device leaves itself limp";

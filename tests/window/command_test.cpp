@@ -32,10 +32,23 @@ TEST(WindowCommand, IsReadWithItsNumber) {
     EXPECT_EQ(next->word, "");
 }
 
+TEST(WindowCommand, HoldsAndLetsGoOfTheClutch) {
+    for (const char* words : {"clutch on", "clutch off"}) {
+        const auto clutch = parse_window_command(words);
+        ASSERT_TRUE(clutch.ok()) << words;
+        EXPECT_EQ(clutch->verb, WindowVerb::clutch);
+        EXPECT_EQ(clutch->number, std::string(words) == "clutch on" ? 1 : 0);
+    }
+    EXPECT_TRUE(parse_window_command("recentre").ok());
+    EXPECT_EQ(parse_window_command("hand-scale 0.5").value().verb, WindowVerb::feel);
+}
+
 TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
-    for (const char* words : {"jump 3", "", "seek", "seek x", "seek nan", "seek -1", "speed 5", "step 2",
-                              "fingers 6", "fingers 2.5", "step 0.5", "screenshot a.mkv", "size 10x10",
-                              "size 640", "size 640x480x2", "home 3", "open", "deeper 1 2"}) {
+    for (const char* words :
+         {"jump 3",     "",         "seek",           "seek x",      "seek nan", "seek -1",
+          "speed 5",    "step 2",   "fingers 6",      "fingers 2.5", "step 0.5", "screenshot a.mkv",
+          "size 10x10", "size 640", "size 640x480x2", "home 3",      "clutch",   "clutch 1",
+          "recentre 2", "open",     "deeper 1 2"}) {
         const auto read = parse_window_command(words);
         ASSERT_FALSE(read.ok()) << words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);
@@ -63,6 +76,7 @@ TEST(WindowCommand, SetsWhatIsFelt) {
                   {"max-stiffness 0", "0.1 to 10 N/mm"},
                   {"fill-holes 1.5", "whole"},
                   {"temporal 5", "off or on"},
+                  {"hand-scale 0", "0.01 to 100"},
                   {"settings c", "a and b"},
                   {"reset 1", "nothing"}};
     for (const auto& fault : faults) {

@@ -38,12 +38,12 @@ TEST(Kiosk, VisitorsNeitherEndItNorOpenNorLeaveFiles) {
         event.shift = shift;
         return is_for_visitors(event);
     };
-    for (const char* key : {"escape", "f12", "f11", "tab", "?", "f1", "b", "l"})
+    for (const char* key : {"escape", "f12", "f11", "tab", "?", "f1", "b", "l", "j", "k"})
         EXPECT_FALSE(may(Kind::key, key)) << key;
     EXPECT_FALSE(may(Kind::key, "backspace", true));
     EXPECT_FALSE(may(Kind::close, ""));
     EXPECT_FALSE(may(Kind::dropped, "other.mkv"));
-    for (const char* key : {"space", "left", "f", "1", "5", "w", "home", "m"})
+    for (const char* key : {"space", "left", "f", "1", "5", "w", "home", "m", "c", "r"})
         EXPECT_TRUE(may(Kind::key, key)) << key;
     EXPECT_TRUE(may(Kind::pressed, "left"));
     EXPECT_TRUE(may(Kind::resized, ""));

@@ -135,5 +135,28 @@ TEST_F(Pointer, MiddleButtonTurnsTheViewAndLeavesTheFinger) {
     EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
 }
 
+TEST_F(Pointer, WhereADeviceIsHeldItOnlyMovesTheView) {
+    const auto take = [this](const InputEvent& event) {
+        input_.take_for_view(event, *fingers_, *view_, 320, 240);
+    };
+    take({.x = 160, .y = 120});
+    take({.kind = InputEvent::Kind::pressed, .word = "left"});
+    take({.x = 190, .y = 120});
+    EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
+    take({.kind = InputEvent::Kind::released, .word = "left"});
+    take({.x = 160, .y = 120});
+    EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
+    const glm::dvec3 before = view_->camera(320, 240).eye;
+    take({.kind = InputEvent::Kind::wheel, .y = 3});
+    const glm::dvec3 nearer = view_->camera(320, 240).eye;
+    EXPECT_GT(glm::length(nearer - before), 1);
+    take({.kind = InputEvent::Kind::pressed, .word = "right"});
+    take({.x = 190, .y = 120});
+    EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
+    EXPECT_GT(glm::length(view_->camera(320, 240).eye - nearer), 0.1) << "it moved along";
+    EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m);
+    EXPECT_FALSE(fingers_->was_pressed());
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -1,11 +1,24 @@
 // All threads of a window at once, as a person has them: what ThreadSanitizer has to see. The program ends
 // with its own code then, and with a report on stderr. Nothing is drawn by a GPU, into which it does not see.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
 #include <fstream>
+#include <glm/geometric.hpp>
+#include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "device/network/network_packet.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {
@@ -63,6 +76,80 @@ TEST_F(WholeWindow, IsTouchedWhileTheClipJumpsAndIsRecorded) {
     const Outcome again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+}
+
+/// A hand at the other end of a UDP socket, for as long as it lives: it presses into the globe and leaves it,
+/// twice a second, and has its first button down from time to time.
+class PeerHand {
+public:
+    PeerHand() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
+        to_.sin_family = AF_INET;
+        to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof to_;
+        const int other = socket(AF_INET, SOCK_DGRAM, 0);  // finds a port that is free
+        bind(other, reinterpret_cast<const sockaddr*>(&to_), size);
+        getsockname(other, reinterpret_cast<sockaddr*>(&to_), &size);
+        close(other);
+        thread_ = std::thread([this] { speak(); });
+    }
+    ~PeerHand() {
+        over_ = true;
+        thread_.join();
+        close(socket_);
+    }
+    std::string port() const { return std::to_string(ntohs(to_.sin_port)); }
+    double most_newtons() const { return most_; }  ///< that it was told
+    double newtons() const { return newest_; }
+
+private:
+    void speak() {
+        NetworkPacket packet;
+        for (; !over_; ++packet.sequence) {
+            packet.time_ns = 1'000'000ULL * packet.sequence;
+            packet.buttons = packet.sequence % 400 < 50 ? 1 : 0;
+            const double share = std::sin(0.012 * packet.sequence);
+            packet.vectors[0] = {0, 0, 0.04 + 0.08 * share};
+            const auto bytes = encode(packet);
+            sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to_),
+                   sizeof to_);
+            std::array<std::byte, NetworkPacket::most_bytes> heard;
+            for (ssize_t got; (got = recv(socket_, heard.data(), heard.size(), 0)) > 0;)
+                if (const auto told = decode_network_packet(std::span(heard).first(std::size_t(got)));
+                    told.ok()) {
+                    newest_ = glm::length(told->vectors[0]);
+                    most_ = std::max(most_.load(), newest_.load());
+                }
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));  // its own clock
+        }
+    }
+
+    const int socket_;
+    sockaddr_in to_{};
+    std::atomic<bool> over_{false};
+    std::atomic<double> most_{0}, newest_{0};
+    std::thread thread_;
+};
+
+TEST_F(WholeWindow, IsTouchedByAProgramAndIsRecorded) {
+    PeerHand peer;
+    const Outcome played =
+        play(R"(
+0.3 clutch on
+0.35 clutch off
+0.5 hand-scale 0.8
+0.7 key j
+0.8 seek 0.1
+0.9 force
+0.95 force
+1.1 overlay depth
+)",
+             {"--device", "network:port=" + peer.port(), "--record", "hand.touch", "--seconds", "1.6"});
+    ASSERT_EQ(played.code, 0) << played.err;
+    EXPECT_EQ(played.err, "");
+    EXPECT_GT(peer.most_newtons(), 0);
+    EXPECT_EQ(peer.newtons(), 0) << "the last that it was told";
+    const Outcome again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
+    EXPECT_EQ(again.code, 0) << again.err;
 }
 
 TEST_F(WholeWindow, OfACameraChangesItsSettingsAndIsRecorded) {

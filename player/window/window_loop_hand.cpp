@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <string>
+#include <utility>
+
+#include "player/window/window_loop.hpp"
+
+// A device that is held, in place of the mouse.
+
+namespace touchable {
+namespace {
+
+// A hand that nobody has heard of for so long may be another one when it comes back.
+constexpr double long_away_s = 1;
+
+}  // namespace
+
+/// Once a turn. A device that comes back has no force: nobody may be there by then.
+void WindowLoop::look_after_hand(const WatchedMoment* moment) {
+    HeldHand& hand = *options_.hand;
+    if (hand.age_s() <= HapticDevice::oldest_s || !clip_->force_is_on()) hand_heard_at_ = Clock::now();
+    if (seconds_between(hand_heard_at_, Clock::now()) > long_away_s) clip_->set_force(false);
+    if (const bool gone = hand.is_gone(); gone != std::exchange(hand_is_gone_, gone) && gone) {
+        clip_->set_force(false);
+        last_event_ = Clock::now();
+        if (const auto health = hand.health(); !health.ok()) tell(health.error().message);
+    }
+    if (!kiosk_ || !moment || moment->felt.fingers.empty()) return;
+    const glm::dvec3 goal = moment->felt.fingers[0].goal, way = goal - hand_seen_at_;
+    const double far = clip_->sizes().finger_radius / 2;
+    if (glm::dot(way, way) < far * far || !(glm::dot(goal, goal) >= 0)) return;
+    hand_seen_at_ = goal;
+    kiosk_->came(now_s());
+}
+
+void WindowLoop::take_of_hand(const WindowCommand& command) {
+    HeldHand& hand = *options_.hand;
+    switch (command.verb) {
+        case WindowVerb::force:
+            if (hand.is_gone()) return hand.look_again();
+            // Of one that is away forces are not asked for: nobody would know of them when it comes back.
+            return clip_->set_force(!clip_->force_is_on() && hand.age_s() <= HapticDevice::oldest_s);
+        case WindowVerb::clutch:
+            return clip_->control()->hold(command.number != 0);
+        case WindowVerb::recentre:
+            clip_->control()->recentre();
+            return say("the middle is where the hand is");
+        case WindowVerb::coarser:
+            return change_scale(command.number);
+        default:
+            return say("the fingers are those of the " + hand.name());
+    }
+}
+
+/// A setting like the others, by steps.
+void WindowLoop::change_scale(double times) {
+    const char* const name = "hand-scale";
+    const auto chosen = wanted_felt_.value_or(felt_).in_effect.now().values();
+    const auto found = chosen.find(name);
+    const std::string now = found != chosen.end() ? found->second : clip_->in_effect().at(name);
+    const FeltSetting& setting = *felt_setting(name);
+    const double scale = std::clamp(number_of(now).value_or(1) * times, setting.least, setting.most);
+    feel({WindowVerb::feel, 0, name + (" " + std::to_string(scale))});
+}
+
+}  // namespace touchable

@@ -1,0 +1,344 @@
+// A device that is held in place of the mouse: over sessions that come and go, and by the window.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <memory>
+#include <thread>
+
+#include "haptics_cpu/force_guard.hpp"
+#include "player/session/recording.hpp"
+#include "player/window/hand_state.hpp"
+#include "player/window/opened_clip.hpp"
+#include "player/window/play_window.hpp"
+#include "tests/player/program.hpp"
+#include "tests/window/fake_hand.hpp"
+
+namespace touchable::test {
+namespace {
+
+template <class Condition>
+bool soon(const Condition& condition) {
+    for (int k = 0; k < 5000; ++k) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+}
+
+class HeldClip : public ::testing::Test {
+protected:
+    void SetUp() override {
+        choice_.file = folder_ / "globe.mkv";
+        ASSERT_EQ(
+            run_touchable({"make", "globe", choice_.file.string(), "--size", "64x48", "--frames", "2"}).code,
+            0);
+        options_.session.builder.name = "cpu";
+        options_.hand = std::make_shared<HeldHand>(fake_);
+        auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
+        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        clip_ = std::move(*opened);
+        ASSERT_TRUE(clip_->begin().ok());
+        ASSERT_TRUE(soon([this] { return clip_->session().look() != nullptr; }));
+        const FramePair pair = clip_->session().look()->held.pair;
+        depth_ = pair.prev.frame->vertices->at(32, 24).depth;
+    }
+    /// Before the middle of the picture; below 0 behind its surface. By the mapping that it began with.
+    void put_before(double metres) {
+        fake_->put(clip_->session().setup().workspace.to_device({0, 0, -depth_}) + glm::dvec3(0, 0, metres));
+    }
+    WatchedFinger felt() {
+        const WatchedMoment* const moment = clip_->session().look();
+        return moment && !moment->felt.fingers.empty() ? moment->felt.fingers[0] : WatchedFinger();
+    }
+    bool comes_to(const glm::dvec3& scene) {
+        return soon([&] { return glm::length(felt().goal - scene) < 1e-6; });
+    }
+    /// Presses, and feels it; it was free before.
+    void feel() {
+        put_before(0.02);
+        clip_->set_force(true);
+        std::this_thread::yield();
+        const std::int64_t since = fake_->reads;
+        ASSERT_TRUE(soon([&] { return fake_->reads > since + 150; }));  // the guard's ramp, too
+        put_before(-0.004);
+        ASSERT_TRUE(soon([this] { return fake_->newtons > 0.1; }));
+    }
+    Result<void> change(const char* name, const char* value) {
+        FeltSettings felt = clip_->felt();
+        if (auto set = felt.set(name, value); !set.ok()) return set;
+        auto change = clip_->prepare(felt);
+        if (!change.ok()) return change.error();
+        EXPECT_TRUE(soon([&] { return clip_->has_come_to(*change); }));
+        return clip_->take(std::move(*change));
+    }
+    HandState state() { return hand_state(*options_.hand, *clip_->control()); }
+
+    const TemporaryFolder folder_;
+    ClipChoice choice_;
+    PlayOptions options_;
+    const std::shared_ptr<FakeHand> fake_ = std::make_shared<FakeHand>();
+    std::unique_ptr<WindowSound> sound_ = std::move(*WindowSound::create(false, {}, Existing::keep));
+    std::unique_ptr<OpenedClip> clip_;
+    double depth_ = 0;
+};
+
+TEST_F(HeldClip, FingersAreTheDevicesAndForcesReachItOnceTheyAreAskedFor) {
+    EXPECT_EQ(clip_->shown(), 1);
+    EXPECT_EQ(state().words, "forces off - press F or the device's first button");
+    put_before(-0.004);
+    ASSERT_TRUE(soon([this] { return glm::length(felt().force.force) > 0.1; })) << "it is in the surface";
+    EXPECT_EQ(fake_->most_newtons, 0);
+    feel();
+    EXPECT_EQ(state().mood, HandState::Mood::on);
+    clip_->set_force(false);
+    EXPECT_TRUE(soon([this] { return fake_->newtons == 0; }));
+    EXPECT_EQ(state().mood, HandState::Mood::off);
+}
+
+TEST_F(HeldClip, ItsFirstButtonAsksForForces) {
+    fake_->pressed = 0;
+    ASSERT_TRUE(soon([this] { return fake_->reads > 20; }));
+    fake_->pressed = 1;
+    EXPECT_TRUE(soon([this] { return clip_->force_is_on(); }));
+}
+
+TEST_F(HeldClip, ClutchHoldsTheFingerWhileTheHandMoves) {
+    put_before(0.02);
+    ASSERT_TRUE(soon([this] { return std::isfinite(felt().goal.z) && felt().goal.z < 0; }));
+    const Workspace workspace = clip_->session().setup().workspace;
+    const glm::dvec3 there =
+        workspace.to_scene(workspace.to_device({0, 0, -depth_}) + glm::dvec3(0, 0, 0.02));
+    ASSERT_TRUE(comes_to(there));
+    clip_->control()->hold(true);
+    ASSERT_TRUE(soon([this] { return state().words == "no force while the hand is repositioned"; }));
+    put_before(0.05);
+    const std::int64_t since = fake_->reads;
+    ASSERT_TRUE(soon([&] { return fake_->reads > since + 20; }));
+    EXPECT_TRUE(comes_to(there));
+    clip_->control()->hold(false);
+    const std::int64_t released = fake_->reads;
+    ASSERT_TRUE(soon([&] { return fake_->reads > released + 20; }));
+    EXPECT_TRUE(comes_to(there));
+    put_before(0.06);
+    EXPECT_TRUE(comes_to(there + glm::dvec3(0, 0, 0.01 / workspace.metres_per_scene_unit)));
+}
+
+TEST_F(HeldClip, OtherScaleLeavesTheFingerWhereItIs) {
+    const Workspace first = clip_->session().setup().workspace;
+    fake_->put({0.01, 0.02, 0.05});
+    ASSERT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.05})));
+    ASSERT_TRUE(change("hand-scale", "0.5").ok());
+    EXPECT_EQ(clip_->in_effect().at("hand-scale"), "0.5");
+    EXPECT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.05})));
+    fake_->put({0.01, 0.02, 0.07});
+    EXPECT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.06}))) << "half as far";
+    ASSERT_TRUE(change("hand-scale", "1").ok());
+    EXPECT_EQ(clip_->session().setup().workspace.metres_per_scene_unit, first.metres_per_scene_unit);
+    EXPECT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.06})));
+    EXPECT_EQ(fake_->openings, 1) << "the hardware is held all the while";
+}
+
+TEST_F(HeldClip, OtherSettingsAreFeltOnceTheFingerHasBeenFree) {
+    feel();
+    ASSERT_TRUE(change("median", "3").ok());
+    EXPECT_TRUE(clip_->force_is_on());
+    ASSERT_TRUE(soon([this] { return glm::length(felt().goal) > 0; }));
+    fake_->most_newtons = 0;
+    const std::int64_t since = fake_->reads;
+    ASSERT_TRUE(soon([&] { return fake_->reads > since + 400; }));
+    EXPECT_EQ(fake_->most_newtons, 0) << "it is pushed out of what it did not come into";
+    const bool keeps_back = (felt().force.reasons & guard_waiting) != 0;
+    EXPECT_EQ(hand_state(*options_.hand, *clip_->control(), keeps_back).remark,
+              "lift the finger off the surface: then it is felt");
+    feel();
+}
+
+TEST_F(HeldClip, AnotherClipBeginsWithoutForces) {
+    feel();
+    auto other = OpenedClip::open(options_, choice_, {}, *sound_);
+    ASSERT_TRUE(other.ok());
+    ASSERT_TRUE(clip_->finish().ok());
+    EXPECT_EQ(fake_->newtons, 0);
+    fake_->most_newtons = 0;
+    clip_ = std::move(*other);
+    ASSERT_TRUE(clip_->begin().ok());
+    EXPECT_FALSE(clip_->force_is_on());
+    const std::int64_t since = fake_->reads;
+    ASSERT_TRUE(soon([&] { return fake_->reads > since + 100; }));
+    EXPECT_EQ(fake_->most_newtons, 0);
+}
+
+TEST_F(HeldClip, IsAwayForAWhileAndBack) {
+    feel();
+    fake_->is_away = true;
+    fake_->take_away();
+    EXPECT_EQ(state().words, "the device is away: fake: nothing is plugged in");
+    ASSERT_TRUE(soon([this] { return fake_->newtons == 0; }));
+    EXPECT_TRUE(clip_->session().running());
+    fake_->is_away = false;
+    feel();
+}
+
+TEST_F(HeldClip, IsLostAndLookedForAgain) {
+    fake_->is_unplugged = fake_->has_failed = true;
+    ASSERT_TRUE(soon([this] { return options_.hand->is_gone(); }));
+    EXPECT_EQ(state().words, "no device: fake: nothing is plugged in - press F to look for it again");
+    EXPECT_TRUE(clip_->session().running()) << "without a hand";
+    ASSERT_TRUE(soon([this] { return std::isnan(felt().goal.x); }));
+    options_.hand->look_again();
+    ASSERT_TRUE(soon([this] { return options_.hand->is_gone(); })) << "it is not there";
+    EXPECT_EQ(fake_->openings, 2);
+    fake_->is_unplugged = false;
+    options_.hand->look_again();
+    ASSERT_TRUE(soon([this] { return state().mood == HandState::Mood::off; }));
+    clip_->set_force(false);
+    feel();
+}
+
+TEST(HeldHand, ThatExertsNoForceSaysSo) {
+    const auto fake = std::make_shared<FakeHand>();
+    fake->axes = 0;
+    HeldHand hand(fake);
+    ASSERT_TRUE(hand.open().ok());
+    const HandControl control(1, {});
+    const HandState state = hand_state(hand, control);
+    EXPECT_EQ(state.words, "the fake exerts no force: you see what you touch");
+    EXPECT_EQ(state.remark, "fake: no position comes from it") << "nobody has read one yet";
+}
+
+TEST(HeldHand, ThatIsNotThereIsRefused) {
+    const auto fake = std::make_shared<FakeHand>();
+    fake->is_unplugged = true;
+    HeldHand hand(fake);
+    const auto opened = hand.open();
+    ASSERT_FALSE(opened.ok());
+    EXPECT_EQ(opened.error().kind, ErrorKind::device);
+    glm::dvec3 place;
+    EXPECT_FALSE(hand.read_positions(std::span(&place, 1)));
+}
+
+/// The window itself, which nobody sees. The hand comes from before the globe, and presses into it after half
+/// a second.
+class HeldWindow : public ::testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_EQ(run_touchable({"make", "globe", clip_.string(), "--size", "64x48", "--frames", "60"}).code,
+                  0);
+        fake_->motion = [](std::int64_t tick) {
+            const double depth = std::clamp(static_cast<double>(tick - 400) / 200, 0.0, 1.0);
+            return glm::dvec3(0, 0, 0.12 - 0.16 * depth);
+        };
+    }
+    Result<PlayFigures> play(const std::string& script) {
+        PlayOptions options;
+        options.hand = std::make_shared<HeldHand>(fake_);
+        options.session.builder.name = "cpu";
+        options.session.clip.file = clip_;
+        options.painter = "cpu";
+        options.headless = true;
+        options.screen.width = 320;
+        options.screen.height = 240;
+        options.seconds = seconds_;
+        options.record = record_;
+        if (script.find("open ") != std::string::npos) options.record.reset();
+        std::ofstream(folder_ / "script") << script;
+        auto inputs = read_window_script(folder_ / "script");
+        EXPECT_TRUE(inputs.ok());
+        options.script = std::move(*inputs);
+        return play_in_window(options);
+    }
+
+    const TemporaryFolder folder_;
+    const std::filesystem::path clip_ = folder_ / "globe.mkv", record_ = folder_ / "hand.touch";
+    std::atomic<double> before_{0};
+    double seconds_ = 1.3;
+    const std::shared_ptr<FakeHand> fake_ = std::make_shared<FakeHand>();
+};
+
+TEST_F(HeldWindow, ExertsNothingThatNobodyAskedFor) {
+    ASSERT_TRUE(play("0.1 move 100 100\n0.2 press left\n0.3 key 3\n").ok());
+    EXPECT_GT(fake_->reads, 900);
+    EXPECT_EQ(fake_->most_newtons, 0);
+}
+
+TEST_F(HeldWindow, ExertsForcesByAKeyAndItsRecordingReplays) {
+    const auto played = play("0.1 key f\n0.7 key j\n0.9 key c\n1.0 key-up c\n1.1 key r\n");
+    ASSERT_TRUE(played.ok()) << played.error().message;
+    EXPECT_GT(fake_->most_newtons, 0.1);
+    EXPECT_EQ(fake_->newtons, 0) << "in the end";
+    const auto recording = read_recording(record_);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_EQ(recording->size(), 2U) << "another scale is another part";
+    EXPECT_EQ(recording->front().fingers, 1);
+    const double first = recording->front().facts.at("S"), second = recording->back().facts.at("S");
+    EXPECT_NEAR(second / first, 1 / 0.8, 1e-12);
+    const auto again = run_touchable({"touch", "--replay", record_.string(), "--json", "-"});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_NE(again.err.find("as recorded, to the bit"), std::string::npos) << again.err;
+}
+
+TEST_F(HeldWindow, AnotherClipStopsForces) {
+    fake_->motion = [this](std::int64_t tick) {
+        if (tick == 700) {
+            before_ = fake_->most_newtons.load();
+            fake_->most_newtons = 0;
+        }
+        return glm::dvec3(0, 0, tick % 350 < 200 ? 0.12 : -0.04);
+    };
+    ASSERT_TRUE(play("0.0 key f\n0.4 open " + clip_.string() + "\n").ok());
+    EXPECT_GT(before_, 0.1);
+    EXPECT_GT(fake_->reads, 900);
+    EXPECT_EQ(fake_->most_newtons, 0) << "after it";
+}
+
+TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
+    fake_->motion = [this](std::int64_t tick) {
+        if (tick == 500) fake_->has_failed = fake_->is_unplugged = true;
+        return glm::dvec3(0, 0, 0.12);
+    };
+    const auto played = play("0.1 key f\n");
+    ASSERT_FALSE(played.ok());
+    EXPECT_EQ(played.error().kind, ErrorKind::device);
+    EXPECT_EQ(played.error().message, "fake: nothing is plugged in");
+    const auto again = run_touchable({"touch", "--replay", record_.string()});
+    EXPECT_EQ(again.code, 0) << again.err;
+    const auto recording = read_recording(record_);
+    ASSERT_TRUE(recording.ok());
+    EXPECT_GT(recording->front().ticks.size(), 1000U) << "it ended with the device";
+}
+
+TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    fake_->motion = [this](std::int64_t tick) {
+        if (tick == 1500) {
+            before_ = fake_->most_newtons.load();
+            fake_->most_newtons = 0;
+        }
+        if (tick > 400 && tick < 1600) return glm::dvec3(nowhere);
+        return glm::dvec3(0, 0, tick % 400 < 250 ? 0.12 : -0.04);
+    };
+    seconds_ = 2.4;
+    ASSERT_TRUE(play("0.0 key f\n").ok());
+    EXPECT_GT(before_, 0.1);
+    EXPECT_GT(fake_->reads, 2200);
+    EXPECT_EQ(fake_->most_newtons, 0) << "a surprise";
+}
+
+TEST_F(HeldWindow, IsFoundAgainByAKeyWithoutForces) {
+    fake_->motion = [this](std::int64_t tick) {
+        if (tick == 100) fake_->has_failed = true;
+        return glm::dvec3(0, 0, tick % 200 < 100 ? 0.12 : -0.04);
+    };
+    ASSERT_TRUE(play("0.05 key f\n0.6 key f\n").ok());
+    EXPECT_GT(fake_->reads, 300) << "it was not opened again";
+    EXPECT_EQ(fake_->most_newtons, 0);
+}
+
+}  // namespace
+}  // namespace touchable::test
