@@ -32,7 +32,7 @@ DeviceCapabilities DeviceGroup::capabilities() const {
     for (const auto& device : devices_) {
         const DeviceCapabilities one = device->capabilities();
         all.axes_sensed = std::min(all.axes_sensed, one.axes_sensed);
-        all.axes_driven = std::min(all.axes_driven, one.axes_driven);
+        all.axes_driven = std::max(all.axes_driven, one.axes_driven);
         all.reach = glm::min(all.reach, one.reach);
         all.rate_hz = std::min(all.rate_hz, one.rate_hz);
         all.buttons = std::max(all.buttons, one.buttons);

@@ -93,11 +93,13 @@ bool DrivenDevice::read_positions(std::span<glm::dvec3> device_metres) {
         return false;
     assert(device_metres.size() == static_cast<std::size_t>(fingers_));
     const Told& told = told_.read();
-    age_s_ = age_of(told.time_ns, settings_.clock());
-    const bool fresh = age_s_ <= oldest_s;
-    buttons_ = fresh ? told.sample.buttons : 0;
+    const std::int64_t now = settings_.clock();
+    told_ns_ = told.time_ns;
+    age_s_ = age_of(told.time_ns, now);
+    buttons_ = age_s_ <= oldest_s ? told.sample.buttons : 0;
     for (std::size_t finger = 0; finger < device_metres.size(); ++finger)
-        device_metres[finger] = fresh ? told.sample.metres[finger] : glm::dvec3(no_number);
+        device_metres[finger] = age_of(told.place_ns[finger], now) <= oldest_s ? told.sample.metres[finger]
+                                                                               : glm::dvec3(no_number);
     return true;
 }
 
@@ -117,6 +119,7 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
             newtons[finger] * (length > limits_.max_force ? limits_.max_force / length : 1.0);
     }
     asked.time_ns = settings_.clock();
+    asked.told_ns = told_ns_;
     asked_.write(asked);
     wake();
     return true;
@@ -163,6 +166,7 @@ Result<void> DrivenDevice::take_hold() {
     if (!held.ok()) return held;
     for (PlausibleMotion& motion : motions_) motion.forget();
     heard_ = {};
+    exerts_since_ns_ = {};
     held_ = true;
     set_words(std::nullopt, {});
     return {};
@@ -200,7 +204,9 @@ Result<void> DrivenDevice::serve() {
         std::uint64_t count = 0;
         [[maybe_unused]] const auto read = ::read(wake_, &count, sizeof count);
     }
-    return asked || settings_.clock() - spoken_ns_ >= spoken_again_ns ? speak() : Result<void>{};
+    // A force that answers an older place than the newest is followed by one that does not.
+    const bool answers = asked && asked_.read().told_ns >= heard_.time_ns;
+    return answers || settings_.clock() - spoken_ns_ >= spoken_again_ns ? speak() : Result<void>{};
 }
 
 Result<void> DrivenDevice::hear(microseconds patience) {
@@ -211,13 +217,22 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     if (!came.ok()) return came.error();
     pass_on_wish();
     if (!*came) return {};
-    const Told before = std::exchange(heard_, {sample, settings_.clock()});
-    const bool was_silent = age_of(before.time_ns, heard_.time_ns) > oldest_s;
+    heard_.time_ns = settings_.clock();
+    heard_.sample.buttons = sample.buttons;
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
+        std::int64_t& place_ns = heard_.place_ns[finger];
+        if (std::isnan(sample.metres[finger].x)) {
+            place_ns = 0;
+            continue;
+        }
         const auto place = motions_[finger].believe(sample.metres[finger], heard_.time_ns);
-        if (!place && !std::isnan(sample.metres[finger].x)) ++implausible_;
-        if (was_silent || std::isnan(before.sample.metres[finger].x)) found_ns_[finger] = heard_.time_ns;
-        heard_.sample.metres[finger] = place.value_or(glm::dvec3(no_number));
+        if (!place) {
+            ++implausible_;
+            continue;
+        }
+        if (age_of(place_ns, heard_.time_ns) > oldest_s) found_ns_[finger] = heard_.time_ns;
+        heard_.sample.metres[finger] = *place;
+        place_ns = heard_.time_ns;
     }
     ++samples_;
     told_.write(heard_);
@@ -225,15 +240,26 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     return {};
 }
 
-Result<void> DrivenDevice::speak() {
+/// What may go out of what is asked for.
+DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
     const Asked& asked = asked_.read();
-    const std::int64_t now = settings_.clock();
-    const bool lives = !misuse_.load() && !stopping_.load() && age_of(asked.time_ns, now) <= silence_s &&
-                       age_of(heard_.time_ns, now) <= oldest_s;
+    const bool lives = !misuse_.load() && !stopping_.load() && age_of(asked.time_ns, now) <= silence_s;
     Forces newtons{};
-    for (std::size_t finger = 0; lives && finger < static_cast<std::size_t>(fingers_); ++finger)
-        if (!std::isnan(heard_.sample.metres[finger].x) && asked.time_ns >= found_ns_[finger])
-            newtons[finger] = asked.newtons[finger];
+    for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
+        std::int64_t& since_ns = exerts_since_ns_[finger];
+        if (!lives || age_of(heard_.place_ns[finger], now) > oldest_s || asked.time_ns < found_ns_[finger]) {
+            since_ns = 0;
+            continue;
+        }
+        if (since_ns == 0) since_ns = now;
+        newtons[finger] = std::min(1.0, age_of(since_ns, now) / rise_s) * asked.newtons[finger];
+    }
+    return newtons;
+}
+
+Result<void> DrivenDevice::speak() {
+    const std::int64_t now = settings_.clock();
+    const Forces newtons = due_forces(now);
     spoken_ns_ = now;
     ++sent_;
     auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
@@ -246,6 +272,7 @@ Result<void> DrivenDevice::speak() {
 /// What has failed has no force any more, and no position.
 void DrivenDevice::let_go(const Error& why) {
     driver_->disconnect();
+    kept_.reset();
     held_ = false;
     ++losses_;
     gone_ns_ = looked_ns_ = settings_.clock();

@@ -32,7 +32,7 @@ struct DrivenSettings {
     bool own_thread = true;  ///< false: whoever opens it calls `turn` in its place, as a test in virtual time
 };
 
-/// What went on between a device and its thread since it was opened.
+/// What went on between a device and its thread since it was made.
 struct DrivenFacts {
     std::int64_t samples = 0;      ///< that came
     std::int64_t implausible = 0;  ///< fingers' places among them that were not believed
@@ -44,14 +44,15 @@ struct DrivenFacts {
 /// A HapticDevice of any backend: a thread of its own speaks with the hardware, the haptic thread takes the
 /// newest position and leaves the newest force, and neither waits for the other. All of the safety contract
 /// is kept here, once:
-/// - a force goes out only while it is younger than `silence_s`, and while the position that it answers is
-///   younger than `oldest_s`; otherwise zero goes out, again and again;
-/// - a finger whose position cannot be, or leaps, has no position (PlausibleMotion);
+/// - a force goes out only while it is younger than `silence_s`, and while the finger's newest position is
+///   younger than `oldest_s`; otherwise zero goes out, again and again. After that it rises over `rise_s`;
+/// - a position that cannot be, or leaps, is left out (PlausibleMotion), as if it had not come;
 /// - hardware that fails is let go of, with zero force if it can still be sent, and looked for again:
-/// positions
-///   are not numbers meanwhile, which the force guard takes for a hand that has let go.
+///   positions are not numbers meanwhile, which the force guard takes for a hand that has let go.
 class DrivenDevice final : public HapticDevice {
 public:
+    static constexpr double rise_s = 0.1;
+
     explicit DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings settings = {});
     ~DrivenDevice() override { close(); }
 
@@ -77,18 +78,14 @@ public:
 private:
     using Forces = std::array<glm::dvec3, DeviceSample::most_fingers>;
     struct Told {
-        DeviceSample sample{};
-        std::int64_t time_ns = 0;  // 0: nothing yet
+        DeviceSample sample{};                                            // as believed
+        std::int64_t time_ns = 0;                                         // 0: nothing yet
+        std::array<std::int64_t, DeviceSample::most_fingers> place_ns{};  // of each finger's place; 0: none
     };
     struct Asked {
         Forces newtons{};
         std::int64_t time_ns = 0;
-    };
-    /// What the device's thread knows of the hardware.
-    struct Heard {
-        DeviceSample sample;       // as believed
-        std::int64_t time_ns = 0;  // 0: nothing yet
-        std::int64_t spoken_ns = 0;
+        std::int64_t told_ns = 0;  // what it answers
     };
 
     bool given_up() const;
@@ -97,6 +94,7 @@ private:
     Result<void> serve();
     Result<void> hear(std::chrono::microseconds patience);
     Result<void> speak();
+    Forces due_forces(std::int64_t now);
     void let_go(const Error& why);
     bool look_for_it();
     void pass_on_wish();
@@ -126,6 +124,7 @@ private:
     Told heard_;  // newest, as believed
     // When each finger's place began to be known after it was not: a force from before answers none of it.
     std::array<std::int64_t, DeviceSample::most_fingers> found_ns_{};
+    std::array<std::int64_t, DeviceSample::most_fingers> exerts_since_ns_{};  // 0: it does not
     std::int64_t spoken_ns_ = 0;
     bool held_ = false;  // otherwise it is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;
@@ -133,6 +132,7 @@ private:
     std::optional<LimpKeeper::Kept> kept_;
     // The haptic thread's.
     std::uint32_t buttons_ = 0;
+    std::int64_t told_ns_ = 0;
     double age_s_;
 };
 

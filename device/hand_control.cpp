@@ -58,17 +58,15 @@ void HandControl::close_gates() {
 }
 
 void HandControl::take_buttons(std::uint32_t buttons, bool known) {
+    if ((buttons & second_button) != 0) ask_force(false);
     if (!known) {
         pressed_ = ~0U;
-        clutch_button_ = false;
         return;
     }
     const std::uint32_t begun = buttons & ~pressed_;
     pressed_ = buttons;
     if ((buttons & first_button) == 0) clutch_button_ = false;
-    if ((begun & second_button) != 0) {
-        ask_force(false);
-    } else if ((begun & first_button) != 0) {
+    if ((begun & first_button) != 0 && (buttons & second_button) == 0) {
         clutch_button_ = force_is_asked();
         ask_force(true);
     }
@@ -84,6 +82,8 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons) 
     take_buttons(buttons, hand.has_value());
     ++figures_.ticks;
     if (!hand) ++figures_.placeless;
+    nobody_ticks_ = hand ? 0 : nobody_ticks_ + 1;
+    if (nobody_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
 
     const bool clutched = clutch_button_ || held_.load(std::memory_order_relaxed);
     clutched_.store(clutched, std::memory_order_relaxed);

@@ -32,6 +32,8 @@ struct HandFigures {
 ///
 /// - Forces are off until somebody asks for them. From then on each finger feels them once it has been free:
 ///   they rise over `rise_ticks`. Off is at once.
+/// - They are off again once no finger's place was known for a second: whoever takes the device then may be
+///   another person. (Not where somebody insists.)
 /// - The device is held still in the scene while it is repositioned (clutch): no force, and afterwards as if
 ///   forces had just been asked for.
 /// - Recentring makes the place where the hand is now that of the workspace's centre; likewise.
@@ -42,6 +44,7 @@ class HandControl {
 public:
     static constexpr int most_fingers = 80;  // eight devices of ten
     static constexpr int rise_ticks = 300;
+    static constexpr int longest_away_ticks = 1000;
 
     HandControl(int fingers, const HandMapping& mapping);
 
@@ -55,6 +58,7 @@ public:
     const HandFigures& figures() const { return figures_; }  ///< or once it is at rest, anybody's
 
     // Any thread.
+    void insist_on_force() { insists_.store(true, std::memory_order_relaxed); }  ///< whoever holds it
     void ask_force(bool on) { asked_.store(on, std::memory_order_relaxed); }
     bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
     void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key
@@ -91,6 +95,7 @@ private:
     const std::size_t count_;
     std::atomic<bool> asked_{false}, held_{false}, clutched_{false}, waits_{false};
     std::atomic<std::uint32_t> recentrings_{0};
+    std::atomic<bool> insists_{false};
     // The haptic thread's.
     std::array<Finger, most_fingers> fingers_{};
     glm::dvec3 offset_{0.0};             // added to places, the person's axes
@@ -99,6 +104,7 @@ private:
     std::uint32_t pressed_ = ~0U;  // before
     bool clutch_button_ = false;
     bool passes_ = false;
+    std::int64_t nobody_ticks_ = 0;  // in a row
     HandFigures figures_;
 };
 

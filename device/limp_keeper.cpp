@@ -19,6 +19,7 @@ namespace touchable {
 namespace {
 
 constexpr int nothing_kept = -1;
+constexpr int longest_wait_ms = 1000;
 
 /// What goes to the keeper, with a descriptor beside it where there is one.
 struct Order {
@@ -95,6 +96,8 @@ bool next_order(int socket, Order& order, int& descriptor) {
         if (place.descriptor != nothing_kept) close(place.descriptor);
         place.descriptor = descriptor;
         place.order = order;
+        const std::byte done{1};
+        [[maybe_unused]] const auto told = send(socket, &done, 1, MSG_NOSIGNAL);
     }
     for (Keeping& place : kept)
         if (place.descriptor != nothing_kept) speak_for(place);
@@ -131,6 +134,7 @@ LimpKeeper::~LimpKeeper() {
 }
 
 Result<LimpKeeper::Kept> LimpKeeper::keep(std::shared_ptr<LimpKeeper> keeper) {
+    const std::lock_guard lock(keeper->mutex_);
     const auto free = std::find(std::begin(keeper->taken_), std::end(keeper->taken_), false);
     if (free == std::end(keeper->taken_))
         return Error{ErrorKind::device,
@@ -141,6 +145,7 @@ Result<LimpKeeper::Kept> LimpKeeper::keep(std::shared_ptr<LimpKeeper> keeper) {
 }
 
 Result<void> LimpKeeper::tell(int place, const LastWord* word) {
+    const std::lock_guard lock(mutex_);
     Order order;
     order.place = place;
     Ancillary ancillary{};
@@ -165,7 +170,12 @@ Result<void> LimpKeeper::tell(int place, const LastWord* word) {
     ssize_t sent = 0;
     do sent = sendmsg(socket_, &message, MSG_NOSIGNAL);
     while (sent < 0 && errno == EINTR);
-    if (sent == static_cast<ssize_t>(sizeof order)) return {};
+    // Once it is done, a socket that was let go of is free for another.
+    pollfd answer{socket_, POLLIN, 0};
+    std::byte done{};
+    if (sent == static_cast<ssize_t>(sizeof order) && poll(&answer, 1, longest_wait_ms) == 1 &&
+        recv(socket_, &done, 1, 0) == 1)
+        return {};
     return Error{ErrorKind::device,
                  std::string("the process that leaves devices limp is gone (") + std::strerror(errno) + ")"};
 }
@@ -178,7 +188,9 @@ LimpKeeper::Kept& LimpKeeper::Kept::operator=(Kept&& other) noexcept {
 
 LimpKeeper::Kept::~Kept() {
     if (!keeper_) return;
-    if (auto told = keeper_->tell(place_, nullptr); told.ok()) keeper_->taken_[place_] = false;
+    if (auto told = keeper_->tell(place_, nullptr); !told.ok()) return;
+    const std::lock_guard lock(keeper_->mutex_);
+    keeper_->taken_[place_] = false;
 }
 
 /// Told again even where it reads the same: a device that was opened anew has often the number of its old

@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 #include <memory>
+#include <mutex>
 
 #include "device/device_driver.hpp"
 #include "engine/result.hpp"
@@ -48,6 +49,7 @@ private:
 
     int socket_;
     pid_t process_;
+    std::mutex mutex_;  // threads of several devices
     bool taken_[most_devices] = {};
 };
 

@@ -85,6 +85,7 @@ void HapticLoop::tick_until_stopped() {
             tick += missed;
             late -= missed * tick_time;
         }
+        if (end_ && tick >= *end_) return;
         ++facts_.ticks;
         if (!this->tick(tick, std::chrono::duration<double, std::micro>(late).count())) {
             facts_.port_failed = true;

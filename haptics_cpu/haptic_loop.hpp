@@ -43,6 +43,8 @@ public:
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
 
+    /// It ends by itself before that tick, whatever keeps others from stopping it. Before `start`.
+    void end_before(std::int64_t tick) { end_ = tick; }
     /// Begins tick 0 now. At least one frame has been published. A loop runs
     /// once: what its fingers carry over knows nothing of a pause, and the hand would get a force without a
     /// ramp. An error then, and where the machine has no thread left.
@@ -73,6 +75,7 @@ private:
     const MomentOfTick moment_of_tick_;
     std::vector<glm::dvec3> newtons_;
     LoopFacts facts_;
+    std::optional<std::int64_t> end_;
     bool started_ = false;
     std::atomic<bool> stopping_{false}, ended_{true};
     std::atomic<std::int64_t> time_ns_{0};

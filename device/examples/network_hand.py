@@ -2,7 +2,7 @@
 """A small hand: it pokes at what is in front of it, and says what it felt.
    touchable touch CLIP --live --device network --force-on --seconds 5
    python3 network_hand.py [SECONDS [PORT]]"""
-import math, socket, struct, sys, time, zlib
+import math, select, socket, struct, sys, time, zlib
 
 seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 5.0
 port = int(sys.argv[2]) if len(sys.argv) > 2 else 5710
@@ -22,6 +22,8 @@ for tick in range(1, int(seconds * 1000)):
     try:
         send(tick, (0.01 * math.sin(now), 0.0, 0.05 + 0.06 * math.cos(2 * now)))
         answer = hand.recv(1024)
+        while select.select([hand], [], [], 0)[0]:  # only the newest counts
+            answer = hand.recv(1024)
     except (ConnectionRefusedError, TimeoutError):
         continue  # nobody listens yet, or the answer was lost: a real hand would be limp now
     if len(answer) == 52 and zlib.crc32(answer[:-4]) == struct.unpack("<I", answer[-4:])[0]:

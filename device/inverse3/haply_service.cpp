@@ -212,7 +212,7 @@ public:
         std::memcpy(line.going.data() + LWS_PRE, bytes.data(), bytes.size());
         connection_->ask_to_write();
         const auto until = ServiceClock::now() + longest_write;
-        do connection_->work(microseconds(0));
+        do connection_->work(microseconds(100));
         while (!line.going.empty() && line.state == ServiceLine::State::open && ServiceClock::now() < until);
         if (!line.going.empty()) line.fail("it takes nothing any more");
         return failure();

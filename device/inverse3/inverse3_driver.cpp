@@ -158,7 +158,9 @@ Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
     const bool pushes = newtons[0] != glm::dvec3(0);
     if (unanswered_ >= most_unanswered && !(pushed_ && !pushes)) return {};
     std::this_thread::sleep_until(said_ + shortest_turn);
-    auto said = say(encode_inverse3_force(dialect_, id_, newtons[0]));
+    // A service that makes every force longer is given shorter ones: no force is longer than the limit says.
+    const double longer = std::max(1.0, settings_.force_scale.value_or(1));
+    auto said = say(encode_inverse3_force(dialect_, id_, newtons[0] / longer));
     pushed_ = pushes;
     return said;
 }

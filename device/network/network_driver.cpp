@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "device/steady_time.hpp"
 
 namespace touchable {
 namespace {
+
+constexpr int most_zeros = 20;  // one may be lost on the way, not all
 
 /// Counters of 32 bits come round.
 bool is_newer(std::uint32_t sequence, std::uint32_t than) {
@@ -46,6 +49,7 @@ void NetworkDriver::part() {
     const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
     socket_.send(encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true)));
     peer_.reset();
+    parted_ns_ = steady_ns();
     [[maybe_unused]] const auto free = socket_.settle(std::nullopt);
 }
 
@@ -62,11 +66,20 @@ NetworkPacket NetworkDriver::answer(std::span<const glm::dvec3> newtons, bool la
     return packet;
 }
 
+/// One answer for each packet with places, so that nobody who sends slowly has to read many; and zeros, a few
+/// times, for whoever is silent.
 Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
     if (!peer_) return {};
-    if (!socket_.send(encode(answer(newtons, false))) ||
-        static_cast<double>(steady_ns() - peer_->heard_ns) * 1e-9 > peer_gone_s)
+    const bool zeros = std::all_of(newtons.begin(), newtons.end(),
+                                   [](const glm::dvec3& force) { return force == glm::dvec3(0); });
+    const bool is_gone = static_cast<double>(steady_ns() - peer_->heard_ns) * 1e-9 > peer_gone_s;
+    if (is_gone) {
         part();
+        return {};
+    }
+    zeros_ = is_answer_due_ || !zeros ? 0 : zeros_ + 1;
+    if (!std::exchange(is_answer_due_, false) && (!zeros || zeros_ > most_zeros)) return {};
+    if (!socket_.send(encode(answer(newtons, false)))) part();
     return {};
 }
 
@@ -114,10 +127,15 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
         return true;
     }
     if (!peer_) {
+        // Another hand does not inherit what the last one asked for: it has been away for long enough by
+        // then.
+        if (parted_ns_ != 0 && static_cast<double>(steady_ns() - parted_ns_) * 1e-9 < between_peers_s)
+            return false;
         if (!socket_.settle(from).ok()) return false;
         peer_ = Peer{from, 0, 0, 0};
         trouble_.clear();
     }
+    is_answer_due_ = true;
     peer_->sequence = packet.sequence;
     peer_->time_ns = packet.time_ns;
     peer_->heard_ns = steady_ns();

@@ -25,6 +25,7 @@ struct NetworkSettings {
 class NetworkDriver final : public DeviceDriver {
 public:
     static constexpr double peer_gone_s = 1;
+    static constexpr double between_peers_s = 1.2;  ///< longer than HandControl keeps forces on for nobody
 
     explicit NetworkDriver(const NetworkSettings& settings) : settings_(settings) {}
     ~NetworkDriver() override { disconnect(); }
@@ -41,8 +42,8 @@ public:
     std::optional<LastWord> last_word() const override;
     std::string wish() const override;
 
-    std::uint16_t port() const { return socket_.port(); }  ///< while connected
-    std::int64_t left_out() const override { return left_out_; }    ///< packets so far
+    std::uint16_t port() const { return socket_.port(); }         ///< while connected
+    std::int64_t left_out() const override { return left_out_; }  ///< packets so far
 
 private:
     struct Peer {
@@ -59,6 +60,9 @@ private:
     UdpSocket socket_;
     std::optional<Peer> peer_;
     std::int64_t left_out_ = 0;
+    std::int64_t parted_ns_ = 0;  // from the last peer; 0: there was none
+    bool is_answer_due_ = false;
+    int zeros_ = 0;        // that went out since the last answer
     std::string trouble_;  // of the newest packet that was left out, while there is no peer
 };
 

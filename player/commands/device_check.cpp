@@ -2,6 +2,7 @@
 
 #include <poll.h>
 #include <sys/utsname.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -155,6 +156,7 @@ bool says_yes() {
            "to 1.5 N look\nfor the largest stiffness (a minute or less; Ctrl-C ends it at once). n and Enter "
            "leaves that out. "
         << std::flush;
+    tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before is no answer
     pollfd input{STDIN_FILENO, POLLIN, 0};
     while (!interrupted()) {
         if (poll(&input, 1, 50) <= 0) continue;

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <glm/matrix.hpp>
 #include <iterator>
@@ -44,7 +45,7 @@ bool is_rigid(const glm::dmat4& m) {
         for (int row = 0; row < 3; ++row)
             rigid = rigid && std::abs(unit[column][row] - (column == row ? 1.0 : 0.0)) < 1e-3;
     return rigid && m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1 &&
-           std::isfinite(m[3][0] + m[3][1] + m[3][2]);
+           glm::length(glm::dvec3(m[3])) < 1000;  // metres; not of what is no number
 }
 
 Result<glm::dmat4> read_frame(const std::string& words) {
@@ -61,7 +62,7 @@ Result<glm::dmat4> read_frame(const std::string& words) {
         return usage_error(
             "--world-from-camera '" + words +
             "': is no rotation and translation (its rows are not unit vectors at right angles, or "
-            "the last one is not 0 0 0 1); " +
+            "the last one is not 0 0 0 1, or it is a kilometre away); " +
             right_frame);
     return frame;
 }
@@ -82,6 +83,11 @@ std::vector<CLI::Option*> add_mapping_options(CLI::App& sub, HeldDeviceWords& wo
                    "is finer")
                 ->check(CLI::Range(0.01, 100.0))
                 ->capture_default_str()};
+}
+
+/// Who stops the program by a key (Ctrl-Z) would stop it with a force on.
+void stay_awake() {
+    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
 }
 
 /// All of them as one.
@@ -139,14 +145,18 @@ Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session)
         return usage_error("--device simulated is held by the hand alone, not beside another device");
     if (simulated) session.device = devices.front();
     if (devices.empty() || simulated) {
-        if (words.force_on || !words.world_from_camera.empty() || session.hand_scale != 1)
+        if (words.force_on || words.world_from_camera || session.hand_scale != 1)
             return usage_error(
                 "--force-on, --world-from-camera and --hand-scale are for a --device that you hold");
         return {};
     }
     if (!session.live) return usage_error("--device needs --live: a device is held in real time");
-    if (!words.world_from_camera.empty()) {
-        auto frame = read_frame(words.world_from_camera);
+    if (words.world_from_camera) {
+        if (session.hand_scale != 1)
+            return usage_error(
+                "--hand-scale with --world-from-camera: a metre of the world is a metre of the scene; leave "
+                "one out");
+        auto frame = read_frame(*words.world_from_camera);
         if (!frame.ok()) return frame.error();
         session.world_from_camera = *frame;
     }
@@ -158,7 +168,29 @@ Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session)
                            " fingers");
     session.control = std::make_shared<HandControl>(session.held_device->fingers(), HandMapping{});
     session.control->ask_force(words.force_on);
+    if (words.force_on) session.control->insist_on_force();
+    stay_awake();
     return {};
+}
+
+std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words) {
+    std::vector<std::filesystem::path> files;
+    const auto add_if_there = [&files](const std::string& name) {
+        std::error_code ignored;
+        if (!name.empty() && std::filesystem::is_regular_file(name, ignored)) files.emplace_back(name);
+    };
+    for (const std::string& device : words.devices) {
+        std::string rest = device.substr(std::min(device.find(':') + 1, device.size()));
+        add_if_there(rest);
+        // "FILE:key=value", and values of keys.
+        add_if_there(rest.substr(0, rest.rfind(':')));
+        for (std::string item; !rest.empty(); rest = rest.substr(std::min(item.size() + 1, rest.size()))) {
+            item = rest.substr(0, rest.find(','));
+            add_if_there(item.substr(std::min(item.find('=') + 1, item.size())));
+        }
+    }
+    if (words.world_from_camera) add_if_there(*words.world_from_camera);
+    return files;
 }
 
 std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal) {
@@ -172,8 +204,8 @@ std::string how_to_begin(const HapticDevice& device, const HandControl& control,
 }
 
 std::string state_of(const HapticDevice& device, const HandControl& control) {
-    if (std::string wish = device.wish(); !wish.empty()) return wish;
-    return control.force_is_asked() ? "forces on" : "forces off";
+    const std::string forces = control.force_is_asked() ? "forces on" : "forces off", wish = device.wish();
+    return wish.empty() ? forces : forces + "; " + wish;
 }
 
 }  // namespace touchable

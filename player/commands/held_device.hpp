@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,10 +16,10 @@ namespace touchable {
 
 /// Devices that a person holds, as on the command line.
 struct HeldDeviceWords {
-    std::vector<std::string> devices;   ///< "falcon", "network:port=6000"; several are one hand
-    bool force_on = false;              ///< asked for before the start
-    std::string world_from_camera;      ///< 16 numbers, or a file with them; empty: none
-    bool is_looked_for_always = false;  ///< one that is gone, not only for ten seconds
+    std::vector<std::string> devices;              ///< "falcon", "network:port=6000"; several are one hand
+    bool force_on = false;                         ///< asked for before the start
+    std::optional<std::string> world_from_camera;  ///< 16 numbers, or a file with them
+    bool is_looked_for_always = false;             ///< one that is gone, not only for ten seconds
 };
 
 /// --device, --force-on, --world-from-camera, --hand-scale.
@@ -27,6 +29,9 @@ std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords
 /// Those of a window, in which forces are asked for once it is there: all but --force-on.
 std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWords& words,
                                                     SessionOptions& session);
+
+/// Files that they are read from.
+std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words);
 
 /// Makes the devices, not opened yet, and the process that leaves them limp; a simulated one is the hand's.
 /// Best called before there is much in memory. Refuses (ErrorKind::usage) what is none.

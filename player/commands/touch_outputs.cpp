@@ -19,6 +19,7 @@ std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& 
     if (setup.clip.scene_file) inputs.push_back({"--scene", *setup.clip.scene_file});
     if (options.replay) inputs.push_back({"--replay", *options.replay});
     if (options.play) inputs.push_back({"--play", *options.play});
+    for (const auto& file : files_of(options.held)) inputs.push_back({"the device's file", file});
     if (const auto file = setup.hand ? setup.hand->file() : std::nullopt)
         inputs.push_back({"the hand's file", *file});
     add_inputs(inputs, setup.clip.file, setup.feed->reader());

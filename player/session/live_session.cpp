@@ -91,6 +91,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         return now.moment;
     });
 
+    if (settings_.ticks) loop.end_before(*settings_.ticks);
+
     Result<void> taken;
     LiveLine line;
     auto drain = [&] {

@@ -112,6 +112,32 @@ TEST_F(Control, AButtonThatIsHeldThroughAGapIsNotPressedAgain) {
     EXPECT_FALSE(control.force_is_asked());
 }
 
+TEST_F(Control, TheStopButtonCountsAlsoWhereThereIsNoPlace) {
+    ask();
+    goal({0, nowhere, 0}, 2);
+    EXPECT_FALSE(control.force_is_asked());
+}
+
+TEST_F(Control, ForcesOfAHandThatIsAwayForASecondAreOffUnlessSomebodyInsists) {
+    ask();
+    for (int tick = 0; tick < 1000; ++tick) goal({0, nowhere, 0});
+    EXPECT_TRUE(control.force_is_asked());
+    goal({0, nowhere, 0});
+    EXPECT_FALSE(control.force_is_asked());
+    control.insist_on_force();
+    ask();
+    for (int tick = 0; tick < 3000; ++tick) goal({0, nowhere, 0});
+    EXPECT_TRUE(control.force_is_asked());
+}
+
+TEST_F(Control, TheClutchIsHeldThroughAGap) {
+    goal({0, 0, 0}, 0);
+    ask();
+    const glm::dvec3 held = goal({0.001, 0, 0}, 1);
+    goal({0.001, nowhere, 0}, 0);
+    EXPECT_EQ(goal({0.005, 0, 0}, 1), held);
+}
+
 TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {
     ask();
     goal({0.03, 0.01, -0.02});

@@ -82,7 +82,8 @@ protected:
         hand.handle().intend({0, 0, rest - 3.0 / 300});
         std::deque<glm::dvec3> under_way(delay_ticks, glm::dvec3(0, 0, 3));
         double early = 0, late = 0;
-        for (int tick = 0; tick < 400; ++tick) {
+        // Its force rises first, and somebody holds the handle meanwhile.
+        for (int tick = -120; tick < 400; ++tick) {
             now += 1'000'000;
             hand.tell();
             device.turn();  // it hears
@@ -93,8 +94,9 @@ protected:
             EXPECT_TRUE(device.write_forces(std::span(&wall, 1)));
             device.turn();  // it speaks
             under_way.push_back(hand.hear());
-            hand.handle().advance(under_way.front());
+            if (tick >= 0) hand.handle().advance(under_way.front());
             under_way.pop_front();
+            if (tick < 0) continue;
             const double away = std::abs(hand.handle().place().z - rest);
             (tick < 100 ? early : late) =
                 std::max(tick < 100 || tick >= 300 ? away : 0.0, tick < 100 ? early : late);
