@@ -70,7 +70,7 @@ public:
         return hear(0);
     }
     bool feels_something() {
-        for (int tries = 0; tries < 5'000; ++tries)
+        for (int tries = 0; tries < 20'000; ++tries)
             if (glm::length(press().vectors[0]) > 0.1) return true;
         return false;
     }
