@@ -39,6 +39,7 @@ Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description
         return kind->make(
             colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1),
             driven);
+    if (name == "mouse") return usage_error("--device mouse is the window's: touchable play CLIP");
     std::string names = "simulated";
     for (const DeviceKind& each : kinds) names += ", " + std::string(each.name);
     return usage_error("unknown device '" + name + "'; there are " + names);

@@ -7,11 +7,12 @@
 namespace touchable {
 namespace {
 
-constexpr NetworkSettings standard_hand;
-constexpr std::array<HandKey, 5> network_keys{{
+const NetworkSettings standard_hand;
+const std::array<HandKey, 5> network_keys{{
     {"listen", "an address in figures, such as 0.0.0.0", 0, 0, 0, HandKey::Kind::words},
-    {"port", "", 1, 65535, standard_hand.port, HandKey::Kind::whole},
-    {"fingers", "", 1, NetworkPacket::most_fingers, standard_hand.fingers, HandKey::Kind::whole},
+    {"port", "", 1, 65535, static_cast<double>(standard_hand.port), HandKey::Kind::whole},
+    {"fingers", "", 1, NetworkPacket::most_fingers, static_cast<double>(standard_hand.fingers),
+     HandKey::Kind::whole},
     {"force", "N", 0.1, 1000, standard_hand.limits.max_force},
     {"stiffness", "N/mm", 0.01, 1000, standard_hand.limits.max_stiffness / 1000},
 }};

@@ -50,6 +50,9 @@ Result<void> validate(const SessionOptions& options) {
             "a device that a person holds is touched with in real time, and without another that a hand "
             "holds: "
             "leave out --device");
+    if (options.control && options.hand != SessionOptions{}.hand)
+        return usage_error("--hand " + options.hand +
+                           ": the hand that holds the device is yours; leave one of them out");
     return check_camera(options);
 }
 

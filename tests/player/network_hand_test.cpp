@@ -191,6 +191,9 @@ TEST_F(NetworkTouch, WhatCannotBeIsOneLine) {
          "rotation"},
         {{"--live", "--device", "simulated", "--device", device()}, "simulated"},
         {{"--live", "--force-on"}, "--device"},
+        {{"--live", "--device", device(), "--hand", "poke"}, "--hand"},
+        {{"--live", "--device", "mouse"}, "touchable play"},
+        {{"--live", "--device", device(), "--world-from-camera", ""}, "16 numbers"},
         {{"--live", "--device-log", log}, "--device-log"},
     };
     for (const auto& [words, part] : refused) {
