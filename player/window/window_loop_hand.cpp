@@ -37,7 +37,11 @@ void WindowLoop::take_of_hand(const WindowCommand& command) {
     HeldHand& hand = *options_.hand;
     switch (command.verb) {
         case WindowVerb::force:
-            if (hand.is_gone()) return hand.look_again();
+            // Whether or not a turn has noticed already that it is gone: it comes back without forces.
+            if (hand.is_gone()) {
+                clip_->set_force(false);
+                return hand.look_again();
+            }
             // Of one that is away forces are not asked for: nobody would know of them when it comes back.
             return clip_->set_force(!clip_->force_is_on() && hand.age_s() <= HapticDevice::oldest_s);
         case WindowVerb::clutch:

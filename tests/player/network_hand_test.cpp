@@ -43,8 +43,9 @@ std::string said_by(const std::string& command) {
     return said;
 }
 
-/// A hand that, once it is answered, presses into the middle of the picture: a millimetre a packet, from
-/// before the surface to behind it.
+/// A hand that, once it is answered, comes towards the middle of the picture, half a millimetre a packet,
+/// until it feels something. Where that was nothing, as of a surface that jumped meanwhile, it goes back and
+/// comes again.
 class PressingHand {
 public:
     explicit PressingHand(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -62,7 +63,10 @@ public:
     NetworkPacket press() {
         NetworkPacket packet;
         packet.sequence = ++sequence_;
-        if (newest_.kind == NetworkPacket::Kind::forces) place_ = std::max(-0.03, place_ - 0.001);
+        if (newest_.kind == NetworkPacket::Kind::forces && newest_.vectors[0] == glm::dvec3(0))
+            place_ += way_;
+        if (place_ < -0.03) way_ = 0.0005;
+        if (place_ > 0.1) way_ = -0.0005;
         packet.vectors[0] = {0, 0, place_};
         const auto bytes = encode(packet);
         [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), 0);
@@ -92,7 +96,7 @@ public:
 private:
     int socket_;
     std::uint32_t sequence_ = 0;
-    double place_ = 0.1;
+    double place_ = 0.1, way_ = -0.0005;
     NetworkPacket newest_;
 };
 
