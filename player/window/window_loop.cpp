@@ -132,13 +132,14 @@ Result<void> WindowLoop::turn() {
     const int longest_ms = clip_->session().playback().playing ? 2 : 8;  // until another frame is seen
     const auto wait = std::chrono::milliseconds(std::clamp(static_cast<int>(left_ms), 1, longest_ms));
     for (const InputEvent& event : screen_->poll(wait)) take(event);
-    if (begun_) take_script();
+    const double script_s = script_clock_.at(now_s());
+    if (begun_) take_script(script_s);
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
     go_on_opening();
     note_sound();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
-    if (options_.seconds && now_s() >= *options_.seconds) quit_ = true;
+    if (options_.seconds && script_s >= *options_.seconds) quit_ = true;
     return {};
 }
 
@@ -180,8 +181,8 @@ void WindowLoop::count_session() {
     figures_.dropped_frames += sessions.feed.dropped;
 }
 
-void WindowLoop::take_script() {
-    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s()) {
+void WindowLoop::take_script(double now_s) {
+    while (scripted_ < options_.script.size() && options_.script[scripted_].seconds <= now_s) {
         const auto& what = options_.script[scripted_++].what;
         if (const auto* event = std::get_if<InputEvent>(&what))
             take(*event);

@@ -44,7 +44,7 @@ private:
     Result<void> open_graphics_anew(const Error& error);
     Result<void> open_parts();
     Result<void> turn();
-    void take_script();
+    void take_script(double now_s);
     void take(const InputEvent& event);
     void take(const WindowCommand& command);
     void take_of_time(const WindowCommand& command);
@@ -141,6 +141,7 @@ private:
     std::vector<InputEvent> events_;  // since the last picture
     std::vector<WindowCommand> asked_;
     std::size_t scripted_ = 0;
+    ScriptClock script_clock_;
     std::optional<Clock::time_point> begun_;  // with the first picture
     double begun_cpu_ms_ = 0;
     Clock::time_point last_picture_, last_event_, message_at_;

@@ -1,5 +1,6 @@
 #include "player/window/window_script.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -77,7 +78,16 @@ Result<ScriptedInput> read_line(const std::string& line) {
     return input;
 }
 
+/// Of time between two looks that counts: a slow picture, but no standstill.
+constexpr double longest_step_s = 0.1;
+
 }  // namespace
+
+double ScriptClock::at(double now_s) {
+    time_s_ += std::min(now_s - seen_s_, longest_step_s);
+    seen_s_ = now_s;
+    return time_s_;
+}
 
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file) {
     std::error_code ignored;

@@ -12,8 +12,19 @@ namespace touchable {
 
 /// What is done to the window at a moment of a script.
 struct ScriptedInput {
-    double seconds = 0;  ///< since the first picture
+    double seconds = 0;  ///< since the first picture, by a ScriptClock
     std::variant<InputEvent, WindowCommand> what;
+};
+
+/// The time of a script, and when the window that it leads closes. A window that stood still, as on a machine
+/// that was busy or asleep, goes on where it was: inputs that lie apart do not fall together.
+class ScriptClock {
+public:
+    /// At this moment of the window's own clock, seconds; moments do not go backward.
+    double at(double now_s);
+
+private:
+    double seen_s_ = 0, time_s_ = 0;
 };
 
 /// A file of timed inputs (docs/play.md), a line each: SECONDS, then move X Y, press BUTTON, release BUTTON,

@@ -8,6 +8,7 @@
 #include "player/session/frames_in_hand.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/standstill.hpp"
 
 namespace touchable::test {
 namespace {
@@ -23,10 +24,14 @@ protected:
     nlohmann::json touch(Words words) const {
         words.insert(words.begin(), "touch");
         words.insert(words.end(), {"--overwrite", "--json", report});
-        const Outcome outcome = run_touchable(words);
-        EXPECT_EQ(outcome.code, 0) << outcome.err;
-        said = outcome.out;
-        return nlohmann::json::parse(file_contents(report), nullptr, false);
+        nlohmann::json read;
+        for (int go = 0; go == 0 || (stood_still(read) && go < most_standstills); ++go) {
+            const Outcome outcome = run_touchable(words);
+            EXPECT_EQ(outcome.code, 0) << outcome.err;
+            said = outcome.out;
+            read = nlohmann::json::parse(file_contents(report), nullptr, false);
+        }
+        return read;
     }
 
     const TemporaryFolder folder;
@@ -45,7 +50,8 @@ TEST_F(LiveCamera, ASessionReplaysToItsHash) {
         EXPECT_GT(live["dropped_frames"], 0);
         EXPECT_LE(live["frames_shown"].get<int>() + live["dropped_frames"].get<int>(), 28);
         EXPECT_FALSE(live.contains("late_frames"));
-        EXPECT_EQ(live["warnings"].dump().find("too late"), std::string::npos) << live["warnings"];
+        EXPECT_EQ(live["warnings"].dump().find("frames came too late"), std::string::npos)
+            << live["warnings"];
         EXPECT_GT(live["exposure_to_force_ms"]["p50"], 0);
         EXPECT_LE(live["exposure_to_force_ms"]["p50"], live["exposure_to_force_ms"]["p99"]);
         EXPECT_NE(said.find("exposure to force"), std::string::npos) << said;

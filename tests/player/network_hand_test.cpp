@@ -21,6 +21,7 @@
 #include "device/network/network_packet.hpp"
 #include "device/network/udp_socket.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/standstill.hpp"
 
 namespace touchable::test {
 namespace {
@@ -115,20 +116,24 @@ protected:
 };
 
 TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
-    Outcome live;
-    std::thread touchable([&] {
-        live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "3.5",
-                              "--json", report, "--device-log", log, "--record", record});
-    });
-    const std::string said =
-        said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py 3 " +
-                std::to_string(port));
-    touchable.join();
-    ASSERT_EQ(live.code, 0) << live.err;
+    nlohmann::json facts;
+    std::string said;
+    for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
+        Outcome live;
+        std::thread touchable([&] {
+            live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds",
+                                  "3.5", "--overwrite", "--json", report, "--device-log", log, "--record",
+                                  record});
+        });
+        said = said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py 3 " +
+                       std::to_string(port));
+        touchable.join();
+        ASSERT_EQ(live.code, 0) << live.err;
+        facts = nlohmann::json::parse(file_contents(report));
+    }
     EXPECT_NE(said.find("ms p99, largest force "), std::string::npos) << said;
     EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
     EXPECT_EQ(said.find("largest force 0.00"), std::string::npos) << said;
-    const auto facts = nlohmann::json::parse(file_contents(report));
     EXPECT_EQ(facts["device"], "network hand");
     EXPECT_GT(facts["forces_on_ticks"], 1000);
     EXPECT_GT(facts["contact_ticks"], 50);

@@ -91,7 +91,7 @@ TEST_F(PluggedCamera, ASessionReplaysWithoutItToItsHash) {
             if (n % 7 == 3) return Fate::lost;
             return n % 11 == 5 ? Fate::damaged : Fate::good;
         });
-        TouchOptions options = live(0.4);
+        TouchOptions options = live(1.2);
         if (temporal) options.session.clip.temporal = TemporalChoice{true, DepthLength{0.002, 0}};
         const auto lived = touch(options);
         EXPECT_GT(lived["frames_shown"], 5);

@@ -17,6 +17,7 @@
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/standstill.hpp"
 #include "tests/window/fake_hand.hpp"
 
 namespace touchable::test {
@@ -230,12 +231,22 @@ protected:
     void SetUp() override {
         ASSERT_EQ(run_touchable({"make", "globe", clip_.string(), "--size", "64x48", "--frames", "60"}).code,
                   0);
-        fake_->motion = [](std::int64_t tick) {
+        motion_ = [](std::int64_t tick) {
             const double depth = std::clamp(static_cast<double>(tick - 400) / 200, 0.0, 1.0);
             return glm::dvec3(0, 0, 0.12 - 0.16 * depth);
         };
     }
-    Result<PlayFigures> play(const std::string& script) {
+    /// Until the motion had `ticks` of the seconds: where the machine stood still, ticks are skipped, and the
+    /// story of the hand does not come to its end. Then it is told again.
+    Result<PlayFigures> play(const std::string& script, std::int64_t ticks) {
+        for (int go = 0;; ++go) {
+            fake_ = std::make_shared<FakeHand>();
+            fake_->motion = motion_;
+            auto played = play_once(script);
+            if (fake_->reads > ticks || go == most_standstills) return played;
+        }
+    }
+    Result<PlayFigures> play_once(const std::string& script) {
         PlayOptions options;
         options.hand = std::make_shared<HeldHand>(fake_);
         options.session.builder.name = "cpu";
@@ -246,6 +257,7 @@ protected:
         options.screen.height = 240;
         options.seconds = seconds_;
         options.record = record_;
+        options.existing = Existing::replace;
         if (script.find("open ") != std::string::npos) options.record.reset();
         std::ofstream(folder_ / "script") << script;
         auto inputs = read_window_script(folder_ / "script");
@@ -258,17 +270,18 @@ protected:
     const std::filesystem::path clip_ = folder_ / "globe.mkv", record_ = folder_ / "hand.touch";
     std::atomic<double> before_{0};
     double seconds_ = 1.3;
-    const std::shared_ptr<FakeHand> fake_ = std::make_shared<FakeHand>();
+    std::function<glm::dvec3(std::int64_t)> motion_;
+    std::shared_ptr<FakeHand> fake_;  ///< of the last go
 };
 
 TEST_F(HeldWindow, ExertsNothingThatNobodyAskedFor) {
-    ASSERT_TRUE(play("0.1 move 100 100\n0.2 press left\n0.3 key 3\n").ok());
+    ASSERT_TRUE(play("0.1 move 100 100\n0.2 press left\n0.3 key 3\n", 900).ok());
     EXPECT_GT(fake_->reads, 900);
     EXPECT_EQ(fake_->most_newtons, 0);
 }
 
 TEST_F(HeldWindow, ExertsForcesByAKeyAndItsRecordingReplays) {
-    const auto played = play("0.1 key f\n0.7 key j\n0.9 key c\n1.0 key-up c\n1.1 key r\n");
+    const auto played = play("0.1 key f\n0.7 key j\n0.9 key c\n1.0 key-up c\n1.1 key r\n", 1000);
     ASSERT_TRUE(played.ok()) << played.error().message;
     EXPECT_GT(fake_->most_newtons, 0.1);
     EXPECT_EQ(fake_->newtons, 0) << "in the end";
@@ -284,25 +297,27 @@ TEST_F(HeldWindow, ExertsForcesByAKeyAndItsRecordingReplays) {
 }
 
 TEST_F(HeldWindow, AnotherClipStopsForces) {
-    fake_->motion = [this](std::int64_t tick) {
-        if (tick == 700) {
+    motion_ = [this](std::int64_t tick) {
+        if (tick == 1600) {
             before_ = fake_->most_newtons.load();
             fake_->most_newtons = 0;
         }
         return glm::dvec3(0, 0, tick % 350 < 200 ? 0.12 : -0.04);
     };
-    ASSERT_TRUE(play("0.0 key f\n0.4 open " + clip_.string() + "\n").ok());
+    seconds_ = 2.6;
+    ASSERT_TRUE(play("0.0 key f\n0.8 open " + clip_.string() + "\n", 2000).ok());
     EXPECT_GT(before_, 0.1);
-    EXPECT_GT(fake_->reads, 900);
+    EXPECT_GT(fake_->reads, 2000);
     EXPECT_EQ(fake_->most_newtons, 0) << "after it";
 }
 
 TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
-    fake_->motion = [this](std::int64_t tick) {
+    motion_ = [this](std::int64_t tick) {
         if (tick == 500) fake_->has_failed = fake_->is_unplugged = true;
         return glm::dvec3(0, 0, 0.12);
     };
-    const auto played = play("0.1 key f\n");
+    seconds_ = 1.6;
+    const auto played = play("0.1 key f\n", 500);
     ASSERT_FALSE(played.ok());
     EXPECT_EQ(played.error().kind, ErrorKind::device);
     EXPECT_EQ(played.error().message, "fake: nothing is plugged in");
@@ -310,12 +325,12 @@ TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
     EXPECT_EQ(again.code, 0) << again.err;
     const auto recording = read_recording(record_);
     ASSERT_TRUE(recording.ok());
-    EXPECT_GT(recording->front().ticks.size(), 1000U) << "it ended with the device";
+    EXPECT_GT(recording->front().ticks.size(), 700U) << "it ended with the device";
 }
 
 TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
     constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-    fake_->motion = [this](std::int64_t tick) {
+    motion_ = [this](std::int64_t tick) {
         if (tick == 1500) {
             before_ = fake_->most_newtons.load();
             fake_->most_newtons = 0;
@@ -323,19 +338,19 @@ TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
         if (tick > 400 && tick < 1600) return glm::dvec3(nowhere);
         return glm::dvec3(0, 0, tick % 400 < 250 ? 0.12 : -0.04);
     };
-    seconds_ = 2.4;
-    ASSERT_TRUE(play("0.0 key f\n").ok());
+    seconds_ = 2.6;
+    ASSERT_TRUE(play("0.0 key f\n", 2200).ok());
     EXPECT_GT(before_, 0.1);
     EXPECT_GT(fake_->reads, 2200);
     EXPECT_EQ(fake_->most_newtons, 0) << "a surprise";
 }
 
 TEST_F(HeldWindow, IsFoundAgainByAKeyWithoutForces) {
-    fake_->motion = [this](std::int64_t tick) {
+    motion_ = [this](std::int64_t tick) {
         if (tick == 100) fake_->has_failed = true;
         return glm::dvec3(0, 0, tick % 200 < 100 ? 0.12 : -0.04);
     };
-    ASSERT_TRUE(play("0.05 key f\n0.6 key f\n").ok());
+    ASSERT_TRUE(play("0.05 key f\n0.6 key f\n", 300).ok());
     EXPECT_GT(fake_->reads, 300) << "it was not opened again";
     EXPECT_EQ(fake_->most_newtons, 0);
 }

@@ -15,6 +15,14 @@ Result<std::vector<ScriptedInput>> read_words(const std::string& words) {
     return read_window_script(folder / "script");
 }
 
+TEST(ScriptClock, GoesOnWhereItWasAfterAStandstill) {
+    ScriptClock clock;
+    EXPECT_DOUBLE_EQ(clock.at(0), 0);
+    EXPECT_DOUBLE_EQ(clock.at(0.03), 0.03);
+    EXPECT_NEAR(clock.at(5.03), 0.13, 1e-12) << "0.1 s of it";
+    EXPECT_NEAR(clock.at(5.05), 0.15, 1e-12);
+}
+
 TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
     const auto read = read_words(
         "# what a visitor does\n\n0.5 move 10 20.5\n1 press left\r\n1 key f12\n  2 seek 0.25\n3 drop a "
