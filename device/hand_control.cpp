@@ -122,10 +122,10 @@ void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std:
         if (one.free) one.risen = std::min(rise_ticks, one.risen + ticks);
         one.free = passes_ && (one.free || glm::dot(guarded[finger], guarded[finger]) == 0);
         waits = waits || (passes_ && one.known && !one.free);
+        const double share = one.risen / double{rise_ticks};
+        shares_[finger].store(share, std::memory_order_relaxed);
         // One that is not finite is told on, so that the device learns of it.
-        newtons[finger] = is_known(guarded[finger])
-                              ? one.risen / double{rise_ticks} * (back * guarded[finger])
-                              : guarded[finger];
+        newtons[finger] = is_known(guarded[finger]) ? share * (back * guarded[finger]) : guarded[finger];
     }
     waits_.store(waits, std::memory_order_relaxed);
 }

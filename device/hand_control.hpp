@@ -65,6 +65,8 @@ public:
     void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
     /// By a key or a button: the hand moves, and the fingers do not.
     bool is_repositioned() const { return clutched_.load(std::memory_order_relaxed); }
+    /// Of a finger's guarded force, how much reached the hand in the newest tick: 0 to 1.
+    double share(std::size_t finger) const { return shares_[finger].load(std::memory_order_relaxed); }
     /// Forces are asked for, and a finger that has not been free since then feels none.
     bool waits_to_be_free() const { return waits_.load(std::memory_order_relaxed); }
 
@@ -96,6 +98,7 @@ private:
     std::atomic<bool> asked_{false}, held_{false}, clutched_{false}, waits_{false};
     std::atomic<std::uint32_t> recentrings_{0};
     std::atomic<bool> insists_{false};
+    std::array<std::atomic<double>, most_fingers> shares_{};
     // The haptic thread's.
     std::array<Finger, most_fingers> fingers_{};
     glm::dvec3 offset_{0.0};             // added to places, the person's axes

@@ -20,7 +20,7 @@ for tick in range(1, int(seconds * 1000)):
     while (now := time.monotonic() - start) < tick / 1000:
         time.sleep(max(0.0, tick / 1000 - now - 0.0001))
     try:
-        send(tick, (0.01 * math.sin(now), 0.0, 0.05 + 0.06 * math.cos(2 * now)))
+        send(tick, (0.01 * math.sin(now), 0.0, 0.04 * math.cos(2 * now)))
         answer = hand.recv(1024)
         while select.select([hand], [], [], 0)[0]:  # only the newest counts
             answer = hand.recv(1024)

@@ -46,6 +46,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks) {
         if (!settings.ticks) settings.ticks = until_it_is_ended;
         keys.emplace(*s.control);
         std::cerr << how_to_begin(*s.held_device, *s.control, keys->listens()) << '\n';
+        settings.control = s.control.get();
         settings.device_in_words = [&s] { return state_of(*s.held_device, *s.control); };
     }
     LiveSession session(s.scene, *s.feed, **port, *s.solver, settings);

@@ -32,9 +32,17 @@ double quantile(std::vector<double>& depths, double share) {
     return *at;
 }
 
-/// What is seen between the nearest and the deepest fiftieth, and a fifth of it in front.
+// Of a clip's depths, the nearest and the deepest that count: what lies beyond may be noise.
+constexpr double nearest_share = 0.02, deepest_share = 0.98;
+constexpr double clearance = 0.02;  // device metres
+
+double scale_of(const Scene& scene, double otherwise) {
+    return scene.device_metres_per_unit.value_or(otherwise);
+}
+
+/// What is seen between the nearest and the deepest that count, and a fifth of it in front.
 Workspace fitted(const Scene& scene, std::vector<double>& depths, double median, const glm::dvec3& reach) {
-    const double near = quantile(depths, 0.02), far = quantile(depths, 0.98);
+    const double near = quantile(depths, nearest_share), far = quantile(depths, deepest_share);
     const double wide = scene.width / scene.camera.fx * median,
                  high = scene.height / scene.camera.fy * median;
     const double least_room = 0.05 * wide, room = std::max(0.2 * (far - near), least_room);
@@ -45,13 +53,22 @@ Workspace fitted(const Scene& scene, std::vector<double>& depths, double median,
 
 }  // namespace
 
-Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach) {
+Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first) {
+    std::vector<double> depths = depths_of(scene, first);
+    Workspace workspace = default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5));
+    workspace.metres_per_scene_unit = scale_of(scene, workspace.metres_per_scene_unit);
+    return workspace;
+}
+
+Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach) {
     std::vector<double> depths = depths_of(scene, first);
     const double median = quantile(depths, 0.5);
     const bool has_reach = reach.x > 0 && reach.y > 0 && reach.z > 0;
     Workspace workspace = has_reach ? fitted(scene, depths, median, reach)
                                     : default_workspace(scene.width, scene.camera.fx, median);
-    if (scene.device_metres_per_unit) workspace.metres_per_scene_unit = *scene.device_metres_per_unit;
+    workspace.metres_per_scene_unit = scale_of(scene, workspace.metres_per_scene_unit);
+    if (!has_reach)
+        workspace.origin.z = clearance / workspace.metres_per_scene_unit - quantile(depths, nearest_share);
     return workspace;
 }
 

@@ -6,11 +6,14 @@
 
 namespace touchable {
 
-/// Where a device stands over a clip whose frame 0 is `first`: at the scene's `device_metres_per_unit` where
-/// that is given. Otherwise, of a device that reaches so far to each side (`reach`, metres, > 0), the picture
-/// and nearly all of its depths lie within reach, with a fifth in front of them to come from; of others the
-/// picture at its median depth is as wide as `default_workspace` says.
-Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first,
-                         const glm::dvec3& reach = glm::dvec3(0));
+/// Where a simulated device stands over a clip whose frame 0 is `first`: `default_workspace`, at the scene's
+/// `device_metres_per_unit` where that is given.
+Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first);
+
+/// Where a device stands that a person holds. Of one that reaches so far to each side (`reach`, metres, > 0)
+/// the picture and nearly all of its depths lie within reach, with a fifth in front of them to come from. Of
+/// others the picture is as wide as `default_workspace` says, and the centre is free: 0.02 m of device space
+/// before nearly all depths. The scale is the scene's `device_metres_per_unit` where that is given.
+Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach);
 
 }  // namespace touchable

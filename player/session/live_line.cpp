@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
+#include <string>
 
 namespace touchable {
 
@@ -11,8 +12,14 @@ Result<void> LiveLine::take(const TouchTick& tick) {
     ++ticks_;
     next_ = tick.tick + 1;
     newtons_ = 0;
-    for (const GuardedForce& finger : tick.forces)
-        newtons_ = std::max(newtons_, std::sqrt(glm::dot(finger.force, finger.force)));
+    is_kept_back_ = control_ && control_->waits_to_be_free();
+    for (std::size_t finger = 0; finger < tick.forces.size(); ++finger) {
+        const GuardedForce& guarded = tick.forces[finger];
+        const double share = control_ ? control_->share(finger) : 1;
+        newtons_ = std::max(newtons_, share * std::sqrt(glm::dot(guarded.force, guarded.force)));
+        is_kept_back_ = is_kept_back_ ||
+                        (control_ && control_->force_is_asked() && (guarded.reasons & guard_waiting) != 0);
+    }
     return {};
 }
 
@@ -22,7 +29,10 @@ void LiveLine::show(std::int64_t frames, const char* what, const std::function<s
     std::snprintf(text, sizeof text, "live %.1f s, %lld ticks skipped, %lld %s, %.2f N",
                   static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
                   static_cast<long long>(frames), what, newtons_);
-    line_.show(device ? text + ("; " + device()) : text);
+    std::string words = text;
+    if (device) words += "; " + device();
+    if (is_kept_back_) words += "; lift the finger off the surface: then it is felt";
+    line_.show(words);
 }
 
 }  // namespace touchable

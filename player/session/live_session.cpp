@@ -94,7 +94,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (settings_.ticks) loop.end_before(*settings_.ticks);
 
     Result<void> taken;
-    LiveLine line;
+    LiveLine line(settings_.control);
     auto drain = [&] {
         const auto give = [&](const TouchTick& tick) {
             for (TouchSink* sink : sinks)

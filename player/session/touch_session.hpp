@@ -15,6 +15,8 @@
 
 namespace touchable {
 
+class HandControl;
+
 /// Somebody who wants to know of every tick: figures, a file of forces, a recording, a comparison.
 class TouchSink {
 public:
@@ -37,6 +39,8 @@ struct TouchSessionSettings {
     std::vector<PlaybackCommand> playback;
     /// Of a live run: what is to be said of its device while it goes on; nothing: nothing.
     std::function<std::string()> device_in_words;
+    /// Likewise: of the device that a person holds, which outlives the run; nullptr: nobody does.
+    const HandControl* control = nullptr;
     /// Time of a tick; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
     /// Frames of a tick; those around its moment on the clip's clock by default.

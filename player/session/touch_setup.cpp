@@ -115,8 +115,10 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     } else {
         const auto first = setup.feed->pair_at(0);
         if (!first.ok()) return first.error();
-        const glm::dvec3 reach = setup.control ? setup.held_device->capabilities().reach : glm::dvec3(0);
-        setup.workspace = clip_workspace(setup.scene, *first->prev.frame, reach);
+        const SurfaceFrame& frame = *first->prev.frame;
+        setup.workspace = setup.control
+                              ? held_workspace(setup.scene, frame, setup.held_device->capabilities().reach)
+                              : clip_workspace(setup.scene, frame);
     }
     setup.workspace.metres_per_scene_unit /= options.hand_scale;
     if (!setup.control) return {};

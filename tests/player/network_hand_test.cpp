@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -45,8 +46,8 @@ std::string said_by(const std::string& command) {
 }
 
 /// A hand that, once it is answered, comes towards the middle of the picture, half a millimetre a packet,
-/// until it feels something. Where that was nothing, as of a surface that jumped meanwhile, it goes back and
-/// comes again.
+/// until it feels a tenth of a newton. Where that was nothing, as of a surface that jumped meanwhile, it goes
+/// back and comes again.
 class PressingHand {
 public:
     explicit PressingHand(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -61,12 +62,17 @@ public:
     PressingHand& operator=(const PressingHand&) = delete;
 
     /// One packet out; the newest answer that has come within a moment.
+    NetworkPacket rest_at(double place) {
+        place_ = place;
+        way_ = 0;
+        return press();
+    }
     NetworkPacket press() {
         NetworkPacket packet;
         packet.sequence = ++sequence_;
-        if (newest_.kind == NetworkPacket::Kind::forces && newest_.vectors[0] == glm::dvec3(0))
+        if (newest_.kind == NetworkPacket::Kind::forces && glm::length(newest_.vectors[0]) <= 0.1)
             place_ += way_;
-        if (place_ < -0.03) way_ = 0.0005;
+        if (place_ < -0.06) way_ = 0.0005;
         if (place_ > 0.1) way_ = -0.0005;
         packet.vectors[0] = {0, 0, place_};
         const auto bytes = encode(packet);
@@ -168,6 +174,24 @@ TEST_F(NetworkTouch, ThatNobodyAskedForForcesHasNone) {
     EXPECT_EQ(live.code, 0) << live.err;
     EXPECT_NE(live.err.find("forces are off"), std::string::npos) << live.err;
     EXPECT_EQ(nlohmann::json::parse(file_contents(report))["forces_on_ticks"], 0);
+}
+
+TEST_F(NetworkTouch, AFingerThatIsInsideIsToldToComeOut) {
+    for (const auto& [place, is_inside] : {std::pair{0.0, false}, std::pair{-0.04, true}}) {
+        Outcome live;
+        std::atomic<bool> is_over = false;
+        std::thread touchable([&] {
+            live = run_on_terminal(
+                {"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "1.5"});
+            is_over = true;
+        });
+        PressingHand hand(port);
+        while (!is_over) EXPECT_EQ(hand.rest_at(place).vectors[0], glm::dvec3(0));
+        touchable.join();
+        EXPECT_EQ(live.code, 0) << live.err;
+        const bool is_told = live.err.find("forces on; lift the finger off the surface") != std::string::npos;
+        EXPECT_EQ(is_told, is_inside) << live.err;
+    }
 }
 
 TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {

@@ -93,13 +93,21 @@ TEST_F(HeldClip, FingersAreTheDevicesAndForcesReachItOnceTheyAreAskedFor) {
     EXPECT_EQ(clip_->shown(), 1);
     EXPECT_EQ(state().words, "forces off - press F or the device's first button");
     put_before(-0.004);
-    ASSERT_TRUE(soon([this] { return glm::length(felt().force.force) > 0.1; })) << "it is in the surface";
+    ASSERT_TRUE(soon([this] { return felt().contact.touching; }));
+    EXPECT_EQ(glm::length(felt().force.force), 0) << "shown as it is in the hand";
     EXPECT_EQ(fake_->most_newtons, 0);
     feel();
     EXPECT_EQ(state().mood, HandState::Mood::on);
     clip_->set_force(false);
     EXPECT_TRUE(soon([this] { return fake_->newtons == 0; }));
     EXPECT_EQ(state().mood, HandState::Mood::off);
+}
+
+TEST_F(HeldClip, ItsMiddleIsInTheAir) {
+    const Workspace workspace = clip_->session().setup().workspace;
+    EXPECT_EQ(workspace.to_scene({}).x, 0);
+    EXPECT_NEAR(workspace.to_device({0, 0, -depth_}).z, -0.02, 0.01)
+        << "the globe's middle is what is nearest";
 }
 
 TEST_F(HeldClip, ItsFirstButtonAsksForForces) {
