@@ -195,7 +195,7 @@ Result<void> DrivenDevice::serve() {
         return hear(slowest_bus);
     }
     pollfd waited_for[] = {{wake_, POLLIN, 0}, {descriptor, POLLIN, 0}};
-    const timespec patience{0, std::chrono::nanoseconds(a_tick).count()};
+    const timespec patience{0, settings_.own_thread ? std::chrono::nanoseconds(a_tick).count() : 0};
     ppoll(waited_for, 2, &patience, nullptr);
     if (waited_for[1].revents != 0)
         if (auto came = hear(microseconds(0)); !came.ok()) return came;
