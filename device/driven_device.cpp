@@ -217,7 +217,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     if (!came.ok()) return came.error();
     pass_on_wish();
     if (!*came) return {};
-    heard_.time_ns = settings_.clock();
+    heard_.time_ns = settings_.clock() - sample.kept_ns;
     heard_.sample.buttons = sample.buttons;
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
         std::int64_t& place_ns = heard_.place_ns[finger];

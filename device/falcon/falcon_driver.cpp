@@ -122,6 +122,7 @@ Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds pat
     constexpr std::int64_t overdue_ns = 2'000'000;
     std::int64_t until = clock_() + std::chrono::nanoseconds(patience).count();
     std::optional<FalconReport> newest;
+    std::int64_t came_ns = 0;
     std::array<std::byte, UsbPort::packet_bytes> room;
     std::size_t came = 1;
     for (int most = 64; came > 0 && most > 0; --most) {  // whatever babbles must not hold the thread
@@ -133,13 +134,14 @@ Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds pat
         for (const std::byte byte : std::span(room).first(came))
             if (const auto report = reader_.take(byte)) {
                 newest = report;
+                came_ns = clock_();
                 unanswered_ = std::max(unanswered_ - 1, 0);
-                until = std::min(until, clock_() + overdue_ns);
+                until = std::min(until, came_ns + overdue_ns);
             }
     }
     if (!newest) return newest;
     unanswered_ = 0;
-    heard_ns_ = clock_();
+    heard_ns_ = came_ns;
     return newest;
 }
 
@@ -148,6 +150,7 @@ Result<bool> FalconDriver::receive(DeviceSample& sample, microseconds patience) 
     if (!report.ok()) return report.error();
     if (*report) {
         take(**report, sample);
+        sample.kept_ns = clock_() - heard_ns_;
         return true;
     }
     if (static_cast<double>(clock_() - heard_ns_) * 1e-9 > silent_s)

@@ -193,13 +193,15 @@ Result<std::optional<Inverse3Message>> Inverse3Driver::hear(microseconds patienc
     return std::optional<Inverse3Message>();
 }
 
-/// The newest of what has come.
+/// The newest of what has come. Nonsense does not prolong the wait for it.
 Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience) {
     if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
     bool any = false;
+    const std::int64_t since = clock_();
     for (int most = 64; most > 0; --most) {
         const int nonsense = nonsense_;
-        const auto heard = hear(any ? microseconds(0) : patience);
+        const auto left = std::chrono::floor<microseconds>(patience - nanoseconds(ns_since(since)));
+        const auto heard = hear(any ? microseconds(0) : std::max(left, microseconds(0)));
         if (!heard.ok()) return heard.error();
         if (!*heard && nonsense_ == nonsense) break;
         if (!*heard) continue;

@@ -45,7 +45,10 @@ void NetworkDriver::disconnect() noexcept {
 void NetworkDriver::part() {
     if (!peer_) return;
     const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
-    socket_->send(encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true)));
+    const auto last =
+        encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true));
+    // One may be lost on the way, and one meets only the news that an earlier one did not arrive.
+    for (int again = 0; again < 3; ++again) socket_->send(last);
     peer_.reset();
     parted_ns_ = clock_();
     [[maybe_unused]] const auto free = socket_->settle(std::nullopt);
