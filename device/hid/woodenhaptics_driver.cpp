@@ -28,7 +28,8 @@ DeviceCapabilities WoodenHapticsDriver::capabilities() const {
             .reach = glm::dvec3(build_.reach),
             .rate_hz = 1000,
             .buttons = 0,
-            .own_watchdog = true};
+            .own_watchdog = true,
+            .answers = true};
 }
 
 Result<void> WoodenHapticsDriver::connect(const GivenUp& given_up) {
