@@ -13,7 +13,7 @@
 namespace touchable::test {
 namespace {
 
-constexpr std::int64_t ms = VirtualTime::ms;
+constexpr std::int64_t a_millisecond = VirtualTime::ms;
 #ifdef TOUCHABLE_SANITIZED
 constexpr int all_faults = 500;
 #else
@@ -52,7 +52,9 @@ public:
 
 private:
     bool one_in(unsigned n) { return device_.chance() % n == 0; }
-    std::int64_t below_ms(unsigned n) { return device_.chance() % n * ms + device_.chance() % 1000 * 1000; }
+    std::int64_t below_ms(unsigned n) {
+        return device_.chance() % n * a_millisecond + device_.chance() % 1000 * 1000;
+    }
 
     void session() {
         line_.end();
@@ -65,7 +67,7 @@ private:
         driven_ = &driven;
         for (int fault = 0; fault < faults_of_a_session && violation_.empty(); ++fault) {
             device_.tend(driven.wish());
-            play(one_in(10) ? 150 * ms : below_ms(20));
+            play(one_in(10) ? 150 * a_millisecond : below_ms(20));
             begin_a_fault();
             play(until_ns_ - time_.now_ns());
             struck_ += line_.struck() ? 1 : 0;
@@ -73,7 +75,7 @@ private:
         // It ends in the middle of a fault, or of sound times.
         if (one_in(2)) {
             begin_a_fault();
-            play(std::min(2 * ms, until_ns_ - time_.now_ns()));
+            play(std::min(2 * a_millisecond, until_ns_ - time_.now_ns()));
             // A zero that does not go out when they part is a wire that is cut.
             if (line_.fault() == FaultyDevice::Fault::refuses) line_.end();
         }
@@ -83,7 +85,7 @@ private:
     }
 
     void begin_a_fault() {
-        const std::int64_t lasts = ms + (one_in(6) ? below_ms(70) : below_ms(8));
+        const std::int64_t lasts = a_millisecond + (one_in(6) ? below_ms(70) : below_ms(8));
         until_ns_ = time_.now_ns() + lasts;
         if (one_in(6)) sleeps_until_ns_ = until_ns_;
         if (one_in(50)) return device_.suffer_its_own();
@@ -97,7 +99,7 @@ private:
             const std::int64_t before = time_.now_ns();
             if (!driven_->turn()) violation_ = "it was given up";
             check_force();
-            if (time_.now_ns() == before) time_.pass(ms / 4);
+            if (time_.now_ns() == before) time_.pass(a_millisecond / 4);
         }
     }
 

@@ -10,7 +10,7 @@ namespace touchable::test {
 namespace {
 
 constexpr std::int64_t kept_ns = 250 * VirtualTime::ms;
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double never_heard = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -123,14 +123,14 @@ double FaultyLine::age_of(const glm::dvec3& place) const {
         if (word.due_ns <= time_.now_ns() &&
             (!word.place || glm::length(place - *word.place) <= manner_.place_step))
             newest_ns = std::max(newest_ns, word.due_ns);
-    return newest_ns < 0 ? never : static_cast<double>(time_.now_ns() - newest_ns) * 1e-9;
+    return newest_ns < 0 ? never_heard : static_cast<double>(time_.now_ns() - newest_ns) * 1e-9;
 }
 
 double FaultyLine::silence_s() const {
     std::int64_t newest_ns = -1;
     for (const Word& word : words_)
         if (word.due_ns <= time_.now_ns()) newest_ns = std::max(newest_ns, word.due_ns);
-    return newest_ns < 0 ? never : static_cast<double>(time_.now_ns() - newest_ns) * 1e-9;
+    return newest_ns < 0 ? never_heard : static_cast<double>(time_.now_ns() - newest_ns) * 1e-9;
 }
 
 }  // namespace touchable::test
