@@ -21,6 +21,7 @@ struct DeviceSample {
 
     std::array<glm::dvec3, most_fingers> metres{};  ///< not a number: this finger has no position now
     std::uint32_t buttons = 0;                      ///< one bit for each that is pressed
+    std::int64_t kept_ns = 0;  ///< for how long the driver has had it, waiting for a newer one
 };
 
 /// Bytes that leave a device without force, and where another process can write them (LimpKeeper).

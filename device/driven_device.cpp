@@ -195,7 +195,7 @@ Result<void> DrivenDevice::serve() {
         return hear(slowest_bus);
     }
     pollfd waited_for[] = {{wake_, POLLIN, 0}, {descriptor, POLLIN, 0}};
-    const timespec patience{0, std::chrono::nanoseconds(a_tick).count()};
+    const timespec patience{0, settings_.own_thread ? std::chrono::nanoseconds(a_tick).count() : 0};
     ppoll(waited_for, 2, &patience, nullptr);
     if (waited_for[1].revents != 0)
         if (auto came = hear(microseconds(0)); !came.ok()) return came;
@@ -217,7 +217,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     if (!came.ok()) return came.error();
     pass_on_wish();
     if (!*came) return {};
-    heard_.time_ns = settings_.clock();
+    heard_.time_ns = settings_.clock() - sample.kept_ns;
     heard_.sample.buttons = sample.buttons;
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
         std::int64_t& place_ns = heard_.place_ns[finger];

@@ -29,7 +29,8 @@ struct DrivenSettings {
     /// Called by the device's thread with the moment (ns) at which a position had come, and at which a force
     /// had gone out; they may not wait.
     std::function<void(std::int64_t)> as_it_hears{}, as_it_speaks{};
-    bool own_thread = true;  ///< false: whoever opens it calls `turn` in its place, as a test in virtual time
+    /// False: whoever opens it calls `turn` in its place, and waits in its place, as a test in virtual time.
+    bool own_thread = true;
 };
 
 /// What went on between a device and its thread since it was made.

@@ -35,9 +35,41 @@ std::optional<glm::dvec3> HandControl::centre() const {
     return sum / static_cast<double>(known);
 }
 
-/// That puts the hand where its fingers are, held or not.
-glm::dvec3 HandControl::offset_in_effect(const glm::dvec3& hand) const {
-    return gripped_ ? offset_ - (hand - *gripped_) : offset_;
+/// How far the hand has moved since the clutch began: by the fingers that are known then and now, so that one
+/// that is lost or found meanwhile does not move it. Where there is none, by where each was seen last.
+glm::dvec3 HandControl::moved() const {
+    glm::dvec3 known(0), seen(0);
+    int count_known = 0, count_seen = 0;
+    for (std::size_t finger = 0; finger < count_; ++finger) {
+        const Finger& one = fingers_[finger];
+        if (!one.gripped) continue;
+        seen += one.place - *one.gripped;
+        ++count_seen;
+        if (!one.known) continue;
+        known += one.place - *one.gripped;
+        ++count_known;
+    }
+    if (count_known > 0) return known / static_cast<double>(count_known);
+    return count_seen > 0 ? seen / static_cast<double>(count_seen) : seen;
+}
+
+/// Holds each finger where it is; one that is found while the others are held, where it would have been.
+void HandControl::grip() {
+    const glm::dvec3 way = gripped_ ? moved() : glm::dvec3(0);
+    gripped_ = true;
+    for (std::size_t finger = 0; finger < count_; ++finger) {
+        Finger& one = fingers_[finger];
+        if (!one.known || one.gripped) continue;
+        one.gripped = one.place - way;
+        one.goal = mapping_.workspace.to_scene(*one.gripped + offset_);
+    }
+}
+
+void HandControl::let_go() {
+    offset_ -= moved();
+    gripped_ = false;
+    for (Finger& finger : fingers_) finger.gripped.reset();
+    close_gates();
 }
 
 void HandControl::go_on_from(const HandControl& before) {
@@ -46,7 +78,7 @@ void HandControl::go_on_from(const HandControl& before) {
     if (before.recentrings_.load(std::memory_order_relaxed) != before.recentred_) recentre();
     // Of a hand that is away, where the device's middle is stays.
     const glm::dvec3 hand = before.centre().value_or(glm::dvec3(0));
-    const glm::dvec3 there = before.mapping_.workspace.to_scene(hand + before.offset_in_effect(hand));
+    const glm::dvec3 there = before.mapping_.workspace.to_scene(hand + before.offset_in_effect());
     offset_ = mapping_.workspace.to_device(there) - hand;
 }
 
@@ -87,16 +119,8 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons) 
 
     const bool clutched = clutch_button_ || held_.load(std::memory_order_relaxed);
     clutched_.store(clutched, std::memory_order_relaxed);
-    if (clutched && !gripped_ && hand) {
-        gripped_ = hand;
-        for (std::size_t finger = 0; finger < count_; ++finger)
-            fingers_[finger].goal = mapping_.workspace.to_scene(fingers_[finger].place + offset_);
-    }
-    if (!clutched && gripped_ && hand) {
-        offset_ -= *hand - *gripped_;
-        gripped_.reset();
-        close_gates();
-    }
+    if (clutched && hand) grip();
+    if (!clutched && gripped_ && hand) let_go();
     const std::uint32_t recentrings = recentrings_.load(std::memory_order_relaxed);
     if (recentrings != recentred_ && hand && !gripped_) {
         recentred_ = recentrings;

@@ -82,14 +82,18 @@ public:
 
 private:
     struct Finger {
-        glm::dvec3 place{0.0};  // the person's axes, metres, before the offset
-        glm::dvec3 goal{0.0};   // where it is held
-        int risen = 0;          // of rise_ticks: the share of its force that reaches the hand
-        bool free = false;      // has been, since forces were asked for
+        glm::dvec3 place{0.0};                // the person's axes, metres, before the offset
+        glm::dvec3 goal{0.0};                 // where it is held
+        std::optional<glm::dvec3> gripped{};  // its place when the clutch began
+        int risen = 0;                        // of rise_ticks: the share of its force that reaches the hand
+        bool free = false;                    // has been, since forces were asked for
         bool known = false;
     };
     std::optional<glm::dvec3> centre() const;
-    glm::dvec3 offset_in_effect(const glm::dvec3& hand) const;
+    glm::dvec3 moved() const;
+    void grip();
+    void let_go();
+    glm::dvec3 offset_in_effect() const { return gripped_ ? offset_ - moved() : offset_; }
     void take_buttons(std::uint32_t buttons, bool known);
     void close_gates();
 
@@ -101,8 +105,8 @@ private:
     std::array<std::atomic<double>, most_fingers> shares_{};
     // The haptic thread's.
     std::array<Finger, most_fingers> fingers_{};
-    glm::dvec3 offset_{0.0};             // added to places, the person's axes
-    std::optional<glm::dvec3> gripped_;  // the hand's place when the clutch began
+    glm::dvec3 offset_{0.0};  // added to places, the person's axes
+    bool gripped_ = false;    // by the clutch
     std::uint32_t recentred_ = 0;
     std::uint32_t pressed_ = ~0U;  // before
     bool clutch_button_ = false;

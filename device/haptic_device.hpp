@@ -20,7 +20,7 @@ struct DeviceCapabilities {
     int axes_sensed = 3;    ///< of a finger's position
     int axes_driven = 3;    ///< 0: it exerts no force
     glm::dvec3 reach{0.0};  ///< half of the workspace to each side of its centre, metres; 0: not known
-    double rate_hz = 0;     ///< at which positions come; 0: not known
+    double rate_hz = 0;     ///< at which positions come at most; 0: not known
     int buttons = 0;
     bool own_watchdog = false;  ///< the hardware itself drops a force that nobody renews
     bool answers = false;       ///< it tells a position in answer to each force, and not by itself

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 
 namespace touchable {
 
@@ -10,5 +11,8 @@ inline std::int64_t steady_ns() {
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
     return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
+
+/// Of a driver, so that a test may have time pass as it likes: ns that do not go back, never 0.
+using DriverClock = std::function<std::int64_t()>;
 
 }  // namespace touchable

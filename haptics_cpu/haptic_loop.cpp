@@ -101,11 +101,16 @@ bool HapticLoop::tick(std::int64_t tick, double late_us) {
     timeline_.pair_at(moment_of_tick_ ? moment_of_tick_(tick) : MediaMoment{0, time_ns, 0}, pair);
     timeline_.show(tick);
     const HeightField field(scene_, pair);
+    const auto asked = steady_clock::now();
     if (!answer_of([&] { return port_.read_goals(tick, field, step_.goals()); })) return false;
+    const auto read = steady_clock::now();
     TouchTick done = step_.run(tick, time_ns, scene_, pair);
     done.late_us = late_us;
     for (std::size_t k = 0; k < newtons_.size(); ++k) newtons_[k] = done.forces[k].force;
+    const auto computed = steady_clock::now();
     const bool written = answer_of([this] { return port_.write_forces(newtons_); });
+    const std::chrono::duration<double, std::milli> port = read - asked + (steady_clock::now() - computed);
+    facts_.longest_port_ms = std::max(facts_.longest_port_ms, port.count());
     if (!log_.push(done)) ++facts_.lost;
     return written;
 }

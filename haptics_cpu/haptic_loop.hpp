@@ -21,11 +21,12 @@ namespace touchable {
 struct LoopFacts {
     RealtimeGrant grant;
     std::int64_t ticks = 0;
-    std::int64_t late = 0;     ///< wake-ups a whole tick or more too late
-    std::int64_t skipped = 0;  ///< ticks whose time had passed by then; never made up for
-    std::int64_t lost = 0;     ///< ticks for which the log had no room
-    bool port_failed = false;  ///< it said so, or threw
-    bool broke_off = false;    ///< something else threw in a tick: a fault of the program
+    std::int64_t late = 0;       ///< wake-ups a whole tick or more too late
+    std::int64_t skipped = 0;    ///< ticks whose time had passed by then; never made up for
+    std::int64_t lost = 0;       ///< ticks for which the log had no room
+    double longest_port_ms = 0;  ///< that the port took in one tick, its reading and its writing together
+    bool port_failed = false;    ///< it said so, or threw
+    bool broke_off = false;      ///< something else threw in a tick: a fault of the program
 };
 
 /// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time.

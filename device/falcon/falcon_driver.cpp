@@ -14,11 +14,6 @@ using std::chrono::microseconds;
 
 constexpr std::array<std::int16_t, 3> no_force{};
 
-std::int64_t falcon_clock_ns() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
-
 Error interrupted() {
     return {ErrorKind::interrupted, "connecting the Novint Falcon was given up"};
 }
@@ -39,7 +34,7 @@ Result<void> FalconDriver::connect(const GivenUp& given_up) {
     disconnect();
     auto port = plug_();
     if (!port.ok()) return port.error();
-    transport_ = std::make_unique<FtdiTransport>(std::move(*port));
+    transport_ = std::make_unique<FtdiTransport>(std::move(*port), clock_);
     auto answered = answers(given_up);
     if (!answered.ok()) return answered.error();
     if (!*answered)
@@ -124,14 +119,14 @@ Result<void> FalconDriver::send(std::span<const glm::dvec3> newtons) {
 /// The answer to the newest question: one that came late must not be taken for it, or places would stay a
 /// tick behind for ever. Once a newer one has come, an older one that is overdue is lost.
 Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds patience) {
-    constexpr microseconds overdue{2000};
-    using Clock = std::chrono::steady_clock;
-    auto until = Clock::now() + patience;
+    constexpr std::int64_t overdue_ns = 2'000'000;
+    std::int64_t until = clock_() + std::chrono::nanoseconds(patience).count();
     std::optional<FalconReport> newest;
+    std::int64_t came_ns = 0;
     std::array<std::byte, UsbPort::packet_bytes> room;
     std::size_t came = 1;
     for (int most = 64; came > 0 && most > 0; --most) {  // whatever babbles must not hold the thread
-        const auto left = std::chrono::duration_cast<microseconds>(until - Clock::now());
+        const microseconds left((until - clock_()) / 1000);
         const bool waits = unanswered_ > 0 && left.count() > 0;
         const auto received = transport_->receive(room, waits ? left : microseconds(0));
         if (!received.ok()) return received.error();
@@ -139,13 +134,14 @@ Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds pat
         for (const std::byte byte : std::span(room).first(came))
             if (const auto report = reader_.take(byte)) {
                 newest = report;
+                came_ns = clock_();
                 unanswered_ = std::max(unanswered_ - 1, 0);
-                until = std::min(until, Clock::now() + overdue);
+                until = std::min(until, came_ns + overdue_ns);
             }
     }
     if (!newest) return newest;
     unanswered_ = 0;
-    heard_ns_ = falcon_clock_ns();
+    heard_ns_ = came_ns;
     return newest;
 }
 
@@ -154,9 +150,10 @@ Result<bool> FalconDriver::receive(DeviceSample& sample, microseconds patience) 
     if (!report.ok()) return report.error();
     if (*report) {
         take(**report, sample);
+        sample.kept_ns = clock_() - heard_ns_;
         return true;
     }
-    if (static_cast<double>(falcon_clock_ns() - heard_ns_) * 1e-9 > silent_s)
+    if (static_cast<double>(clock_() - heard_ns_) * 1e-9 > silent_s)
         return Error{ErrorKind::device, "Novint Falcon: does not answer any more; is its power plugged in?"};
     return false;
 }

@@ -33,8 +33,8 @@ public:
     static constexpr double silent_s = 0.25;  ///< after which it is taken for gone
     static constexpr int homed_reports = 8;   ///< one after the other, before homing is believed
 
-    FalconDriver(FalconSettings settings, FalconPlug plug)
-        : settings_(std::move(settings)), plug_(std::move(plug)) {}
+    FalconDriver(FalconSettings settings, FalconPlug plug, DriverClock clock = steady_ns)
+        : settings_(std::move(settings)), plug_(std::move(plug)), clock_(std::move(clock)) {}
     ~FalconDriver() override { disconnect(); }
 
     std::string name() const override { return "Novint Falcon"; }
@@ -60,6 +60,7 @@ private:
 
     const FalconSettings settings_;
     const FalconPlug plug_;
+    const DriverClock clock_;
     std::unique_ptr<FtdiTransport> transport_;
     bool runs_ = false;  // its firmware does, so that motor words mean something
     FalconReader reader_;

@@ -38,12 +38,11 @@ Result<void> command_all(FtdiTransport& transport, std::initializer_list<FtdiCom
 /// Up to `room` bytes that come within `patience`; fewer where they do not.
 Result<std::size_t> gather(FtdiTransport& transport, std::span<std::byte> room, milliseconds patience,
                            const GivenUp& given_up) {
-    using Clock = std::chrono::steady_clock;
-    const auto until = Clock::now() + patience;
+    const std::int64_t until = transport.now_ns() + std::chrono::nanoseconds(patience).count();
     std::size_t filled = 0;
     while (filled < room.size()) {
         if (given_up()) return Error{ErrorKind::interrupted, "loading the Falcon's firmware was given up"};
-        const auto left = std::chrono::duration_cast<microseconds>(until - Clock::now());
+        const microseconds left((until - transport.now_ns()) / 1000);
         if (left.count() <= 0) break;
         const auto came =
             transport.receive(room.subspan(filled), std::min<microseconds>(left, milliseconds(30)));

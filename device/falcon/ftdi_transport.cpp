@@ -44,10 +44,9 @@ Result<void> FtdiTransport::purge() {
 
 /// A converter that has nothing sends its state alone, again and again.
 Result<std::size_t> FtdiTransport::receive(std::span<std::byte> room, std::chrono::microseconds patience) {
-    using Clock = std::chrono::steady_clock;
-    const auto until = Clock::now() + patience;
+    const std::int64_t until = now_ns() + std::chrono::nanoseconds(patience).count();
     while (next_ == end_) {
-        const auto left = std::chrono::duration_cast<std::chrono::microseconds>(until - Clock::now());
+        const std::chrono::microseconds left((until - now_ns()) / 1000);
         const auto came = port_->read(packet_, std::max(left, std::chrono::microseconds(0)));
         if (!came.ok()) return came.error();
         next_ = std::min(state_bytes, *came);

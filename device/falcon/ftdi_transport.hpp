@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "device/falcon/usb_port.hpp"
+#include "device/steady_time.hpp"
 #include "device/transport.hpp"
 
 namespace touchable {
@@ -23,7 +24,8 @@ class FtdiTransport final : public Transport {
 public:
     static constexpr std::size_t state_bytes = 2;
 
-    explicit FtdiTransport(std::unique_ptr<UsbPort> port) : port_(std::move(port)) {}
+    explicit FtdiTransport(std::unique_ptr<UsbPort> port, DriverClock clock = steady_ns)
+        : port_(std::move(port)), clock_(std::move(clock)) {}
 
     Result<void> command(const FtdiCommand& command) { return port_->command(command); }
     /// Whatever has come and was not received, here and in the converter, is dropped.
@@ -31,9 +33,11 @@ public:
     Result<void> send(std::span<const std::byte> bytes) override { return port_->write(bytes); }
     Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) override;
     int usbfs() const { return port_->usbfs(); }
+    std::int64_t now_ns() const { return clock_(); }
 
 private:
     std::unique_ptr<UsbPort> port_;
+    DriverClock clock_;
     std::array<std::byte, UsbPort::packet_bytes> packet_{};
     std::size_t next_ = 0, end_ = 0;  // of what came and was not received
 };

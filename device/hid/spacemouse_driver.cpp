@@ -11,15 +11,10 @@ namespace {
 
 constexpr std::chrono::microseconds spacemouse_turn{1000};  // a finger that moves is asked for at 1 kHz
 
-std::int64_t spacemouse_clock() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
-
 }  // namespace
 
-SpaceMouseDriver::SpaceMouseDriver(const SpaceMousePace& pace, Open open, Clock clock)
-    : pace_(pace), open_(std::move(open)), clock_(clock ? std::move(clock) : Clock(spacemouse_clock)) {}
+SpaceMouseDriver::SpaceMouseDriver(const SpaceMousePace& pace, Open open, DriverClock clock)
+    : pace_(pace), open_(std::move(open)), clock_(std::move(clock)) {}
 
 DeviceCapabilities SpaceMouseDriver::capabilities() const {
     return {.axes_sensed = 3,

@@ -8,6 +8,7 @@
 #include "device/device_driver.hpp"
 #include "device/hid/report_transport.hpp"
 #include "device/hid/spacemouse_motion.hpp"
+#include "device/steady_time.hpp"
 
 namespace touchable {
 
@@ -16,10 +17,8 @@ namespace touchable {
 class SpaceMouseDriver final : public DeviceDriver {
 public:
     using Open = std::function<Result<std::unique_ptr<ReportTransport>>()>;
-    using Clock = std::function<std::int64_t()>;  ///< ns that do not go back
 
-    /// `clock`: nothing is the system's.
-    SpaceMouseDriver(const SpaceMousePace& pace, Open open, Clock clock = {});
+    SpaceMouseDriver(const SpaceMousePace& pace, Open open, DriverClock clock = steady_ns);
 
     std::string name() const override { return "SpaceMouse (exerts no force)"; }
     int fingers() const override { return 1; }
@@ -38,7 +37,7 @@ private:
 
     const SpaceMousePace pace_;
     const Open open_;
-    const Clock clock_;
+    const DriverClock clock_;
     std::unique_ptr<ReportTransport> transport_;
     std::optional<SpaceMouseMotion> motion_;
     std::uint32_t buttons_ = 0;

@@ -38,11 +38,9 @@ Result<SpaceMouseReport> decode_spacemouse_report(std::span<const std::byte> byt
         case 1:
             if (bytes.size() < 1 + three_axes) return too_short(bytes, 1 + three_axes);
             report.translation = glm::ivec3(axis_at(bytes, 1), axis_at(bytes, 3), axis_at(bytes, 5));
-            report.rotation = bytes.size() >= 1 + 2 * three_axes;
             return report;
         case 2:
             if (bytes.size() < 1 + three_axes) return too_short(bytes, 1 + three_axes);
-            report.rotation = true;
             return report;
         case 3: {
             if (bytes.size() < 2) return too_short(bytes, 2);

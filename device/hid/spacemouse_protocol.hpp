@@ -14,11 +14,10 @@ namespace touchable {
 /// Logitech's id), and 256f but for its ordinary mice (CadMouse).
 bool is_spacemouse(std::uint16_t vendor, std::uint16_t product);
 
-/// What one report of a SpaceMouse tells; of the rotation, that it came.
+/// What one report of a SpaceMouse tells; its rotation moves no finger and is left out.
 struct SpaceMouseReport {
     std::optional<glm::ivec3> translation{};  ///< as the device counts: x right, y towards the person, z down
-    bool rotation = false;
-    std::optional<std::uint32_t> buttons{};  ///< one bit for each that is pressed
+    std::optional<std::uint32_t> buttons{};   ///< one bit for each that is pressed
 };
 
 /// Of a report with its number in front, integers of 16 bits, low byte first: 1 is the translation, on some

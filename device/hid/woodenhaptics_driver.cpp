@@ -12,18 +12,11 @@ namespace {
 constexpr std::chrono::microseconds while_it_wakes{20'000};
 constexpr std::int64_t waking_ns = 500'000'000;
 
-std::int64_t wooden_clock() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
-
 }  // namespace
 
-WoodenHapticsDriver::WoodenHapticsDriver(const WoodenParameters& build, bool is_homed, Open open, Clock clock)
-    : build_(build),
-      is_homed_(is_homed),
-      open_(std::move(open)),
-      clock_(clock ? std::move(clock) : Clock(wooden_clock)) {}
+WoodenHapticsDriver::WoodenHapticsDriver(const WoodenParameters& build, bool is_homed, Open open,
+                                         DriverClock clock)
+    : build_(build), is_homed_(is_homed), open_(std::move(open)), clock_(std::move(clock)) {}
 
 std::string WoodenHapticsDriver::name() const {
     return build_.name + (build_.drive ? "" : " (exerts no force: \"drive\" is \"no\" in its file)");
@@ -35,7 +28,8 @@ DeviceCapabilities WoodenHapticsDriver::capabilities() const {
             .reach = glm::dvec3(build_.reach),
             .rate_hz = 1000,
             .buttons = 0,
-            .own_watchdog = true};
+            .own_watchdog = true,
+            .answers = true};
 }
 
 Result<void> WoodenHapticsDriver::connect(const GivenUp& given_up) {

@@ -8,6 +8,7 @@
 #include "device/hid/report_transport.hpp"
 #include "device/hid/woodenhaptics_kinematics.hpp"
 #include "device/hid/woodenhaptics_protocol.hpp"
+#include "device/steady_time.hpp"
 
 namespace touchable {
 
@@ -22,11 +23,10 @@ public:
     static constexpr int home_slack = 500;    ///< counts that a hand may have moved while they were set
 
     using Open = std::function<Result<std::unique_ptr<ReportTransport>>()>;
-    using Clock = std::function<std::int64_t()>;  ///< ns that do not go back
 
-    /// `is_homed`: of a build with a button, that it was pressed since the board got its power. `clock`:
-    /// nothing is the system's.
-    WoodenHapticsDriver(const WoodenParameters& build, bool is_homed, Open open, Clock clock = {});
+    /// `is_homed`: of a build with a button, that it was pressed since the board got its power.
+    WoodenHapticsDriver(const WoodenParameters& build, bool is_homed, Open open,
+                        DriverClock clock = steady_ns);
     ~WoodenHapticsDriver() override { disconnect(); }
 
     std::string name() const override;
@@ -58,7 +58,7 @@ private:
     const WoodenParameters build_;
     const bool is_homed_;
     const Open open_;
-    const Clock clock_;
+    const DriverClock clock_;
     std::unique_ptr<ReportTransport> transport_;
     bool was_held_ = false;  // before: it was away since
     int pressed_ = 0;        // readings in a row that show its button

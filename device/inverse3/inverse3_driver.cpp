@@ -11,6 +11,7 @@ namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
 
 constexpr milliseconds connecting{2000}, first_word{500}, last_answer{50};
 constexpr std::uint32_t last_mask = 0x746f7563;  // any will do: it hides nothing from this machine
@@ -31,8 +32,12 @@ std::string listed(const std::vector<Inverse3Arm>& arms) {
 
 }  // namespace
 
-Inverse3Driver::Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service)
-    : choice_(std::move(choice)), service_(std::move(service)), room_(LocalHaplyService::longest_message) {}
+Inverse3Driver::Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service,
+                               DriverClock clock)
+    : choice_(std::move(choice)),
+      service_(std::move(service)),
+      clock_(std::move(clock)),
+      room_(LocalHaplyService::longest_message) {}
 
 /// The reach is that of the sphere in which the service's tutorial on positions keeps its targets.
 DeviceCapabilities Inverse3Driver::capabilities() const {
@@ -57,7 +62,7 @@ Result<void> Inverse3Driver::connect(const GivenUp& given_up) {
     if (!spoken.ok()) return spoken.error();
     transport_ = std::move(*spoken);
     // The first message comes by itself and has the arms' configurations.
-    answered_ = said_ = Clock::now();
+    answered_ns_ = said_ns_ = clock_();
     const auto inventory = await([](const Inverse3Message&) { return true; }, given_up);
     if (!inventory.ok()) return inventory.error();
     if (auto chosen = choose(inventory->arms); !chosen.ok()) return chosen;
@@ -95,13 +100,13 @@ Result<void> Inverse3Driver::learn_version(const GivenUp& given_up) {
 /// The first message that is enough. Where none comes, the service is asked for one.
 Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Message&),
                                               const GivenUp& given_up) {
-    const auto since = Clock::now();
+    const std::int64_t since = clock_();
     for (bool asked = false;;) {
         if (given_up && given_up()) return Error{ErrorKind::interrupted, "stopped while it was connecting"};
         auto heard = hear(milliseconds(20));
         if (!heard.ok()) return heard.error();
         if (*heard && enough(**heard)) return std::move(**heard);
-        const auto waited = Clock::now() - since;
+        const nanoseconds waited(ns_since(since));
         if (waited > connecting)
             return Error{ErrorKind::device, "the Haply service at " + service_->address() +
                                                 " does not tell the state of its devices; restart it"};
@@ -142,8 +147,8 @@ void Inverse3Driver::disconnect() noexcept {
         if (transport_ && !id_.empty()) {
             [[maybe_unused]] const auto said = say(zero());
             // A connection that is closed with something unread may lose what was written last.
-            const auto until = Clock::now() + last_answer;
-            while (unanswered_ > 0 && Clock::now() < until)
+            const std::int64_t since = clock_();
+            while (unanswered_ > 0 && nanoseconds(ns_since(since)) < last_answer)
                 if (!hear(milliseconds(5)).ok()) break;
         }
         transport_.reset();
@@ -157,7 +162,7 @@ Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
     if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
     const bool pushes = newtons[0] != glm::dvec3(0);
     if (unanswered_ >= most_unanswered && !(pushed_ && !pushes)) return {};
-    std::this_thread::sleep_until(said_ + shortest_turn);
+    std::this_thread::sleep_for(shortest_turn - nanoseconds(ns_since(said_ns_)));
     // A service that makes every force longer is given shorter ones: no force is longer than the limit says.
     const double longer = std::max(1.0, settings_.force_scale.value_or(1));
     auto said = say(encode_inverse3_force(dialect_, id_, newtons[0] / longer));
@@ -167,8 +172,8 @@ Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
 
 Result<void> Inverse3Driver::say(const std::string& text) {
     if (auto sent = transport_->send(bytes_of(text)); !sent.ok()) return sent;
-    said_ = Clock::now();
-    if (unanswered_++ == 0) answered_ = said_;
+    said_ns_ = clock_();
+    if (unanswered_++ == 0) answered_ns_ = said_ns_;
     return {};
 }
 
@@ -178,7 +183,7 @@ Result<std::optional<Inverse3Message>> Inverse3Driver::hear(microseconds patienc
     if (!count.ok()) return count.error();
     if (*count == 0) return std::optional<Inverse3Message>();
     unanswered_ = std::max(unanswered_ - 1, 0);
-    answered_ = Clock::now();
+    answered_ns_ = clock_();
     auto message = decode_inverse3_message({reinterpret_cast<const char*>(room_.data()), *count});
     if (message.ok()) {
         nonsense_ = 0;
@@ -188,13 +193,15 @@ Result<std::optional<Inverse3Message>> Inverse3Driver::hear(microseconds patienc
     return std::optional<Inverse3Message>();
 }
 
-/// The newest of what has come.
+/// The newest of what has come. Nonsense does not prolong the wait for it.
 Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience) {
     if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
     bool any = false;
+    const std::int64_t since = clock_();
     for (int most = 64; most > 0; --most) {
         const int nonsense = nonsense_;
-        const auto heard = hear(any ? microseconds(0) : patience);
+        const auto left = std::chrono::floor<microseconds>(patience - nanoseconds(ns_since(since)));
+        const auto heard = hear(any ? microseconds(0) : std::max(left, microseconds(0)));
         if (!heard.ok()) return heard.error();
         if (!*heard && nonsense_ == nonsense) break;
         if (!*heard) continue;
@@ -202,7 +209,7 @@ Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience
         if (!taken.ok()) return taken;
         any = any || *taken;
     }
-    if (unanswered_ > 0 && Clock::now() - answered_ > longest_answer)
+    if (unanswered_ > 0 && nanoseconds(ns_since(answered_ns_)) > longest_answer)
         return Error{ErrorKind::device, "the Haply service at " + service_->address() +
                                             " has not answered for half a second; restart it"};
     return any;

@@ -10,6 +10,7 @@
 #include "device/device_driver.hpp"
 #include "device/inverse3/haply_service.hpp"
 #include "device/inverse3/inverse3_protocol.hpp"
+#include "device/steady_time.hpp"
 
 namespace touchable {
 
@@ -33,7 +34,8 @@ public:
     static constexpr std::chrono::milliseconds longest_answer{500};
     static constexpr int most_nonsense = 50;  ///< messages one after the other that cannot be read
 
-    Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service);
+    Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service,
+                   DriverClock clock = steady_ns);
     ~Inverse3Driver() override { disconnect(); }
 
     std::string name() const override { return "Inverse3"; }
@@ -52,8 +54,7 @@ public:
     std::string service_in_words() const;
 
 private:
-    using Clock = std::chrono::steady_clock;
-
+    std::int64_t ns_since(std::int64_t moment_ns) const { return clock_() - moment_ns; }
     Result<void> learn_version(const GivenUp& given_up);
     Result<Inverse3Message> await(bool (*enough)(const Inverse3Message&), const GivenUp& given_up);
     Result<void> choose(const std::vector<Inverse3Arm>& arms);
@@ -64,6 +65,7 @@ private:
 
     const Inverse3Choice choice_;
     const std::unique_ptr<HaplyService> service_;
+    const DriverClock clock_;
     std::unique_ptr<Transport> transport_;
     std::vector<std::byte> room_;
     // Of this connection.
@@ -74,7 +76,7 @@ private:
     std::string trouble_;
     int unanswered_ = 0, nonsense_ = 0;
     bool pushed_ = false;  // the last force that went out was not zero
-    Clock::time_point said_, answered_;
+    std::int64_t said_ns_ = 0, answered_ns_ = 0;
 };
 
 }  // namespace touchable

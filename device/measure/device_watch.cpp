@@ -1,5 +1,6 @@
 #include "device/measure/device_watch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
@@ -18,7 +19,7 @@ struct Readings {
     std::vector<double> ages;
     std::vector<std::int64_t> asked_ns;
     std::vector<glm::dvec3> places;
-    std::int64_t without_place = 0;
+    std::int64_t without_place = 0, longest_call_ns = 0;
 };
 
 Result<void> read_once(HapticDevice& device, const TickPace& pace, std::vector<glm::dvec3>& metres,
@@ -36,6 +37,7 @@ Result<void> read_once(HapticDevice& device, const TickPace& pace, std::vector<g
     told_ns = told;
     readings.asked_ns.push_back(pace.now_ns());
     if (!device.write_forces(zeros)) return failure_of(device);
+    readings.longest_call_ns = std::max(readings.longest_call_ns, pace.now_ns() - now);
     return {};
 }
 
@@ -65,6 +67,7 @@ Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times,
     figures.seconds = static_cast<double>(end - begin) * 1e-9;
     figures.readings = ticks;
     figures.without_place = readings.without_place;
+    figures.longest_call_s = static_cast<double>(readings.longest_call_ns) * 1e-9;
     const auto intervals = intervals_between(heard);
     if (!intervals.empty())
         figures.reports_per_s = static_cast<double>(intervals.size()) /

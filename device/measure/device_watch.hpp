@@ -29,7 +29,8 @@ struct WatchFigures {
     Percentiles going_out_s;  ///< from asking for a force until it had gone out
     Percentiles
         until_heard_s;  ///< from a force that had gone out to the next report, where no other went between
-    RestFigures rest;   ///< first finger, a place for each reading that had a new one
+    double longest_call_s = 0;  ///< that the reader gave to the device in one tick, reading and writing
+    RestFigures rest;           ///< first finger, a place for each reading that had a new one
 };
 
 /// Reads it so many ticks. It is open, its reports are told to `times`. Error: it failed (ErrorKind::device);

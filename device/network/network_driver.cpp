@@ -6,8 +6,6 @@
 #include <array>
 #include <utility>
 
-#include "device/steady_time.hpp"
-
 namespace touchable {
 namespace {
 
@@ -31,26 +29,29 @@ DeviceCapabilities NetworkDriver::capabilities() const {
 
 Result<void> NetworkDriver::connect(const GivenUp&) {
     peer_.reset();
-    return socket_.bind(settings_.listen, settings_.port);
+    return socket_->bind(settings_.listen, settings_.port);
 }
 
 void NetworkDriver::disconnect() noexcept {
-    if (!socket_.is_open()) return;
+    if (socket_->descriptor() < 0) return;
     try {
         part();
     } catch (...) {
     }
-    socket_.close();
+    socket_->close();
 }
 
 /// Whoever is there hears that nothing more comes, and that its forces are zero.
 void NetworkDriver::part() {
     if (!peer_) return;
     const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
-    socket_.send(encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true)));
+    const auto last =
+        encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true));
+    // One may be lost on the way, and one meets only the news that an earlier one did not arrive.
+    for (int again = 0; again < 3; ++again) socket_->send(last);
     peer_.reset();
-    parted_ns_ = steady_ns();
-    [[maybe_unused]] const auto free = socket_.settle(std::nullopt);
+    parted_ns_ = clock_();
+    [[maybe_unused]] const auto free = socket_->settle(std::nullopt);
 }
 
 NetworkPacket NetworkDriver::answer(std::span<const glm::dvec3> newtons, bool last) const {
@@ -72,28 +73,28 @@ Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
     if (!peer_) return {};
     const bool zeros = std::all_of(newtons.begin(), newtons.end(),
                                    [](const glm::dvec3& force) { return force == glm::dvec3(0); });
-    const bool is_gone = static_cast<double>(steady_ns() - peer_->heard_ns) * 1e-9 > peer_gone_s;
+    const bool is_gone = static_cast<double>(clock_() - peer_->heard_ns) * 1e-9 > peer_gone_s;
     if (is_gone) {
         part();
         return {};
     }
     zeros_ = is_answer_due_ || !zeros ? 0 : zeros_ + 1;
     if (!std::exchange(is_answer_due_, false) && (!zeros || zeros_ > most_zeros)) return {};
-    if (!socket_.send(encode(answer(newtons, false)))) part();
+    if (!socket_->send(encode(answer(newtons, false)))) part();
     return {};
 }
 
 /// All that has come by now; the newest places count.
 Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
     if (patience.count() > 0) {
-        pollfd waited_for{socket_.descriptor(), POLLIN, 0};
+        pollfd waited_for{socket_->descriptor(), POLLIN, 0};
         poll(&waited_for, 1, static_cast<int>((patience.count() + 999) / 1000));
     }
     std::array<std::byte, NetworkPacket::most_bytes + 1> room;  // one more, so that a longer one is known
     UdpAddress from;
     bool any = false;
     for (int most = 64; most > 0; --most) {
-        const auto bytes = socket_.receive(room, from);
+        const auto bytes = socket_->receive(room, from);
         if (!bytes) break;
         auto packet = decode_network_packet(std::span(room).first(*bytes));
         if (!packet.ok()) {
@@ -129,22 +130,22 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
     if (!peer_) {
         // Another hand does not inherit what the last one asked for: it has been away for long enough by
         // then.
-        if (parted_ns_ != 0 && static_cast<double>(steady_ns() - parted_ns_) * 1e-9 < between_peers_s)
+        if (parted_ns_ != 0 && static_cast<double>(clock_() - parted_ns_) * 1e-9 < between_peers_s)
             return false;
-        if (!socket_.settle(from).ok()) return false;
+        if (!socket_->settle(from).ok()) return false;
         peer_ = Peer{from, 0, 0, 0};
         trouble_.clear();
     }
     is_answer_due_ = true;
     peer_->sequence = packet.sequence;
     peer_->time_ns = packet.time_ns;
-    peer_->heard_ns = steady_ns();
+    peer_->heard_ns = clock_();
     return true;
 }
 
 std::optional<LastWord> NetworkDriver::last_word() const {
     const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
-    return LastWord{socket_.descriptor(),
+    return LastWord{socket_->descriptor(),
                     encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true)),
                     {}};
 }
@@ -152,7 +153,7 @@ std::optional<LastWord> NetworkDriver::last_word() const {
 std::string NetworkDriver::wish() const {
     if (peer_) return {};
     const std::string waits =
-        "waiting for a hand at UDP " + settings_.listen + ":" + std::to_string(socket_.port());
+        "waiting for a hand at UDP " + settings_.listen + ":" + std::to_string(socket_->port());
     return trouble_.empty() ? waits : waits + "; " + trouble_;
 }
 

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "device/device_driver.hpp"
 #include "device/network/network_packet.hpp"
 #include "device/network/udp_socket.hpp"
+#include "device/steady_time.hpp"
 
 namespace touchable {
 
@@ -27,7 +30,10 @@ public:
     static constexpr double peer_gone_s = 1;
     static constexpr double between_peers_s = 1.2;  ///< longer than HandControl keeps forces on for nobody
 
-    explicit NetworkDriver(const NetworkSettings& settings) : settings_(settings) {}
+    explicit NetworkDriver(const NetworkSettings& settings,
+                           std::unique_ptr<DatagramSocket> socket = std::make_unique<UdpSocket>(),
+                           DriverClock clock = steady_ns)
+        : settings_(settings), socket_(std::move(socket)), clock_(std::move(clock)) {}
     ~NetworkDriver() override { disconnect(); }
 
     std::string name() const override { return "network hand"; }
@@ -38,11 +44,11 @@ public:
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
-    int descriptor() const override { return socket_.descriptor(); }
+    int descriptor() const override { return socket_->descriptor(); }
     std::optional<LastWord> last_word() const override;
     std::string wish() const override;
 
-    std::uint16_t port() const { return socket_.port(); }         ///< while connected
+    std::uint16_t port() const { return socket_->port(); }        ///< while connected
     std::int64_t left_out() const override { return left_out_; }  ///< packets so far
 
 private:
@@ -57,7 +63,8 @@ private:
     NetworkPacket answer(std::span<const glm::dvec3> newtons, bool last) const;
 
     const NetworkSettings settings_;
-    UdpSocket socket_;
+    const std::unique_ptr<DatagramSocket> socket_;
+    const DriverClock clock_;
     std::optional<Peer> peer_;
     std::int64_t left_out_ = 0;
     std::int64_t parted_ns_ = 0;  // from the last peer; 0: there was none

@@ -74,7 +74,7 @@ std::uint16_t UdpSocket::port() const {
     return ntohs(own.sin6_port);
 }
 
-std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddress& from) const {
+std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddress& from) {
     // A peer that has gone is told once, by an error in place of a datagram.
     for (int again = 0; again < 2; ++again) {
         socklen_t size = sizeof from.words;
@@ -86,12 +86,12 @@ std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddr
     return std::nullopt;
 }
 
-bool UdpSocket::send(std::span<const std::byte> datagram) const {
+bool UdpSocket::send(std::span<const std::byte> datagram) {
     const auto sent = ::send(descriptor_, datagram.data(), datagram.size(), MSG_NOSIGNAL);
     return sent >= 0 || errno == EAGAIN || errno == ENOBUFS;
 }
 
-Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) const {
+Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) {
     sockaddr nobody{};
     nobody.sa_family = AF_UNSPEC;
     const int settled =

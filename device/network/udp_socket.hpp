@@ -20,29 +20,41 @@ struct UdpAddress {
     std::string in_words() const;  ///< "127.0.0.1:51234"
 };
 
-/// A bound UDP socket, of IPv4 or IPv6, that never blocks.
-class UdpSocket {
+/// Carries datagrams, and never blocks.
+class DatagramSocket {
 public:
-    UdpSocket() = default;
-    ~UdpSocket() { close(); }
-    UdpSocket(const UdpSocket&) = delete;
-    UdpSocket& operator=(const UdpSocket&) = delete;
+    DatagramSocket() = default;
+    DatagramSocket(const DatagramSocket&) = delete;
+    DatagramSocket& operator=(const DatagramSocket&) = delete;
+    virtual ~DatagramSocket() = default;
 
     /// Of an address of this machine, in figures ("127.0.0.1", "::1", "0.0.0.0": any), and a port, 0: a free
     /// one, until it is settled. Error (ErrorKind::device): what is wrong with them.
-    Result<void> bind(const std::string& address, std::uint16_t port);
-    void close();
-    bool is_open() const { return descriptor_ >= 0; }
-    int descriptor() const { return descriptor_; }
-    std::uint16_t port() const;
+    virtual Result<void> bind(const std::string& address, std::uint16_t port) = 0;
+    virtual void close() = 0;
+    virtual int descriptor() const = 0;  ///< -1 while it is closed
+    virtual std::uint16_t port() const = 0;
 
     /// Bytes of the next datagram, what does not fit is lost; nothing: there is none. Of a settled socket
     /// only those of its peer.
-    std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) const;
+    virtual std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) = 0;
     /// One that the network has no room for is lost, as any datagram may be. False where nobody is there.
-    bool send(std::span<const std::byte> datagram) const;
+    virtual bool send(std::span<const std::byte> datagram) = 0;
     /// From now on it speaks with that peer alone; nothing: with anybody, and sends nothing.
-    Result<void> settle(const std::optional<UdpAddress>& peer) const;
+    virtual Result<void> settle(const std::optional<UdpAddress>& peer) = 0;
+};
+
+/// By UDP, of IPv4 or IPv6.
+class UdpSocket final : public DatagramSocket {
+public:
+    ~UdpSocket() override { UdpSocket::close(); }
+    Result<void> bind(const std::string& address, std::uint16_t port) override;
+    void close() override;
+    int descriptor() const override { return descriptor_; }
+    std::uint16_t port() const override;
+    std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) override;
+    bool send(std::span<const std::byte> datagram) override;
+    Result<void> settle(const std::optional<UdpAddress>& peer) override;
 
 private:
     int descriptor_ = -1;

@@ -54,7 +54,10 @@ void tell_device(std::ostream& out, const DeviceReport& report) {
 void tell_times(std::ostream& out, const DeviceReport& report) {
     const WatchFigures& watch = report.watch;
     out << "reports   " << digits_of(watch.reports_per_s, 4) << " a second, from one to the next "
-        << times_in_words(watch.interval_s) << '\n'
+        << times_in_words(watch.interval_s);
+    if (report.capabilities.rate_hz > 0)
+        out << "; it is made for up to " << digits_of(report.capabilities.rate_hz, 4) << " a second";
+    out << '\n'
         << "age       of the newest position, at 1 kHz: " << times_in_words(watch.age_s) << '\n'
         << "forces    from being asked for until they had gone out: " << times_in_words(watch.going_out_s)
         << '\n';
@@ -64,7 +67,9 @@ void tell_times(std::ostream& out, const DeviceReport& report) {
     else
         out << "answer    it tells positions by itself, so there is no round trip to see from here; from a "
                "force that had gone out to the next position: ";
-    out << times_in_words(watch.until_heard_s) << '\n';
+    out << times_in_words(watch.until_heard_s) << '\n'
+        << "calls     of the thread that reads and writes, longest " << digits_of(watch.longest_call_s * 1e3)
+        << " ms\n";
 }
 
 void tell_rest(std::ostream& out, const DeviceReport& report) {
@@ -130,6 +135,7 @@ Json device_json(const DeviceReport& report) {
             {"axes_sensed", can.axes_sensed},
             {"axes_driven", can.axes_driven},
             {"buttons", can.buttons},
+            {"rate_hz", can.rate_hz > 0 ? Json(can.rate_hz) : Json()},
             {"own_watchdog", can.own_watchdog},
             {"answers", can.answers},
             {"max_force_n", report.limits.max_force},
@@ -176,6 +182,7 @@ nlohmann::ordered_json to_json(const DeviceReport& report) {
             {"age_ms", percentiles_json(watch.age_s)},
             {"going_out_ms", percentiles_json(watch.going_out_s)},
             {"until_heard_ms", percentiles_json(watch.until_heard_s)},
+            {"longest_call_ms", watch.longest_call_s * 1e3},
             {"rest",
              {{"places", watch.rest.places},
               {"deviation_um", axes_json(watch.rest.deviation_m)},

@@ -88,9 +88,10 @@ std::string what_it_builds(const std::string& builder) {
 }
 
 /// How a device was held.
-void add_hand_figures(Json& report, const HandFigures& hand) {
+void add_hand_figures(Json& report, const HandFigures& hand, const LiveFacts* live) {
     report["forces_on_ticks"] = hand.exerting;
     report["placeless_ticks"] = hand.placeless;
+    if (live) report["longest_device_call_ms"] = live->loop.longest_port_ms;
 }
 
 }  // namespace
@@ -119,7 +120,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
-    if (setup.control) add_hand_figures(report, setup.control->figures());
+    if (setup.control) add_hand_figures(report, setup.control->figures(), live);
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
@@ -186,6 +187,9 @@ std::string report_to_text(const Json& r) {
     if (r.contains("forces_on_ticks"))
         line("device", number(r["forces_on_ticks"].get<double>() / 1000, "forces on for %.3f s; ") +
                            number(r["placeless_ticks"].get<double>() / 1000, "no position for %.3f s"));
+    if (r.contains("longest_device_call_ms"))
+        line("device calls", number(r["longest_device_call_ms"], "longest %.3g ms of a tick, ") +
+                                 "to read positions and write forces");
     line("scale", number(1 / r["device_metres_per_metre"].get<double>(),
                          "the hand moves 1 m over %.3g m of the scene"));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +

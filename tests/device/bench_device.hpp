@@ -30,6 +30,7 @@ public:
         return true;
     }
     bool write_forces(std::span<const glm::dvec3> newtons) override {
+        spent_ns += takes_ns;
         asked = newtons[0];
         longest = std::max(longest, glm::length(asked));
         return !broken;
@@ -38,7 +39,7 @@ public:
     Result<void> health() const override { return Error{ErrorKind::device, "bench device: broke"}; }
 
     TickPace pace() {
-        return {[this] { return pass_tick(); }, [this] { return tick * 1'000'000; }};
+        return {[this] { return pass_tick(); }, [this] { return tick * 1'000'000 + spent_ns; }};
     }
     bool pass_tick() {
         forces_[static_cast<std::size_t>(tick) % forces_.size()] = asked;
@@ -53,6 +54,7 @@ public:
     DeviceLimits limit{8, 20'000};
     int driven = 3;
     std::int64_t tick = 0, breaks_at = 0, loses_place_at = 0, stops_at = 0;
+    std::int64_t takes_ns = 0, spent_ns = 0;  ///< a call with forces; all of them
     bool broken = false, lost = false;
     glm::dvec3 asked{0.0};
     double longest = 0, farthest = 0;  ///< newtons; metres from where it rested first, while pushed

@@ -88,6 +88,15 @@ TEST(DeviceWatch, ADeviceThatFailsSaysWhy) {
     EXPECT_EQ(figures.error().message, "bench device: broke");
 }
 
+TEST(DeviceWatch, TheLongestCallIsWhatTheDeviceKeptItsReaderFor) {
+    BenchDevice device({});
+    device.takes_ns = 40'000;
+    const DriveTimes nothing(10);
+    const auto figures = watch_device(device, nothing, device.pace(), 100);
+    ASSERT_TRUE(figures.ok());
+    EXPECT_NEAR(figures->longest_call_s, 40e-6, 1e-12);
+}
+
 TEST(DriverCounts, OfReportsThatWereLeftOutAreTheDriversOrNone) {
     FakeHardware hardware;
     DrivenDevice device(std::make_unique<FakeDriver>(hardware),

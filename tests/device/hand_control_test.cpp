@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -136,6 +137,31 @@ TEST_F(Control, TheClutchIsHeldThroughAGap) {
     const glm::dvec3 held = goal({0.001, 0, 0}, 1);
     goal({0.001, nowhere, 0}, 0);
     EXPECT_EQ(goal({0.005, 0, 0}, 1), held);
+}
+
+TEST(ControlOfTwo, AFingerThatIsLostOrFoundWhileTheClutchIsHeldMovesNobody) {
+    HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
+    const auto goals = [&](const glm::dvec3& one, const glm::dvec3& other) {
+        std::array<glm::dvec3, 2> places{one, other};
+        control.to_goals(places, 0);
+        return places;
+    };
+    const glm::dvec3 lost(nowhere);
+    const auto before = goals({0, 0, 0}, {0.04, 0, 0});
+    control.hold(true);
+    EXPECT_EQ(goals({0, 0, 0}, {0.04, 0, 0}), before);
+    EXPECT_EQ(goals({0.01, 0, 0}, {0.05, 0, 0}), before);
+    EXPECT_EQ(goals({0.02, 0, 0}, lost)[0], before[0]);
+    control.hold(false);
+    EXPECT_NEAR(glm::length(goals({0.02, 0, 0}, lost)[0] - before[0]), 0, 1e-9) << "it was not moved by half";
+    control.hold(true);
+    goals({0.02, 0, 0}, lost);
+    EXPECT_NEAR(glm::length(goals({0.03, 0, 0}, {0.07, 0, 0})[1] - before[1]), 0, 1e-9)
+        << "where it would be";
+    control.hold(false);
+    const auto after = goals({0.03, 0, 0}, {0.07, 0, 0});
+    EXPECT_NEAR(glm::length(after[0] - before[0]), 0, 1e-9);
+    EXPECT_NEAR(glm::length(after[1] - before[1]), 0, 1e-9);
 }
 
 TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {

@@ -180,6 +180,14 @@ TEST(WoodenDriver, WaitingForItCanBeGivenUp) {
     EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
 }
 
+TEST(WoodenDriver, ItTellsAPlaceForEachReportAndNotByItself) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect().ok());
+    EXPECT_TRUE(bench.driver->capabilities().answers);
+    EXPECT_FALSE(*bench.driver->receive(bench.sample, microseconds(5000)));
+    EXPECT_TRUE(*bench.turn({0, 0, 0}));
+}
+
 TEST(WoodenDriver, ItsLastWordIsAReportWithoutCurrents) {
     Bench bench;
     EXPECT_FALSE(bench.driver->last_word());

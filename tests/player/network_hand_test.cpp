@@ -143,6 +143,9 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     EXPECT_EQ(facts["device"], "network hand");
     EXPECT_GT(facts["forces_on_ticks"], 1000);
     EXPECT_GT(facts["contact_ticks"], 50);
+    EXPECT_GT(facts["longest_device_call_ms"].get<double>(), 0);
+    EXPECT_TRUE(std::isfinite(facts["longest_device_call_ms"].get<double>()));
+    EXPECT_NE(live.out.find("\n  device calls          longest "), std::string::npos) << live.out;
     EXPECT_EQ(facts["proxy_behind_mesh_ticks"], 0);
     const Outcome replay = run_touchable({"touch", "--replay", record, "--json", folder / "again.json"});
     EXPECT_EQ(replay.code, 0) << replay.err;

@@ -1,0 +1,175 @@
+#include "tests/device/fault_sessions.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "device/driven_device.hpp"
+#include "device/steady_time.hpp"
+#include "tests/sanitizers.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr std::int64_t a_millisecond = VirtualTime::ms;
+#ifdef TOUCHABLE_SANITIZED
+constexpr int all_faults = 500;
+#else
+constexpr int all_faults = 10'000;
+#endif
+constexpr int faults_of_a_session = 100;
+// A turn of the device's thread may wait so long for an answer before the next force, or zero, goes out.
+constexpr double longest_turn_s = 0.006;
+
+class FaultSessions {
+public:
+    explicit FaultSessions(FaultyDevice& device) : device_(device), line_(device.line), time_(device.time) {
+        time_.on_tick = [this] { tick(); };
+    }
+    ~FaultSessions() { time_.on_tick = {}; }
+
+    void run() {
+        while (struck_ < all_faults && violation_.empty()) {
+            session();
+            if (testing::Test::HasFatalFailure()) return;
+        }
+        std::printf(
+            "%s: %d faults, seed %u, %.0f s of virtual time, %d forces left on, oldest position felt %.1f ms "
+            "(promised %.0f), no call of the haptic thread waited (longest %.3f ms by the clock on the "
+            "wall)\n",
+            device_.name.c_str(), struck_, fault_seed(), static_cast<double>(time_.now_ns()) * 1e-9, left_on_,
+            1e3 * oldest_s_, 1e3 * HapticDevice::oldest_s, static_cast<double>(longest_call_ns_) * 1e-6);
+        ASSERT_EQ(violation_, "");
+        EXPECT_EQ(left_on_, 0);
+        // It has not met faults alone.
+        EXPECT_GT(placed_, ticks_ / 4);
+        EXPECT_GT(oldest_s_, device_.exerts ? 0.019 : 0);
+        EXPECT_GT(placeless_, ticks_ / 50);
+        EXPECT_GT(exerting_, device_.exerts ? ticks_ / 10 : -1);
+    }
+
+private:
+    bool one_in(unsigned n) { return device_.chance() % n == 0; }
+    std::int64_t below_ms(unsigned n) {
+        return device_.chance() % n * a_millisecond + device_.chance() % 1000 * 1000;
+    }
+
+    void session() {
+        line_.end();
+        DrivenDevice driven(device_.driver(), {.away_s = 600,
+                                               .look_again_s = 0.01,
+                                               .clock = [this] { return time_.now_ns(); },
+                                               .own_thread = false});
+        const auto opened = driven.open();
+        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        driven_ = &driven;
+        for (int fault = 0; fault < faults_of_a_session && violation_.empty(); ++fault) {
+            device_.tend(driven.wish());
+            play(one_in(10) ? 150 * a_millisecond : below_ms(20));
+            begin_a_fault();
+            play(until_ns_ - time_.now_ns());
+            struck_ += line_.struck() ? 1 : 0;
+        }
+        // It ends in the middle of a fault, or of sound times.
+        if (one_in(2)) {
+            begin_a_fault();
+            play(std::min(2 * a_millisecond, until_ns_ - time_.now_ns()));
+            // A zero that does not go out when they part is a wire that is cut.
+            if (line_.fault() == FaultyDevice::Fault::refuses) line_.end();
+        }
+        driven_ = nullptr;
+        driven.close();
+        if (line_.force() != 0) ++left_on_;
+    }
+
+    void begin_a_fault() {
+        const std::int64_t lasts = a_millisecond + (one_in(6) ? below_ms(70) : below_ms(8));
+        until_ns_ = time_.now_ns() + lasts;
+        if (one_in(6)) sleeps_until_ns_ = until_ns_;
+        if (one_in(50)) return device_.suffer_its_own();
+        line_.begin(device_.faults[device_.chance() % device_.faults.size()], lasts);
+    }
+
+    /// What the device's thread does.
+    void play(std::int64_t ns) {
+        const std::int64_t until = time_.now_ns() + ns;
+        while (time_.now_ns() < until && violation_.empty()) {
+            const std::int64_t before = time_.now_ns();
+            if (!driven_->turn()) violation_ = "it was given up";
+            check_force();
+            if (time_.now_ns() == before) time_.pass(a_millisecond / 4);
+        }
+    }
+
+    /// What the haptic thread does.
+    void tick() {
+        device_.live(static_cast<double>(time_.now_ns()) * 7.5e-9);
+        if (!driven_) return;
+        ++ticks_;
+        exerting_ += line_.force() != 0 ? 1 : 0;
+        check_force();
+        if (time_.now_ns() < sleeps_until_ns_) return;
+        const glm::dvec3 newtons = one_in(8) ? glm::dvec3(0) : glm::dvec3(one_in(2) ? 1 : 30, 2, -1);
+        glm::dvec3 place(0);
+        const std::int64_t began = steady_ns(), now = time_.now_ns();
+        const bool reads = driven_->read_positions(std::span(&place, 1));
+        const bool writes = driven_->write_forces(std::span(&newtons, 1));
+        longest_call_ns_ = std::max(longest_call_ns_, steady_ns() - began);
+        if (time_.now_ns() != now) return say("the haptic thread waited");
+        if (!reads || !writes) return say("the haptic thread's calls fail");
+        if (newtons != glm::dvec3(0)) asked_ns_ = time_.now_ns();
+        if (std::isnan(place.x))
+            ++placeless_;
+        else
+            check_place(place);
+    }
+
+    void check_place(const glm::dvec3& place) {
+        ++placed_;
+        const double age = device_.age_of(place);
+        if (!(age <= 1)) return say("a place was read that was never told");
+        oldest_s_ = std::max(oldest_s_, age);
+        // A word lies there for up to a turn before it is heard.
+        if (age > HapticDevice::oldest_s + 0.001) say("a place was read that is too old");
+    }
+
+    void check_force() {
+        if (line_.force() == 0) return;
+        const double asked_s = static_cast<double>(time_.now_ns() - asked_ns_) * 1e-9;
+        if (line_.force() > line_.manner().longest_force) say("a force is longer than the limit");
+        if (asked_s > HapticDevice::silence_s + longest_turn_s) say("a force outlived its caller");
+        if (line_.silence_s() > HapticDevice::oldest_s + longest_turn_s)
+            say("a force answers a place that is too old");
+    }
+
+    void say(const std::string& what) {
+        if (violation_.empty())
+            violation_ = what + ", after " + std::to_string(struck_) + " faults, in a fault of kind " +
+                         std::to_string(static_cast<int>(line_.fault()));
+    }
+
+    FaultyDevice& device_;
+    FaultyLine& line_;
+    VirtualTime& time_;
+    DrivenDevice* driven_ = nullptr;  // while it is open
+    std::int64_t until_ns_ = 0, sleeps_until_ns_ = 0, asked_ns_ = 0;
+    std::string violation_;
+    int struck_ = 0, left_on_ = 0;
+    std::int64_t ticks_ = 0, placed_ = 0, exerting_ = 0, placeless_ = 0, longest_call_ns_ = 0;
+    double oldest_s_ = 0;
+};
+
+}  // namespace
+
+unsigned fault_seed() {
+    const auto given = GTEST_FLAG_GET(random_seed);
+    return given != 0 ? static_cast<unsigned>(given) : 17U;
+}
+
+void run_fault_sessions(FaultyDevice& device) {
+    FaultSessions(device).run();
+}
+
+}  // namespace touchable::test
