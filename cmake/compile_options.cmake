@@ -19,6 +19,11 @@ if(TOUCHABLE_SANITIZE)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     add_compile_options(-fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/cmake/not_sanitized.txt)
   endif()
+  # GNU's linker takes a second for each of forty programs, LLVM's a quarter of one.
+  find_program(TOUCHABLE_LLD ld.lld DOC "LLVM's linker (Debian: lld); may be absent")
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND TOUCHABLE_LLD)
+    add_link_options(-fuse-ld=lld)
+  endif()
 endif()
 
 # One room of the house: a static library `touchable_<name>`, reached by includes written from the root.
