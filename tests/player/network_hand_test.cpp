@@ -124,8 +124,8 @@ protected:
 TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     nlohmann::json facts;
     std::string said;
+    Outcome live;
     for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
-        Outcome live;
         std::thread touchable([&] {
             live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds",
                                   "3.5", "--overwrite", "--json", report, "--device-log", log, "--record",
