@@ -87,6 +87,11 @@ double DeviceGroup::age_s() const {
     return oldest;
 }
 
+bool DeviceGroup::is_over() const {
+    return std::all_of(devices_.begin(), devices_.end(),
+                       [](const auto& device) { return device->is_over(); });
+}
+
 std::string DeviceGroup::wish() const {
     std::string wishes;
     for (const auto& device : devices_)

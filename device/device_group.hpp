@@ -25,6 +25,7 @@ public:
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override;  ///< that are pressed on any of them
     double age_s() const override;     ///< of the oldest
+    bool is_over() const override;  ///< all of them are
     std::string wish() const override;
     Result<void> health() const override;
 

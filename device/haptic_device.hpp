@@ -70,6 +70,8 @@ public:
     /// How old the positions were, s; infinite where there were none.
     virtual double age_s() const { return 0; }
 
+    /// Whether no position will come of it any more, as of a log that has been told; any thread.
+    virtual bool is_over() const { return false; }
     /// What it waits for, for the person who holds it; empty: nothing. May allocate, as `health`.
     virtual std::string wish() const { return {}; }
     /// Nothing wrong, or why the device is limp (ErrorKind::device). May allocate: ask from another thread,

@@ -33,6 +33,9 @@ std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& f
         run > 1.02 * clip)
         notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
                         in_seconds(run));
+    if (setup.held_device && setup.held_device->is_over())
+        notes.push_back(setup.held_device->name() + ": " + setup.held_device->wish() +
+                        (setup.settings.ticks ? "" : "; the run ends there"));
     if (setup.film)
         notes.push_back("the camera's frames are kept as " + setup.film->file().string() +
                         ", which --replay reads");
@@ -88,8 +91,9 @@ std::string what_it_builds(const std::string& builder) {
 }
 
 /// How a device was held.
-void add_hand_figures(Json& report, const HandFigures& hand) {
-    report["forces_on_ticks"] = hand.exerting;
+void add_hand_figures(Json& report, const HandFigures& hand, bool has_motors) {
+    report["device_exerts_force"] = has_motors;
+    report["forces_on_ticks"] = has_motors ? hand.exerting : 0;
     report["placeless_ticks"] = hand.placeless;
 }
 
@@ -119,7 +123,9 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
-    if (setup.control) add_hand_figures(report, setup.control->figures());
+    if (setup.control)
+        add_hand_figures(report, setup.control->figures(),
+                         setup.held_device->capabilities().axes_driven > 0);
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
@@ -184,7 +190,9 @@ std::string report_to_text(const Json& r) {
     const auto hand = r["hand"].get<std::string>(), device = r.value("device", hand);
     line("fingers", count("fingers") + ", " + hand + (device == hand ? "" : " with " + device));
     if (r.contains("forces_on_ticks"))
-        line("device", number(r["forces_on_ticks"].get<double>() / 1000, "forces on for %.3f s; ") +
+        line("device", (r["device_exerts_force"] == true
+                            ? number(r["forces_on_ticks"].get<double>() / 1000, "forces on for %.3f s; ")
+                            : std::string("exerts no force; ")) +
                            number(r["placeless_ticks"].get<double>() / 1000, "no position for %.3f s"));
     line("scale", number(1 / r["device_metres_per_metre"].get<double>(),
                          "the hand moves 1 m over %.3g m of the scene"));

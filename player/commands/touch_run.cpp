@@ -33,7 +33,7 @@ bool runs_live(const TouchSetup& setup, const TouchOptions& options) {
     return setup.live && !options.replay;
 }
 
-// Somebody who holds a device says when it is over: eleven days.
+// Somebody who holds a device says when it is over, or the device does: eleven days.
 constexpr std::int64_t until_it_is_ended = 1'000'000'000;
 
 Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks) {
@@ -43,7 +43,10 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks) {
     settings.ticks = s.ticks();
     std::optional<ForceKeys> keys;
     if (s.control) {
-        if (!settings.ticks) settings.ticks = until_it_is_ended;
+        if (!settings.ticks) {
+            settings.ticks = until_it_is_ended;
+            settings.hand_is_over = [&s] { return s.held_device->is_over(); };
+        }
         keys.emplace(*s.control);
         std::cerr << how_to_begin(*s.held_device, *s.control, keys->listens()) << '\n';
         settings.device_in_words = [&s] { return state_of(*s.held_device, *s.control); };

@@ -124,7 +124,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     while (loop.running() && taken.ok() && outlasts(threads) && !is_asked_to_stop()) {
         const auto end = threads.end();
         if (end) clip_end_ns_.store(end->time_ns, std::memory_order_relaxed);
-        if (is_over(loop, end)) break;
+        if (is_over(loop, end) || (settings_.hand_is_over && settings_.hand_is_over())) break;
         if (const std::size_t there = log_->size(); there > std::exchange(commands, there))
             threads.look_at_commands();
         drain();

@@ -37,6 +37,8 @@ struct TouchSessionSettings {
     std::vector<PlaybackCommand> playback;
     /// Of a live run: what is to be said of its device while it goes on; nothing: nothing.
     std::function<std::string()> device_in_words;
+    /// Of a live run: whether its hand has nothing more to tell, which ends it; nothing: it never has.
+    std::function<bool()> hand_is_over;
     /// Time of a tick; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
     /// Frames of a tick; those around its moment on the clip's clock by default.

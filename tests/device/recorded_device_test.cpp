@@ -75,14 +75,17 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_TRUE(std::isnan(sample.metres[1].x));
     EXPECT_EQ(sample.buttons, 5u);
     EXPECT_EQ(driver->wish(), "");
+    EXPECT_FALSE(driver->is_over()) << "its last place stands for a tick";
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_TRUE(std::isnan(sample.metres[0].x));
     EXPECT_EQ(sample.buttons, 0u);
     EXPECT_NE(driver->wish().find("has ended"), std::string::npos);
+    EXPECT_TRUE(driver->is_over());
     EXPECT_FALSE(*driver->receive(sample, milliseconds(5)));
     driver->disconnect();
     EXPECT_FALSE(driver->receive(sample, milliseconds(5)).ok());
     ASSERT_TRUE(driver->connect({}).ok()) << "and again from the start";
+    EXPECT_FALSE(driver->is_over());
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_EQ(sample.metres[0], glm::dvec3(0.1, 0.2, 0.3));
 }

@@ -141,6 +141,54 @@ TEST(DeviceCheck, QuestionsThatMakeNoSenseAreCode2) {
     }
 }
 
+class HeldLog : public ::testing::Test {
+protected:
+    HeldLog() {
+        const Outcome made = run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"});
+        EXPECT_EQ(made.code, 0) << made.err;
+        write_log(log, 1);
+    }
+    Outcome touch(const Words& more) const {
+        Words all{"touch", clip, "--live", "--device", "recorded:" + log};
+        all.insert(all.end(), more.begin(), more.end());
+        return run_touchable(all);
+    }
+
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", log = folder / "trouble.csv", report = folder / "r.json";
+};
+
+TEST_F(HeldLog, EndsTheRunWhereItEnds) {
+    const Outcome run = touch({"--json", report});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("has ended: nothing holds the handle any more; the run ends there"),
+              std::string::npos)
+        << run.out;
+    const auto facts = nlohmann::json::parse(file_contents(report));
+    const auto ticks = facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>();
+    EXPECT_GE(ticks, 990);
+    EXPECT_LT(ticks, 2900) << "not the clip's three seconds, nor for ever";
+}
+
+TEST_F(HeldLog, RunsForAsLongAsItIsTold) {
+    const Outcome run = touch({"--seconds", "1.5", "--json", report});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(run.out.find("the run ends there"), std::string::npos) << run.out;
+    const auto facts = nlohmann::json::parse(file_contents(report));
+    EXPECT_EQ(facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>(), 1500);
+}
+
+TEST_F(HeldLog, ExertsNoForceWhateverIsAskedFor) {
+    for (const Words& more : {Words{"--json", report}, {"--force-on", "--json", folder / "on.json"}}) {
+        const Outcome run = touch(more);
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_NE(run.err.find("the recorded device exerts no force"), std::string::npos) << run.err;
+        EXPECT_NE(run.out.find("exerts no force; no position for "), std::string::npos) << run.out;
+        EXPECT_EQ((run.out + run.err).find("forces on"), std::string::npos) << run.out << run.err;
+        EXPECT_EQ(nlohmann::json::parse(file_contents(more.back()))["forces_on_ticks"], 0);
+    }
+}
+
 TEST(DeviceReport, NamesNoFolders) {
     EXPECT_EQ(without_folders("falcon:firmware=/home/ada/novint.bin,force=2"),
               "falcon:firmware=novint.bin,force=2");
