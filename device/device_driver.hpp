@@ -70,6 +70,8 @@ public:
     virtual bool is_over() const { return false; }
     /// What it waits for, for the person who holds it ("pull the grip out, then push it in"); empty: nothing.
     virtual std::string wish() const { return {}; }
+    /// Any thread: what it knows of why no position ever came; empty: no more than `wish` says.
+    virtual std::string absence() const { return {}; }
 };
 
 }  // namespace touchable

@@ -130,6 +130,11 @@ std::string DrivenDevice::wish() const {
     return wish_;
 }
 
+std::string DrivenDevice::absence() const {
+    const std::string known = driver_->absence();
+    return known.empty() ? HapticDevice::absence() : known;
+}
+
 Result<void> DrivenDevice::health() const {
     if (const char* misuse = misuse_.load())
         return Error{ErrorKind::device, name_ + " " + misuse + "; open it again"};
@@ -168,7 +173,7 @@ Result<void> DrivenDevice::take_hold() {
     heard_ = {};
     exerts_since_ns_ = {};
     held_ = true;
-    set_words(std::nullopt, {});
+    set_words(std::nullopt, driver_->wish());
     return {};
 }
 

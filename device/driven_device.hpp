@@ -68,6 +68,7 @@ public:
     double age_s() const override { return age_s_; }
     bool is_over() const override { return over_.load(std::memory_order_acquire); }
     std::string wish() const override;
+    std::string absence() const override;
     Result<void> health() const override;
 
     /// A step of the device's thread: a force out, a position in, or a look for hardware that is gone. False:

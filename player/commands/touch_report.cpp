@@ -97,6 +97,11 @@ void add_hand_figures(Json& report, const HandFigures& hand, bool has_motors) {
     report["placeless_ticks"] = hand.placeless;
 }
 
+/// Whether a device was held that never told a place.
+bool was_never_there(const Json& report) {
+    return report.contains("placeless_ticks") && report["placeless_ticks"] == report["ticks"];
+}
+
 }  // namespace
 
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LiveFacts* live,
@@ -124,8 +129,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
     if (setup.control)
-        add_hand_figures(report, setup.control->figures(),
-                         setup.held_device->capabilities().axes_driven > 0);
+        add_hand_figures(report, setup.control->figures(), setup.held_device->capabilities().axes_driven > 0);
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
@@ -136,7 +140,9 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
         report["painter"] = painter->name();
         report["painter_device_name"] = gpu.empty() ? cpu : gpu;
     }
-    report["warnings"] = touch_warnings(report, *setup.feed, live);
+    const bool is_absent = setup.control && was_never_there(report);
+    report["warnings"] =
+        touch_warnings(report, *setup.feed, live, is_absent ? setup.held_device->absence() : std::string());
     return report;
 }
 
@@ -201,7 +207,9 @@ std::string report_to_text(const Json& r) {
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
                       number(r["force_n"]["max"], "%.3f N max") + limited_words(r));
     if (r["hole_contact"]["finger_ticks"] > 0) line("caught in holes", hole_words(r["hole_contact"]));
-    line("guard", count("guarded_ticks") + " ticks changed by it");
+    if (!was_never_there(r))
+        line("guard", count("guarded_ticks") + " ticks changed by it" +
+                          (r.value("placeless_ticks", 0) > 0 ? ", those without a position among them" : ""));
     if (r["waiting_ticks"] > 0)
         line("began inside", count("waiting_ticks") +
                                  " ticks without force, for a finger that had not been free of the surface; "

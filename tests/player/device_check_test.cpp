@@ -189,6 +189,22 @@ TEST_F(HeldLog, ExertsNoForceWhateverIsAskedFor) {
     }
 }
 
+TEST_F(HeldLog, ThatNobodyCameIsSaidAtTheStartAndInTheEnd) {
+    const std::string port = free_port();
+    const Outcome run = run_touchable(
+        {"touch", clip, "--live", "--device", "network:port=" + port, "--seconds", "0.3", "--json", report});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find("press the device's first button (bit 0 of its buttons)"), std::string::npos)
+        << run.err;
+    EXPECT_NE(run.err.find("waiting for a hand at UDP 127.0.0.1:" + port), std::string::npos) << run.err;
+    EXPECT_NE(run.out.find("no hand ever came to UDP 127.0.0.1:" + port + "\n"), std::string::npos)
+        << run.out;
+    EXPECT_EQ(run.out.find("no finger touched anything"), std::string::npos) << run.out;
+    EXPECT_EQ(run.out.find("changed by it"), std::string::npos) << run.out;
+    EXPECT_EQ(nlohmann::json::parse(file_contents(report))["warnings"].back(),
+              "no hand ever came to UDP 127.0.0.1:" + port);
+}
+
 TEST(DeviceReport, NamesNoFolders) {
     EXPECT_EQ(without_folders("falcon:firmware=/home/ada/novint.bin,force=2"),
               "falcon:firmware=novint.bin,force=2");
