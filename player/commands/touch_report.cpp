@@ -84,6 +84,26 @@ std::string hole_words(const Json& holes) {
     return words;
 }
 
+/// Energy that a surface of one stiffness would not give. Moving surfaces are no part of it (docs/solver.md).
+std::string energy_words(const Json& report) {
+    const double created = report["energy_mj"]["created"], bound = report["energy_mj"]["zoh_bound"],
+                 smallest = report["stiffness_limited"]["smallest_n_mm"],
+                 largest = report["stiffness_limited"]["largest_n_mm"];
+    char words[200];
+    if (report["energy_mj"].value("of_the_map", false))
+        std::snprintf(
+            words, sizeof words,
+            "%.3g mJ, because the clip is soft here and stiff there (%.3g to %.3g N/mm), as it asks to "
+            "be; --stiffness passive takes that away",
+            created, smallest, largest);
+    else
+        std::snprintf(
+            words, sizeof words,
+            "%.3g mJ, of which a real surface gives none; the 1 ms between ticks explains up to %.3g mJ",
+            created, bound);
+    return words;
+}
+
 /// What a builder does, for a person who has not heard of builders.
 std::string what_it_builds(const std::string& builder) {
     if (builder == "lazy") return "only where fingers are";
@@ -95,6 +115,16 @@ void add_hand_figures(Json& report, const HandFigures& hand, bool has_motors) {
     report["device_exerts_force"] = has_motors;
     report["forces_on_ticks"] = has_motors ? hand.exerting : 0;
     report["placeless_ticks"] = hand.placeless;
+}
+
+/// Whether more energy came out than holding a force for a tick explains, and the clip's stiffness, which
+/// differs from place to place, is a reason that explains the rest.
+bool gives_energy_by_its_map(const Json& report, const TouchSetup& setup) {
+    const auto& energy = report["energy_mj"];
+    const auto& stiffness = report["stiffness_limited"];
+    return energy["created"] > energy["zoh_bound"] &&
+           stiffness["smallest_n_mm"] < stiffness["largest_n_mm"] &&
+           setup.settings.touch.metric == TouchMetric::world && !setup.settings.guard.rise.paid;
 }
 
 /// Whether a device was held that never told a place.
@@ -124,6 +154,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                 {"device_metres_per_metre",
                  setup.settings.touch.metres_per_scene_unit / setup.scene.metres_per_unit}};
     report.update(figures.to_json());
+    report["energy_mj"]["of_the_map"] = gives_energy_by_its_map(report, setup);
     if (!setup.settings.playback.empty()) report["playback"] = in_words(setup.settings.playback);
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
@@ -217,9 +248,7 @@ std::string report_to_text(const Json& r) {
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
                           std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");
-    line("energy from nowhere",
-         number(r["energy_mj"]["created"], "%.3g mJ, of which a real surface gives none; ") +
-             number(r["energy_mj"]["zoh_bound"], "the 1 ms between ticks explains up to %.3g mJ"));
+    line("energy from nowhere", energy_words(r));
     line("behind the surface", count("proxy_behind_mesh_ticks") + " ticks");
     line("not finite", count("nonfinite_ticks") + " ticks");
     line("event limit reached", count("capped_ticks") + " ticks");
