@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "device/given_file.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -49,10 +50,8 @@ const char* separator_name(char separator) {
 }  // namespace
 
 Result<CsvTable> CsvTable::read(const std::string& file) {
+    if (auto given = check_given_file(file, file, "a CSV file"); !given.ok()) return given.error();
     std::error_code missing;
-    if (!std::filesystem::is_regular_file(file, missing)) {
-        return input_error(file + ": is not a file that can be read; give a CSV file");
-    }
     const auto size = std::filesystem::file_size(file, missing);
     if (!missing && size > largest_file)
         return input_error(file + ": is larger than 256 MiB; give a recorded motion of at most an hour");

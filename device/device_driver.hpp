@@ -67,8 +67,12 @@ public:
     /// Reports that came and were left out, so far: damaged, too short, not newer. -1: it does not count
     /// them.
     virtual std::int64_t left_out() const { return -1; }
+    /// Whether nothing will come any more, as of a log that has been told to its end.
+    virtual bool is_over() const { return false; }
     /// What it waits for, for the person who holds it ("pull the grip out, then push it in"); empty: nothing.
     virtual std::string wish() const { return {}; }
+    /// Any thread: what it knows of why no position ever came; empty: no more than `wish` says.
+    virtual std::string absence() const { return {}; }
 };
 
 }  // namespace touchable

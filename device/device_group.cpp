@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <glm/common.hpp>
+#include <string_view>
 #include <utility>
 
 namespace touchable {
@@ -37,6 +38,8 @@ DeviceCapabilities DeviceGroup::capabilities() const {
         all.rate_hz = std::min(all.rate_hz, one.rate_hz);
         all.buttons = std::max(all.buttons, one.buttons);
         all.own_watchdog = all.own_watchdog && one.own_watchdog;
+        if (std::string_view(all.first_button) != one.first_button)
+            all.first_button = DeviceCapabilities().first_button;
     }
     return all;
 }
@@ -87,12 +90,23 @@ double DeviceGroup::age_s() const {
     return oldest;
 }
 
+bool DeviceGroup::is_over() const {
+    return std::all_of(devices_.begin(), devices_.end(),
+                       [](const auto& device) { return device->is_over(); });
+}
+
 std::string DeviceGroup::wish() const {
     std::string wishes;
     for (const auto& device : devices_)
         if (const std::string wish = device->wish(); !wish.empty())
             wishes += (wishes.empty() ? "" : "; ") + wish;
     return wishes;
+}
+
+std::string DeviceGroup::absence() const {
+    std::string all;
+    for (const auto& device : devices_) all += (all.empty() ? "" : "; ") + device->absence();
+    return all;
 }
 
 Result<void> DeviceGroup::health() const {

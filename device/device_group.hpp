@@ -25,7 +25,9 @@ public:
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override;  ///< that are pressed on any of them
     double age_s() const override;     ///< of the oldest
+    bool is_over() const override;     ///< all of them are
     std::string wish() const override;
+    std::string absence() const override;
     Result<void> health() const override;
 
 private:

@@ -66,7 +66,7 @@ Result<void> DrivenDevice::open() {
     misuse_ = nullptr;
     told_.write({});
     asked_.write({});
-    lost_ = false;
+    lost_ = over_ = false;
     auto held = take_hold();
     if (held.ok() && settings_.own_thread) held = start_thread(thread_, "of the device", [this] { drive(); });
     if (!held.ok()) {
@@ -130,6 +130,11 @@ std::string DrivenDevice::wish() const {
     return wish_;
 }
 
+std::string DrivenDevice::absence() const {
+    const std::string known = driver_->absence();
+    return known.empty() ? HapticDevice::absence() : known;
+}
+
 Result<void> DrivenDevice::health() const {
     if (const char* misuse = misuse_.load())
         return Error{ErrorKind::device, name_ + " " + misuse + "; open it again"};
@@ -168,7 +173,7 @@ Result<void> DrivenDevice::take_hold() {
     heard_ = {};
     exerts_since_ns_ = {};
     held_ = true;
-    set_words(std::nullopt, {});
+    set_words(std::nullopt, driver_->wish());
     return {};
 }
 
@@ -215,6 +220,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     const auto came = driver_->receive(sample, patience);
     left_out_.store(driver_->left_out(), std::memory_order_relaxed);
     if (!came.ok()) return came.error();
+    over_.store(driver_->is_over(), std::memory_order_release);
     pass_on_wish();
     if (!*came) return {};
     heard_.time_ns = settings_.clock() - sample.kept_ns;

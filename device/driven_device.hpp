@@ -67,7 +67,9 @@ public:
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override { return buttons_; }
     double age_s() const override { return age_s_; }
+    bool is_over() const override { return over_.load(std::memory_order_acquire); }
     std::string wish() const override;
+    std::string absence() const override;
     Result<void> health() const override;
 
     /// A step of the device's thread: a force out, a position in, or a look for hardware that is gone. False:
@@ -112,7 +114,7 @@ private:
 
     std::thread thread_;
     int wake_ = -1;  // eventfd: there is a new force, or an end
-    std::atomic<bool> open_{false}, stopping_{false}, lost_{false};
+    std::atomic<bool> open_{false}, stopping_{false}, lost_{false}, over_{false};
     std::atomic<const char*> misuse_{nullptr};
     std::atomic<std::int64_t> samples_{0}, implausible_{0}, sent_{0}, losses_{0}, left_out_{-1};
     mutable std::mutex words_mutex_;  // never taken by the haptic thread

@@ -24,6 +24,7 @@ struct DeviceCapabilities {
     int buttons = 0;
     bool own_watchdog = false;  ///< the hardware itself drops a force that nobody renews
     bool answers = false;       ///< it tells a position in answer to each force, and not by itself
+    const char* first_button = "the device's first button";  ///< for whoever shall press it
 };
 
 /// A force-feedback device with one or more end points (fingers). Positions are in device metres and forces
@@ -70,8 +71,15 @@ public:
     /// How old the positions were, s; infinite where there were none.
     virtual double age_s() const { return 0; }
 
+    /// Whether no position will come of it any more, as of a log that has been told; any thread.
+    virtual bool is_over() const { return false; }
     /// What it waits for, for the person who holds it; empty: nothing. May allocate, as `health`.
     virtual std::string wish() const { return {}; }
+    /// Why there was no position, for the end of a run that had none. May allocate; any thread.
+    virtual std::string absence() const {
+        const std::string waits = wish();
+        return "the " + name() + " never told a position" + (waits.empty() ? "" : ": " + waits);
+    }
     /// Nothing wrong, or why the device is limp (ErrorKind::device). May allocate: ask from another thread,
     /// or once a call has returned false.
     virtual Result<void> health() const = 0;

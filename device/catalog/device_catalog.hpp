@@ -13,6 +13,7 @@ namespace touchable {
 struct DeviceKind {
     std::string_view name;
     std::string_view words;  ///< what it is, for people
+    std::string_view keys;   ///< that it needs, as ":file=FILE"; empty: none
     Result<std::unique_ptr<HapticDevice>> (*make)(std::string_view keys, const DrivenSettings& driven);
 };
 

@@ -3,10 +3,13 @@
 
 #include "device/catalog/device_catalog.hpp"
 #include "device/catalog/device_list.hpp"
+#include "device/catalog/udev_rules.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
+
+constexpr const char* simulated_words = "a handle that a scripted hand holds; touch alone, with --hand";
 
 std::string ids_in_words(const ConnectedDevice& device) {
     constexpr const char* digits = "0123456789abcdef";
@@ -46,23 +49,28 @@ std::string device_lines(const ConnectedDevice& device) {
 
 std::string devices_in_words(const std::vector<ConnectedDevice>& devices) {
     if (devices.empty())
-        return "No device that is known here is connected: plug one in and switch it on. None is needed: any "
-               "program can be the hand (--device network), and in the window the mouse is (touchable "
-               "play).\n";
+        return std::string(
+                   "No device that is known here is connected: plug one in and switch it on. Most have to be "
+                   "permitted, once for all of them:\n    ") +
+               udev_rules_command +
+               "\nNone is needed: any program can be the hand (--device network), and in the window the "
+               "mouse is "
+               "(touchable play).\n";
     std::string words;
     for (const ConnectedDevice& device : devices) words += device_lines(device);
     return words;
 }
 
 std::string device_words_in_words() {
-    constexpr std::size_t column = 16;
+    constexpr std::size_t column = 24;
     std::string words = "What --device takes (docs/devices.md has each one's keys):\n";
     const auto line = [&words](std::string_view word, std::string_view what) {
         words += "    " + std::string(word) +
                  std::string(word.size() < column ? column - word.size() : 1, ' ') + std::string(what) + "\n";
     };
-    for (const DeviceKind& kind : device_kinds()) line(kind.name, kind.words);
-    line("simulated", "a handle that a scripted hand holds; touch alone, with --hand");
+    for (const DeviceKind& kind : device_kinds())
+        line(std::string(kind.name) + std::string(kind.keys), kind.words);
+    line("simulated", simulated_words);
     return words +
            "See whether it works:  touchable check --device NAME\n"
            "Touch with it:         touchable touch CLIP --live --device NAME\n";
@@ -87,7 +95,8 @@ std::string devices_in_json(const std::vector<ConnectedDevice>& devices) {
                         {"next", device.next}});
     nlohmann::ordered_json words = nlohmann::ordered_json::array();
     for (const DeviceKind& kind : device_kinds())
-        words.push_back({{"word", kind.name}, {"what", kind.words}});
+        words.push_back({{"word", kind.name}, {"keys", kind.keys}, {"what", kind.words}});
+    words.push_back({{"word", "simulated"}, {"keys", ""}, {"what", simulated_words}});
     const nlohmann::ordered_json whole = {
         {"touchable_devices", 1}, {"devices", std::move(list)}, {"words", std::move(words)}};
     return whole.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -31,6 +31,7 @@ const std::array<KnownDevice, 9> devices{{
      .has_ids = is_exactly<0x0403, 0xcb48>,
      .through = Through::usb,
      .word = "falcon",
+     .driven = "falcon:firmware=FILE",
      .firmware = "is loaded into it after each power-up; whether it is there shows when it is opened"},
     {.what = "3Dconnexion SpaceMouse: moves a finger, exerts no force",
      .has_ids = is_spacemouse,

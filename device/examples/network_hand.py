@@ -2,12 +2,14 @@
 """A small hand: it pokes at what is in front of it, and says what it felt.
    touchable touch CLIP --live --device network --force-on --seconds 5
    python3 network_hand.py [SECONDS [PORT]]"""
-import math, select, socket, struct, sys, time, zlib
+import argparse, math, select, socket, struct, sys, time, zlib
 
-seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 5.0
-port = int(sys.argv[2]) if len(sys.argv) > 2 else 5710
+words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+words.add_argument("seconds", nargs="?", type=float, default=5)
+words.add_argument("port", nargs="?", type=int, default=5710)
+words = words.parse_args()
 hand = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-hand.connect(("127.0.0.1", port))
+hand.connect(("127.0.0.1", words.port))
 hand.settimeout(0.02)
 head = struct.Struct("<4sBBBBIIQ")  # TCHD, version, kind, fingers, flags, sequence, buttons, time
 
@@ -15,8 +17,8 @@ def send(sequence, place, last=False):  # metres: x right, y up, z towards the p
     packet = head.pack(b"TCHD", 1, 1, 1, last, sequence, 0, time.monotonic_ns()) + struct.pack("<3d", *place)
     hand.send(packet + struct.pack("<I", zlib.crc32(packet)))
 
-start, forces, trips = time.monotonic(), [], []
-for tick in range(1, int(seconds * 1000)):
+start, forces, trips, why = time.monotonic(), [], [], "there was no time for one"
+for tick in range(1, int(words.seconds * 1000)):
     while (now := time.monotonic() - start) < tick / 1000:
         time.sleep(max(0.0, tick / 1000 - now - 0.0001))
     try:
@@ -24,14 +26,21 @@ for tick in range(1, int(seconds * 1000)):
         answer = hand.recv(1024)
         while select.select([hand], [], [], 0)[0]:  # only the newest counts
             answer = hand.recv(1024)
-    except (ConnectionRefusedError, TimeoutError):
-        continue  # nobody listens yet, or the answer was lost: a real hand would be limp now
+    except ConnectionRefusedError:  # a real hand would be limp now
+        why = "nobody listens there, or it has another hand"
+        continue
+    except TimeoutError:  # lost on the way, or left out
+        why = "nobody answers there: touchable says why (another number of fingers, another hand)"
+        continue
     if len(answer) == 52 and zlib.crc32(answer[:-4]) == struct.unpack("<I", answer[-4:])[0]:
         forces.append(math.hypot(*struct.unpack_from("<3d", answer, head.size)))
         trips.append((time.monotonic_ns() - head.unpack_from(answer)[7]) / 1e6)
-send(tick + 1, (0, 0, 0.1), last=True)
+if not trips:
+    sys.exit(f"no answer from UDP 127.0.0.1:{words.port}: {why}")
+try:
+    send(tick + 1, (0, 0, 0.1), last=True)
+except ConnectionRefusedError:
+    print("touchable ended first", file=sys.stderr)
 trips.sort()
-if trips:
-    print(f"{len(trips)} answers, round trip {trips[len(trips) // 2]:.2f} ms median, "
-          f"{trips[len(trips) * 99 // 100]:.2f} ms p99, largest force {max(forces):.2f} N")
-sys.exit(0 if trips else 1)
+print(f"{len(trips)} answers, round trip {trips[len(trips) // 2]:.2f} ms median, "
+      f"{trips[len(trips) * 99 // 100]:.2f} ms p99, largest force {max(forces):.2f} N")

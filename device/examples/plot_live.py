@@ -1,35 +1,46 @@
 #!/usr/bin/env python3
 """Plots forces while they are felt, from a pipe (needs python3-matplotlib):
    touchable touch CLIP --live --device network --device-log - | python3 plot_live.py [PICTURE.png]
-With PICTURE the last ten seconds are saved there at the end, and no window is opened."""
-import collections, csv, sys
+The last ten seconds are shown until the input ends. With PICTURE they are saved there then, and no window is opened."""
+import collections, csv, signal, sys, threading
 
+times, newtons = collections.deque(maxlen=10_000), collections.deque(maxlen=10_000)
+lock = threading.Lock()
+
+def read():  # as fast as rows come, whatever is drawn: whoever reads slowly loses ticks
+    for row in csv.DictReader(sys.stdin):
+        if row["finger"] != "0":
+            continue
+        force = sum(float(row[axis]) ** 2 for axis in ("fx", "fy", "fz")) ** 0.5
+        with lock:
+            times.append(float(row["time_s"]))
+            newtons.append(force)
+
+signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the run, and with it the input
+reader = threading.Thread(target=read, daemon=True)
+reader.start()  # matplotlib takes seconds to be there
 import matplotlib
 if len(sys.argv) > 1:
     matplotlib.use("Agg")
 import matplotlib.pyplot as plot
 
-times, newtons = collections.deque(maxlen=10_000), collections.deque(maxlen=10_000)
 figure, axes = plot.subplots(figsize=(9, 3), layout="constrained")
 line, = axes.plot([], [])
 axes.set(xlabel="time, s", ylabel="force, N")
 axes.grid(alpha=0.3)
 
 def draw():
-    line.set_data(times, newtons)
+    with lock:
+        line.set_data(list(times), list(newtons))
     axes.relim()
     axes.autoscale_view()
 
-for number, row in enumerate(csv.DictReader(sys.stdin)):
-    if row["finger"] != "0":
-        continue
-    times.append(float(row["time_s"]))
-    newtons.append(sum(float(row[axis]) ** 2 for axis in ("fx", "fy", "fz")) ** 0.5)
-    if len(sys.argv) == 1 and number % 50 == 0:
-        draw()
-        plot.pause(0.001)
-draw()
 if len(sys.argv) > 1:
+    reader.join()
+    draw()
     figure.savefig(sys.argv[1])
 else:
-    plot.show()
+    while reader.is_alive() and plot.fignum_exists(figure.number):
+        draw()
+        plot.pause(0.03)
+    reader.join()  # a window that was closed breaks no run

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "device/given_file.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -90,9 +91,9 @@ Result<void> send_and_compare(FtdiTransport& transport, std::span<const std::byt
 
 Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path) {
     const std::string named = "the Falcon's firmware " + printable(path);
+    constexpr const char* right = "the image, which docs/devices.md says where an owner finds";
+    if (auto given = check_given_file(path, named, right); !given.ok()) return given.error();
     std::error_code fault;
-    if (!std::filesystem::is_regular_file(path, fault))
-        return input_error(named + ": is no file; docs/devices.md says where an owner finds it");
     const auto size = std::filesystem::file_size(path, fault);
     if (fault || size < least_firmware || size > most_firmware)
         return input_error(named + ": has " + std::to_string(fault ? 0 : size) +

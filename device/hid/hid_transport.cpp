@@ -26,13 +26,17 @@ std::string narrow(const wchar_t* words) {
 }
 
 Error not_opened(const std::string& node, int failure) {
-    std::string words = node + ": may not be opened (" + std::strerror(failure) + ")";
-    if (failure == EACCES || failure == EPERM)
+    const bool is_forbidden = failure == EACCES || failure == EPERM, is_missing = failure == ENOENT;
+    std::string words =
+        node + (is_missing     ? ": is not there"
+                : is_forbidden ? ": may not be opened by this user"
+                               : std::string(": cannot be opened (") + std::strerror(failure) + ")");
+    if (is_forbidden)
         words +=
             "; 'touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo "
             "udevadm "
             "control --reload' permits it; then plug it in again";
-    if (failure == ENOENT || failure == ENODEV || failure == ENXIO)
+    if (is_missing || failure == ENODEV || failure == ENXIO)
         words += "; right would be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
     return {ErrorKind::device, std::move(words)};
 }

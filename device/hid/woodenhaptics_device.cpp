@@ -6,6 +6,7 @@
 #include "device/hid/hid_node.hpp"
 #include "device/hid/hid_transport.hpp"
 #include "device/hid/woodenhaptics_driver.hpp"
+#include "device/hid/woodenhaptics_parameters.hpp"
 
 namespace touchable {
 namespace {
@@ -43,7 +44,8 @@ Result<WoodenSettings> read_wooden_settings(std::string_view keys) {
     if (!given->given("file"))
         return usage_error(
             "device 'woodenhaptics': no file is named that says how it is built; right would be "
-            "woodenhaptics:file=FILE (examples/woodenhaptics.json shows what it holds)");
+            "woodenhaptics:file=FILE, with a copy of " +
+            std::string(wooden_example));
     return WoodenSettings{given->words("node"), given->words("file"), given->number("homed") == 1};
 }
 

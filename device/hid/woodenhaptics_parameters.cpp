@@ -3,9 +3,9 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <system_error>
 #include <utility>
 
+#include "device/given_file.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -90,17 +90,12 @@ Result<WoodenParameters> parse_wooden_parameters(std::string_view json, std::str
 }
 
 Result<WoodenParameters> read_wooden_parameters(const std::filesystem::path& file) {
-    constexpr const char* right = "; right would be a file such as examples/woodenhaptics.json";
-    std::error_code failure;
-    const auto kind = std::filesystem::status(file, failure).type();
-    if (kind != std::filesystem::file_type::regular)
-        return input_error(
-            file.string() +
-            (kind == std::filesystem::file_type::not_found ? ": is not there" : ": is no file") + right);
+    const std::string right = "a parameter file such as " + std::string(wooden_example);
+    if (auto given = check_given_file(file, file.string(), right); !given.ok()) return given.error();
     std::ifstream in(file, std::ios::binary);
     std::string text(checked_json::largest_text + 1, '\0');
     if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (!in && !in.eof()) return input_error(file.string() + ": cannot be read" + right);
+    if (!in && !in.eof()) return input_error(file.string() + ": cannot be read; right would be " + right);
     text.resize(static_cast<std::size_t>(in.gcount()));
     return parse_wooden_parameters(text, file.string());
 }

@@ -11,6 +11,10 @@
 
 namespace touchable {
 
+/// Where a parameter file is to begin with, in a checkout and where the program is installed.
+inline constexpr std::string_view wooden_example =
+    "examples/woodenhaptics.json (installed: share/touchable/examples/woodenhaptics.json)";
+
 /// One of the three motors, and the joint that it turns by a cable. Signs count.
 struct WoodenJoint {
     double counts_per_turn = 0;  ///< of the motor, quadrupled; negative: they fall as the joint's angle grows

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 namespace touchable {
 namespace {
 
-constexpr int most_zeros = 20;  // one may be lost on the way, not all
+constexpr std::size_t most_reasons = 8;  // one may send whatever it likes
+constexpr int most_zeros = 20;           // one may be lost on the way, not all
 
 /// Counters of 32 bits come round.
 bool is_newer(std::uint32_t sequence, std::uint32_t than) {
@@ -24,12 +26,16 @@ DeviceCapabilities NetworkDriver::capabilities() const {
             .reach = glm::dvec3(0),
             .rate_hz = 0,
             .buttons = 32,
-            .own_watchdog = false};
+            .own_watchdog = false,
+            .first_button = "the device's first button (bit 0 of its buttons)"};
 }
 
 Result<void> NetworkDriver::connect(const GivenUp&) {
     peer_.reset();
-    return socket_->bind(settings_.listen, settings_.port);
+    if (auto bound = socket_->bind(settings_.listen, settings_.port); !bound.ok()) return bound;
+    const std::lock_guard lock(words_mutex_);
+    listens_at_ = "UDP " + settings_.listen + ":" + std::to_string(socket_->port());
+    return {};
 }
 
 void NetworkDriver::disconnect() noexcept {
@@ -98,8 +104,7 @@ Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseco
         if (!bytes) break;
         auto packet = decode_network_packet(std::span(room).first(*bytes));
         if (!packet.ok()) {
-            ++left_out_;
-            trouble_ = from.in_words() + ": " + packet.error().message;
+            leave_out(packet.error().message, from);
         } else if (take(*packet, from) && peer_) {
             std::copy_n(packet->vectors.begin(), settings_.fingers, sample.metres.begin());
             sample.buttons = packet->buttons;
@@ -111,16 +116,38 @@ Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseco
     return any;
 }
 
+/// Empty: nothing is wrong with it.
+std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress& from) const {
+    if (packet.kind != NetworkPacket::Kind::places)
+        return "packets with forces came and places are expected: kind 1";
+    if (packet.fingers != settings_.fingers)
+        return "packets with " + std::to_string(packet.fingers) + " fingers came and " +
+               std::to_string(settings_.fingers) + (settings_.fingers == 1 ? " is" : " are") +
+               " expected: --device network:fingers=" + std::to_string(packet.fingers);
+    if (!peer_) return {};
+    if (peer_->address != from) return "a second hand came while another was there";
+    return is_newer(packet.sequence, peer_->sequence) ? "" : "packets came that are not newer than the last";
+}
+
+void NetworkDriver::leave_out(const std::string& why, const UdpAddress& from) {
+    ++left_out_;
+    if (peer_ && peer_->address == from) return;  // one of a hand that is there tells of the way, not of it
+    trouble_ = why + " (from " + from.in_words() + ")";
+    const std::lock_guard lock(words_mutex_);
+    const auto same = [&why](const LeftOut& each) { return each.why == why; };
+    auto known = std::find_if(left_out_why_.begin(), left_out_why_.end(), same);
+    if (known == left_out_why_.end()) {
+        if (left_out_why_.size() < most_reasons) left_out_why_.push_back({why, 0});
+        known = std::prev(left_out_why_.end());
+        if (known->why != why) known->why = "and others";
+    }
+    ++known->packets;
+}
+
 /// Whether it counts. One that ends parts with its peer.
 bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
-    const bool sound = packet.kind == NetworkPacket::Kind::places && packet.fingers == settings_.fingers &&
-                       (!peer_ || (peer_->address == from && is_newer(packet.sequence, peer_->sequence)));
-    if (!sound) {
-        ++left_out_;
-        if (packet.kind == NetworkPacket::Kind::places && packet.fingers != settings_.fingers)
-            trouble_ = from.in_words() + ": sends " + std::to_string(packet.fingers) +
-                       " fingers; right would be " + std::to_string(settings_.fingers) +
-                       ", or --device network:fingers=" + std::to_string(packet.fingers);
+    if (const std::string why = why_not(packet, from); !why.empty()) {
+        leave_out(why, from);
         return false;
     }
     if (packet.last) {
@@ -135,6 +162,8 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
         if (!socket_->settle(from).ok()) return false;
         peer_ = Peer{from, 0, 0, 0};
         trouble_.clear();
+        const std::lock_guard lock(words_mutex_);
+        any_peer_ = true;
     }
     is_answer_due_ = true;
     peer_->sequence = packet.sequence;
@@ -152,9 +181,18 @@ std::optional<LastWord> NetworkDriver::last_word() const {
 
 std::string NetworkDriver::wish() const {
     if (peer_) return {};
-    const std::string waits =
-        "waiting for a hand at UDP " + settings_.listen + ":" + std::to_string(socket_->port());
+    const std::string waits = "waiting for a hand at " + listens_at_;
     return trouble_.empty() ? waits : waits + "; " + trouble_;
+}
+
+std::string NetworkDriver::absence() const {
+    const std::lock_guard lock(words_mutex_);
+    if (any_peer_) return {};
+    std::string words = "no hand ever came to " + listens_at_;
+    for (const LeftOut& each : left_out_why_)
+        words += "; " + each.why + " (" + std::to_string(each.packets) +
+                 (each.packets == 1 ? " packet)" : " packets)");
+    return words;
 }
 
 }  // namespace touchable

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "device/device_driver.hpp"
 #include "device/network/network_packet.hpp"
@@ -47,6 +49,7 @@ public:
     int descriptor() const override { return socket_->descriptor(); }
     std::optional<LastWord> last_word() const override;
     std::string wish() const override;
+    std::string absence() const override;
 
     std::uint16_t port() const { return socket_->port(); }        ///< while connected
     std::int64_t left_out() const override { return left_out_; }  ///< packets so far
@@ -58,7 +61,14 @@ private:
         std::uint64_t time_ns = 0;  // its own
         std::int64_t heard_ns = 0;
     };
+    /// Packets that were left out for the same reason.
+    struct LeftOut {
+        std::string why;
+        std::int64_t packets = 0;
+    };
     bool take(const NetworkPacket& packet, const UdpAddress& from);
+    void leave_out(const std::string& why, const UdpAddress& from);
+    std::string why_not(const NetworkPacket& packet, const UdpAddress& from) const;
     void part();
     NetworkPacket answer(std::span<const glm::dvec3> newtons, bool last) const;
 
@@ -71,6 +81,11 @@ private:
     bool is_answer_due_ = false;
     int zeros_ = 0;        // that went out since the last answer
     std::string trouble_;  // of the newest packet that was left out, while there is no peer
+    // What is told of in the end, by any thread.
+    mutable std::mutex words_mutex_;
+    std::string listens_at_;
+    std::vector<LeftOut> left_out_why_;
+    bool any_peer_ = false;  // there ever was one
 };
 
 }  // namespace touchable

@@ -38,6 +38,7 @@ public:
     void disconnect() noexcept override { connected_ = false; }
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+    bool is_over() const override { return over_; }
     std::string wish() const override;
 
 private:

@@ -61,12 +61,9 @@ void tell_times(std::ostream& out, const DeviceReport& report) {
         << "age       of the newest position, at 1 kHz: " << times_in_words(watch.age_s) << '\n'
         << "forces    from being asked for until they had gone out: " << times_in_words(watch.going_out_s)
         << '\n';
-    if (report.capabilities.answers)
-        out << "answer    from a force that had gone out to the position that answers it, which is the round "
-               "trip: ";
-    else
-        out << "answer    it tells positions by itself, so there is no round trip to see from here; from a "
-               "force that had gone out to the next position: ";
+    out << (report.capabilities.answers
+                ? "answer    round trip, from a force to the position that answers it: "
+                : "answer    from a force to the next position, which comes by itself: ");
     out << times_in_words(watch.until_heard_s) << '\n'
         << "calls     of the thread that reads and writes, longest " << digits_of(watch.longest_call_s * 1e3)
         << " ms\n";

@@ -193,18 +193,32 @@ std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words) {
     return files;
 }
 
-std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal) {
+namespace {
+
+std::string of_its_forces(const HapticDevice& device, const HandControl& control, bool has_terminal) {
     if (device.capabilities().axes_driven == 0)
-        return "the " + device.name() + " exerts no force: you see what you touch, and do not feel it";
+        return "the " + device.name() +
+               " exerts no force, with --force-on or without: what is touched is computed and told, and not "
+               "felt";
     if (control.force_is_asked()) return "forces are on; Ctrl-C ends";
-    std::string ways = device.capabilities().buttons > 0 ? "press the device's first button" : "";
+    std::string ways =
+        device.capabilities().buttons > 0 ? std::string("press ") + device.capabilities().first_button : "";
     if (has_terminal) ways += ways.empty() ? "press Enter" : ", or Enter,";
     if (ways.empty()) return "forces are off, and stay off: --force-on asks for them";
     return "forces are off: " + ways + " to turn them on; Ctrl-C ends";
 }
 
+}  // namespace
+
+std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal) {
+    const std::string forces = of_its_forces(device, control, has_terminal), wish = device.wish();
+    return wish.empty() ? forces : forces + "; " + wish;
+}
+
 std::string state_of(const HapticDevice& device, const HandControl& control) {
-    const std::string forces = control.force_is_asked() ? "forces on" : "forces off", wish = device.wish();
+    const std::string wish = device.wish();
+    std::string forces = control.force_is_asked() ? "forces on" : "forces off";
+    if (device.capabilities().axes_driven == 0) forces = "no force from this device";
     return wish.empty() ? forces : forces + "; " + wish;
 }
 

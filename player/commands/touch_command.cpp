@@ -109,7 +109,8 @@ void add_moment_options(CLI::App& sub, TouchWords& words) {
             ->check(CLI::Range(0.0, 1e6));
     words.duration =
         sub.add_option("--seconds", words.seconds,
-                       "length of the run; otherwise that of a recorded hand, or the clip's and at least 3")
+                       "length of the run; otherwise that of a recorded hand or device; with a device that "
+                       "you hold until Ctrl-C; else the clip's and at least 3")
             ->check(CLI::Range(0.001, 1e6));
     words.fix_by_recording({words.duration});
 }

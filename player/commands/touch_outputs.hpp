@@ -26,6 +26,8 @@ public:
 
     /// Those that want to know of every tick.
     std::vector<TouchSink*> sinks();
+    /// The file of one of those, for messages: "--forces f.csv".
+    std::string name_of(const TouchSink* sink) const;
     /// Of the picture; nullptr where none is asked for.
     const SurfacePainter* painter() const;
     /// After a part that is not the last: draws the picture, where its moment was in it.

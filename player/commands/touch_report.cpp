@@ -33,6 +33,9 @@ std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& f
         run > 1.02 * clip)
         notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
                         in_seconds(run));
+    if (setup.held_device && setup.held_device->is_over())
+        notes.push_back(setup.held_device->name() + ": " + setup.held_device->wish() +
+                        (setup.settings.ticks ? "" : "; the run ends there"));
     if (setup.film)
         notes.push_back("the camera's frames are kept as " + setup.film->file().string() +
                         ", which --replay reads");
@@ -81,6 +84,26 @@ std::string hole_words(const Json& holes) {
     return words;
 }
 
+/// Energy that a surface of one stiffness would not give. Moving surfaces are no part of it (docs/solver.md).
+std::string energy_words(const Json& report) {
+    const double created = report["energy_mj"]["created"], bound = report["energy_mj"]["zoh_bound"],
+                 smallest = report["stiffness_limited"]["smallest_n_mm"],
+                 largest = report["stiffness_limited"]["largest_n_mm"];
+    char words[200];
+    if (report["energy_mj"].value("of_the_map", false))
+        std::snprintf(
+            words, sizeof words,
+            "%.3g mJ, because the clip is soft here and stiff there (%.3g to %.3g N/mm), as it asks to "
+            "be; --stiffness passive takes that away",
+            created, smallest, largest);
+    else
+        std::snprintf(
+            words, sizeof words,
+            "%.3g mJ, of which a real surface gives none; the 1 ms between ticks explains up to %.3g mJ",
+            created, bound);
+    return words;
+}
+
 /// What a builder does, for a person who has not heard of builders.
 std::string what_it_builds(const std::string& builder) {
     if (builder == "lazy") return "only where fingers are";
@@ -88,10 +111,26 @@ std::string what_it_builds(const std::string& builder) {
 }
 
 /// How a device was held.
-void add_hand_figures(Json& report, const HandFigures& hand, const LiveFacts* live) {
-    report["forces_on_ticks"] = hand.exerting;
+void add_hand_figures(Json& report, const HandFigures& hand, bool has_motors, const LiveFacts* live) {
+    report["device_exerts_force"] = has_motors;
+    report["forces_on_ticks"] = has_motors ? hand.exerting : 0;
     report["placeless_ticks"] = hand.placeless;
     if (live) report["longest_device_call_ms"] = live->loop.longest_port_ms;
+}
+
+/// Whether more energy came out than holding a force for a tick explains, and the clip's stiffness, which
+/// differs from place to place, is a reason that explains the rest.
+bool gives_energy_by_its_map(const Json& report, const TouchSetup& setup) {
+    const auto& energy = report["energy_mj"];
+    const auto& stiffness = report["stiffness_limited"];
+    return energy["created"] > energy["zoh_bound"] &&
+           stiffness["smallest_n_mm"] < stiffness["largest_n_mm"] &&
+           setup.settings.touch.metric == TouchMetric::world && !setup.settings.guard.rise.paid;
+}
+
+/// Whether a device was held that never told a place.
+bool was_never_there(const Json& report) {
+    return report.contains("placeless_ticks") && report["placeless_ticks"] == report["ticks"];
 }
 
 }  // namespace
@@ -116,11 +155,14 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                 {"device_metres_per_metre",
                  setup.settings.touch.metres_per_scene_unit / setup.scene.metres_per_unit}};
     report.update(figures.to_json());
+    report["energy_mj"]["of_the_map"] = gives_energy_by_its_map(report, setup);
     if (!setup.settings.playback.empty()) report["playback"] = in_words(setup.settings.playback);
     report["clock"] = live ? "wall" : "virtual";
     if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
     if (!setup.device_words.empty()) report["device"] = setup.device_words;
-    if (setup.control) add_hand_figures(report, setup.control->figures(), live);
+    if (setup.control)
+        add_hand_figures(report, setup.control->figures(), setup.held_device->capabilities().axes_driven > 0,
+                         live);
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
     report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
@@ -131,7 +173,9 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
         report["painter"] = painter->name();
         report["painter_device_name"] = gpu.empty() ? cpu : gpu;
     }
-    report["warnings"] = touch_warnings(report, *setup.feed, live);
+    const bool is_absent = setup.control && was_never_there(report);
+    report["warnings"] =
+        touch_warnings(report, *setup.feed, live, is_absent ? setup.held_device->absence() : std::string());
     return report;
 }
 
@@ -185,7 +229,9 @@ std::string report_to_text(const Json& r) {
     const auto hand = r["hand"].get<std::string>(), device = r.value("device", hand);
     line("fingers", count("fingers") + ", " + hand + (device == hand ? "" : " with " + device));
     if (r.contains("forces_on_ticks"))
-        line("device", number(r["forces_on_ticks"].get<double>() / 1000, "forces on for %.3f s; ") +
+        line("device", (r["device_exerts_force"] == true
+                            ? number(r["forces_on_ticks"].get<double>() / 1000, "forces on for %.3f s; ")
+                            : std::string("exerts no force; ")) +
                            number(r["placeless_ticks"].get<double>() / 1000, "no position for %.3f s"));
     if (r.contains("longest_device_call_ms"))
         line("device calls", number(r["longest_device_call_ms"], "longest %.3g ms of a tick, ") +
@@ -197,7 +243,9 @@ std::string report_to_text(const Json& r) {
     line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
                       number(r["force_n"]["max"], "%.3f N max") + limited_words(r));
     if (r["hole_contact"]["finger_ticks"] > 0) line("caught in holes", hole_words(r["hole_contact"]));
-    line("guard", count("guarded_ticks") + " ticks changed by it");
+    if (!was_never_there(r))
+        line("guard", count("guarded_ticks") + " ticks changed by it" +
+                          (r.value("placeless_ticks", 0) > 0 ? ", those without a position among them" : ""));
     if (r["waiting_ticks"] > 0)
         line("began inside", count("waiting_ticks") +
                                  " ticks without force, for a finger that had not been free of the surface; "
@@ -205,9 +253,7 @@ std::string report_to_text(const Json& r) {
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
                           std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");
-    line("energy from nowhere",
-         number(r["energy_mj"]["created"], "%.3g mJ, of which a real surface gives none; ") +
-             number(r["energy_mj"]["zoh_bound"], "the 1 ms between ticks explains up to %.3g mJ"));
+    line("energy from nowhere", energy_words(r));
     line("behind the surface", count("proxy_behind_mesh_ticks") + " ticks");
     line("not finite", count("nonfinite_ticks") + " ticks");
     line("event limit reached", count("capped_ticks") + " ticks");

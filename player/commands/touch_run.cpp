@@ -1,6 +1,9 @@
 #include "player/commands/touch_run.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <vector>
@@ -33,31 +36,40 @@ bool runs_live(const TouchSetup& setup, const TouchOptions& options) {
     return setup.live && !options.replay;
 }
 
-// Somebody who holds a device says when it is over: eleven days.
+// Somebody who holds a device says when it is over, or the device does: eleven days.
 constexpr std::int64_t until_it_is_ended = 1'000'000'000;
 
-Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks) {
+/// Which file a live run's ticks did not wait for, from how many there were.
+using FellBehind = std::function<Error(std::int64_t)>;
+
+Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, const FellBehind& fell_behind) {
     auto port = open_port(s);
     if (!port.ok()) return port.error();
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
     std::optional<ForceKeys> keys;
     if (s.control) {
-        if (!settings.ticks) settings.ticks = until_it_is_ended;
+        if (!settings.ticks) {
+            settings.ticks = until_it_is_ended;
+            settings.hand_is_over = [&s] { return s.held_device->is_over(); };
+        }
         keys.emplace(*s.control);
         std::cerr << how_to_begin(*s.held_device, *s.control, keys->listens()) << '\n';
         settings.control = s.control.get();
         settings.device_in_words = [&s] { return state_of(*s.held_device, *s.control); };
     }
     LiveSession session(s.scene, *s.feed, **port, *s.solver, settings);
-    if (auto ran = session.run(sinks); !ran.ok()) return ran.error();
+    const auto ran = session.run(sinks);
     LiveFacts facts = session.facts();
+    if (facts.sinks_fell_behind) return fell_behind(facts.loop.lost);
+    if (!ran.ok()) return ran.error();
     explain_failure(s, facts);
     return facts;
 }
 
-Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* const> sinks) {
-    if (live) return run_live(s, sinks);
+Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* const> sinks,
+                              const FellBehind& fell_behind) {
+    if (live) return run_live(s, sinks, fell_behind);
     auto ran = TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(sinks);
     if (!ran.ok()) return ran.error();
     return LiveFacts{};
@@ -68,23 +80,30 @@ Result<Recording> read_replayed(const TouchOptions& options) {
     return options.replay ? read_recording(*options.replay) : Result<Recording>(Recording());
 }
 
-/// Gives the ticks of a later part on as those of one run with the parts before.
+/// Gives the ticks of a later part on as those of one run with the parts before, and knows who takes longest.
 class OneRun final : public TouchSink {
 public:
     OneRun(std::int64_t ticks_before, std::vector<TouchSink*> sinks)
-        : before_(ticks_before), sinks_(std::move(sinks)) {}
+        : before_(ticks_before), sinks_(std::move(sinks)), took_(sinks_.size()) {}
     Result<void> take(const TouchTick& tick) override {
         TouchTick later = tick;
         later.tick += before_;
         later.time_ns += before_ * tick_ns;
-        for (TouchSink* sink : sinks_)
-            if (auto taken = sink->take(later); !taken.ok()) return taken;
+        for (std::size_t k = 0; k < sinks_.size(); ++k) {
+            const auto begun = std::chrono::steady_clock::now();
+            if (auto taken = sinks_[k]->take(later); !taken.ok()) return taken;
+            took_[k] += std::chrono::steady_clock::now() - begun;
+        }
         return {};
+    }
+    const TouchSink* slowest() const {
+        return sinks_[static_cast<std::size_t>(std::max_element(took_.begin(), took_.end()) - took_.begin())];
     }
 
 private:
     std::int64_t before_;
     std::vector<TouchSink*> sinks_;
+    std::vector<std::chrono::steady_clock::duration> took_;
 };
 
 std::int64_t ticks_of(const RecordedPart& part) {
@@ -133,7 +152,9 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     if (part) sinks.push_back(&check.emplace(*part));
     if (part) sinks.push_back(&figures);
     const bool live = runs_live(s, options);
-    const auto ran = run_session(s, live, sinks);
+    const auto ran = run_session(s, live, sinks, [&](std::int64_t ticks) {
+        return fell_behind_error(outputs.name_of(one_run.slowest()), ticks);
+    });
     if (!ran.ok()) return ran.error();
     told.live = *ran;
     told.reports.push_back(

@@ -65,10 +65,7 @@ Result<void> DeviceLogFile::take(const TouchTick&) {
 
 Result<void> DeviceLogFile::finish() {
     if (auto rest = take({}); !rest.ok()) return rest;
-    if (log_.lost() > 0)
-        return Error{ErrorKind::internal, std::to_string(log_.lost()) +
-                                              " ticks of the device were lost on their way to --device-log; "
-                                              "the disk is too slow for what was asked to be written"};
+    if (log_.lost() > 0) return fell_behind_error(file_->name(), log_.lost());
     return file_->finish();
 }
 

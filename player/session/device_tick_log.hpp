@@ -62,6 +62,7 @@ public:
     Result<void> take(const TouchTick&) override;
     /// Gives the file its name. Error: ticks are missing.
     Result<void> finish();
+    std::string name() const { return file_->name(); }  ///< as OutputFile has it
 
 private:
     DeviceLogFile(std::unique_ptr<OutputFile> file, DeviceTickLog& log) : file_(std::move(file)), log_(log) {}

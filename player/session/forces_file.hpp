@@ -18,6 +18,7 @@ public:
     Result<void> take(const TouchTick& tick) override;
     /// Gives the file its name; without this nothing is left behind.
     Result<void> finish() { return file_->finish(); }
+    std::string name() const { return file_->name(); }  ///< as OutputFile has it
 
 private:
     explicit ForcesFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}

@@ -8,6 +8,7 @@
 #include "player/session/feed_threads.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/live_line.hpp"
+#include "player/session/output_file.hpp"
 #include "player/session/playback_clock.hpp"
 
 namespace touchable {
@@ -124,7 +125,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     while (loop.running() && taken.ok() && outlasts(threads) && !is_asked_to_stop()) {
         const auto end = threads.end();
         if (end) clip_end_ns_.store(end->time_ns, std::memory_order_relaxed);
-        if (is_over(loop, end)) break;
+        if (is_over(loop, end) || (settings_.hand_is_over && settings_.hand_is_over())) break;
         if (const std::size_t there = log_->size(); there > std::exchange(commands, there))
             threads.look_at_commands();
         drain();
@@ -156,10 +157,8 @@ Result<void> LiveSession::conclude(const HapticLoop& loop, const Result<void>& t
         return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};
     if (facts_.loop.ticks == 0 && facts_.failure) return *facts_.failure;
     if (facts_.loop.ticks == 0 && facts_.interrupted) return interrupted_error();
-    if (facts_.loop.lost > 0)
-        return Error{ErrorKind::internal, std::to_string(facts_.loop.lost) +
-                                              " ticks were lost on their way to the files; the disk "
-                                              "is too slow for what was asked to be written"};
+    facts_.sinks_fell_behind = facts_.loop.lost > 0;
+    if (facts_.sinks_fell_behind) return fell_behind_error("what is written of the run", facts_.loop.lost);
     return {};
 }
 

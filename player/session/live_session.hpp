@@ -22,6 +22,7 @@ struct LiveFacts {
     std::int64_t late_frames = 0;         ///< not built yet when the surface first needed them
     std::optional<CameraFacts> camera{};  ///< of a live source, which has no late frames
     bool interrupted = false;             ///< a person ended it
+    bool sinks_fell_behind = false;       ///< ticks were lost, and that is why `run` failed
     std::optional<Error>
         failure;  ///< what else ended it too early: the device, or a frame that cannot be read
 };

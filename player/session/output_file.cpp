@@ -38,9 +38,18 @@ Result<void> OutputFile::finish() {
     return file_->commit();
 }
 
+std::string OutputFile::name() const {
+    return option_ + ' ' + (file_ ? file_->target().string() : "-");
+}
+
 Error OutputFile::failed() const {
-    return input_error(option_ + ' ' + file_->target().string() +
-                       ": cannot be written (no such folder, no permission, or the disk is full)");
+    return input_error(name() + ": cannot be written (no such folder, no permission, or the disk is full)");
+}
+
+Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
+    return input_error(files + ": its disk, or whoever reads it, was too slow for 1000 ticks a second: " +
+                       std::to_string(ticks_missing) +
+                       " ticks are missing, each a row for a finger, and it is not complete");
 }
 
 }  // namespace touchable

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -20,6 +21,8 @@ public:
     static Result<std::unique_ptr<OutputFile>> create(std::string option, const std::filesystem::path& file,
                                                       Existing existing);
     Result<void> write(std::string_view bytes);
+    /// For messages: "--forces f.csv", "--forces -".
+    std::string name() const;
     /// Gives the file its name. Nothing may be written after that.
     Result<void> finish();
 
@@ -31,5 +34,8 @@ private:
     std::optional<NewFile> file_;  ///< nothing: standard output
     std::ofstream out_;
 };
+
+/// Of a live run whose ticks did not wait for a file (OutputFile::name) or files.
+Error fell_behind_error(const std::string& files, std::int64_t ticks_missing);
 
 }  // namespace touchable

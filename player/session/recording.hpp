@@ -57,6 +57,7 @@ public:
     void end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
     /// Ends the last part, and gives the file its name; without this nothing is left behind.
     Result<void> finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
+    std::string name() const { return file_->name(); }  ///< as OutputFile has it
 
 private:
     RecordingFile(std::unique_ptr<OutputFile> file, int fingers)

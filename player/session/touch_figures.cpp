@@ -68,6 +68,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         force_sum_ += newtons;
         force_max_ = std::max(force_max_, newtons);
         largest_stiffness_ = std::max(largest_stiffness_, c.properties.stiffness);
+        smallest_stiffness_ = std::min(smallest_stiffness_, c.properties.stiffness);
     }
     ++ticks_;
     finger_ticks_ += static_cast<std::int64_t>(tick.contacts.size());
@@ -145,7 +146,9 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
             {"force_limited", {{"finger_ticks", force_limited_ticks_}, {"longest_ticks", longest_limited_}}},
             {"stiffness_limited",
-             {{"ticks", stiffness_limited_ticks_}, {"largest_n_mm", largest_stiffness_ / 1000}}},
+             {{"ticks", stiffness_limited_ticks_},
+              {"smallest_n_mm", std::min(smallest_stiffness_, largest_stiffness_) / 1000},
+              {"largest_n_mm", largest_stiffness_ / 1000}}},
             {"energy_mj", energy_mj()},
             {"hole_contact", hole_contact()},
             {"tick_us", touchable::to_json(spread_of(tick_us_))}};

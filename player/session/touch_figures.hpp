@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -45,7 +46,8 @@ private:
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
     std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0;
-    double largest_stiffness_ = 0;  // that the clip asked for in contact, N/m
+    // That the clip asked for in contact, N/m.
+    double largest_stiffness_ = 0, smallest_stiffness_ = std::numeric_limits<double>::infinity();
     std::int64_t events_ = 0;
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
     std::int64_t force_limited_ticks_ = 0,

@@ -41,6 +41,8 @@ struct TouchSessionSettings {
     std::function<std::string()> device_in_words;
     /// Likewise: of the device that a person holds, which outlives the run; nullptr: nobody does.
     const HandControl* control = nullptr;
+    /// Of a live run: whether its hand has nothing more to tell, which ends it; nothing: it never has.
+    std::function<bool()> hand_is_over;
     /// Time of a tick; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
     /// Frames of a tick; those around its moment on the clip's clock by default.

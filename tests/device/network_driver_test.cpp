@@ -157,6 +157,39 @@ TEST_F(NetworkHand, GarbageIsLeftOutAndNamed) {
     EXPECT_EQ(driver.left_out(), 4);
 }
 
+TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
+    EXPECT_EQ(driver.absence(), "no hand ever came to UDP 127.0.0.1:" + std::to_string(driver.port()));
+    const Peer peer(driver.port());
+    for (std::uint32_t sequence = 1; sequence <= 3; ++sequence) peer.say(sequence, {0, 0, 0}, false, 2);
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_NE(
+        driver.wish().find("; packets with 2 fingers came and 1 is expected: --device network:fingers=2 "
+                           "(from 127.0.0.1:"),
+        std::string::npos)
+        << driver.wish();
+    NetworkPacket newer;
+    auto bytes = encode(newer);
+    bytes[4] = std::byte{9};
+    peer.say(bytes);
+    bytes = encode(newer);
+    bytes.back() ^= std::byte{1};
+    peer.say(bytes);
+    EXPECT_TRUE(hears_nothing());
+    const std::string words = driver.absence();
+    for (const char* part :
+         {"packets with 2 fingers came and 1 is expected: --device network:fingers=2 (3 packets)",
+          "version 9; this program speaks version 1 (1 packet)", "CRC-32"})
+        EXPECT_NE(words.find(part), std::string::npos) << part << " in " << words;
+    for (int size = 1; size < 40; ++size) peer.say(std::vector<std::byte>(static_cast<std::size_t>(size)));
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_NE(driver.absence().find("and others ("), std::string::npos) << driver.absence();
+    EXPECT_LT(driver.absence().size(), 1500u) << "whatever somebody sends";
+    EXPECT_EQ(driver.left_out(), 44);
+    peer.say(4, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    EXPECT_EQ(driver.absence(), "");
+}
+
 TEST_F(NetworkHand, OnePeerAtATimeUntilItEnds) {
     const Peer first(driver.port()), second(driver.port());
     first.say(1, {0.01, 0, 0});

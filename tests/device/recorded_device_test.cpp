@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "tests/device/temporary_file.hpp"
@@ -75,14 +76,17 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_TRUE(std::isnan(sample.metres[1].x));
     EXPECT_EQ(sample.buttons, 5u);
     EXPECT_EQ(driver->wish(), "");
+    EXPECT_FALSE(driver->is_over()) << "its last place stands for a tick";
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_TRUE(std::isnan(sample.metres[0].x));
     EXPECT_EQ(sample.buttons, 0u);
     EXPECT_NE(driver->wish().find("has ended"), std::string::npos);
+    EXPECT_TRUE(driver->is_over());
     EXPECT_FALSE(*driver->receive(sample, milliseconds(5)));
     driver->disconnect();
     EXPECT_FALSE(driver->receive(sample, milliseconds(5)).ok());
     ASSERT_TRUE(driver->connect({}).ok()) << "and again from the start";
+    EXPECT_FALSE(driver->is_over());
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_EQ(sample.metres[0], glm::dvec3(0.1, 0.2, 0.3));
 }
@@ -203,6 +207,34 @@ std::string documented_script() {
     }
     while (std::getline(in, line) && line != "```") script += line + "\n";
     return script;
+}
+
+/// Declarations of the block of C++ in docs/devices.md, without what is said of them.
+std::vector<std::string> documented_driver() {
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/devices.md");
+    std::string line;
+    while (std::getline(in, line) && line != "   ```cpp") {
+    }
+    std::vector<std::string> calls;
+    while (std::getline(in, line) && line != "   ```")
+        if (const std::size_t end = line.find(';'); end != std::string::npos && line.find("//") > end)
+            calls.push_back(line.substr(3, end - 3));
+    return calls;
+}
+
+TEST(DeviceDriver, IsDocumentedAsItIs) {
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/device/device_driver.hpp");
+    const std::string header((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const auto calls = documented_driver();
+    ASSERT_EQ(calls.size(), 11u);
+    for (const std::string& call : calls)
+        EXPECT_NE(header.find("virtual " + call), std::string::npos) << call;
+    for (std::size_t at = header.find(" = 0;", header.find("class DeviceDriver")); at != std::string::npos;
+         at = header.find(" = 0;", at + 1)) {
+        const std::size_t begin = header.rfind("virtual ", at) + 8;
+        EXPECT_NE(std::find(calls.begin(), calls.end(), header.substr(begin, at - begin)), calls.end())
+            << header.substr(begin, at - begin) << " must be there";
+    }
 }
 
 TEST(DeviceLogs, TheDocumentedScriptReadsOne) {

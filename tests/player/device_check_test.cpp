@@ -42,7 +42,15 @@ TEST(Devices, NamesEveryWordAndHowToBegin) {
     const Outcome run = run_touchable({"devices"});
     EXPECT_EQ(run.code, 0) << run.err;
     for (const DeviceKind& kind : device_kinds())
-        EXPECT_NE(run.out.find("\n    " + std::string(kind.name) + " "), std::string::npos) << kind.name;
+        EXPECT_NE(run.out.find("\n    " + std::string(kind.name) + std::string(kind.keys) + " "),
+                  std::string::npos)
+            << kind.name;
+    for (const char* part : {"\n    falcon:firmware=FILE ", "\n    woodenhaptics:file=FILE ",
+                             "\n    recorded:FILE ", "\n    simulated "})
+        EXPECT_NE(run.out.find(part), std::string::npos) << part << run.out;
+    if (run.out.starts_with("No device")) {
+        EXPECT_NE(run.out.find("sudo udevadm control --reload"), std::string::npos) << run.out;
+    }
     EXPECT_NE(run.out.find("touchable touch CLIP --live --device NAME"), std::string::npos) << run.out;
 }
 
@@ -52,7 +60,10 @@ TEST(Devices, SayTheSameAsJson) {
     const auto json = nlohmann::json::parse(run.out, nullptr, false);
     ASSERT_TRUE(json.is_object()) << run.out;
     EXPECT_TRUE(json["devices"].is_array());
-    EXPECT_EQ(json["words"].size(), device_kinds().size());
+    ASSERT_EQ(json["words"].size(), device_kinds().size() + 1);
+    EXPECT_EQ(json["words"][0]["word"], "falcon");
+    EXPECT_EQ(json["words"][0]["keys"], ":firmware=FILE");
+    EXPECT_EQ(json["words"].back()["word"], "simulated");
 }
 
 TEST(Devices, GiveTheRuleFileToWhoHasTheProgramAlone) {
@@ -101,6 +112,39 @@ TEST(DeviceCheck, WhatCannotBeOpenedIsCode5InOneLine) {
     EXPECT_EQ(run.code, 5);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
     EXPECT_TRUE(run.out.empty()) << run.out;
+    EXPECT_NE(run.err.find("/dev/nonexistent-hidraw: is not there; right would be"), std::string::npos)
+        << run.err;
+}
+
+TEST(DeviceCheck, AFileThatIsNotThereHidesNoMissingDevice) {
+    if (!run_touchable({"devices"}).out.starts_with("No device")) GTEST_SKIP() << "a device is connected";
+    const TemporaryFolder folder;
+    for (const char* device : {"falcon:firmware=", "woodenhaptics:file="}) {
+        const std::string name(device, std::string(device).find(':'));
+        const Outcome run = run_touchable({"check", "--device", device + (folder / "none.bin").string()});
+        EXPECT_EQ(run.code, 3) << device;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find("none.bin: is not there; right would be "), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find("; and no " + name + " is connected"), std::string::npos) << run.err;
+        const Outcome on_folder = run_touchable({"check", "--device", device + folder.path().string()});
+        EXPECT_NE(on_folder.err.find(": is a folder; right would be "), std::string::npos) << on_folder.err;
+    }
+    const Outcome log = run_touchable({"check", "--device", "recorded:" + (folder / "none.csv").string()});
+    EXPECT_NE(log.err.find("none.csv: is not there; right would be a CSV file\n"), std::string::npos)
+        << log.err;
+}
+
+TEST(DeviceCheck, AnUnknownNameIsToldTheNearest) {
+    const auto refusal = [](const char* name) { return run_touchable({"check", "--device", name}).err; };
+    const std::string falco = refusal("falco");
+    EXPECT_NE(
+        falco.find("unknown device 'falco'; did you mean falcon? There are falcon, inverse3, woodenhaptics, "
+                   "spacemouse, network, recorded, simulated; and mouse, in the window alone"),
+        std::string::npos)
+        << falco;
+    EXPECT_NE(refusal("netwrok:port=6000").find("did you mean network?"), std::string::npos);
+    EXPECT_NE(refusal("inverse").find("did you mean inverse3?"), std::string::npos);
+    EXPECT_EQ(refusal("xyz").find("did you mean"), std::string::npos) << "none is near";
 }
 
 TEST(DeviceCheck, AHandThatNeverComesIsCode5AndLeavesNoReport) {
@@ -141,6 +185,70 @@ TEST(DeviceCheck, QuestionsThatMakeNoSenseAreCode2) {
     }
 }
 
+class HeldLog : public ::testing::Test {
+protected:
+    HeldLog() {
+        const Outcome made = run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"});
+        EXPECT_EQ(made.code, 0) << made.err;
+        write_log(log, 1);
+    }
+    Outcome touch(const Words& more) const {
+        Words all{"touch", clip, "--live", "--device", "recorded:" + log};
+        all.insert(all.end(), more.begin(), more.end());
+        return run_touchable(all);
+    }
+
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", log = folder / "trouble.csv", report = folder / "r.json";
+};
+
+TEST_F(HeldLog, EndsTheRunWhereItEnds) {
+    const Outcome run = touch({"--json", report});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("has ended: nothing holds the handle any more; the run ends there"),
+              std::string::npos)
+        << run.out;
+    const auto facts = nlohmann::json::parse(file_contents(report));
+    const auto ticks = facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>();
+    EXPECT_GE(ticks, 200) << "the log begins when it is opened, a moment before the hand";
+    EXPECT_LT(ticks, 2900) << "not the clip's three seconds, nor for ever";
+}
+
+TEST_F(HeldLog, RunsForAsLongAsItIsTold) {
+    const Outcome run = touch({"--seconds", "1.5", "--json", report});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(run.out.find("the run ends there"), std::string::npos) << run.out;
+    const auto facts = nlohmann::json::parse(file_contents(report));
+    EXPECT_NEAR(facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>(), 1500, 20);
+}
+
+TEST_F(HeldLog, ExertsNoForceWhateverIsAskedFor) {
+    for (const Words& more : {Words{"--json", report}, {"--force-on", "--json", folder / "on.json"}}) {
+        const Outcome run = touch(more);
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_NE(run.err.find("the recorded device exerts no force"), std::string::npos) << run.err;
+        EXPECT_NE(run.out.find("exerts no force; no position for "), std::string::npos) << run.out;
+        EXPECT_EQ((run.out + run.err).find("forces on"), std::string::npos) << run.out << run.err;
+        EXPECT_EQ(nlohmann::json::parse(file_contents(more.back()))["forces_on_ticks"], 0);
+    }
+}
+
+TEST_F(HeldLog, ThatNobodyCameIsSaidAtTheStartAndInTheEnd) {
+    const std::string port = free_port();
+    const Outcome run = run_touchable(
+        {"touch", clip, "--live", "--device", "network:port=" + port, "--seconds", "0.3", "--json", report});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find("press the device's first button (bit 0 of its buttons)"), std::string::npos)
+        << run.err;
+    EXPECT_NE(run.err.find("waiting for a hand at UDP 127.0.0.1:" + port), std::string::npos) << run.err;
+    EXPECT_NE(run.out.find("no hand ever came to UDP 127.0.0.1:" + port + "\n"), std::string::npos)
+        << run.out;
+    EXPECT_EQ(run.out.find("no finger touched anything"), std::string::npos) << run.out;
+    EXPECT_EQ(run.out.find("changed by it"), std::string::npos) << run.out;
+    EXPECT_EQ(nlohmann::json::parse(file_contents(report))["warnings"].back(),
+              "no hand ever came to UDP 127.0.0.1:" + port);
+}
+
 TEST(DeviceReport, NamesNoFolders) {
     EXPECT_EQ(without_folders("falcon:firmware=/home/ada/novint.bin,force=2"),
               "falcon:firmware=novint.bin,force=2");
@@ -160,7 +268,7 @@ TEST(DeviceReport, SaysWhatTheSearchFound) {
     };
     report.stiffness = {.quiet = 800, .shaking = 1131, .why = "its swings doubled", .most_force = 1.5};
     says("stiffness 0.8 N/mm is quiet, 1.13 N/mm is not: its swings doubled (no hand on it, 1.5 N at most)");
-    says("which is the round trip");
+    says("answer    round trip, from a force to the position that answers it: ");
     says("7 reports");
     report.stiffness = {.quiet = 1000, .most_force = 1.5};
     says("1 N/mm, its own limit, is quiet");
@@ -170,7 +278,7 @@ TEST(DeviceReport, SaysWhatTheSearchFound) {
     says("friction held the handle against every nudge");
     report.facts.left_out = -1;
     report.capabilities.answers = false;
-    says("it tells positions by itself");
+    says("answer    from a force to the next position, which comes by itself: ");
     EXPECT_EQ(to_text(report).find(" reports, "), std::string::npos) << "it does not count them";
     report.watch.rest.farthest_m = 0.004;
     says("the handle moved (by 4 mm)");

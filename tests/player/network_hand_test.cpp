@@ -165,6 +165,77 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     EXPECT_EQ(file_contents(folder / "plot.png").substr(1, 3), "PNG");
 }
 
+/// The block of Python in docs/network-hand.md.
+std::string documented_hand() {
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/network-hand.md");
+    std::string line, script;
+    while (std::getline(in, line) && line != "```python") {
+    }
+    while (std::getline(in, line) && line != "```") script += line + "\n";
+    return script;
+}
+
+TEST_F(NetworkTouch, TheDocumentedHandFeelsTheGlobe) {
+    std::string script = documented_hand();
+    const std::size_t at = script.find("5710");
+    ASSERT_NE(at, std::string::npos) << script;
+    script.replace(at, 4, std::to_string(port));
+    std::ofstream(folder / "hand.py") << script;
+    Outcome live;
+    std::thread touchable([&] {
+        live =
+            run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "3.5"});
+    });
+    const std::string said = said_by("/usr/bin/python3 " + (folder / "hand.py").string());
+    touchable.join();
+    EXPECT_EQ(live.code, 0) << live.err;
+    EXPECT_NE(said.find(" answers, largest force "), std::string::npos) << said;
+    EXPECT_EQ(said.find("largest force 0.00"), std::string::npos) << said;
+    EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
+}
+
+TEST_F(NetworkTouch, TheExampleSaysThatNobodyAnswersIt) {
+    const std::string example = "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py ";
+    const std::string alone = said_by(example + "0.05 " + std::to_string(port));
+    EXPECT_NE(alone.find("no answer from UDP 127.0.0.1:" + std::to_string(port) + ": nobody listens there"),
+              std::string::npos)
+        << alone;
+    EXPECT_NE(alone.find("exit 1"), std::string::npos) << alone;
+    UdpSocket deaf;
+    ASSERT_TRUE(deaf.bind("127.0.0.1", 0).ok());
+    const std::string unheard = said_by(example + "0.05 " + std::to_string(deaf.port()));
+    EXPECT_NE(unheard.find(": nobody answers there"), std::string::npos) << unheard;
+    EXPECT_EQ(unheard.find("Traceback"), std::string::npos) << unheard;
+    const std::string help = said_by(example + "--help");
+    EXPECT_NE(help.find("A small hand"), std::string::npos) << help;
+    EXPECT_NE(help.find("exit 0"), std::string::npos) << help;
+}
+
+TEST_F(NetworkTouch, AReaderThatSleepsIsNamedWithWhatItMissed) {
+    const std::string command =
+        std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip + " --live --device " +
+        device() + " --seconds 8 --device-log - | (sleep 9; cat > " + (folder / "log").string() + ")";
+    const std::string said = said_by("bash -c '" + command + "'");
+    EXPECT_NE(
+        said.find("--device-log -: its disk, or whoever reads it, was too slow for 1000 ticks a second: "),
+        std::string::npos)
+        << said;
+    EXPECT_NE(said.find(" ticks are missing"), std::string::npos) << said;
+    EXPECT_NE(said.find("exit 3"), std::string::npos) << said;
+}
+
+TEST_F(NetworkTouch, ThePlotKeepsUpAndEndsWithItsInput) {
+    const std::string picture = (folder / "live.png").string();
+    const std::string command = std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip +
+                                " --live --device " + device() +
+                                " --seconds 3 --device-log - | /usr/bin/python3 " TOUCHABLE_SOURCE_DIR
+                                "/device/examples/plot_live.py " +
+                                picture;
+    const std::string said = said_by("bash -c '" + command + "'");
+    EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
+    EXPECT_EQ(file_contents(picture).substr(1, 3), "PNG");
+}
+
 TEST_F(NetworkTouch, ThatNobodyAskedForForcesHasNone) {
     Outcome live;
     std::thread touchable([&] {

@@ -107,6 +107,18 @@ TEST_F(TouchShaping, TheReportAccountsForEnergy) {
     EXPECT_NE(told.out.find("energy from nowhere"), std::string::npos) << told.out;
 }
 
+TEST_F(TouchShaping, EnergyThatTheClipsStiffnessGivesIsSaidToBeThat) {
+    make_clip("globe", clip(), {"--size", "72x48", "--frames", "60"});
+    hand = "press:x=0.4,y=0.4,depth=8";  // it rests, and water and land turn below it
+    const auto report = touch(with({}));
+    ASSERT_LT(report["stiffness_limited"]["smallest_n_mm"], report["stiffness_limited"]["largest_n_mm"]);
+    ASSERT_GT(report["energy_mj"]["created"], report["energy_mj"]["zoh_bound"]) << "this hand shows nothing";
+    EXPECT_TRUE(report["energy_mj"]["of_the_map"].get<bool>());
+    const auto passive = touch(with({"--stiffness", "passive"}))["energy_mj"];
+    EXPECT_LE(passive["created"], passive["zoh_bound"]);
+    EXPECT_FALSE(passive["of_the_map"].get<bool>());
+}
+
 TEST_F(TouchShaping, TheReportSaysWhatStiffnessWasAskedForAndHowOftenItWasLimited) {
     make("bumps");
     const auto soft = touch(with({}))["stiffness_limited"];
