@@ -181,14 +181,19 @@ TEST_F(NetworkTouch, TheDocumentedHandFeelsTheGlobe) {
     ASSERT_NE(at, std::string::npos) << script;
     script.replace(at, 4, std::to_string(port));
     std::ofstream(folder / "hand.py") << script;
-    Outcome live;
-    std::thread touchable([&] {
-        live =
-            run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds", "3.5"});
-    });
-    const std::string said = said_by("/usr/bin/python3 " + (folder / "hand.py").string());
-    touchable.join();
-    EXPECT_EQ(live.code, 0) << live.err;
+    std::string said;
+    nlohmann::json facts;
+    for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
+        Outcome live;
+        std::thread touchable([&] {
+            live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds",
+                                  "3.5", "--overwrite", "--json", report});
+        });
+        said = said_by("/usr/bin/python3 " + (folder / "hand.py").string());
+        touchable.join();
+        EXPECT_EQ(live.code, 0) << live.err;
+        facts = nlohmann::json::parse(file_contents(report), nullptr, false);
+    }
     EXPECT_NE(said.find(" answers, largest force "), std::string::npos) << said;
     EXPECT_EQ(said.find("largest force 0.00"), std::string::npos) << said;
     EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
@@ -212,10 +217,15 @@ TEST_F(NetworkTouch, TheExampleSaysThatNobodyAnswersIt) {
 }
 
 TEST_F(NetworkTouch, AReaderThatSleepsIsNamedWithWhatItMissed) {
-    const std::string command =
-        std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip + " --live --device " +
-        device() + " --seconds 8 --device-log - | (sleep 9; cat > " + (folder / "log").string() + ")";
-    const std::string said = said_by("bash -c '" + command + "'");
+    const std::string command = std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip +
+                                " --live --device " + device() + " --seconds 8 --overwrite --json " + report +
+                                " --device-log - | (sleep 9; cat > " + (folder / "log").string() + ")";
+    std::string said;
+    nlohmann::json facts;
+    for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
+        said = said_by("bash -c '" + command + "'");
+        facts = nlohmann::json::parse(file_contents(report), nullptr, false);
+    }
     EXPECT_NE(
         said.find("--device-log -: its disk, or whoever reads it, was too slow for 1000 ticks a second: "),
         std::string::npos)
