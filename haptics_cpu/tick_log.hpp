@@ -1,15 +1,13 @@
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <vector>
 
+#include "haptics_cpu/spsc_ring.hpp"
 #include "haptics_cpu/touch_tick.hpp"
 
 namespace touchable {
 
-/// Ticks on their way from the haptic thread to whoever keeps them: a ring between one writer and one reader.
-/// Neither waits; all memory is there from the start.
+/// Ticks on their way from the haptic thread to whoever keeps them.
 class TickLog {
 public:
     TickLog(int ticks, int fingers);
@@ -18,12 +16,8 @@ public:
     bool push(const TouchTick& tick);
     /// Reader. Hands the oldest tick to `take`; false where there is none.
     template <class Take>
-    bool pop(Take take) {
-        const std::uint64_t at = popped_.load(std::memory_order_relaxed);
-        if (at == pushed_.load(std::memory_order_acquire)) return false;
-        take(slots_[at % slots_.size()].tick);
-        popped_.store(at + 1, std::memory_order_release);
-        return true;
+    bool pop(const Take& take) {
+        return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
     }
 
 private:
@@ -34,9 +28,9 @@ private:
         std::vector<Contact> contacts;
         std::vector<GuardedForce> forces;
     };
-    std::vector<Slot> slots_;
-    alignas(64) std::atomic<std::uint64_t> pushed_{0};
-    alignas(64) std::atomic<std::uint64_t> popped_{0};
+    static std::vector<Slot> slots_for(int ticks, int fingers);
+
+    SpscRing<Slot> ring_;
 };
 
 }  // namespace touchable

@@ -8,26 +8,26 @@
 
 namespace touchable {
 
-DeviceTickLog::DeviceTickLog(int ticks, int fingers) : slots_(static_cast<std::size_t>(ticks)) {
-    for (Slot& slot : slots_) {
+DeviceTickLog::DeviceTickLog(int ticks, int fingers) : ring_(slots_for(ticks, fingers)) {}
+
+std::vector<DeviceTickLog::Slot> DeviceTickLog::slots_for(int ticks, int fingers) {
+    std::vector<Slot> slots(static_cast<std::size_t>(ticks));
+    for (Slot& slot : slots) {
         slot.places.resize(static_cast<std::size_t>(fingers));
         slot.newtons.resize(static_cast<std::size_t>(fingers));
     }
+    return slots;
 }
 
 void DeviceTickLog::push(const DeviceTick& tick) {
-    const std::uint64_t at = pushed_.load(std::memory_order_relaxed);
-    if (at - popped_.load(std::memory_order_acquire) == slots_.size()) {
-        lost_.fetch_add(1, std::memory_order_relaxed);
-        return;
-    }
-    Slot& slot = slots_[at % slots_.size()];
-    slot.tick = tick;
-    std::copy(tick.places.begin(), tick.places.end(), slot.places.begin());
-    std::copy(tick.newtons.begin(), tick.newtons.end(), slot.newtons.begin());
-    slot.tick.places = slot.places;
-    slot.tick.newtons = slot.newtons;
-    pushed_.store(at + 1, std::memory_order_release);
+    const bool has_room = ring_.push([&tick](Slot& slot) {
+        slot.tick = tick;
+        std::copy(tick.places.begin(), tick.places.end(), slot.places.begin());
+        std::copy(tick.newtons.begin(), tick.newtons.end(), slot.newtons.begin());
+        slot.tick.places = slot.places;
+        slot.tick.newtons = slot.newtons;
+    });
+    if (!has_room) lost_.fetch_add(1, std::memory_order_relaxed);
 }
 
 Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesystem::path& file,

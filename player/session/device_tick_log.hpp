@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "haptics_cpu/spsc_ring.hpp"
 #include "player/session/output_file.hpp"
 #include "player/session/touch_session.hpp"
 
@@ -23,7 +24,7 @@ struct DeviceTick {
     std::span<const glm::dvec3> newtons{};  ///< as given to the device
 };
 
-/// Ticks of a device on their way from the haptic thread to a file: a ring between one writer and one reader.
+/// Ticks of a device on their way from the haptic thread to a file.
 class DeviceTickLog {
 public:
     DeviceTickLog(int ticks, int fingers);
@@ -32,12 +33,8 @@ public:
     void push(const DeviceTick& tick);
     /// Reader. Hands the oldest tick to `take`; false where there is none.
     template <class Take>
-    bool pop(Take take) {
-        const std::uint64_t at = popped_.load(std::memory_order_relaxed);
-        if (at == pushed_.load(std::memory_order_acquire)) return false;
-        take(slots_[at % slots_.size()].tick);
-        popped_.store(at + 1, std::memory_order_release);
-        return true;
+    bool pop(const Take& take) {
+        return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
     }
     std::int64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 
@@ -46,10 +43,10 @@ private:
         DeviceTick tick;
         std::vector<glm::dvec3> places, newtons;
     };
-    std::vector<Slot> slots_;
+    static std::vector<Slot> slots_for(int ticks, int fingers);
+
+    SpscRing<Slot> ring_;
     std::atomic<std::int64_t> lost_{0};
-    alignas(64) std::atomic<std::uint64_t> pushed_{0};
-    alignas(64) std::atomic<std::uint64_t> popped_{0};
 };
 
 /// `--device-log FILE`, or `-`: a row for each tick and finger (docs/devices.md, Logs). Replays as a device.
