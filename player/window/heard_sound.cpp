@@ -57,9 +57,10 @@ void ClipVoice::add(const HeardTick& tick, ClipSound& sound, ContactSound::Sampl
     }
     const double step = step_to(tick);
     constexpr auto count = static_cast<std::size_t>(ContactSound::samples_per_tick);
-    std::array<StereoSample, static_cast<std::size_t>(count * (fastest + 1)) + 4> samples;
+    // Those of the next tick too: before samples that are not there it has to have faded.
+    std::array<StereoSample, static_cast<std::size_t>(2 * count * (fastest + 1)) + 4> samples;
     const double first = std::floor(position_) - 1;
-    const std::size_t needed = static_cast<std::size_t>(step * count) + 5;
+    const std::size_t needed = static_cast<std::size_t>(2 * step * count) + 5;
     const std::span<StereoSample> there = std::span(samples).first(std::min(needed, samples.size()));
     const bool is_there = sound.read(static_cast<std::int64_t>(first), there);
     const double from = volume_, until = is_heard && follows_ && is_there ? 1 : 0;

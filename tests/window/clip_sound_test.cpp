@@ -103,6 +103,18 @@ TEST_F(ClipHeard, HasNoJumpsWhereTheClipJumpsPausesAndEnds) {
     EXPECT_LT(largest_step(heard), step + 0.5 / 48);
 }
 
+/// What comes last takes the place of what came first: a block is there, and the one behind it is not yet.
+TEST_F(ClipHeard, HasNoJumpsWhereItIsNotDecodedInTime) {
+    const double step = 1.3 * largest_step(sound_);
+    for (std::uint64_t go = 0; go < 20; ++go) {
+        wait_for(1.4);
+        for (const double from_s : {0.16, 0.0, 0.08}) {
+            const auto heard = hear(from_s, 300, 4, 3 * go + static_cast<std::uint64_t>(100 * from_s));
+            ASSERT_LT(largest_step(heard), 4 * step + 0.5 / 48) << go;
+        }
+    }
+}
+
 TEST_F(ClipHeard, IsSilentWhileNothingPlays) {
     hear(0.5, 50);
     hear_nothing(2);
