@@ -74,8 +74,8 @@ Error unknown_device(const std::string& name) {
     for (const DeviceKind& each : kinds) list(each.name);
     list("simulated");
     return usage_error("unknown device '" + printable(name) + "'" +
-                       (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " There are " + names +
-                       "; and mouse, in the window alone (touchable play)");
+                       (nearest.empty() ? "; there are " : "; did you mean " + nearest + "? There are ") +
+                       names + "; and mouse, in the window alone (touchable play)");
 }
 
 }  // namespace

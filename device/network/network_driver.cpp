@@ -131,9 +131,10 @@ std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress
 
 void NetworkDriver::leave_out(const std::string& why, const UdpAddress& from) {
     ++left_out_;
-    if (peer_ && peer_->address == from) return;  // one of a hand that is there tells of the way, not of it
+    if (peer_) return;  // with a hand there, nobody has to be told
     trouble_ = why + " (from " + from.in_words() + ")";
     const std::lock_guard lock(words_mutex_);
+    if (any_peer_) return;
     const auto same = [&why](const LeftOut& each) { return each.why == why; };
     auto known = std::find_if(left_out_why_.begin(), left_out_why_.end(), same);
     if (known == left_out_why_.end()) {

@@ -95,7 +95,7 @@ std::vector<TouchSink*> TouchOutputs::sinks() {
 std::string TouchOutputs::name_of(const TouchSink* sink) const {
     if (sink == forces_.get()) return forces_->name();
     if (sink == device_log_.get()) return device_log_->name();
-    return sink == record_.get() ? record_->name() : "what is made of the run";
+    return sink == record_.get() ? record_->name() : "";
 }
 
 const SurfacePainter* TouchOutputs::painter() const {

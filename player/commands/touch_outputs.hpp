@@ -26,7 +26,7 @@ public:
 
     /// Those that want to know of every tick.
     std::vector<TouchSink*> sinks();
-    /// The file of one of those, for messages: "--forces f.csv".
+    /// The file of one of those, for messages: "--forces f.csv"; empty: it writes none as it goes.
     std::string name_of(const TouchSink* sink) const;
     /// Of the picture; nullptr where none is asked for.
     const SurfacePainter* painter() const;

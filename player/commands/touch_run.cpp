@@ -55,7 +55,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
         }
         keys.emplace(*s.control);
         std::cerr << how_to_begin(*s.held_device, *s.control, keys->listens()) << '\n';
-        settings.control = s.control.get();
+        settings.control = s.exerting_control();
         settings.device_in_words = [&s] { return state_of(*s.held_device, *s.control); };
     }
     LiveSession session(s.scene, *s.feed, **port, *s.solver, settings);

@@ -10,7 +10,7 @@
 namespace touchable {
 
 /// What a person sees on a terminal while a live session runs: for how long it has, what came late so far,
-/// and the largest force on a finger now. With a device that a person holds, the force that reaches the hand,
+/// and the largest force on a finger now. With a device that a person holds, the force that is asked of it,
 /// and why it is kept back where it is.
 class LiveLine final : public TouchSink {
 public:

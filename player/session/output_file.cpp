@@ -47,9 +47,10 @@ Error OutputFile::failed() const {
 }
 
 Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
-    return input_error(files + ": its disk, or whoever reads it, was too slow for 1000 ticks a second: " +
-                       std::to_string(ticks_missing) +
-                       " ticks are missing, each a row for a finger, and it is not complete");
+    const std::string slow =
+        files.empty() ? "this machine was" : files + ": its disk, or whoever reads it, was";
+    return input_error(slow + " too slow for 1000 ticks a second: " + std::to_string(ticks_missing) +
+                       " ticks are missing, so it is not complete, and no file is kept");
 }
 
 }  // namespace touchable

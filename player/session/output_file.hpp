@@ -35,7 +35,8 @@ private:
     std::ofstream out_;
 };
 
-/// Of a live run whose ticks did not wait for a file (OutputFile::name) or files.
+/// Of a live run whose ticks did not wait for a file (OutputFile::name), or, where that is empty, for the
+/// program.
 Error fell_behind_error(const std::string& files, std::int64_t ticks_missing);
 
 }  // namespace touchable

@@ -39,7 +39,7 @@ struct TouchSessionSettings {
     std::vector<PlaybackCommand> playback;
     /// Of a live run: what is to be said of its device while it goes on; nothing: nothing.
     std::function<std::string()> device_in_words;
-    /// Likewise: of the device that a person holds, which outlives the run; nullptr: nobody does.
+    /// Likewise: of the device that exerts forces on a person, which outlives the run; nullptr: none does.
     const HandControl* control = nullptr;
     /// Of a live run: whether its hand has nothing more to tell, which ends it; nothing: it never has.
     std::function<bool()> hand_is_over;

@@ -35,6 +35,11 @@ struct TouchSetup {
     std::unique_ptr<SimulatedDevice> device;    ///< that the hand holds
     std::shared_ptr<HapticDevice> held_device;  ///< that a person holds
     std::shared_ptr<HandControl> control;       ///< of that device; nothing: it is there as it is
+    /// Of a device that has motors; nullptr: no force reaches a person's hand, and what is told is the
+    /// scene's.
+    const HandControl* exerting_control() const {
+        return control && held_device->capabilities().axes_driven > 0 ? control.get() : nullptr;
+    }
     double hand_scale = 1;                      ///< of that device, as SessionOptions has it
     std::unique_ptr<DeviceTickLog> device_log;  ///< of that device; nothing: nobody wants one
     Workspace workspace;

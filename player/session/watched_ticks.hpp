@@ -16,7 +16,7 @@ namespace touchable {
 struct WatchedFinger {
     glm::dvec3 goal{0.0};  ///< as the hand gave it
     Contact contact;       ///< the goal that was used, proxy, whether it touches, properties there
-    GuardedForce force;    ///< as it reached the hand, and why it is not the spring's
+    GuardedForce force;    ///< as it was asked of the device, and why it is not the spring's
 };
 
 struct WatchedTick {

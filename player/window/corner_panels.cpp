@@ -142,6 +142,8 @@ void draw_help(const PanelFacts& facts, float width, float height, float scale) 
             row("Middle button", "drag: turn; with Shift: move; double click: look at that place");
         }
         if (facts.hand) row("Forces", facts.hand->state.words.c_str());
+        if (facts.hand && facts.hand->buttons > 0)
+            row("Its buttons", "the first: forces on, and then, held down, as C; the second: forces off");
         const auto keys = key_bindings();
         for (std::size_t k = 0; k < keys.size();) {
             const bool is_other = does_nothing(keys[k].verb, facts.hand.has_value());

@@ -31,7 +31,7 @@ HandState hand_state(const HeldHand& hand, const HandControl& control, bool is_i
             remark = "lift the finger off the surface: then it is felt";
         return {Mood::on, "forces on - F turns them off", remark};
     }
-    const std::string button = has.buttons > 0 ? " or the device's first button" : "";
+    const std::string button = has.buttons > 0 ? std::string(" or ") + has.first_button : "";
     return {Mood::off, "forces off - press F" + button, remark};
 }
 

@@ -22,7 +22,9 @@ HandState hand_state(const HeldHand& hand, const HandControl& control, bool is_i
 struct HandFacts {
     std::string device;  ///< its name
     HandState state;
-    double age_s = 0;  ///< of the positions; infinite: there are none
+    double age_s = 0;            ///< of the positions; infinite: there are none
+    double scene_per_metre = 1;  ///< metres of the scene that a finger goes for one of the hand
+    int buttons = 0;
 };
 
 }  // namespace touchable

@@ -29,6 +29,7 @@ public:
     std::uint32_t buttons() override;
     double age_s() const override { return age_s_.load(std::memory_order_relaxed); }  ///< any thread may ask
     std::string wish() const override { return device_->wish(); }
+    std::string absence() const override { return device_->absence(); }
     Result<void> health() const override { return device_->health(); }
 
     // The window's.

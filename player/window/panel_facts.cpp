@@ -84,8 +84,10 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.scale = picture.scale();
     facts.force_on = clip.force_is_on();
     if (const HeldHand* const hand = clip.hand())
-        facts.hand = HandFacts{hand->name(), hand_state(*hand, *clip.control(), is_inside(moment.felt)),
-                               hand->age_s()};
+        facts.hand = HandFacts{
+            hand->name(), hand_state(*hand, *clip.control(), is_inside(moment.felt)), hand->age_s(),
+            clip.scene().metres_per_unit / clip.control()->mapping().workspace.metres_per_scene_unit,
+            hand->capabilities().buttons};
     facts.pressed_mm = clip.fingers().depth_m() * 1000;
     const auto fingers =
         std::min(moment.felt.fingers.size(),

@@ -88,6 +88,10 @@ void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
     if (std::isfinite(hand.age_s)) std::snprintf(words, sizeof words, "%.1f ms old", 1000 * hand.age_s);
     ImGui::TextUnformatted(words);
     explain_row("How long ago the device said where the hand is. What is older than 20 ms counts as none.");
+    draw_label("scale", scale);
+    std::snprintf(words, sizeof words, "1 m is %.3g m", hand.scene_per_metre);
+    ImGui::TextUnformatted(words);
+    explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
 }
 
 /// What the finger and the clip do now. `roomy`: the bar below has room for the rest of it.

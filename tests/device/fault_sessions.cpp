@@ -36,9 +36,8 @@ public:
             if (testing::Test::HasFatalFailure()) return;
         }
         std::printf(
-            "%s: %d faults, seed %u, %.0f s of virtual time, %d forces left on, oldest position felt %.1f ms "
-            "(promised %.0f), no call of the haptic thread waited (longest %.3f ms by the clock on the "
-            "wall)\n",
+            "%s: %d faults, seed %u, %.0f s of virtual time, %d forces left on, oldest position read %.1f ms "
+            "(promised %.0f), longest call of the haptic thread %.3f ms by the clock on the wall\n",
             device_.name.c_str(), struck_, fault_seed(), static_cast<double>(time_.now_ns()) * 1e-9, left_on_,
             1e3 * oldest_s_, 1e3 * HapticDevice::oldest_s, static_cast<double>(longest_call_ns_) * 1e-6);
         ASSERT_EQ(violation_, "");
@@ -85,6 +84,7 @@ private:
     }
 
     void begin_a_fault() {
+        line_.forget();  // one of its own is none of the line's
         const std::int64_t lasts = a_millisecond + (one_in(6) ? below_ms(70) : below_ms(8));
         until_ns_ = time_.now_ns() + lasts;
         if (one_in(6)) sleeps_until_ns_ = until_ns_;
@@ -113,11 +113,10 @@ private:
         if (time_.now_ns() < sleeps_until_ns_) return;
         const glm::dvec3 newtons = one_in(8) ? glm::dvec3(0) : glm::dvec3(one_in(2) ? 1 : 30, 2, -1);
         glm::dvec3 place(0);
-        const std::int64_t began = steady_ns(), now = time_.now_ns();
+        const std::int64_t began = steady_ns();
         const bool reads = driven_->read_positions(std::span(&place, 1));
         const bool writes = driven_->write_forces(std::span(&newtons, 1));
         longest_call_ns_ = std::max(longest_call_ns_, steady_ns() - began);
-        if (time_.now_ns() != now) return say("the haptic thread waited");
         if (!reads || !writes) return say("the haptic thread's calls fail");
         if (newtons != glm::dvec3(0)) asked_ns_ = time_.now_ns();
         if (std::isnan(place.x))

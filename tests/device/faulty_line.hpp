@@ -37,6 +37,7 @@ public:
     /// From now on, for so long. A fault of `refuses` is one transfer that fails.
     void begin(Fault fault, std::int64_t lasts_ns);
     void end() { until_ns_ = 0; }
+    void forget() { struck_ = false; }
     Fault fault() const { return time_.now_ns() < until_ns_ ? fault_ : Fault::none; }
     /// Has it met anything since it began?
     bool struck() const { return struck_; }

@@ -218,13 +218,14 @@ TEST_F(NetworkTouch, TheExampleSaysThatNobodyAnswersIt) {
 
 TEST_F(NetworkTouch, AReaderThatSleepsIsNamedWithWhatItMissed) {
     const std::string command = std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip +
-                                " --live --device " + device() + " --seconds 8 --overwrite --json " + report +
-                                " --device-log - | (sleep 9; cat > " + (folder / "log").string() + ")";
+                                " --live --device " + device() +
+                                " --seconds 8 --device-log - | (sleep 9; cat > " + log + ")";
+    // Where the machine stood still there were too few ticks to be too many.
     std::string said;
-    nlohmann::json facts;
-    for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
+    for (int go = 0; go < most_standstills && said.find("exit 3") == std::string::npos; ++go) {
         said = said_by("bash -c '" + command + "'");
-        facts = nlohmann::json::parse(file_contents(report), nullptr, false);
+        const std::string rows = file_contents(log);
+        if (std::count(rows.begin(), rows.end(), '\n') > 7000) break;
     }
     EXPECT_NE(
         said.find("--device-log -: its disk, or whoever reads it, was too slow for 1000 ticks a second: "),

@@ -183,6 +183,21 @@ TEST_F(HeldClip, AnotherClipBeginsWithoutForces) {
     EXPECT_EQ(fake_->most_newtons, 0);
 }
 
+TEST_F(HeldClip, OfADeviceWithoutMotorsTheForceIsThatOfTheScene) {
+    ASSERT_TRUE(clip_->finish().ok());
+    fake_->axes = 0;
+    auto other = OpenedClip::open(options_, choice_, {}, *sound_);
+    ASSERT_TRUE(other.ok());
+    clip_ = std::move(*other);
+    ASSERT_TRUE(clip_->begin().ok());
+    put_before(0.02);
+    const std::int64_t since = fake_->reads;
+    ASSERT_TRUE(soon([&] { return fake_->reads > since + 150; }));
+    put_before(-0.004);
+    EXPECT_TRUE(soon([this] { return glm::length(felt().force.force) > 0.1; }));
+    EXPECT_FALSE(clip_->force_is_on());
+}
+
 TEST_F(HeldClip, IsAwayForAWhileAndBack) {
     feel();
     fake_->is_away = true;
@@ -355,11 +370,12 @@ TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
 
 TEST_F(HeldWindow, IsFoundAgainByAKeyWithoutForces) {
     motion_ = [this](std::int64_t tick) {
-        if (tick == 100) fake_->has_failed = true;
-        return glm::dvec3(0, 0, tick % 200 < 100 ? 0.12 : -0.04);
+        if (tick == 700) fake_->has_failed = true;
+        return glm::dvec3(0, 0, tick < 700 || tick % 200 < 100 ? 0.12 : -0.04);
     };
-    ASSERT_TRUE(play("0.05 key f\n0.6 key f\n", 300).ok());
-    EXPECT_GT(fake_->reads, 300) << "it was not opened again";
+    seconds_ = 2.2;
+    ASSERT_TRUE(play("0.0 key f\n1.4 key f\n", 900).ok());
+    EXPECT_GT(fake_->reads, 900) << "it was not opened again";
     EXPECT_EQ(fake_->most_newtons, 0);
 }
 

@@ -108,7 +108,7 @@ private:
             packet.time_ns = 1'000'000ULL * packet.sequence;
             packet.buttons = packet.sequence % 400 < 50 ? 1 : 0;
             const double share = std::sin(0.012 * packet.sequence);
-            packet.vectors[0] = {0, 0, 0.04 + 0.08 * share};
+            packet.vectors[0] = {0, 0, 0.08 * share};
             const auto bytes = encode(packet);
             sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to_),
                    sizeof to_);
