@@ -98,7 +98,8 @@ void ClipSound::run() {
         track->read(samples);
         next = *number + 1;
         lock.lock();
-        if (is_new_) continue;
+        // What nobody wants any more by now would take the place of what is heard.
+        if (is_new_ || *number < wanted_ || *number > wanted_ + ahead) continue;
         Block& to = place_of(*number);
         to.number = *number;
         to.samples = samples;

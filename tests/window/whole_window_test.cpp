@@ -108,7 +108,8 @@ private:
             packet.time_ns = 1'000'000ULL * packet.sequence;
             packet.buttons = packet.sequence % 400 < 50 ? 1 : 0;
             const double share = std::sin(0.012 * packet.sequence);
-            packet.vectors[0] = {0, 0, 0.08 * share};
+            // So far that at a finer scale, too, it comes in and out, wherever it was when that changed.
+            packet.vectors[0] = {0, 0, 0.15 * share};
             const auto bytes = encode(packet);
             sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to_),
                    sizeof to_);
