@@ -44,7 +44,7 @@ void WindowLoop::take_of_hand(const WindowCommand& command) {
             }
             // Of one that is away forces are not asked for: nobody would know of them when it comes back.
             if (!clip_->force_is_on() && !(hand.age_s() <= HapticDevice::oldest_s))
-                return say("no forces yet: no position comes from the " + hand.name(), true);
+                return say("no forces yet: no position comes from the " + hand.name());
             return clip_->set_force(!clip_->force_is_on());
         case WindowVerb::clutch:
             return clip_->control()->hold(command.number != 0);
