@@ -220,7 +220,8 @@ TEST_F(HeldLog, RunsForAsLongAsItIsTold) {
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_EQ(run.out.find("the run ends there"), std::string::npos) << run.out;
     const auto facts = nlohmann::json::parse(file_contents(report));
-    EXPECT_NEAR(facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>(), 1500, 20);
+    EXPECT_GE(facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>(), 1500);
+    EXPECT_LE(facts["ticks"].get<int>(), 1500);
 }
 
 TEST_F(HeldLog, ExertsNoForceWhateverIsAskedFor) {
