@@ -162,6 +162,41 @@ TEST_F(Dragged, TheBrakeTakesTheHandsSpeedThroughAnOutage) {
     EXPECT_NEAR(guard.guard(at(tick, 10, 10000)).force.x, -20 * 0.2, 1e-6);
 }
 
+// Where the force of a jump is still to come, so is the brake. From 100 to 10000 N/m at 0.2 m/s, as above.
+TEST_F(Dragged, TheBrakeIsFeltAsFarAsTheContactIs) {
+    GuardSettings settings = without_ramp();
+    settings.passivity = 20;
+    settings.max_force = 1000;
+    for (const double presence : {0.0, 0.25, 1.0}) {
+        ForceGuard guard(settings, 0.001);
+        int tick = 0;
+        for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
+        Contact arriving = at(tick, 10, 10000);
+        arriving.carried_stiffness = 100;
+        CalmedForce calmed{arriving.force};
+        calmed.presence = presence;
+        const GuardedForce out = guard.guard_calmed(arriving, calmed);
+        EXPECT_NEAR(out.force.x, -20 * 0.2 * presence, 1e-6);
+        EXPECT_EQ(out.reasons & guard_passivity, presence > 0 ? std::uint32_t{guard_passivity} : 0U);
+    }
+}
+
+TEST_F(Dragged, TheDamperIsFeltAsFarAsTheContactIs) {
+    for (const double presence : {0.0, 0.25, 1.0}) {
+        ForceGuard guard(damped(10), 0.001);
+        GuardedForce out;
+        Contact deeper;
+        for (int tick = 0; tick < 100; ++tick) {  // 0.02 m/s into 1000 N/m
+            deeper = at(0, 1 + 0.02 * tick);
+            deeper.carried.x = 0;
+            CalmedForce calmed{deeper.force};
+            calmed.presence = presence;
+            out = guard.guard_calmed(deeper, calmed);
+        }
+        EXPECT_NEAR(out.force.z, deeper.force.z + presence * 10 * 0.02, 1e-6);
+    }
+}
+
 TEST_F(Dragged, TheBrakeIsRampedAsTheSpringIs) {
     GuardSettings settings;
     settings.passivity = 20;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/content/strokes.hpp"
+#include "haptics_cpu/energy_account.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {
@@ -139,6 +140,32 @@ TEST(Energy, AMovingReliefCreatesNoMoreThanHoldingForcesDoes) {
         EXPECT_GT(touching, 500);
         EXPECT_GT(std::abs(energy.surface), 1e-4);
     }
+}
+
+// Where the hand was meanwhile nobody knows: neither the force that it had nor a jump's share of it works on
+// the way to where it is found again.
+TEST(Energy, TheWayOfAHandThatWasLostIsNotBooked) {
+    EnergyAccount account({1000, 10}, 0.001);
+    Contact pressed;
+    pressed.touching = true;
+    pressed.goal = pressed.carried = {0, 0, -2};
+    account.move(pressed, 1000.0, 1);
+    account.store(1000);
+    account.hold({0, 0, 2}, {0, 0, 0.5});
+    const EnergyFigures before = account.figures();
+    ASSERT_NEAR(before.stored, 0.002, 1e-12);
+
+    account.lose_goal();
+    EXPECT_EQ(account.figures().stored, 0) << "the spring is let go";
+    EXPECT_NEAR(account.figures().balance(), before.balance(), energy_rounding);
+    const double surface = account.figures().surface;
+    Contact found;
+    found.goal = found.proxy = found.carried = {0, 0, 8};
+    account.move(found, std::nullopt, 1);
+    account.store(0);
+    EXPECT_EQ(account.figures().work, before.work);
+    EXPECT_EQ(account.figures().surface, surface);
+    EXPECT_EQ(account.figures().bound, before.bound);
 }
 
 TEST(Energy, AGoalThatIsLostForAWhileLeavesTheBooksFinite) {

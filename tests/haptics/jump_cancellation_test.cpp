@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "haptics_cpu/jump_cancellation.hpp"
 #include "tests/frame/random.hpp"
@@ -71,6 +73,18 @@ TEST(JumpCancellation, AJumpOfTheSurfaceIsNoStepAndIsFeltWholeAfterATenthOfASeco
     out = calm.calm(pressing({0, 2, 5}));
     EXPECT_FALSE(out.active);
     EXPECT_EQ(out.force, dvec3(0, 2, 5));
+}
+
+/// docs/solver.md: F - w J with w = 1 - p^2 (3 - 2p), p from 0 to 1 in 100 ms.
+TEST(JumpCancellation, AJumpComesOnAlongTheCubicOfTheSolversPage) {
+    JumpCancellation calm(device());
+    calm.calm(pressing({0, 0, 1}));
+    std::vector<double> came{calm.calm(jumping({0, 0, 5})).force.z};
+    while (came.size() <= 100) came.push_back(calm.calm(pressing({0, 0, 5})).force.z);
+    const std::pair<std::size_t, double> shares[] = {{0, 0},        {1, 0.000298},  {10, 0.028},
+                                                     {25, 0.15625}, {50, 0.5},      {75, 0.84375},
+                                                     {90, 0.972},   {99, 0.999702}, {100, 1}};
+    for (const auto& [ticks, share] : shares) EXPECT_NEAR(came[ticks], 1 + 4 * share, 1e-12) << ticks;
 }
 
 TEST(JumpCancellation, TheSpringItselfIsUntouched) {
@@ -186,6 +200,73 @@ TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
     EXPECT_EQ(calm.calm(jumping({0, 0, 3})).force, dvec3(0.0));
     for (int tick = 0; tick < 100; ++tick) out = calm.calm(pressing({0, 0, 3}));
     EXPECT_EQ(out.force, dvec3(0, 0, 3));
+}
+
+/// A goal `depth` mm deep, where the stiffness is `stiffness` N/m, `hole_share` of it a hole's.
+Contact near_hole(double depth, double stiffness, double hole_share, bool jumped) {
+    const dvec3 force{0, 0, 0.001 * stiffness * depth};
+    Contact contact = jumped ? jumping(force) : pressing(force);
+    contact.properties.stiffness = stiffness;
+    contact.carried_stiffness = stiffness;
+    contact.hole_share = hole_share;
+    return contact;
+}
+
+// docs/solver.md: a jump that fades when k changes near a hole fades in proportion to k. So how deep a hand
+// feels itself does not depend on what holes do to the stiffness.
+TEST(JumpCancellation, AtAHoleAJumpIsHowFarTheSurfaceJumpedWhateverTheStiffness) {
+    for (const double max_force : {8.0, 1e6}) {  // with jumps that bury, and without
+        GuardSettings settings = device();
+        settings.max_force = max_force;
+        JumpCancellation even(settings), uneven(settings);
+        Random random(23);
+        double depth = 4;
+        int active = 0;
+        bool was_at_hole = false;
+        double stiffness = 600;
+        for (int tick = 0; tick < 3000; ++tick) {
+            const bool jumps = random.below(40) == 0;
+            if (jumps) depth = random.below(5) == 0 ? 200 : 1 + random.below(8);
+            // It changes while the finger comes to a hole, is at it, and leaves it.
+            const bool at_hole = random.below(3) > 0;
+            if (at_hole || was_at_hole) stiffness = 100 + random.below(500);
+            was_at_hole = at_hole;
+            const CalmedForce one = even.calm(near_hole(depth, 600, 0, jumps)),
+                              other = uneven.calm(near_hole(depth, stiffness, at_hole ? 0.5 : 0, jumps));
+            ASSERT_NEAR(length(other.force) / stiffness, length(one.force) / 600, 1e-9) << tick;
+            active += one.active;
+        }
+        EXPECT_GT(active, 1500);
+    }
+}
+
+TEST(JumpCancellation, AHoleThatOpensAsACutBuriesLeavesOnlyWhatItsStiffnessGives) {
+    JumpCancellation calm(device());
+    ASSERT_EQ(calm.calm(near_hole(4, 600, 0, false)).force.z, 0.001 * 600 * 4);
+    EXPECT_NEAR(calm.calm(near_hole(200, 100, 1, true)).force.z, 0.4, 1e-12) << "4 mm at 100 N/m";
+    for (int tick = 1; tick < 50; ++tick) calm.calm(near_hole(200, 100, 1, false));
+    EXPECT_NEAR(calm.calm(near_hole(200, 100, 1, false)).force.z, 0.2, 1e-12);
+}
+
+// J is newtons there: 1.8 of it are left half-way.
+TEST(JumpCancellation, AwayFromHolesAnotherStiffnessIsNoOtherJump) {
+    JumpCancellation calm(device());
+    calm.calm(near_hole(4, 600, 0, false));
+    calm.calm(near_hole(10, 600, 0, true));
+    for (int tick = 1; tick < 50; ++tick) calm.calm(near_hole(10, 600, 0, false));
+    EXPECT_NEAR(calm.calm(near_hole(10, 500, 0, false)).force.z, 5 - 1.8, 1e-12);
+}
+
+TEST(JumpCancellation, OutOfAHoleWithoutStiffnessTheForceIsOneThatTheSurfaceGives) {
+    JumpCancellation calm(device());
+    calm.calm(near_hole(4, 600, 0, false));
+    calm.calm(near_hole(8, 600, 0, true));
+    EXPECT_EQ(calm.calm(near_hole(8, 0, 1, false)).force, dvec3(0.0));
+    for (const double hole_share : {0.5, 0.0}) {
+        const double newtons = calm.calm(near_hole(8, 600, hole_share, false)).force.z;
+        EXPECT_GE(newtons, 0);
+        EXPECT_LE(newtons, 4.8);
+    }
 }
 
 TEST(JumpCancellation, AForceThatIsNoNumberLeavesNoTrace) {

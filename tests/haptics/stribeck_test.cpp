@@ -50,6 +50,17 @@ TEST_F(Stribeck, AtASteadySpeedFrictionIsThatOfTheFormula) {
     }
 }
 
+/// docs/solver.md, Friction.
+TEST_F(Stribeck, HalfOfStaticFrictionIsLeftAtItsSpeedAndSlowIsATenthOfIt) {
+    for (const double v_s : {0.01, 0.2}) {
+        EXPECT_NEAR(stribeck_slip(v_s, v_s).static_share, 0.5, 1e-15);
+        EXPECT_NEAR(stribeck_slip(3 * v_s, v_s).static_share, 0.1, 1e-15);
+        EXPECT_EQ(stribeck_slip(0, v_s).static_share, 1);
+        EXPECT_TRUE(is_slow(0.099 * v_s, v_s));
+        EXPECT_FALSE(is_slow(0.101 * v_s, v_s));
+    }
+}
+
 TEST_F(Stribeck, ASmallSpeedMakesItCoulombsOneTickAfterTheSlip) {
     const auto goals = steady(-3, 0.02, 300);
     const auto places = follow(goals, 1e-9), coulomb = follow(goals, 0);
