@@ -337,7 +337,7 @@ void FakeVideo::take_one(Device& device) {
     buffer.done.length = static_cast<std::uint32_t>(buffer.memory.size());
     buffer.done.bytesused = fate == Fate::cut ? used - device.format.width - device.wants.row_padding : used;
     buffer.done.flags = device.wants.timestamps | (fate == Fate::damaged ? V4L2_BUF_FLAG_ERROR : 0U);
-    buffer.done.sequence = device.wants.counts ? number : 0;
+    buffer.done.sequence = device.wants.sequence(number);
     const std::int64_t at_ns = device.wants.stamp ? device.wants.stamp(number) : steady_now_ns();
     buffer.done.timestamp.tv_sec = at_ns / 1'000'000'000;
     buffer.done.timestamp.tv_usec = at_ns % 1'000'000'000 / 1000;

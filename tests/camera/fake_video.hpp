@@ -39,9 +39,10 @@ struct FakeNode {
     std::uint32_t buffer_bytes = 0;         ///< 0: as large as a picture
     std::optional<FakeMode> settles_for;    ///< whatever size is asked for
     std::uint32_t timestamps = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
-    bool counts = true;          ///< otherwise every sequence number is 0
     std::int64_t period_ns = 0;  ///< by the clock; 0: at every poll
     std::function<Fate(std::uint32_t)> fate = [](std::uint32_t) { return Fate::good; };
+    /// What the driver counts a picture as.
+    std::function<std::uint32_t(std::uint32_t)> sequence = [](std::uint32_t number) { return number; };
     /// Row by row without padding; by default all zero.
     std::function<std::vector<std::uint8_t>(std::uint32_t)> paint;
     /// Of steady_clock, ns; by default now.

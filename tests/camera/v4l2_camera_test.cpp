@@ -110,6 +110,31 @@ TEST_F(Camera, FramesAreOfTheTimeAtWhichTheyWereTaken) {
     for (int n = 2; n < 6; ++n) EXPECT_EQ(next(*camera).time_ns, (n + 8) * 1'000'000 + rounded_ns);
 }
 
+// Microseconds from the run's beginning. A driver's clock may be set, even to before the run.
+TEST_F(Camera, TimesNeverGoBack) {
+    std::int64_t zero_ns = 0;
+    add().stamp = [&](std::uint32_t n) {
+        constexpr std::int64_t us[] = {1000, 3000, 2000, -5000, 3000, 4000};
+        return zero_ns == 0 ? std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count()
+                            : zero_ns + 1000 * us[n - 10];
+    };
+    const auto camera = opened();
+    for (int n = 0; n < 2; ++n) next(*camera);
+    const auto zero = steady_clock::time_point(
+        std::chrono::floor<std::chrono::microseconds>((steady_clock::now() - std::chrono::seconds(1)))
+            .time_since_epoch());
+    zero_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count();
+    ASSERT_EQ(said(camera->begin(zero)), "");
+    std::vector<std::int64_t> times;
+    for (std::int64_t n = 2; n < 8; ++n) {
+        const RawFrame frame = next(*camera);
+        EXPECT_EQ(frame.number, n);
+        times.push_back(frame.time_ns);
+    }
+    EXPECT_EQ(times,
+              (std::vector<std::int64_t>{1'000'000, 3'000'000, 3'000'001, 3'000'002, 3'000'003, 4'000'000}));
+}
+
 TEST_F(Camera, WithoutATimeOfItsOwnIsTimedByArrival) {
     add().timestamps = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
     const auto camera = running();
@@ -145,9 +170,53 @@ TEST_F(Camera, FramesThatAreLostOrBadAreGaps) {
 }
 
 TEST_F(Camera, WhoseDriverDoesNotCountHasNoGaps) {
-    add().counts = false;
+    add().sequence = [](std::uint32_t) { return 0u; };
     const auto camera = running();
     for (int n = 2; n < 6; ++n) EXPECT_EQ(next(*camera).number, n);
+}
+
+// As where a driver is reset. A gap of a million frames, hours, is one that may be; of more it is another
+// count.
+TEST_F(Camera, WhoseDriverCountsAnewGoesOnWithTheNextNumber) {
+    for (const auto& [to, number] :
+         std::vector<std::pair<std::uint32_t, std::int64_t>>{{0, 4},
+                                                             {11, 4},
+                                                             {13, 5},
+                                                             {11 + 1'000'000, 3 + 1'000'000},
+                                                             {11 + 1'000'001, 4},
+                                                             {0xffff'ffff, 4}}) {
+        add().sequence = [to = to](std::uint32_t n) { return n < 12 ? n : to + (n - 12); };
+        const auto camera = running();
+        for (int n = 2; n < 4; ++n) EXPECT_EQ(next(*camera).number, n);
+        EXPECT_EQ(next(*camera).number, number) << "from 11 to " << to;
+        EXPECT_EQ(next(*camera).number, number + 1);
+    }
+}
+
+TEST_F(Camera, CountsFrom32BitsToZero) {
+    add().sequence = [](std::uint32_t n) { return n + 0xffff'fff3; };  // 12 is 0xffffffff
+    const auto camera = running();
+    for (int n = 2; n < 8; ++n) EXPECT_EQ(next(*camera).number, n);
+}
+
+TEST_F(Camera, FaultsNowAndThenAreGapsForEver) {
+    add().fate = [](std::uint32_t n) { return n > 10 && n % 2 == 1 ? Fate::io_error : Fate::good; };
+    const auto camera = running();
+    for (int n = 2; n < 400; n += 2) EXPECT_EQ(next(*camera).number, n);
+}
+
+TEST_F(Camera, IsLeftForAHundredFaultsInARow) {
+    for (const std::uint32_t last : {12u + 98, 12u + 99}) {
+        add().fate = [=](std::uint32_t n) { return n >= 12 && n <= last ? Fate::io_error : Fate::good; };
+        const auto camera = running();
+        for (int n = 2; n < 4; ++n) EXPECT_EQ(next(*camera).number, n);
+        const auto frame = camera->next();
+        ASSERT_EQ(said(frame), "");
+        EXPECT_EQ(frame->has_value(), last == 12 + 98);
+        std::string remarks;
+        for (const std::string& remark : camera->remarks()) remarks += remark + '\n';
+        EXPECT_EQ(remarks.find("stopped") != std::string::npos, last == 12 + 99) << remarks;
+    }
 }
 
 TEST_F(Camera, GivesTheNewestToWhoeverComesLate) {
@@ -322,6 +391,56 @@ TEST_F(Camera, SaysWhatItAssumes) {
     for (const char* fragment : {"RealSense(TM) Depth Ca: Z16, 20x12 at 30 frames/s", "--preset realsense",
                                  "79 degrees", "deeper than 1.2 m is no depth"})
         EXPECT_NE(notes.find(fragment), std::string::npos) << fragment << " is not in\n" << notes;
+}
+
+// docs/camera.md: a code of Z16 is a millimetre where nobody says otherwise, even where codes are as large as
+// those of 1/5000 m, which pictures of files would be taken for.
+TEST_F(Camera, ACodeOfZ16IsAMillimetreAndOneOfY16AsItsSizeSays) {
+    for (const auto& [code, preset, scale] :
+         std::vector<std::tuple<std::uint32_t, std::string, double>>{{V4L2_PIX_FMT_Z16, "", 0.001},
+                                                                     {V4L2_PIX_FMT_Z16, "tum", 1.0 / 5000},
+                                                                     {V4L2_PIX_FMT_Y16, "", 1.0 / 5000}}) {
+        add(code).paint = [](std::uint32_t) {
+            std::vector<std::uint8_t> codes;
+            for (int k = 0; k < w * h; ++k) codes.insert(codes.end(), {0x20, 0x4e});  // 20000
+            return codes;
+        };
+        V4l2Choice choice{node};
+        choice.system = video;
+        SourceDescription known;
+        known.preset = preset;
+        const auto camera = open_v4l2_camera(choice, known);
+        ASSERT_EQ(said(camera), "");
+        EXPECT_EQ((*camera)->scene().depth.scale, scale);
+        std::string notes;
+        for (const std::string& note : told_of(**camera)) notes += note + '\n';
+        EXPECT_EQ(notes.find("a code is 1 mm, as most cameras of Z16 have it") != std::string::npos,
+                  scale == 0.001)
+            << notes;
+        EXPECT_EQ(notes.find("Y16 is grey of 16 bits") != std::string::npos, code == V4L2_PIX_FMT_Y16);
+    }
+}
+
+// By the first that sees most, 8 of them; two see as much. The remark names the median that was found.
+TEST_F(Camera, IsJudgedByThePictureThatSeesMost) {
+    add().paint = [](std::uint32_t n) {
+        const auto code = static_cast<std::uint8_t>(n + 10);
+        std::vector<std::uint8_t> codes;
+        for (int k = 0; k < w * h; ++k) {
+            const bool seen = n == 4 || n == 5 || (n > 0 && k % 4 != 0);  // the first is dark
+            codes.insert(codes.end(), {seen ? code : std::uint8_t{0}, 0});
+        }
+        return codes;
+    };
+    V4l2Choice choice{node};
+    choice.system = video;
+    SourceDescription known = millimetres;
+    known.metres_per_code = 100;
+    const auto camera = open_v4l2_camera(choice, known);
+    ASSERT_EQ(said(camera), "");
+    std::string notes;
+    for (const std::string& note : told_of(**camera)) notes += note + '\n';
+    EXPECT_NE(notes.find("the median depth is 1500 m"), std::string::npos) << "picture 5\n" << notes;
 }
 
 TEST_F(Camera, MemoryStaysAsItIs) {
