@@ -1,0 +1,170 @@
+// From which measurement on each filter is chosen, and how strong: the numbers of docs/scene_file.md, Filters
+// that are left out.
+#include "engine/surface/filter_choice.hpp"
+
+#include <gtest/gtest.h>
+
+#include "engine/scene/terraces.hpp"
+#include "tests/surface/pictures.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// 1 mm a code, a pixel at the median depth of 1000 mm is 2 mm wide, the picture 640 mm.
+constexpr double median_mm = 1000, pixel_mm = 2;
+constexpr int columns = 320;
+
+Scene open_scene() {
+    Scene scene;
+    scene.width = columns;
+    scene.height = 240;
+    scene.camera = {500, 500, 159.5, 119.5};
+    scene.depth_bits = 16;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 1;
+    scene.depth.far = 4000;
+    scene.depth.code_max = 4000;
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    scene.unstated = all_unstated;
+    return scene;
+}
+
+/// A camera's by its dropouts, else clean.
+MeasuredDepth of_a_camera() {
+    MeasuredDepth measured;
+    measured.frames = 16;
+    measured.median = median_mm;
+    measured.pixel = pixel_mm;
+    measured.distance = 1;
+    measured.dropouts = 0.01;
+    return measured;
+}
+
+FilterSettings chosen_by(const MeasuredDepth& measured) {
+    Scene scene = open_scene();
+    choose_filters(measured, scene);
+    EXPECT_FALSE(scene.unstated.any());
+    EXPECT_TRUE(validate(scene).ok());
+    return scene.filter;
+}
+
+TEST(ChosenFilters, NoneWhereACamerasDepthIsCleanEverywhere) {
+    EXPECT_EQ(chosen_by(of_a_camera()), FilterSettings{});
+}
+
+// 0.15 of a pixel's width is 0.3 mm.
+TEST(ChosenFilters, AMedianFromARoughnessOf15HundredthsOfAPixelOn) {
+    MeasuredDepth measured = of_a_camera();
+    measured.roughness = 0.299;
+    EXPECT_EQ(chosen_by(measured).median, 0);
+    measured.roughness = 0.301;
+    EXPECT_EQ(chosen_by(measured).median, 3) << "codes are 1 mm apart";
+    measured.dropouts = 0;
+    EXPECT_EQ(chosen_by(measured).median, 0) << "no camera";
+}
+
+TEST(ChosenFilters, TheMedianIsSmallWhereLevelsAreOneAndAHalfTimesTheNoiseOrRoughnessApart) {
+    MeasuredDepth measured = of_a_camera();
+    measured.distance = 12;
+    for (const bool by_noise : {false, true}) {
+        measured.roughness = by_noise ? 1 : 7.99;
+        measured.noise.constant = by_noise ? 7.99 : 1;
+        EXPECT_EQ(chosen_by(measured).median, 3) << by_noise;
+        (by_noise ? measured.noise.constant : measured.roughness) = 8.01;
+        EXPECT_EQ(chosen_by(measured).median, 5) << by_noise;
+    }
+}
+
+// A ten-thousandth of 640 mm.
+TEST(ChosenFilters, TheTemporalFilterFromANoiseOfATenThousandthOfThePicturesWidthOn) {
+    MeasuredDepth measured = of_a_camera();
+    measured.noise = {0.03, 0.0339 / (median_mm * median_mm)};
+    EXPECT_FALSE(chosen_by(measured).temporal);
+    measured.noise = {0.03, 0.0341 / (median_mm * median_mm)};
+    EXPECT_TRUE(chosen_by(measured).temporal);
+    EXPECT_EQ(chosen_by(measured).temporal_noise.constant, 1.5 * 0.03);
+    EXPECT_NEAR(chosen_by(measured).temporal_noise.at(median_mm), 1.5 * 0.0641, 1e-12);
+}
+
+TEST(ChosenFilters, TheTemporalFilterIsTold13TenthsOfTheNoiseAfterASmallMedian) {
+    MeasuredDepth measured = of_a_camera();
+    measured.noise = {2, 0};
+    measured.roughness = 1;
+    measured.distance = 4;
+    EXPECT_EQ(chosen_by(measured).median, 3);
+    EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{2.6, 0}));
+    measured.distance = 1;
+    EXPECT_EQ(chosen_by(measured).median, 5);
+    EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{3, 0}));
+}
+
+TEST(ChosenFilters, TwoPassesOfHoleFillingFromATenThousandthOfTinyHolesOn) {
+    MeasuredDepth measured = of_a_camera();
+    measured.tiny_holes = 0.0000999;
+    EXPECT_EQ(chosen_by(measured).fill_holes, 0);
+    measured.tiny_holes = 0.0001;
+    EXPECT_EQ(chosen_by(measured).fill_holes, 2);
+}
+
+TEST(ChosenFilters, FlyingPixelsLandFromATenThousandthOfThemOn) {
+    MeasuredDepth measured = of_a_camera();
+    measured.flying = 0.0000999;
+    EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{});
+    measured.flying = 0.0001;
+    EXPECT_NE(chosen_by(measured).flying_pixels, DepthLength{});
+    measured.dropouts = 0;
+    EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{}) << "no camera";
+}
+
+// A fiftieth of the median depth, or three times the noise; about in proportion to depth around it.
+TEST(ChosenFilters, AFiftiethOfTheDepthOrThreeTimesTheNoiseIsOneSurfaceToFlyingPixels) {
+    MeasuredDepth measured = of_a_camera();
+    measured.flying = 0.01;
+    for (const auto& [noise, length] : {std::pair{6.6, 20.0}, {6.7, 20.1}, {10.0, 30.0}}) {
+        measured.noise.constant = noise;
+        const DepthLength flat = chosen_by(measured).flying_pixels;
+        EXPECT_NEAR(flat.at(median_mm), length, 1e-9);
+        EXPECT_NEAR((flat.at(median_mm + 1) - flat.at(median_mm - 1)) / 2, length / median_mm, 1e-9);
+    }
+}
+
+TEST(ChosenFilters, TerracesGoFromAKappaOfAQuarterOn) {
+    MeasuredDepth measured = of_a_camera();
+    measured.levels = {0, 3e-6};
+    measured.kappa = 0.2499;
+    EXPECT_EQ(chosen_by(measured).terraces, TerraceRemoval::off);
+    EXPECT_EQ(chosen_by(measured).levels, DepthLength{});
+    measured.kappa = 0.25;
+    EXPECT_EQ(chosen_by(measured).terraces, TerraceRemoval::on);
+    EXPECT_EQ(chosen_by(measured).levels, measured.levels);
+}
+
+// Codes beyond 16378 leave none, but where levels are eight codes apart or more (docs/conventions.md, step
+// 6).
+TEST(ChosenFilters, TerracesStayWhereCodesLeaveNoRoom) {
+    MeasuredDepth measured = of_a_camera();
+    measured.kappa = 1;
+    Scene scene = open_scene();
+    scene.depth.scale = 0.2;
+    scene.depth.code_max = 20'000;
+    derive_valid_range(scene.depth);
+    for (const bool coarse : {false, true}) {
+        measured.levels = {coarse ? 2.0 : 0.0, 0};
+        EXPECT_EQ(removal_advised(measured, scene), coarse);
+    }
+}
+
+TEST(ChosenFilters, NoiseThatTheSceneStatesIsKept) {
+    Scene scene = open_scene();
+    scene.filter.temporal_noise = {0.7, 0};
+    MeasuredDepth measured = of_a_camera();
+    measured.noise = {2, 0};
+    choose_filters(measured, scene);
+    EXPECT_TRUE(scene.filter.temporal);
+    EXPECT_EQ(scene.filter.temporal_noise, (DepthLength{0.7, 0}));
+}
+
+}  // namespace
+}  // namespace touchable::test
