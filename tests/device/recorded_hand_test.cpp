@@ -15,7 +15,7 @@
 namespace touchable {
 namespace {
 
-const std::string recordings = std::string(TOUCHABLE_TEST_DATA) + "/haptics/";
+const std::string recordings = test::real_data("haptics/");
 
 FakeProbe slanted_view() {
     return camera_view([](double x, double y) { return 750 + 0.1 * x + 0.05 * y; });

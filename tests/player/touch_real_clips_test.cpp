@@ -40,7 +40,7 @@ struct RealClip {
 class TouchRealClip : public ::testing::TestWithParam<RealClip> {};
 
 TEST_P(TouchRealClip, EveryForceIsVerified) {
-    const std::string clip = std::string(TOUCHABLE_TEST_DATA "/") + GetParam().folder;
+    const std::string clip = real_data(GetParam().folder);
     TOUCHABLE_NEEDS_DATA(clip);
     const TemporaryFolder folder;
     const std::string scene = std::string(TOUCHABLE_SOURCE_DIR "/tests/scenes/") + GetParam().name + ".json";
@@ -68,7 +68,7 @@ struct RealHand {
 class TouchRealHand : public ::testing::TestWithParam<RealHand> {};
 
 TEST_P(TouchRealHand, EveryForceOnTheGlobeIsVerified) {
-    const std::string file = std::string(TOUCHABLE_TEST_DATA "/haptics/") + GetParam().file;
+    const std::string file = real_data("haptics") / GetParam().file;
     TOUCHABLE_NEEDS_DATA(file);
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", exported = folder / "frames";
@@ -91,8 +91,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 /// Wiped over a recording without regard to where its depth is missing; holes have a stiffness of their own.
 TEST(TouchRealSoftHoles, EveryForceIsVerified) {
-    const std::string clip = TOUCHABLE_TEST_DATA "/castel_sr300";
-    const std::string file = TOUCHABLE_TEST_DATA "/haptics/epfl_wiping/circular_wiping_dataset_0.csv";
+    const std::string clip = real_data("castel_sr300");
+    const std::string file = real_data("haptics/epfl_wiping/circular_wiping_dataset_0.csv");
     TOUCHABLE_NEEDS_DATA(clip);
     TOUCHABLE_NEEDS_DATA(file);
     const TemporaryFolder folder;

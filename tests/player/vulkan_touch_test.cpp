@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(, VulkanTouchGenerated,
 class VulkanTouchReal : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(VulkanTouchReal, HasTheForcesOfTheOtherBuilders) {
-    const std::string clip = std::string(TOUCHABLE_TEST_DATA "/") + GetParam();
+    const std::string clip = real_data(GetParam());
     TOUCHABLE_NEEDS_DATA(clip);
     Words words{clip};
     const std::string scene =

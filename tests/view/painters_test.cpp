@@ -99,7 +99,9 @@ TEST_F(Painters, DrawNoiseAlike) {
 }
 TEST_F(Painters, DrawARecordingAlike) {
     TOUCHABLE_NEEDS_DATA(real_data("castel_sr300"));
-    compare_views(*shown_recording("castel_sr300", "castel_sr300"), 0.6);
+    const auto castel = shown_recording("castel_sr300", "castel_sr300");
+    ASSERT_TRUE(castel);
+    compare_views(*castel, 0.6);
 }
 
 TEST_F(Painters, DrawTheirOwnViewPixelByPixel) {

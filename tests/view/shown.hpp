@@ -49,6 +49,7 @@ inline std::unique_ptr<Shown> shown_recording(const char* name, const char* fold
     auto reader = open_clip(
         real_data(folder), std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / (std::string(name) + ".json"));
     EXPECT_TRUE(reader.ok()) << reader.error().message;
+    if (!reader.ok()) return nullptr;
     auto shown = std::make_unique<Shown>();
     shown->scene = (*reader)->scene();
     shown->raw_prev = **(*reader)->next();
