@@ -94,20 +94,36 @@ TEST_F(CameraColour, ComesInEveryFormat) {
     }
 }
 
+/// Depth is taken each 40 ms of a virtual clock, and with each a colour picture, so long after it. What is
+/// nearest to a depth picture is the colour of a few before it then, of the four that are kept.
 TEST_F(CameraColour, IsThatOfTheNearestTime) {
-    // Colour comes 60 ms after depth's, so that the nearest that is there is always the last.
-    add(V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); });
-    const auto camera = open();
-    ASSERT_EQ(message(camera), "");
-    std::optional<int> before;
-    for (int k = 0; k < 5; ++k) {
-        const auto frame = (*camera)->next();
-        ASSERT_EQ(message(frame), "");
-        const int red = (*frame)->colour.sample(0, 0, 0);
-        if (before) {
-            EXPECT_EQ(red, *before + 1) << "one of each comes with every poll";
+    constexpr std::int64_t ms = 1'000'000, frame = 40 * ms;
+    // In the machine's past, of which ten seconds are believed: the virtual clock runs for one.
+    const std::int64_t begun =
+        std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count() - 5000 * ms;
+    struct Case {
+        std::int64_t late;
+        int before;
+    };
+    for (const Case& each : {Case{0, 0}, Case{-50 * ms, 0}, Case{15 * ms, 0}, Case{25 * ms, 1},
+                             Case{70 * ms, 2}, Case{110 * ms, 3}, Case{300 * ms, 3}}) {
+        std::int64_t depth_at = begun;
+        int newest = -1;  // colour picture
+        FakeNode& depth = add_depth_node(*video, depth_node, cw, ch);
+        depth.stamp = [&](std::uint32_t n) { return depth_at = begun + n * frame; };
+        FakeNode& colour = add(V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); });
+        colour.stamp = [&](std::uint32_t n) {
+            newest = static_cast<int>(n);
+            return depth_at + each.late;
+        };
+        const auto camera = open();
+        ASSERT_EQ(message(camera), "");
+        for (int k = 0; k < 8; ++k) {
+            const auto taken = (*camera)->next();
+            ASSERT_EQ(message(taken), "");
+            if (k < 3) continue;  // until four are there
+            EXPECT_EQ((*taken)->colour.sample(0, 0, 0), newest - each.before) << each.late / ms << " ms late";
         }
-        before = red;
     }
 }
 
