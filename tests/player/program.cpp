@@ -21,6 +21,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <set>
 #include <thread>
 
 namespace touchable::test {
@@ -29,11 +30,18 @@ namespace {
 
 using Hook = std::function<void()>;
 
-/// A child's stream, as it comes.
+/// A child's stream, as it comes: by a pipe, or by a terminal of its own.
 class Pipe {
 public:
-    Pipe() {
-        if (pipe(ends_.data()) != 0) std::abort();
+    enum class Kind { pipe, terminal };
+    explicit Pipe(Kind kind = Kind::pipe) {
+        if (kind == Kind::pipe) {
+            if (pipe(ends_.data()) != 0) std::abort();
+            return;
+        }
+        ends_[0] = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+        if (ends_[0] < 0 || grantpt(ends_[0]) != 0 || unlockpt(ends_[0]) != 0) std::abort();
+        ends_[1] = open(ptsname(ends_[0]), O_RDWR | O_NOCTTY);
     }
     ~Pipe() {
         for (const int end : ends_) close(end);
@@ -61,10 +69,9 @@ private:
     std::array<int, 2> ends_{-1, -1};
 };
 
-/// Reads both streams to their ends; `spoken` is called once, when there is something of the first.
-void read_all(const Pipe& out, const Pipe& err, Outcome& outcome, const Hook& spoken) {
+/// Reads both streams to their ends; `heard` is called whenever there is more of one.
+void read_all(const Pipe& out, const Pipe& err, Outcome& outcome, const Hook& heard) {
     std::array<pollfd, 2> waiting{{{out.reading_end(), POLLIN, 0}, {err.reading_end(), POLLIN, 0}}};
-    bool silent = true;
     for (int open = 2; open > 0;) {
         poll(waiting.data(), waiting.size(), -1);
         for (std::size_t k = 0; k < waiting.size(); ++k) {
@@ -74,17 +81,17 @@ void read_all(const Pipe& out, const Pipe& err, Outcome& outcome, const Hook& sp
             waiting[k].fd = -1;  // poll looks past it
             --open;
         }
-        if (silent && !outcome.out.empty()) {
-            silent = false;
-            spoken();
-        }
+        heard();
     }
 }
 
-/// `prepare` runs in the child; `meanwhile` and `spoken` in the parent, with the child's id.
+/// `prepare` runs in the child, `meanwhile` in the parent, with the child's id. The child is sent SIGINT once
+/// what it has said is enough.
 struct Hooks {
     Hook prepare = [] {};
-    std::function<void(pid_t)> meanwhile = [](pid_t) {}, spoken = [](pid_t) {};
+    std::function<void(pid_t)> meanwhile = [](pid_t) {};
+    std::function<bool(const Outcome&)> is_enough = [](const Outcome&) { return false; };
+    Pipe::Kind err = Pipe::Kind::pipe;
 };
 
 Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
@@ -94,7 +101,7 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
 
-    Pipe out, err;
+    Pipe out, err(hooks.err);
     const pid_t child = fork();
     if (child == 0) {
         out.take_over(STDOUT_FILENO);
@@ -109,7 +116,12 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     err.leave_to_child();
     hooks.meanwhile(child);
     Outcome outcome;
-    read_all(out, err, outcome, [&] { hooks.spoken(child); });
+    bool told = false;
+    read_all(out, err, outcome, [&] {
+        if (told || !hooks.is_enough(outcome)) return;
+        told = true;
+        kill(child, SIGINT);
+    });
     int status = 0;
     waitpid(child, &status, 0);
     outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
@@ -224,7 +236,7 @@ Outcome run_with_named_files(const std::vector<std::string>& arguments) {
 
 Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments) {
     Hooks hooks;
-    hooks.spoken = [](pid_t child) { kill(child, SIGINT); };
+    hooks.is_enough = [](const Outcome& outcome) { return !outcome.out.empty(); };
     return run(arguments, hooks);
 }
 
@@ -238,28 +250,33 @@ Outcome run_interrupted_at_once(const std::vector<std::string>& arguments) {
 }
 
 Outcome run_interrupted_while_live(const std::vector<std::string>& arguments) {
+    // Its line moves on: it has run for a tenth of a second at least.
+    Outcome outcome =
+        run_on_terminal(arguments, [](const std::string& shown) { return moments_shown(shown) > 1; });
+    // What stays on the terminal, whose lines end with two characters.
+    const std::string cleared = "\r\033[K";
+    if (const std::size_t at = outcome.err.rfind(cleared); at != std::string::npos)
+        outcome.err.erase(0, at + cleared.size());
+    std::erase(outcome.err, '\r');
+    return outcome;
+}
+
+Outcome run_on_terminal(const std::vector<std::string>& arguments,
+                        const std::function<bool(const std::string&)>& has_shown_enough) {
     Hooks hooks;
-    hooks.meanwhile = [](pid_t child) {
-        wait_until_status(child, "Threads:", [](const std::string& value) { return std::stoi(value) > 1; });
-        std::this_thread::sleep_for(std::chrono::milliseconds(500));
-        kill(child, SIGINT);
-    };
+    hooks.err = Pipe::Kind::terminal;
+    hooks.is_enough = [&](const Outcome& outcome) { return has_shown_enough(outcome.err); };
     return run(arguments, hooks);
 }
 
-Outcome run_on_terminal(const std::vector<std::string>& arguments) {
-    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-    if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) std::abort();
-    Hooks hooks;
-    hooks.prepare = [name = std::string(ptsname(terminal))] {
-        dup2(open(name.c_str(), O_RDWR | O_NOCTTY), STDERR_FILENO);
-    };
-    Outcome outcome = run(arguments, hooks);
-    std::array<char, 4096> some;
-    for (ssize_t count; (count = read(terminal, some.data(), some.size())) > 0;)
-        outcome.err.append(some.data(), static_cast<std::size_t>(count));
-    close(terminal);
-    return outcome;
+std::size_t moments_shown(const std::string& terminal) {
+    const std::string begin = "\rlive ", end = " s,";
+    std::set<std::string> moments;
+    for (std::size_t at = 0; (at = terminal.find(begin, at)) != std::string::npos;) {
+        at += begin.size();
+        moments.insert(terminal.substr(at, terminal.find(end, at) - at));
+    }
+    return moments.size();
 }
 
 Outcome run_under_nohup(const std::vector<std::string>& arguments) {

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -44,13 +45,18 @@ Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments
 /// Starts it, sends SIGINT as soon as it minds that, and waits for its end.
 Outcome run_interrupted_at_once(const std::vector<std::string>& arguments);
 
-/// Starts a live session, sends SIGINT when it has been running for a while, and waits for its end.
+/// Starts a live session on a terminal, sends SIGINT once its line there has moved, and waits for its end.
+/// `err` is what stays on the terminal.
 Outcome run_interrupted_while_live(const std::vector<std::string>& arguments);
 
-/// Runs it with its error stream on a terminal of its own.
-Outcome run_on_terminal(const std::vector<std::string>& arguments);
+/// Runs it with its error stream on a terminal of its own, and sends SIGINT once that has shown enough.
+Outcome run_on_terminal(const std::vector<std::string>& arguments,
+                        const std::function<bool(const std::string&)>& has_shown_enough);
+/// How many moments the line of a live run has shown there.
+std::size_t moments_shown(const std::string& terminal);
 
-/// Starts it, told to ignore SIGHUP as nohup does, sends that once SIGINT would be minded, and waits for its end.
+/// Starts it, told to ignore SIGHUP as nohup does, sends that once SIGINT would be minded, and waits for its
+/// end.
 Outcome run_under_nohup(const std::vector<std::string>& arguments);
 
 /// Runs it where no file may grow beyond `kibibytes`: a full disk, for its files but not for what it says.
