@@ -3,6 +3,8 @@
 #include "device/driven_device.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -81,8 +83,10 @@ TEST_F(Driven, IsLimpAfterASilentCaller) {
     EXPECT_LE(exerted, 50);
 }
 
-TEST_F(Driven, IsLimpAndWithoutAPlaceAfterASilentDevice) {
+TEST_F(Driven, IsLimpAndWithoutAPlaceOrButtonsAfterASilentDevice) {
+    hardware.buttons = 3;
     settle();
+    EXPECT_EQ(device.buttons(), 3U);
     hardware.fault = Fault::silent;
     int exerted = 0;
     while (exerted < 100 && tick({0, 0, 1}) != glm::dvec3(0)) {
@@ -100,6 +104,7 @@ TEST_F(Driven, IsLimpAndWithoutAPlaceAfterASilentDevice) {
     tick({0, 0, 1});
     tick({0, 0, 1});
     EXPECT_TRUE(std::isfinite(place.x));
+    EXPECT_EQ(device.buttons(), 3U);
 }
 
 TEST_F(Driven, AForceThatAnswersAPlaceBeforeAGapDoesNotComeBack) {
@@ -121,6 +126,78 @@ TEST_F(Driven, AForceThatAnswersAPlaceBeforeAGapDoesNotComeBack) {
         before = now_felt;
     }
     EXPECT_EQ(before, 1);
+}
+
+TEST_F(Driven, AFingerThatTheDeviceKnowsNoPlaceOfIsLimpAtOnce) {
+    settle();
+    hardware.fault = Fault::no_place;
+    tick({0, 0, 1});
+    EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0)) << "its last place is not old, but it is not there any more";
+    EXPECT_TRUE(std::isnan(place.x));
+    EXPECT_TRUE(device.health().ok());
+}
+
+TEST_F(Driven, OpenedAgainItKnowsNoPlaceOrButtonOfBefore) {
+    hardware.buttons = 1;
+    hardware.over = true;
+    settle();
+    device.close();
+    hardware.fault = Fault::silent;
+    hardware.over = false;
+    ASSERT_TRUE(device.open().ok());
+    EXPECT_FALSE(device.is_over());
+    for (int turns = 0; turns < 15; ++turns) {
+        EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0)) << "it answers a place of before";
+        EXPECT_TRUE(std::isnan(place.x));
+        EXPECT_EQ(device.buttons(), 0U);
+        EXPECT_EQ(device.age_s(), std::numeric_limits<double>::infinity());
+    }
+}
+
+TEST_F(Driven, OpenedAgainItExertsNothingThatWasAskedForBefore) {
+    settle();
+    device.close();
+    hardware.kept_ns = 3 * ms;  // what it tells first had come before that
+    ASSERT_TRUE(device.open().ok());
+    for (int turns = 0; turns < 60; ++turns) {
+        turn();
+        EXPECT_EQ(hardware.force, glm::dvec3(0)) << turns;
+    }
+}
+
+/// Hardware that speaks by itself: a force may be asked for before the first word to it.
+TEST_F(Driven, OpenedAgainItsForceRisesFromNothing) {
+    hardware.descriptor = eventfd(1, EFD_CLOEXEC);  // readable always
+    settle();
+    device.close();
+    ASSERT_TRUE(device.open().ok());
+    double before = 0;
+    for (int turns = 0; turns < 120; ++turns) {
+        const double felt = tick({0, 0, 1}).z;
+        EXPECT_LE(felt - before, 0.0501) << "five milliseconds of a tenth of a second, at most";
+        before = felt;
+    }
+    EXPECT_EQ(before, 1);
+    ::close(hardware.descriptor);
+}
+
+/// The caller lives for 50 ms after its last word; the place is found in these.
+TEST_F(Driven, AForceThatWasAskedForBeforeItsFingerWasFoundNeverGoesOut) {
+    hardware.fault = Fault::silent;
+    for (int turns = 0; turns < 5; ++turns) tick({0, 0, 1});
+    hardware.fault = Fault::none;
+    for (int turns = 0; turns < 60; ++turns) {
+        turn();
+        EXPECT_EQ(hardware.force, glm::dvec3(0)) << turns << " ms after it was found first";
+    }
+    settle();
+    hardware.fault = Fault::silent;
+    for (int turns = 0; turns < 25; ++turns) tick({0, 0, 1});
+    hardware.fault = Fault::none;
+    for (int turns = 0; turns < 60; ++turns) {
+        turn();
+        EXPECT_EQ(hardware.force, glm::dvec3(0)) << turns << " ms after it was found again";
+    }
 }
 
 TEST_F(Driven, AForceThatIsNotFiniteLeavesItLimpUntilItIsOpenedAgain) {
@@ -154,6 +231,21 @@ TEST_F(Driven, AnUnpluggedDeviceIsLookedForAndComesBackWithoutForce) {
     EXPECT_EQ(device.facts().losses, 1);
 }
 
+TEST_F(Driven, ADeviceThatComesBackElsewhereIsBelievedAtOnce) {
+    settle();
+    hardware.plugged = false;
+    tick({0, 0, 1});
+    hardware.place = {0.3, 0, 0};
+    hardware.plugged = true;
+    for (int turns = 0; turns < 101 && !hardware.connected; ++turns) tick({0, 0, 1});
+    ASSERT_TRUE(hardware.connected);
+    tick({0, 0, 1});
+    tick({0, 0, 1});
+    EXPECT_EQ(place, glm::dvec3(0.3, 0, 0)) << "where it was before says nothing of where it is";
+    EXPECT_EQ(device.facts().implausible, 0);
+    settle();
+}
+
 TEST_F(Driven, WhatKeepsItFromComingBackIsSaid) {
     settle();
     hardware.plugged = false;
@@ -180,6 +272,10 @@ TEST_F(Driven, OneThatDoesNotComeBackIsGivenUp) {
     tick({0, 0, 1});
     EXPECT_FALSE(reads || writes);
     EXPECT_EQ(device.health().error().message, "fake: gone; it did not come back");
+    hardware.plugged = true;
+    ASSERT_TRUE(device.open().ok());
+    settle();
+    EXPECT_TRUE(reads && writes);
 }
 
 TEST_F(Driven, ADriverThatThrowsHasFailed) {
@@ -212,7 +308,7 @@ TEST_F(Driven, TenThousandFaultsAtRandomMoments) {
     settle();
     std::int64_t sound_ns = now, asked_ns = now;  // the hardware told a sound place; a force was asked for
     for (int fault = 0; fault < 10'000; ++fault) {
-        hardware.fault = static_cast<Fault>(1 + below(7));
+        hardware.fault = static_cast<Fault>(1 + below(8));
         const bool unplugged = below(4) == 0, caller_sleeps = below(5) == 0;
         hardware.plugged = !unplugged;
         const int lasts = below(40);

@@ -15,13 +15,26 @@ namespace touchable::test {
 /// work while the other looks.
 class FakeHardware {
 public:
-    enum class Fault { none, error, throws, silent, not_a_number, beyond_the_room, leap, refuses_force };
+    enum class Fault {
+        none,
+        error,
+        throws,
+        silent,
+        not_a_number,
+        beyond_the_room,
+        leap,
+        refuses_force,
+        no_place
+    };
 
     bool plugged = true;
     Fault fault = Fault::none;
     glm::dvec3 place{0.0};
     std::uint32_t buttons = 0;
     std::string wish;
+    std::int64_t kept_ns = 0;  ///< for how long it has had what it tells
+    int descriptor = -1;       ///< of hardware that speaks by itself
+    bool over = false;
     std::string not_opened_because;  ///< what it says when it is connected without being plugged; empty: gone
 
     bool connected = false;
@@ -69,13 +82,17 @@ public:
         if (hardware_.fault == Fault::silent) return false;
         sample.metres[0] = hardware_.place;
         sample.buttons = hardware_.buttons;
+        sample.kept_ns = hardware_.kept_ns;
         if (hardware_.fault == Fault::not_a_number) sample.metres[0].y = no_number;
+        if (hardware_.fault == Fault::no_place) sample.metres[0] = glm::dvec3(no_number);
         if (hardware_.fault == Fault::beyond_the_room) sample.metres[0].x += 100;
         // (Where a finger is first, it may be anywhere.)
         if (hardware_.fault == Fault::leap && told_) sample.metres[0].z -= 0.2;
         told_ = told_ || hardware_.fault == Fault::none;
         return hardware_.fault != Fault::leap || told_;
     }
+    int descriptor() const override { return hardware_.descriptor; }
+    bool is_over() const override { return hardware_.over; }
     std::string wish() const override { return hardware_.wish; }
 
 private:

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "device/driven_device.hpp"
@@ -39,13 +40,15 @@ protected:
         if (in_vain) settings.patience = {milliseconds(2), milliseconds(5), milliseconds(2)};
         return settings;
     }
-    std::unique_ptr<FalconDriver> driver_for(const std::string& image = {}) {
+    std::unique_ptr<FalconDriver> driver_for(const std::string& image = {}, DriverClock clock = steady_ns) {
         return std::make_unique<FalconDriver>(
-            settings(image), [falcon = falcon]() -> Result<std::unique_ptr<UsbPort>> {
+            settings(image),
+            [falcon = falcon]() -> Result<std::unique_ptr<UsbPort>> {
                 if (!falcon->plugged) return Error{ErrorKind::device, "no Novint Falcon is plugged in"};
                 ++falcon->opened;
                 return std::unique_ptr<UsbPort>(std::make_unique<FakeFalconPort>(falcon));
-            });
+            },
+            std::move(clock));
     }
     void connect(FalconDriver& driver) {
         const auto connected = driver.connect([] { return false; });
@@ -352,6 +355,23 @@ TEST_F(Falcon, UnpluggedInTheMiddleIsAnErrorAndNoMore) {
     connect(*driver);
     EXPECT_NE(driver->wish(), "");  // homing is believed anew
     home(*driver);
+}
+
+TEST_F(Falcon, OneThatDoesNotAnswerForAQuarterOfASecondIsGone) {
+    std::int64_t now = 1;
+    auto driver = driver_for({}, [&now] { return now; });
+    connect(*driver);
+    home(*driver);
+    patience = microseconds(0);
+    falcon->silent = true;
+    now += 250'000'000;
+    const auto late = turn(*driver);
+    ASSERT_TRUE(late.ok()) << "it may still answer";
+    EXPECT_FALSE(*late);
+    now += 1'000'000;
+    const auto gone = turn(*driver);
+    ASSERT_FALSE(gone.ok());
+    EXPECT_NE(gone.error().message.find("does not answer any more"), std::string::npos);
 }
 
 TEST_F(Falcon, OneThatBabblesHoldsNobodyAndIsTakenForGone) {

@@ -9,7 +9,8 @@
 
 #include <cerrno>
 #include <chrono>
-#include <thread>
+#include <memory>
+#include <vector>
 
 #include "device/network/network_device.hpp"
 
@@ -49,9 +50,9 @@ public:
         packet.vectors[0] = place;
         say(encode(packet));
     }
-    /// The newest answer that has come; kind `places` where none has.
-    NetworkPacket hear(int patience_ms = 1000) const {
-        NetworkPacket newest;
+    /// Every answer that has come.
+    std::vector<NetworkPacket> hear_all(int patience_ms = 1000) const {
+        std::vector<NetworkPacket> all;
         pollfd waited_for{socket_, POLLIN, 0};
         std::byte room[1024];
         for (; poll(&waited_for, 1, patience_ms) == 1; patience_ms = 0) {
@@ -59,9 +60,14 @@ public:
             if (came < 0) break;
             const auto packet = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
             EXPECT_TRUE(packet.ok());
-            if (packet.ok()) newest = *packet;
+            if (packet.ok()) all.push_back(*packet);
         }
-        return newest;
+        return all;
+    }
+    /// The newest; kind `places` where none has come.
+    NetworkPacket hear() const {
+        const auto all = hear_all();
+        return all.empty() ? NetworkPacket() : all.back();
     }
 
 private:
@@ -91,20 +97,23 @@ protected:
         const auto came = driver.receive(sample, milliseconds(patience_ms));
         return came.ok() && !*came;
     }
-    /// Of a peer that goes on sending, while the device's thread goes on speaking.
-    bool comes_to_be_heard(const Peer& peer) {
-        for (std::uint32_t sequence = 2; sequence < 1000; ++sequence) {
-            peer.say(sequence, {0.09, 0, 0});
-            if (hears({0.09, 0, 0}, 0)) return true;
+    void pass(std::int64_t ms) { now += ms * 1'000'000; }
+    /// After how many milliseconds a peer is heard that goes on sending, while the device's thread goes on
+    /// speaking; -1: never.
+    int comes_to_be_heard_after(const Peer& peer) {
+        for (int ms = 0; ms < 5000; ms += 5) {
+            peer.say(static_cast<std::uint32_t>(ms + 2), {0.09, 0, 0});
+            if (hears({0.09, 0, 0}, 0)) return ms;
             exert({0, 0, 0});
-            std::this_thread::sleep_for(milliseconds(5));
+            pass(5);
         }
-        return false;
+        return -1;
     }
     void exert(const glm::dvec3& newtons) { EXPECT_TRUE(driver.send(std::span(&newtons, 1)).ok()); }
 
     NetworkSettings settings{.listen = "127.0.0.1", .port = free_port(), .fingers = 1, .limits = {10, 3000}};
-    NetworkDriver driver{settings};
+    std::int64_t now = 1;  // ns; passes only where a test says so
+    NetworkDriver driver{settings, std::make_unique<UdpSocket>(), [this] { return now; }};
 };
 
 TEST_F(NetworkHand, TellsPlacesAndGetsForces) {
@@ -119,6 +128,16 @@ TEST_F(NetworkHand, TellsPlacesAndGetsForces) {
     EXPECT_EQ(answer.vectors[0], glm::dvec3(0, 0, 2.5));
     EXPECT_EQ(answer.sequence, 1U);
     EXPECT_EQ(answer.time_ns, 1001U) << "its own clock, so that it can tell the round trip";
+}
+
+TEST_F(NetworkHand, ForcesAreNoPlaces) {
+    const Peer peer(driver.port());
+    NetworkPacket packet;
+    packet.kind = NetworkPacket::Kind::forces;
+    packet.sequence = 1;
+    peer.say(encode(packet));
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_NE(driver.wish().find("kind 1"), std::string::npos) << driver.wish();
 }
 
 TEST_F(NetworkHand, TheNewestCountsWhateverOrderTheyComeIn) {
@@ -206,8 +225,42 @@ TEST_F(NetworkHand, OnePeerAtATimeUntilItEnds) {
     EXPECT_EQ(last.vectors[0], glm::dvec3(0));
     second.say(1, {0.09, 0, 0});
     EXPECT_TRUE(hears_nothing()) << "forces may still be on";
-    EXPECT_TRUE(comes_to_be_heard(second));
+    EXPECT_EQ(comes_to_be_heard_after(second), 1200);
     EXPECT_EQ(driver.wish(), "");
+}
+
+TEST_F(NetworkHand, PlacesOfAHandThatHasGoneAtOnceDoNotCount) {
+    const Peer peer(driver.port());
+    peer.say(1, {0.01, 0, 0});
+    peer.say(2, {0.02, 0, 0}, true);
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_NE(driver.wish().find("waiting for a hand"), std::string::npos);
+}
+
+TEST_F(NetworkHand, PlacesOfAnotherDoNotCountWhileAHandIsThere) {
+    const Peer first(driver.port());
+    const Peer second(driver.port());
+    first.say(1, {0.01, 0, 0});
+    second.say(2, {0.02, 0, 0});  // before the system keeps it away
+    EXPECT_TRUE(hears({0.01, 0, 0}));
+    EXPECT_EQ(driver.left_out(), 1);
+}
+
+TEST_F(NetworkHand, APeerThatIsSilentForASecondIsToldToBeLimpAndMakesRoomLater) {
+    const Peer first(driver.port()), second(driver.port());
+    first.say(1, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    pass(1000);
+    exert({0, 0, 0});
+    EXPECT_EQ(driver.wish(), "") << "it may still speak";
+    first.hear_all();
+    pass(1);
+    exert({0, 0, 5});
+    const auto last = first.hear();
+    EXPECT_TRUE(last.last);
+    EXPECT_EQ(last.vectors[0], glm::dvec3(0));
+    EXPECT_NE(driver.wish().find("waiting for a hand"), std::string::npos);
+    EXPECT_EQ(comes_to_be_heard_after(second), 1200);
 }
 
 TEST_F(NetworkHand, EachPacketIsAnsweredOnceAndASilentHandGetsZeros) {
@@ -216,9 +269,17 @@ TEST_F(NetworkHand, EachPacketIsAnsweredOnceAndASilentHandGetsZeros) {
     ASSERT_TRUE(hears({0.01, 0, 0}));
     exert({0, 0, 2});
     for (int tick = 0; tick < 30; ++tick) exert({0, 0, 3});
-    EXPECT_EQ(peer.hear().vectors[0], glm::dvec3(0, 0, 2));
+    const auto answers = peer.hear_all();
+    ASSERT_EQ(answers.size(), 1U);
+    EXPECT_EQ(answers[0].vectors[0], glm::dvec3(0, 0, 2));
     for (int tick = 0; tick < 30; ++tick) exert({0, 0, 0});
-    EXPECT_EQ(peer.hear().vectors[0], glm::dvec3(0));
+    const auto zeros = peer.hear_all();
+    EXPECT_EQ(zeros.size(), 20U) << "some may be lost on the way, not all";
+    for (const NetworkPacket& zero : zeros) EXPECT_EQ(zero.vectors[0], glm::dvec3(0));
+    peer.say(2, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    for (int tick = 0; tick < 30; ++tick) exert({0, 0, 0});
+    EXPECT_EQ(peer.hear_all().size(), 21U) << "an answer, and as many anew";
 }
 
 TEST_F(NetworkHand, APeerThatHasGoneMakesRoomForAnother) {
@@ -227,10 +288,10 @@ TEST_F(NetworkHand, APeerThatHasGoneMakesRoomForAnother) {
         first.say(1, {0.01, 0, 0});
         ASSERT_TRUE(hears({0.01, 0, 0}));
     }
-    exert({0, 0, 1});  // nobody is there any more, which the next one hears
-    exert({0, 0, 1});
+    for (int zeros = 0; zeros < 2; ++zeros)
+        exert({0, 0, 0});  // nobody is there any more, which the second is told
     const Peer second(driver.port());
-    EXPECT_TRUE(comes_to_be_heard(second));
+    EXPECT_EQ(comes_to_be_heard_after(second), 1200) << "long before a second of silence";
 }
 
 TEST_F(NetworkHand, LeavesZerosBehind) {
@@ -238,10 +299,14 @@ TEST_F(NetworkHand, LeavesZerosBehind) {
     peer.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
     exert({0, 0, 5});
+    ASSERT_EQ(peer.hear().vectors[0], glm::dvec3(0, 0, 5));
     driver.disconnect();
-    const auto last = peer.hear();
-    EXPECT_TRUE(last.last);
-    EXPECT_EQ(last.vectors[0], glm::dvec3(0));
+    const auto last_words = peer.hear_all();
+    EXPECT_EQ(last_words.size(), 3U) << "one may be lost on the way, and one refused";
+    for (const NetworkPacket& last : last_words) {
+        EXPECT_TRUE(last.last);
+        EXPECT_EQ(last.vectors[0], glm::dvec3(0));
+    }
 }
 
 TEST_F(NetworkHand, ItsLastWordIsZeroForce) {

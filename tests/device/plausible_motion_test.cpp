@@ -52,6 +52,23 @@ TEST(PlausibleMotion, AGapIsNoLicenceToLeap) {
     EXPECT_TRUE(motion.believe({0.06, 0, 0}, 1001 * tick_ns));
 }
 
+/// docs/network-hand.md: 5 m/s, and 52 mm after any gap; 2 mm of them are slack.
+TEST(PlausibleMotion, AHandGoesFiveMetresASecondAndNoFartherThan52MillimetresUnseen) {
+    const auto believes = [](double metres, std::int64_t ms) {
+        PlausibleMotion motion;
+        EXPECT_TRUE(motion.believe({0, 0, 0}, tick_ns));
+        return motion.believe({0, metres, 0}, tick_ns + ms * tick_ns).has_value();
+    };
+    EXPECT_TRUE(believes(0.0069, 1));
+    EXPECT_FALSE(believes(0.0071, 1));
+    EXPECT_TRUE(believes(0.0269, 5));
+    EXPECT_FALSE(believes(0.0271, 5));
+    for (const std::int64_t gap_ms : {10, 11, 100, 100'000}) {
+        EXPECT_TRUE(believes(0.0519, gap_ms)) << gap_ms;
+        EXPECT_FALSE(believes(0.0521, gap_ms)) << gap_ms;
+    }
+}
+
 TEST(PlausibleMotion, NothingIsBeyondTheRoom) {
     PlausibleMotion motion;
     EXPECT_FALSE(motion.believe({0, 5.1, 0}, 1 * tick_ns));

@@ -4,8 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
 
+#include "device/measure/spring_trial.hpp"
 #include "tests/device/bench_device.hpp"
 
 namespace touchable::test {
@@ -89,6 +94,96 @@ TEST(StiffnessSearch, EndsWithoutForceWhateverEndsIt) {
     for (const BenchDevice* device : {&stopped, &lost, &broken}) {
         EXPECT_EQ(device->asked, glm::dvec3(0));
         EXPECT_GT(device->longest, 0.4) << "there was a force to end";
+    }
+}
+
+/// A handle that rests until it is pushed first. From then on it does what a test says.
+class ScriptedHandle final : public HapticDevice {
+public:
+    /// Metres from where it rested, so many ticks after it was pushed first.
+    explicit ScriptedHandle(std::function<double(int)> away) : away_(std::move(away)) {}
+
+    std::string name() const override { return "scripted handle"; }
+    DeviceLimits limits() const override { return {8, 100}; }
+    int fingers() const override { return 1; }
+    DeviceCapabilities capabilities() const override { return {.axes_driven = 3}; }
+    Result<void> open() override { return {}; }
+    void close() override {}
+    bool read_positions(std::span<glm::dvec3> metres) override {
+        is_at_ = pushed_at_ ? away_(ticks_++ - *pushed_at_) : 0;
+        metres[0] = {0, is_at_, 0};
+        return true;
+    }
+    bool write_forces(std::span<const glm::dvec3> newtons) override {
+        force = glm::length(newtons[0]);
+        if (force == 0) return true;
+        if (!pushed_at_) pushed_at_ = ticks_;
+        ++pushes;
+        longest = std::max(longest, force);
+        farthest = std::max(farthest, std::abs(is_at_));
+        return true;
+    }
+    Result<void> health() const override { return {}; }
+    TickPace pace() {
+        return {[] { return true; }, [] { return std::int64_t{0}; }};
+    }
+
+    double force = 0, longest = 0, farthest = 0;  ///< N now, and at most; metres away while there was any
+    int pushes = 0;                               ///< ticks with a force
+
+private:
+    std::function<double(int)> away_;
+    int ticks_ = 0;
+    std::optional<int> pushed_at_;
+    double is_at_ = 0;
+};
+
+TEST(StiffnessSearch, NudgesByAThirdOfTheForceForTenMilliseconds) {
+    ScriptedHandle device([](int) { return 0.0; });
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_TRUE(found.ok()) << found.error().message;
+    EXPECT_EQ(found->most_force, 1.5);
+    EXPECT_FALSE(found->moved);
+    EXPECT_NEAR(device.longest, 0.5, 1e-12);
+    EXPECT_EQ(device.pushes, 10);
+}
+
+/// As one does whose motor's sign is wrong: it creeps off, and never swings.
+TEST(StiffnessSearch, LetsGoOfAHandleThatIsThreeMillimetresAway) {
+    ScriptedHandle device([](int ticks) { return 0.00002 * ticks; });
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_TRUE(found.ok()) << found.error().message;
+    EXPECT_EQ(found->quiet, 0);
+    EXPECT_EQ(found->why, "it went 3 mm away");
+    EXPECT_LE(device.farthest, 0.003);
+    EXPECT_GE(device.farthest, 0.0029);
+    EXPECT_EQ(device.force, 0);
+}
+
+/// Swings of 20 ms whose peaks grow by 0.1 mm every tenth of a second.
+TEST(StiffnessSearch, LetsGoOfAHandleWhoseSwingsDouble) {
+    ScriptedHandle device(
+        [](int ticks) { return (0.0001 + 0.000001 * ticks) * std::sin(2 * std::acos(-1.0) * ticks / 20); });
+    const auto found = find_stiffness(device, device.pace());
+    ASSERT_TRUE(found.ok()) << found.error().message;
+    EXPECT_EQ(found->why, "its swings doubled");
+    EXPECT_GE(device.farthest, 0.0002);
+    EXPECT_LE(device.farthest, 0.00023) << "at once";
+    EXPECT_EQ(device.force, 0);
+}
+
+TEST(SpringTrial, EndsWithoutForce) {
+    BenchDevice device({.mass = 0.5, .damping = 5, .hand_stiffness = 0});
+    const TickPace pace = device.pace();
+    SpringTrial trial(device, pace, 1.5);
+    for (const double stiffness : {1000.0, 18'000.0}) {  // 10 000 is the bound
+        const auto rest = trial.wait_for_rest();
+        ASSERT_TRUE(rest.ok());
+        const auto verdict = trial.try_spring(stiffness, *rest);
+        ASSERT_TRUE(verdict.ok());
+        EXPECT_EQ(verdict->quiet, stiffness < 10'000);
+        EXPECT_EQ(device.asked, glm::dvec3(0)) << stiffness;
+        EXPECT_GT(device.longest, 0.4) << "there was a force to end";
     }
 }
 

@@ -75,6 +75,23 @@ TEST(WoodenDriver, WithAButtonItHasNoPlaceUntilItWasPressed) {
     EXPECT_TRUE(bench.driver->wish().empty());
 }
 
+TEST(WoodenDriver, TwoDamagedReadingsOfItsButtonHomeNothing) {
+    Bench bench(with_button());
+    bench.board->counters = {111, 222, 333, 0, 0, 0};
+    ASSERT_TRUE(bench.connect().ok());
+    for (const int damaged : {1, 2}) {
+        for (int reading = 0; reading < damaged; ++reading)
+            bench.wire->lay(bytes_of({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0x01, 0x00}));
+        ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)).ok());
+        for (int turn = 0; turn < 10; ++turn) {
+            ASSERT_TRUE(bench.turn({0, 1, 0}).ok());
+            EXPECT_FALSE(bench.has_place()) << damaged;
+            EXPECT_EQ(bench.wire->last_sent(), limp);
+        }
+        EXPECT_EQ(bench.board->counters[2], 333) << "nobody knows that it is at home";
+    }
+}
+
 TEST(WoodenDriver, ABoardThatWasHomedMaySoBeTakenOnce) {
     Bench bench(with_button(), true);
     bench.board->counters[2] = 6000;
