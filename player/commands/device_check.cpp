@@ -22,6 +22,7 @@
 #include "engine/start_thread.hpp"
 #include "haptics_cpu/realtime.hpp"
 #include "player/commands/device_check_report.hpp"
+#include "player/commands/held_device.hpp"
 #include "player/commands/outputs.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/session/output_file.hpp"
@@ -46,6 +47,7 @@ struct MeasuredDevice {
 Result<MeasuredDevice> take_device(const std::string& words) {
     if (words.substr(0, words.find(':')) == "simulated")
         return usage_error("--device simulated is computed, so there is nothing to measure");
+    ignore_stop_keys();
     auto keeper = LimpKeeper::start();
     if (!keeper.ok()) return keeper.error();
     MeasuredDevice measured;
@@ -151,12 +153,12 @@ Result<void> watch(const MeasuredDevice& measured, int seconds, DeviceReport& re
 
 /// Whether a person at the terminal presses Enter, and nothing else before it.
 bool says_yes() {
+    tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before is no answer
     std::cerr
         << "Take your hand off the handle, and leave it where it stays by itself. Then Enter: springs of up "
            "to 1.5 N look\nfor the largest stiffness (a minute or less; Ctrl-C ends it at once). n and Enter "
            "leaves that out. "
         << std::flush;
-    tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before is no answer
     pollfd input{STDIN_FILENO, POLLIN, 0};
     while (!interrupted()) {
         if (poll(&input, 1, 50) <= 0) continue;

@@ -85,11 +85,6 @@ std::vector<CLI::Option*> add_mapping_options(CLI::App& sub, HeldDeviceWords& wo
                 ->capture_default_str()};
 }
 
-/// Who stops the program by a key (Ctrl-Z) would stop it with a force on.
-void stay_awake() {
-    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
-}
-
 /// All of them as one.
 Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
     auto keeper = LimpKeeper::start();
@@ -109,6 +104,10 @@ Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
 }
 
 }  // namespace
+
+void ignore_stop_keys() {
+    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
+}
 
 std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
                                                   SessionOptions& session) {
@@ -169,7 +168,7 @@ Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session)
     session.control = std::make_shared<HandControl>(session.held_device->fingers(), HandMapping{});
     session.control->ask_force(words.force_on);
     if (words.force_on) session.control->insist_on_force();
-    stay_awake();
+    ignore_stop_keys();
     return {};
 }
 

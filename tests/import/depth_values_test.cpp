@@ -106,6 +106,26 @@ TEST(DepthValues, ValuesBeyondAllMeasureAreNoDepth) {
     EXPECT_NEAR(depth_at(scene, codes, 3), 2, 1e-2);
 }
 
+/// docs/scene_file.md: what is nearer than a metric scene's near, or deeper than its far, is no depth.
+TEST(DepthValues, FloatsBeyondTheScenesPlanesAreNoDepth) {
+    const std::vector<float> stored{0.3F, 0.49F, 0.6F, 1, 2.9F, 3.1F, 50};
+    Scene scene = scene_of(7, 1);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 1;
+    scene.depth.near = 0.5;
+    scene.depth.far = 3;
+    DepthValues values(scene);
+    values.look(floats(7, stored));
+    ASSERT_EQ(message(values.settle(scene)), "");
+    EXPECT_GE(scene.depth.near, 0.5);
+    EXPECT_LE(scene.depth.far, 3);
+    const Image codes = values.codes(floats(7, stored));
+    for (const int x : {0, 1, 5, 6})
+        EXPECT_EQ(depth_at(scene, codes, x), 0) << stored[static_cast<std::size_t>(x)];
+    for (const int x : {2, 3, 4})
+        EXPECT_NEAR(depth_at(scene, codes, x), stored[static_cast<std::size_t>(x)], 1e-4);
+}
+
 TEST(DepthValues, AllOfSixteenBitsMayBeDepthWithoutAScale) {
     Scene scene = scene_of(3, 1);
     scene.depth.kind = DepthCodingKind::inverse;

@@ -78,8 +78,13 @@ TEST(Depthkit, UpperHalfIsColourAndLowerHalfIsDepth) {
     EXPECT_EQ(scene.depth.semantics, DepthSemantics::planar);
     EXPECT_EQ(scene.depth.depth(0), 0.5);
     EXPECT_DOUBLE_EQ(scene.depth.depth(768), 1.0);  // half the circle, half the way
-    EXPECT_FALSE(scene.depth.is_valid(1500));       // red from the other side
+    // The last of 32 parts of the circle is red from the other side.
+    EXPECT_TRUE(scene.depth.is_valid(1488));
+    EXPECT_FALSE(scene.depth.is_valid(1489));
+    EXPECT_DOUBLE_EQ(scene.depth.far, 0.5 + 31.0 / 32);
     EXPECT_EQ(scene.depth.least_sum, 77);
+    EXPECT_EQ(scene.filter.median, 5) << "it sees beyond a compressed block of 4x4";
+    EXPECT_EQ(scene.filter.fill_holes, 2);
     EXPECT_EQ((*clip)->frame_count(), 5);
     ASSERT_EQ((*clip)->tracks().size(), 2U);
     EXPECT_EQ((*clip)->tracks()[0].role, "depth");

@@ -1,13 +1,23 @@
 // What the program says of devices, on machines that may have any or none.
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
 
 #include "device/catalog/device_catalog.hpp"
+#include "device/network/network_packet.hpp"
 #include "player/commands/device_check_report.hpp"
 #include "tests/player/program.hpp"
 
@@ -166,6 +176,122 @@ TEST(DeviceCheck, StopsWhenItIsInterrupted) {
         run_interrupted_at_once({"check", "--device", "network:port=" + free_port(), "--wait", "60"});
     EXPECT_EQ(run.code, 130);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
+}
+
+/// `check` of a network hand that rests, by a person at a terminal of their own.
+class CheckAtATerminal : public ::testing::Test {
+protected:
+    /// Types `answer` once it asks for the springs, and plays the hand until it ends.
+    void run(const std::string& answer) {
+        const std::string port = free_port(), device = "network:stiffness=0.1,port=" + port;
+        const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+        ASSERT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+        const std::string name = ptsname(terminal), said = folder_ / "said", json = folder_ / "json";
+        const pid_t program = fork();
+        if (program == 0) {
+            dup2(open(name.c_str(), O_RDWR | O_NOCTTY), STDIN_FILENO);
+            dup2(creat(json.c_str(), 0600), STDOUT_FILENO);
+            dup2(creat(said.c_str(), 0600), STDERR_FILENO);
+            execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "check", "--device", device.c_str(), "--seconds", "1",
+                  "--json", nullptr);
+            _exit(127);
+        }
+        for (bool asked = false; waitpid(program, nullptr, WNOHANG) == 0;) {
+            rest(static_cast<std::uint16_t>(std::stoi(port)));
+            if (asked || file_contents(said).find("n and Enter leaves that out") == std::string::npos)
+                continue;
+            asked = true;
+            EXPECT_EQ(write(terminal, answer.data(), answer.size()), static_cast<ssize_t>(answer.size()));
+        }
+        close(terminal);
+        report_ = nlohmann::json::parse(file_contents(json), nullptr, false);
+        ASSERT_TRUE(report_.is_object()) << file_contents(said);
+    }
+    /// A packet out, and what has come back.
+    void rest(std::uint16_t port) {
+        if (socket_ < 0) {
+            socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
+            sockaddr_in to{};
+            to.sin_family = AF_INET;
+            to.sin_port = htons(port);
+            to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+            EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+        }
+        NetworkPacket packet;
+        packet.sequence = ++sequence_;
+        packet.vectors[0] = {0, 0, 0.05};
+        const auto bytes = encode(packet);
+        [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), 0);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        std::byte room[1024];
+        for (ssize_t came; (came = recv(socket_, room, sizeof room, 0)) > 0;) {
+            const auto answer = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
+            if (answer.ok()) largest_ = std::max(largest_, glm::length(answer->vectors[0]));
+        }
+    }
+    ~CheckAtATerminal() override { close(socket_); }
+
+    const TemporaryFolder folder_;
+    int socket_ = -1;
+    std::uint32_t sequence_ = 0;
+    double largest_ = 0;  // N, that the hand was given
+    nlohmann::json report_;
+};
+
+TEST_F(CheckAtATerminal, NAndEnterLeavesTheSpringsOut) {
+    run("n\n");
+    EXPECT_EQ(report_["stiffness"]["not_tried"], "it was left out");
+    EXPECT_EQ(largest_, 0) << "a force that nobody agreed to";
+}
+
+TEST_F(CheckAtATerminal, EnterTriesSprings) {
+    run("\n");
+    EXPECT_FALSE(report_["stiffness"].contains("not_tried") &&
+                 report_["stiffness"]["not_tried"] == "it was left out")
+        << report_["stiffness"];
+}
+
+/// Whether it ignores a signal while it waits for a hand.
+bool ignores(int signal, const Words& words) {
+    Words all{TOUCHABLE_PROGRAM};
+    all.insert(all.end(), words.begin(), words.end());
+    std::vector<char*> argv;
+    for (std::string& word : all) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    const pid_t program = fork();
+    if (program == 0) {
+        std::signal(signal, SIG_DFL);  // whoever runs these tests may ignore it
+        const int nowhere = open("/dev/null", O_RDWR);
+        for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
+        execv(argv[0], argv.data());
+        _exit(127);
+    }
+    bool ignored = false;
+    while (!ignored && waitpid(program, nullptr, WNOHANG) == 0) {
+        std::ifstream status("/proc/" + std::to_string(program) + "/status");
+        for (std::string line; std::getline(status, line);)
+            if (line.starts_with("SigIgn:"))
+                ignored = (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1U) == 1;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    if (!ignored) return false;
+    kill(program, SIGKILL);
+    waitpid(program, nullptr, 0);
+    return true;
+}
+
+/// By Ctrl-Z, and by terminals that it is in the background of, it would stop with a force on.
+TEST(HeldDevice, NoKeyStopsTheProgramWhileADeviceIsHeld) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv";
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"}).code, 0);
+    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) {
+        EXPECT_TRUE(ignores(
+            signal, {"touch", clip, "--live", "--device", "network:port=" + free_port(), "--seconds", "3"}))
+            << signal;
+        EXPECT_TRUE(ignores(signal, {"check", "--device", "network:port=" + free_port(), "--wait", "3"}))
+            << signal;
+    }
 }
 
 TEST(DeviceCheck, QuestionsThatMakeNoSenseAreCode2) {

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "player/view/finger_marks.hpp"
 #include "player/view/scene_picture.hpp"
 #include "tests/view/shown.hpp"
 
@@ -102,6 +106,29 @@ TEST(ScenePicture, AFingerThatTouchesShowsItsGoalThroughTheSurface) {
     const auto bare = picture(*shown, {own, 192, 128}, {});
     const auto marked = picture(*shown, {own, 192, 128}, {&hidden, 1});
     EXPECT_GT(pixels_that_differ(*bare, *marked), 0);
+}
+
+/// docs/play.md: the arrow is the force on the finger.
+TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
+    FingerMark finger;
+    finger.goal = {1, 2, -80};
+    finger.proxy = {1, 2, -70};
+    finger.force = {0, 3, 4};
+    finger.touching = true;
+    FingerShapes shapes;
+    shape_fingers({&finger, 1}, {2, 6}, shapes);
+    double farthest = 0;
+    int parts = 0;
+    for (const Solid& solid : shapes.solids) {
+        if (solid.is_ball) continue;
+        ++parts;
+        EXPECT_NEAR(solid.along.y, 0.6, 1e-12);
+        EXPECT_NEAR(solid.along.z, 0.8, 1e-12);
+        const glm::dvec3 tip = solid.foot + solid.to.height * solid.along;
+        farthest = std::max(farthest, glm::dot(tip - finger.proxy, glm::dvec3(0, 0.6, 0.8)));
+    }
+    EXPECT_GT(parts, 0);
+    EXPECT_NEAR(farthest, 5 * 6 + 2, 0.2) << "5 N, 6 units each, from the rim of the finger";
 }
 
 TEST(LightPicture, DevelopsEveryByteToItself) {

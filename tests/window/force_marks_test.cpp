@@ -1,10 +1,13 @@
 // How forces are told beside fingers, and on the bar.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <vector>
 
 #include "player/window/finger_halos.hpp"
+#include "player/window/finger_trails.hpp"
 #include "player/window/force_scale.hpp"
+#include "tests/view/shown.hpp"
 
 namespace touchable::test {
 namespace {
@@ -22,6 +25,48 @@ TEST(ForceScale, RisesAtOnceAndFallsOnceItWasNotNeededForAWhile) {
     EXPECT_EQ(at(8.1, {3}), 5);
     EXPECT_EQ(at(12, {1}), 5);
     EXPECT_EQ(at(13.2, {1}), 2);
+}
+
+/// A finger before the middle of a plane, seen by the clip's own camera.
+class FingerMarksInAWindow : public ::testing::Test {
+protected:
+    FingerHalo halo_of(const glm::dvec3& newtons) const {
+        FingerMark mark;
+        mark.goal = mark.proxy = {0, 0, -0.5 * shown_->scene.depth.near};
+        mark.force = newtons;
+        mark.touching = true;
+        const auto halos = finger_halos({&mark, 1}, {2, 6}, shown_->field(), camera_);
+        EXPECT_EQ(halos.size(), 1U);
+        return halos.empty() ? FingerHalo() : halos[0];
+    }
+    const std::unique_ptr<Shown> shown_ = shown_scene("plane", 96, 64);
+    const ViewCamera camera_ = own_view(shown_->scene, 192, 128, 1e-3 * shown_->scene.depth.near);
+};
+
+TEST_F(FingerMarksInAWindow, TheRingTellsWhetherTheForceComesOrGoes) {
+    EXPECT_TRUE(halo_of({0, 0, 2}).towards_eye);
+    EXPECT_FALSE(halo_of({0, 0, -2}).towards_eye);
+    EXPECT_EQ(halo_of({0, 0, -2}).newtons, 2);
+}
+
+TEST_F(FingerMarksInAWindow, TheArrowGoesWhereTheFingerIsPushed) {
+    const FingerHalo right = halo_of({1, 0, 0}), up = halo_of({0, 1, 0});
+    EXPECT_GT(right.arrow.x, 1);
+    EXPECT_NEAR(right.arrow.y, 0, 1e-9);
+    EXPECT_LT(up.arrow.y, -1) << "pixels count downward";
+    EXPECT_NEAR(up.arrow.x, 0, 1e-9);
+}
+
+TEST_F(FingerMarksInAWindow, TheForceIsTheOneThatWasAskedOfTheDevice) {
+    WatchedTick tick;
+    tick.tick = 1;
+    tick.fingers.resize(1);
+    tick.fingers[0].contact.touching = true;
+    tick.fingers[0].contact.proxy = tick.fingers[0].contact.goal = {0, 0, -1};
+    tick.fingers[0].force.force = {1, -2, 3};
+    const auto marks = FingerTrails().marks(tick, 1, shown_->field());
+    ASSERT_EQ(marks.size(), 1U);
+    EXPECT_EQ(marks[0].force, glm::dvec3(1, -2, 3));
 }
 
 TEST(FingerHalos, LabelsStandBesideFingersThatAreCloseAndNeverOnEachOther) {

@@ -236,6 +236,60 @@ TEST(HeldHand, ThatExertsNoForceSaysSo) {
     EXPECT_EQ(state.remark, "fake: no position comes from it") << "nobody has read one yet";
 }
 
+TEST(HeldHand, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
+    const auto fake = std::make_shared<FakeHand>();
+    fake->pressed = 1;
+    HeldHand hand(fake);
+    ASSERT_TRUE(hand.open().ok());
+    glm::dvec3 place;
+    ASSERT_TRUE(hand.read_positions(std::span(&place, 1)));
+    EXPECT_EQ(hand.age_s(), 0.001);
+    EXPECT_EQ(hand.buttons(), 1U);
+    fake->has_failed = true;
+    for (const bool works_again : {false, true}) {
+        if (works_again) fake->has_failed = false;
+        EXPECT_TRUE(hand.read_positions(std::span(&place, 1))) << "the session goes on";
+        EXPECT_TRUE(std::isnan(place.x) && std::isnan(place.y) && std::isnan(place.z)) << works_again;
+        EXPECT_EQ(hand.age_s(), std::numeric_limits<double>::infinity());
+        EXPECT_EQ(hand.buttons(), 0U);
+        EXPECT_TRUE(hand.is_gone());
+    }
+}
+
+TEST(HeldHand, ThatHasFailedFeelsNothingUntilItIsLookedFor) {
+    const auto fake = std::make_shared<FakeHand>();
+    HeldHand hand(fake);
+    ASSERT_TRUE(hand.open().ok());
+    const glm::dvec3 push(0, 0, 3);
+    const auto write = [&] { return hand.write_forces(std::span(&push, 1)); };
+    EXPECT_TRUE(write());
+    EXPECT_EQ(fake->newtons, 3);
+    fake->has_failed = true;
+    EXPECT_TRUE(write()) << "the session goes on";
+    EXPECT_TRUE(hand.is_gone());
+    fake->has_failed = false;
+    fake->newtons = 0;
+    EXPECT_TRUE(write());
+    EXPECT_EQ(fake->newtons, 0);
+    hand.look_again();
+    ASSERT_TRUE(soon([&] { return !hand.is_looked_for(); }));
+    EXPECT_FALSE(hand.is_gone());
+    EXPECT_TRUE(write());
+    EXPECT_EQ(fake->newtons, 3);
+}
+
+TEST(HeldHand, ClosingLeavesNoForceAndTheDeviceOpen) {
+    const auto fake = std::make_shared<FakeHand>();
+    HeldHand hand(fake);
+    ASSERT_TRUE(hand.open().ok());
+    const glm::dvec3 push(0, 0, 3);
+    ASSERT_TRUE(hand.write_forces(std::span(&push, 1)));
+    hand.close();
+    EXPECT_EQ(fake->newtons, 0);
+    ASSERT_TRUE(hand.open().ok());
+    EXPECT_EQ(fake->openings, 1);
+}
+
 TEST(HeldHand, ThatIsNotThereIsRefused) {
     const auto fake = std::make_shared<FakeHand>();
     fake->is_unplugged = true;
@@ -366,6 +420,18 @@ TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
     EXPECT_GT(before_, 0.1);
     EXPECT_GT(fake_->reads, 2200);
     EXPECT_EQ(fake_->most_newtons, 0) << "a surprise";
+}
+
+TEST_F(HeldWindow, ForcesAskedForWhileItIsAwayAreOffWhenItComes) {
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    motion_ = [](std::int64_t tick) {
+        if (tick < 500) return glm::dvec3(nowhere);
+        return glm::dvec3(0, 0, tick % 400 < 250 ? 0.12 : -0.04);
+    };
+    seconds_ = 1.8;
+    ASSERT_TRUE(play("0.2 key f\n", 1400).ok());
+    EXPECT_GT(fake_->reads, 1400);
+    EXPECT_EQ(fake_->most_newtons, 0) << "nobody knew of them any more";
 }
 
 TEST_F(HeldWindow, IsFoundAgainByAKeyWithoutForces) {
