@@ -86,6 +86,44 @@ TEST_F(Control, OffIsAtOnce) {
     EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0)) << "it begins anew";
 }
 
+TEST_F(Control, HavingBeenFreeBeforeForcesWereAskedForDoesNotCount) {
+    goal({0, 0, 0});
+    for (int tick = 0; tick < 10; ++tick) felt({0, 0, 0});
+    control.ask_force(true);
+    for (int tick = 0; tick < 1000; ++tick) EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
+}
+
+TEST_F(Control, SaysThatAFingerWaitsToBeFreeAndForHowLongForcesWereOn) {
+    goal({0, 0, 0});
+    felt({0, 0, 5});
+    EXPECT_FALSE(control.waits_to_be_free()) << "nobody asked";
+    EXPECT_EQ(control.figures().exerting, 0);
+    control.ask_force(true);
+    felt({0, 0, 5});
+    EXPECT_TRUE(control.waits_to_be_free());
+    goal({nowhere, nowhere, nowhere});
+    felt({0, 0, 5});
+    EXPECT_FALSE(control.waits_to_be_free()) << "there is none";
+    goal({0, 0, 0});
+    felt({0, 0, 0});
+    EXPECT_FALSE(control.waits_to_be_free());
+    EXPECT_EQ(control.share(0), 0);
+    felt({0, 0, 5}, HandControl::rise_ticks / 2);
+    EXPECT_EQ(control.share(0), 0.5);
+    EXPECT_EQ(control.figures().exerting, 4);
+    EXPECT_EQ(control.figures().ticks, 3);
+    EXPECT_EQ(control.figures().placeless, 1);
+}
+
+TEST_F(Control, TheStopButtonIsStrongerThanTheFirst) {
+    goal({0, 0, 0}, 0);
+    goal({0, 0, 0}, 3);
+    EXPECT_FALSE(control.force_is_asked());
+    goal({0, 0, 0}, 2);
+    goal({0, 0, 0}, 3);
+    EXPECT_FALSE(control.force_is_asked());
+}
+
 TEST_F(Control, TheFirstButtonAsksAndThenHoldsAndTheSecondStops) {
     goal({0, 0, 0}, 1);
     EXPECT_FALSE(control.force_is_asked()) << "pressed before it was heard: nobody meant that";
@@ -139,6 +177,16 @@ TEST_F(Control, TheClutchIsHeldThroughAGap) {
     EXPECT_EQ(goal({0.005, 0, 0}, 1), held);
 }
 
+TEST_F(Control, ReleasedWhileTheHandIsAwayTheFingerStaysUntilItIsBack) {
+    control.hold(true);
+    const glm::dvec3 held = goal({0.001, 0, 0});
+    goal({0.002, 0, 0});
+    control.hold(false);
+    goal({nowhere, nowhere, nowhere});
+    EXPECT_NEAR(glm::length(goal({0.009, 0, 0}) - held), 0, 1e-9);
+    EXPECT_NEAR(goal({0.008, 0, 0}).x, held.x - 10, 1e-9);
+}
+
 TEST(ControlOfTwo, AFingerThatIsLostOrFoundWhileTheClutchIsHeldMovesNobody) {
     HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
     const auto goals = [&](const glm::dvec3& one, const glm::dvec3& other) {
@@ -172,6 +220,19 @@ TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {
     EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
 }
 
+TEST_F(Control, RecentringWaitsForAHandAndForTheClutch) {
+    const glm::dvec3 middle(0, 0, -500);
+    control.recentre();
+    goal({nowhere, nowhere, nowhere});
+    EXPECT_NEAR(glm::length(goal({0.03, 0.01, -0.02}) - middle), 0, 1e-9) << "once it came";
+    control.hold(true);
+    const glm::dvec3 held = goal({0.04, 0.01, -0.02});
+    control.recentre();
+    EXPECT_EQ(goal({0.06, 0.01, 0}), held);
+    control.hold(false);
+    EXPECT_NEAR(glm::length(goal({0.06, 0.01, 0}) - middle), 0, 1e-9) << "once it was released";
+}
+
 TEST_F(Control, AKeyIsAClutchAsWell) {
     control.hold(true);
     const glm::dvec3 held = goal({0.005, 0, 0});
@@ -200,6 +261,24 @@ TEST_F(Control, GoesOnAtAnotherScaleWhereTheFingerWas) {
     glm::dvec3 newtons(0, 0, 5);
     finer.to_device(std::span(&newtons, 1), 1, std::span(&newtons, 1));
     EXPECT_EQ(newtons, glm::dvec3(0)) << "it was not free yet";
+}
+
+TEST_F(Control, GoesOnWithAHandThatIsAway) {
+    control.recentre();
+    EXPECT_NEAR(goal({0.002, 0, 0}).x, 0, 1e-9);
+    EXPECT_NEAR(goal({0, 0, 0}).x, -20, 1e-9);
+    goal({nowhere, nowhere, nowhere});
+    HandControl finer(1, {Workspace{2e-4, {0, 0, -500}}, glm::dmat3(1)});
+    finer.go_on_from(control);
+    glm::dvec3 place(0, 0, 0);
+    finer.to_goals(std::span(&place, 1), 0);
+    EXPECT_NEAR(glm::length(place - glm::dvec3(-20, 0, -500)), 0, 1e-9) << "where the device's middle was";
+    control.recentre();  // not done before it comes
+    HandControl next(1, control.mapping());
+    next.go_on_from(control);
+    place = {0.07, 0, 0};
+    next.to_goals(std::span(&place, 1), 0);
+    EXPECT_NEAR(glm::length(place - glm::dvec3(0, 0, -500)), 0, 1e-9);
 }
 
 TEST_F(Control, GoesOnWhileItIsRepositioned) {

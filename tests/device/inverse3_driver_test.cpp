@@ -23,7 +23,9 @@ struct Wire {
     std::vector<std::string> sent;
     std::deque<std::string> coming;
     std::string version = R"({"project_version":"3.5.0.0"})";
-    bool answers = true;  // each message with `state`
+    std::string scale = "0.5";  // its force scale
+    std::int64_t now_ns = 1;    // passes where somebody waits for what does not come
+    bool answers = true;        // each message with `state`
     bool broken = false;
     std::string state = arm_text("049D", "");
 
@@ -42,9 +44,12 @@ public:
         if (wire_.answers) wire_.coming.push_back(wire_.state);
         return {};
     }
-    Result<std::size_t> receive(std::span<std::byte> room, microseconds) override {
+    Result<std::size_t> receive(std::span<std::byte> room, microseconds patience) override {
         if (wire_.broken) return Error{ErrorKind::device, "the wire is cut"};
-        if (wire_.coming.empty()) return std::size_t{0};
+        if (wire_.coming.empty()) {
+            wire_.now_ns += std::chrono::nanoseconds(patience).count();
+            return std::size_t{0};
+        }
         const std::string message = wire_.coming.front();
         wire_.coming.pop_front();
         std::memcpy(room.data(), message.data(), message.size());
@@ -61,7 +66,7 @@ public:
     explicit WireService(Wire& wire) : wire_(wire) {}
     std::string address() const override { return "ws://wire"; }
     Result<std::string> get(const std::string& path, std::chrono::milliseconds, const GivenUp&) override {
-        return path == "/version" ? wire_.version : std::string(R"({"ok":true,"data":0.5})");
+        return path == "/version" ? wire_.version : R"({"ok":true,"data":)" + wire_.scale + "}";
     }
     Result<std::unique_ptr<Transport>> speak(std::chrono::milliseconds, const GivenUp&) override {
         wire_.coming.push_front(wire_.state);
@@ -79,7 +84,7 @@ struct Driven {
     Wire wire;
     Inverse3Driver driver;
     explicit Driven(Inverse3Choice choice = {})
-        : driver(std::move(choice), std::make_unique<WireService>(wire)) {}
+        : driver(std::move(choice), std::make_unique<WireService>(wire), [this] { return wire.now_ns; }) {}
 
     Result<void> connect() { return driver.connect({}); }
     Result<void> push(const glm::dvec3& newtons) { return driver.send(std::span(&newtons, 1)); }
@@ -149,13 +154,32 @@ TEST(Inverse3Driver, AServiceThatDoesNotAnswerIsNotFilledButHearsTheZero) {
     for (int n = 0; n < 5; ++n) ASSERT_TRUE(driven.push({0, 0, 0}).ok());
     EXPECT_EQ(driven.wire.sent.size(), before + Inverse3Driver::most_unanswered + 1);
     EXPECT_EQ(driven.wire.sent.back(), zero_force);
+}
+
+TEST(Inverse3Driver, AServiceThatDoesNotAnswerForHalfASecondIsGone) {
+    Driven driven;
+    ASSERT_TRUE(driven.connect().ok());
+    driven.wire.answers = false;
+    ASSERT_TRUE(driven.push({0, 0, 1}).ok());
     DeviceSample sample;
-    const auto since = std::chrono::steady_clock::now();
-    auto heard = driven.driver.receive(sample, no_time);
-    while (heard.ok() && std::chrono::steady_clock::now() - since < std::chrono::seconds(5))
-        heard = driven.driver.receive(sample, no_time);
-    ASSERT_FALSE(heard.ok());
-    EXPECT_NE(heard.error().message.find("has not answered"), std::string::npos);
+    driven.wire.now_ns += 500'000'000;
+    const auto late = driven.driver.receive(sample, no_time);
+    ASSERT_TRUE(late.ok()) << "it may still answer";
+    EXPECT_FALSE(*late);
+    driven.wire.now_ns += 1'000'000;
+    const auto gone = driven.driver.receive(sample, no_time);
+    ASSERT_FALSE(gone.ok());
+    EXPECT_NE(gone.error().message.find("has not answered for half a second"), std::string::npos);
+}
+
+TEST(Inverse3Driver, AServiceThatMakesForcesLongerIsGivenShorterOnes) {
+    for (const auto& [scale, sent] : {std::pair{"2.0", R"("z":2.0)"}, {"0.5", R"("z":4.0)"}}) {
+        Driven driven;
+        driven.wire.scale = scale;
+        ASSERT_TRUE(driven.connect().ok());
+        ASSERT_TRUE(driven.push({0, 4, 0}).ok());
+        EXPECT_NE(driven.wire.sent.back().find(sent), std::string::npos) << driven.wire.sent.back();
+    }
 }
 
 TEST(Inverse3Driver, OfLateAnswersTheNewestCounts) {
