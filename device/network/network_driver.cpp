@@ -32,6 +32,9 @@ DeviceCapabilities NetworkDriver::capabilities() const {
 
 Result<void> NetworkDriver::connect(const GivenUp&) {
     peer_.reset();
+    if (!settings_.from.empty() && !from_)
+        return Error{ErrorKind::device, "network:from=" + settings_.from +
+                                            ": is no address in figures; right would be such as 192.168.1.7"};
     if (auto bound = socket_->bind(settings_.listen, settings_.port); !bound.ok()) return bound;
     const std::lock_guard lock(words_mutex_);
     listens_at_ = "UDP " + settings_.listen + ":" + std::to_string(socket_->port());
@@ -116,8 +119,19 @@ Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseco
     return any;
 }
 
+/// What nobody has to be told of a device that only this machine's programs reach.
+std::string NetworkDriver::who_may_touch() const {
+    if (from_) return ", from " + settings_.from + " alone";
+    const auto own = read_udp_address(settings_.listen);
+    if (own && own->is_own_machine()) return {};
+    return ", from ANY machine that reaches it: whoever sends first moves the fingers and gets the forces "
+           "(network:from=ADDRESS lets one)";
+}
+
 /// Empty: nothing is wrong with it.
 std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress& from) const {
+    if (from_ && !from_->is_of_host(from))
+        return "packets came that are not from " + settings_.from + ", as network:from says";
     if (packet.kind != NetworkPacket::Kind::places)
         return "packets with forces came and places are expected: kind 1";
     if (packet.fingers != settings_.fingers)
@@ -182,7 +196,7 @@ std::optional<LastWord> NetworkDriver::last_word() const {
 
 std::string NetworkDriver::wish() const {
     if (peer_) return {};
-    const std::string waits = "waiting for a hand at " + listens_at_;
+    const std::string waits = "waiting for a hand at " + listens_at_ + who_may_touch();
     return trouble_.empty() ? waits : waits + "; " + trouble_;
 }
 

@@ -21,6 +21,7 @@ struct NetworkSettings {
     std::uint16_t port = 5710;
     int fingers = 1;
     DeviceLimits limits{10, 3000};  ///< N, N/m: what the hand behind it bears
+    std::string from{};             ///< an address in figures: whose packets alone count; empty: anybody's
 };
 
 /// Any program as a device: it sends datagrams with places, and each is answered by one with forces
@@ -35,7 +36,10 @@ public:
     explicit NetworkDriver(const NetworkSettings& settings,
                            std::unique_ptr<DatagramSocket> socket = std::make_unique<UdpSocket>(),
                            DriverClock clock = steady_ns)
-        : settings_(settings), socket_(std::move(socket)), clock_(std::move(clock)) {}
+        : settings_(settings),
+          socket_(std::move(socket)),
+          clock_(std::move(clock)),
+          from_(read_udp_address(settings.from)) {}
     ~NetworkDriver() override { disconnect(); }
 
     std::string name() const override { return "network hand"; }
@@ -68,6 +72,7 @@ private:
     };
     bool take(const NetworkPacket& packet, const UdpAddress& from);
     void leave_out(const std::string& why, const UdpAddress& from);
+    std::string who_may_touch() const;
     std::string why_not(const NetworkPacket& packet, const UdpAddress& from) const;
     void part();
     NetworkPacket answer(std::span<const glm::dvec3> newtons, bool last) const;
@@ -75,6 +80,7 @@ private:
     const NetworkSettings settings_;
     const std::unique_ptr<DatagramSocket> socket_;
     const DriverClock clock_;
+    const std::optional<UdpAddress> from_;
     std::optional<Peer> peer_;
     std::int64_t left_out_ = 0;
     std::int64_t parted_ns_ = 0;  // from the last peer; 0: there was none

@@ -15,19 +15,27 @@ Error socket_error(const std::string& where) {
     return {ErrorKind::device, where + ": " + std::strerror(errno)};
 }
 
-/// An address in figures as IPv6 has it.
-std::optional<in6_addr> read_address(const std::string& figures) {
-    in6_addr address{};
-    if (inet_pton(AF_INET6, figures.c_str(), &address) == 1) return address;
-    if (inet_pton(AF_INET6, ("::ffff:" + figures).c_str(), &address) == 1) return address;
+}  // namespace
+
+std::optional<UdpAddress> read_udp_address(const std::string& figures) {
+    UdpAddress address;
+    address.words.sin6_family = AF_INET6;
+    for (const std::string& as_ipv6 : {figures, "::ffff:" + figures})
+        if (inet_pton(AF_INET6, as_ipv6.c_str(), &address.words.sin6_addr) == 1) return address;
     return std::nullopt;
 }
 
-}  // namespace
-
 bool UdpAddress::operator==(const UdpAddress& other) const {
-    return words.sin6_port == other.words.sin6_port &&
-           std::memcmp(&words.sin6_addr, &other.words.sin6_addr, sizeof words.sin6_addr) == 0;
+    return words.sin6_port == other.words.sin6_port && is_of_host(other);
+}
+
+bool UdpAddress::is_of_host(const UdpAddress& other) const {
+    return std::memcmp(&words.sin6_addr, &other.words.sin6_addr, sizeof words.sin6_addr) == 0;
+}
+
+bool UdpAddress::is_own_machine() const {
+    if (IN6_IS_ADDR_V4MAPPED(&words.sin6_addr)) return words.sin6_addr.s6_addr[12] == 127;
+    return IN6_IS_ADDR_LOOPBACK(&words.sin6_addr);
 }
 
 std::string UdpAddress::in_words() const {
@@ -42,19 +50,17 @@ std::string UdpAddress::in_words() const {
 Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
     close();
     const std::string where = "UDP " + address + ":" + std::to_string(port);
-    const auto host = read_address(address);
-    if (!host)
+    auto own = read_udp_address(address);
+    if (!own)
         return Error{ErrorKind::device,
                      where + ": is no address in figures; right would be 127.0.0.1, 0.0.0.0 or ::1"};
     descriptor_ = socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (descriptor_ < 0) return socket_error(where);
     const int off = 0;
     setsockopt(descriptor_, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
-    sockaddr_in6 own{};
-    own.sin6_family = AF_INET6;
-    own.sin6_addr = *host;
-    own.sin6_port = htons(port);
-    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0) return {};
+    own->words.sin6_port = htons(port);
+    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own->words), sizeof own->words) == 0)
+        return {};
     Error error = socket_error(where);
     if (errno == EADDRINUSE)
         error.message += ": another program listens there; --device network:port=N takes another";

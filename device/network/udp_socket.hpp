@@ -17,8 +17,13 @@ namespace touchable {
 struct UdpAddress {
     sockaddr_in6 words{};  ///< IPv4 as IPv6 maps it
     bool operator==(const UdpAddress& other) const;
-    std::string in_words() const;  ///< "127.0.0.1:51234"
+    bool is_of_host(const UdpAddress& other) const;  ///< whatever the ports are
+    bool is_own_machine() const;                     ///< 127.0.0.1 and its like, ::1
+    std::string in_words() const;                    ///< "127.0.0.1:51234"
 };
+
+/// "192.0.2.7", "::1": in figures, with port 0; nothing: it is none.
+std::optional<UdpAddress> read_udp_address(const std::string& figures);
 
 /// Carries datagrams, and never blocks.
 class DatagramSocket {

@@ -140,6 +140,48 @@ TEST_F(NetworkHand, ForcesAreNoPlaces) {
     EXPECT_NE(driver.wish().find("kind 1"), std::string::npos) << driver.wish();
 }
 
+/// Hears a packet from this machine.
+bool takes_one_from_here(NetworkDriver& driver) {
+    const Peer peer(driver.port());
+    peer.say(1, {0.01, 0, 0});
+    DeviceSample sample;
+    const auto came = driver.receive(sample, milliseconds(200));
+    return came.ok() && *came;
+}
+
+TEST(NetworkHandFrom, OnlyPacketsOfTheAddressThatIsNamedCount) {
+    NetworkSettings settings{.listen = "0.0.0.0", .port = free_port()};
+    for (const auto& [from, counts] : {std::pair{"127.0.0.1", true}, std::pair{"192.0.2.7", false}}) {
+        settings.from = from;
+        NetworkDriver driver(settings);
+        ASSERT_TRUE(driver.connect([] { return false; }).ok());
+        EXPECT_NE(driver.wish().find(std::string(", from ") + from + " alone"), std::string::npos)
+            << driver.wish();
+        EXPECT_EQ(takes_one_from_here(driver), counts) << from;
+        EXPECT_EQ(driver.left_out(), counts ? 0 : 1);
+        EXPECT_EQ(driver.wish().find("not from 192.0.2.7") != std::string::npos, !counts) << driver.wish();
+    }
+}
+
+TEST(NetworkHandFrom, ThatAnybodyMayTouchIsSaidWhereThatIsSo) {
+    for (const auto& [listen, anybody] :
+         {std::pair{"0.0.0.0", true}, std::pair{"::", true}, std::pair{"127.0.0.1", false},
+          std::pair{"127.0.0.2", false}, std::pair{"::1", false}}) {
+        NetworkDriver driver({.listen = listen, .port = free_port()});
+        if (!driver.connect([] { return false; }).ok()) continue;  // a machine without IPv6
+        EXPECT_EQ(driver.wish().find("ANY machine") != std::string::npos, anybody) << driver.wish();
+    }
+}
+
+TEST(NetworkHandFrom, ThatIsNoAddressIsRefused) {
+    const auto settings = read_network_settings("from=my-robot");
+    ASSERT_FALSE(settings.ok());
+    EXPECT_EQ(settings.error().kind, ErrorKind::usage);
+    EXPECT_NE(settings.error().message.find("from=my-robot"), std::string::npos) << settings.error().message;
+    NetworkDriver driver({.listen = "127.0.0.1", .port = free_port(), .from = "my-robot"});
+    EXPECT_FALSE(driver.connect([] { return false; }).ok()) << "and lets nobody touch";
+}
+
 TEST_F(NetworkHand, TheNewestCountsWhateverOrderTheyComeIn) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
