@@ -23,6 +23,9 @@ public:
     /// where no direction is slower than the others.
     void follow(const glm::dvec3& goal, const glm::dvec3& along, double max_speed);
 
+    /// As it goes on, but from somewhere else.
+    void shift(const glm::dvec3& way) { place_ += way; }
+
     const glm::dvec3& place() const { return place_; }
     const glm::dvec3& velocity() const { return velocity_; }
 

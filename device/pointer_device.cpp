@@ -11,7 +11,7 @@ namespace touchable {
 namespace {
 
 constexpr double reading_s = 0.001;  // from one to the next
-constexpr double arrival = 0.001;    // device metres: nearer to where it is meant to be, a finger is there
+constexpr double arrival = 0.004;    // device metres: nearer along the view, a finger is there
 
 constexpr glm::dvec3 no_forces[PointerDevice::most_fingers]{};
 
@@ -29,7 +29,9 @@ PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const Pointe
     : settings_(settings),
       refuge_(refuge),
       clock_(clock ? std::move(clock) : Clock(steady_ns)),
-      led_(static_cast<std::size_t>(fingers), Led{LedPoint(settings.times, reading_s)}) {
+      led_(static_cast<std::size_t>(fingers),
+           Led{LedPoint(settings.times, reading_s),
+               LedPoint({settings.times.across_s, settings.times.across_s}, reading_s)}) {
     assert(fingers >= 1 && fingers <= most_fingers);
     assert(settings.max_speed > 0 && settings.approach_speed > 0 && settings.limits.max_force > 0 &&
            settings.limits.max_stiffness > 0);
@@ -59,6 +61,7 @@ Result<void> PointerDevice::health() const {
 void PointerDevice::retreat() {
     for (Led& led : led_) {
         led.point.put(refuge_);
+        led.quick.put(refuge_);
         led.comes = true;
     }
 }
@@ -67,11 +70,19 @@ void PointerDevice::lead(const Meant& meant, Led& led) const {
     if (!meant.place) {
         led.comes = true;
         led.point.follow(refuge_, glm::dvec3(0), settings_.max_speed);
+        led.quick.put(led.point.place());
         return;
     }
-    led.point.follow(*meant.place, meant.along, led.comes ? settings_.approach_speed : settings_.max_speed);
-    const glm::dvec3 left = *meant.place - led.point.place();
-    led.comes = led.comes && glm::dot(left, left) > arrival * arrival;
+    const double speed = led.comes ? settings_.approach_speed : settings_.max_speed;
+    const glm::dvec3 before = led.point.place();
+    led.point.follow(*meant.place, meant.along, speed);
+    led.quick.follow(*meant.place, meant.along, speed);
+    const double beyond = glm::dot(led.point.place() - led.quick.place(), meant.along);
+    led.point.shift((std::clamp(beyond, -settings_.leash, settings_.leash) - beyond) * meant.along);
+    const glm::dvec3 step = led.point.place() - before;
+    const double length = std::sqrt(glm::dot(step, step)), farthest_step = speed * reading_s;
+    if (length > farthest_step) led.point.shift(step * (farthest_step / length - 1));
+    led.comes = led.comes && std::abs(glm::dot(*meant.place - led.point.place(), meant.along)) > arrival;
 }
 
 bool PointerDevice::read_positions(std::span<glm::dvec3> device_metres) {

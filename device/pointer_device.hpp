@@ -20,6 +20,9 @@ struct PointerSettings {
     /// Along the view a finger is so slow that one which rests, meant to be so far under whatever is seen,
     /// goes with the large shape of a surface and feels its small bumps.
     LeadTimes times{};
+    /// m: but along the view it is no farther than that from where one is that is as quick as across. Relief
+    /// is less high; what is higher is followed at once, so that a slope does not press, nor lift.
+    double leash = 0.002;
     double max_speed = 1.0;       ///< m/s: what a finger goes through a jump of the pointer with
     double approach_speed = 0.4;  ///< m/s: what one that was away comes with, until it is there
     /// Of the force: 10 mm into the stiffest stuff of the generated scenes, 2 N/mm. Of the stiffness: all
@@ -90,6 +93,7 @@ private:
     /// One finger on its way.
     struct Led {
         LedPoint point;
+        LedPoint quick;     // along the view as well: who leads `point` by a leash
         bool comes = true;  // was away, and is not there yet
     };
     static constexpr bool is_on(std::uint32_t force) { return force % 2 == 1; }

@@ -124,6 +124,22 @@ std::optional<Meeting> meeting(const LatticeWay& way, const Triangle& triangle, 
     return Meeting{s0 + (s1 - s0) * (first / (first - last)), first >= 0};
 }
 
+/// Calls `take(triangle, s0, s1)` for every triangle under the way, in order, until it gives false.
+template <class Take>
+void for_each_triangle(const HeightField& field, const LatticeWay& way, const Take& take) {
+    Crossings columns(way.begin.x, way.end.x), rows(way.begin.y, way.end.y),
+        diagonals(way.begin.x - way.begin.y, way.end.x - way.end.y);
+    for (double s = 0; s < 1;) {
+        const double next = std::min({1.0, columns.next(), rows.next(), diagonals.next()});
+        for (Crossings* family : {&columns, &rows, &diagonals})
+            if (family->next() <= next) family->advance();
+        const double end = std::max(s, next);
+        const glm::dvec3 middle = way.at(0.5 * (s + end));
+        if (!take(triangle_at(field, middle.x, middle.y), s, end)) return;
+        s = end;
+    }
+}
+
 SurfacePick picked(const HeightField& field, const LatticeWay& way, const Meeting& met, bool drawn,
                    const ViewRay& ray) {
     const glm::dvec3 at = way.at(met.s);
@@ -163,24 +179,43 @@ std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& came
     const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
     const auto way = way_of(ray, near, field);
     if (!way) return std::nullopt;
-    Crossings columns(way->begin.x, way->end.x), rows(way->begin.y, way->end.y),
-        diagonals(way->begin.x - way->begin.y, way->end.x - way->end.y);
-    std::optional<SurfacePick> wall;
-    for (double s = 0; s < 1;) {
-        const double next = std::min({1.0, columns.next(), rows.next(), diagonals.next()});
-        for (Crossings* family : {&columns, &rows, &diagonals})
-            if (family->next() <= next) family->advance();
-        const double end = std::max(s, next);
-        const glm::dvec3 middle = way->at(0.5 * (s + end));
-        const Triangle triangle = triangle_at(field, middle.x, middle.y);
-        if (const auto met = meeting(*way, triangle, s, end); met && end > s) {
-            const SurfacePick found = picked(field, *way, *met, !triangle.cut, ray);
-            if (found.drawn) return found;
-            if (!wall) wall = found;
-        }
-        s = end;
-    }
-    return wall;
+    std::optional<SurfacePick> found;  // first a wall, if there is one
+    for_each_triangle(field, *way, [&](const Triangle& triangle, double s, double end) {
+        const auto met = end > s ? meeting(*way, triangle, s, end) : std::nullopt;
+        if (met && (!found || !triangle.cut)) found = picked(field, *way, *met, !triangle.cut, ray);
+        return !found || !found->drawn;
+    });
+    return found;
+}
+
+std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::dvec3& from,
+                                           const glm::dvec3& to) {
+    if (field.width() < 2 || field.height() < 2) return std::nullopt;
+    const Camera& camera = field.scene().camera;
+    const auto begin = project(camera, from), end = project(camera, to);
+    if (!begin || !end) return std::nullopt;
+    LatticeWay way{{begin->x, begin->y, 1 / begin->planar_depth}, {end->x, end->y, 1 / end->planar_depth}};
+    const glm::dvec3 change = way.end - way.begin;
+    double s0 = 0, s1 = 1;
+    keep_positive(way.begin.x, change.x, s0, s1);
+    keep_positive(field.width() - 1 - way.begin.x, -change.x, s0, s1);
+    keep_positive(way.begin.y, change.y, s0, s1);
+    keep_positive(field.height() - 1 - way.begin.y, -change.y, s0, s1);
+    if (!(s0 <= s1)) return std::nullopt;
+    way = {way.at(s0), way.at(s1)};
+    SurfaceOnWay found{-never, never};
+    const auto look = [&](const Triangle& triangle, double s) {
+        const glm::dvec3 at = way.at(s);
+        const double surface = 1 / triangle.q_at(at.x, at.y);
+        found.behind = std::max(found.behind, 1 / at.z - surface);
+        found.nearest = std::min(found.nearest, surface);
+    };
+    for_each_triangle(field, way, [&](const Triangle& triangle, double from_s, double to_s) {
+        look(triangle, from_s);
+        look(triangle, to_s);
+        return true;
+    });
+    return found;
 }
 
 PixelValues values_at(const HeightField& field, const FramePair& pair, int x, int y) {

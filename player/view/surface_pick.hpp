@@ -34,6 +34,17 @@ struct SurfacePick {
 /// clip's own view, fractions of a millisecond from the side.
 std::optional<SurfacePick> pick(const HeightField& field, const ViewCamera& camera, double x, double y);
 
+/// The surface along a straight way, as the clip's camera sees it: from there nothing that is drawn is
+/// hidden. Depths are planar, scene units.
+struct SurfaceOnWay {
+    double behind;   ///< how far the way is behind the surface where it is farthest; below 0: it is before it
+    double nearest;  ///< of the surface
+};
+/// On the way between two places of the world before the clip's camera (z < 0). Nothing where that is beside
+/// the picture.
+std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::dvec3& from,
+                                           const glm::dvec3& to);
+
 /// What a pixel of the surface is, as a finger meets it there.
 struct PixelValues {
     bool valid;                   ///< false: a hole; all but the properties are those of the far plane

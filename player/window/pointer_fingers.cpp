@@ -13,8 +13,13 @@ namespace {
 
 /// How far several fingers are from the pointer, of the picture's height.
 constexpr double spread = 0.08;
-/// What is less high than that is not gone over, device metres.
-constexpr double step_m = 0.003;
+// Device metres. What is less high than a step is not gone over, and what is clear of the surface by so much
+// has nothing in its way. Who is farther aside than that of where it presses to, whatever friction, is
+// caught.
+constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005;
+// It is lifted to so far beyond what it goes over, and by that share of the way there farther: meant to be
+// higher than it has to, it is there sooner.
+constexpr double lift_m = 2 * PointerFingers::hover_m, lift_share = 0.5;
 
 }  // namespace
 
@@ -32,34 +37,64 @@ double PointerFingers::depth_m() const {
 }
 
 /// World.
-std::optional<glm::dvec3> PointerFingers::place_of(int finger, const HeightField& field,
-                                                   const ViewCamera& camera, const glm::dvec3* goal) {
-    const glm::dvec2 offset = finger_offset(finger, count_, spread * camera.height);
+std::optional<glm::dvec3> PointerFingers::place_of(std::size_t finger, const HeightField& field,
+                                                   const ViewCamera& camera, const Contact* felt) {
+    const glm::dvec2 offset = finger_offset(static_cast<int>(finger), count_, spread * camera.height);
     const glm::dvec2 at = *pointer_ + glm::dvec2(offset.x, -offset.y);
-    glm::dvec3 direction = glm::normalize(camera.unproject(at.x, at.y, 0.5) - camera.eye);
+    const glm::dvec3 direction = ray_of(camera, at.x, at.y).direction;
     const auto met = pick(field, camera, at.x, at.y);
     const bool is_there = met && met->drawn && met->from_front;
     if (is_there) distance_ = glm::length(met->point - camera.eye);
     if (!distance_) return std::nullopt;
     const double deep_m = is_there ? depth_m() : std::min(depth_m(), hover_m);
-    const double distance = *distance_ + deep_m / workspace_.metres_per_scene_unit;
-    if (goal && deep_m < 0) {
-        const glm::dvec3 sight = *goal - camera.eye;
-        const double beyond_m = (glm::length(sight) - distance) * workspace_.metres_per_scene_unit;
-        if (beyond_m > step_m) direction = glm::normalize(sight);
+    if (felt)
+        if (const auto over = way_over(finger, field, camera.eye + direction * *distance_, deep_m, *felt))
+            return over;
+    return camera.eye + direction * (*distance_ + deep_m / workspace_.metres_per_scene_unit);
+}
+
+/// Where the finger is to go instead, if it is not to go straight to the `ground` that is meant.
+std::optional<glm::dvec3> PointerFingers::way_over(std::size_t finger, const HeightField& field,
+                                                   const glm::dvec3& ground, double deep_m,
+                                                   const Contact& felt) {
+    const Camera& camera = field.scene().camera;
+    const double metres = workspace_.metres_per_scene_unit;
+    const auto from = project(camera, felt.proxy), to = project(camera, ground);
+    const auto surface = surface_on_way(field, felt.proxy, ground);
+    bool& goes_over = goes_over_[finger];
+    if (!from || !to || !surface) {
+        goes_over = false;
+        return std::nullopt;
     }
-    return camera.eye + direction * distance;
+    const auto at = [&](const ImagePoint& pixel, double beyond_nearest_m) {
+        return unproject(camera, pixel.x, pixel.y, surface->nearest + beyond_nearest_m / metres);
+    };
+    const double behind_m = surface->behind * metres,
+                 below_m = (from->planar_depth - surface->nearest) * metres;
+    if (goes_over)
+        goes_over = felt.touching || behind_m > clear_m || below_m > -clear_m;
+    else
+        goes_over = (behind_m > step_m && below_m > step_m) || is_caught(felt, deep_m);
+    if (goes_over) return below_m > -clear_m ? at(*from, lift_m - below_m * lift_share) : at(*to, hover_m);
+    if (behind_m > step_m) return at(*to, deep_m);  // not through the ground before an edge, but on to it
+    return std::nullopt;
+}
+
+/// It stays farther aside of where it presses to than friction or a slope explains.
+bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
+    if (!felt.touching) return false;
+    const glm::dvec3 pull = felt.goal - felt.proxy, ray = glm::normalize(felt.proxy);
+    const double aside_m = glm::length(pull - ray * glm::dot(pull, ray)) * workspace_.metres_per_scene_unit;
+    return aside_m > caught_m + felt.properties.static_friction * (std::max(deep_m, 0.0) + step_m);
 }
 
 void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
-                            std::span<const glm::dvec3> goals) {
+                            std::span<const Contact> felt) {
     std::array<glm::dvec3, most> places;
     places.fill(glm::dvec3(std::numeric_limits<double>::quiet_NaN()));  // changes nothing for its finger
-    for (int finger = 0; pointer_ && finger < count_; ++finger) {
-        const auto k = static_cast<std::size_t>(finger);
-        const auto place = place_of(finger, field, camera, k < goals.size() ? &goals[k] : nullptr);
-        if (place) places[k] = workspace_.to_device(*place);
-    }
+    for (std::size_t k = 0; pointer_ && k < static_cast<std::size_t>(count_); ++k)
+        if (const auto place = place_of(k, field, camera, k < felt.size() ? &felt[k] : nullptr))
+            places[k] = workspace_.to_device(*place);
     device_.intend(std::span(places).first(static_cast<std::size_t>(shown())),
                    workspace_.to_device(camera.eye));
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <glm/vec2.hpp>
 #include <optional>
 #include <span>
@@ -7,6 +8,7 @@
 #include "device/pointer_device.hpp"
 #include "device/workspace.hpp"
 #include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/touch_solver.hpp"
 #include "player/view/view_camera.hpp"
 
 namespace touchable {
@@ -44,13 +46,17 @@ public:
     double depth_m() const;
 
     /// Once a picture: tells the device where the fingers are meant to be over what `camera` shows of
-    /// `field`. `goals`: where they are, world. What is not there to be seen, a hole, is not pressed into. A
-    /// finger that presses on nothing goes over what is in its way: first towards the eye, then across.
-    void intend(const HeightField& field, const ViewCamera& camera, std::span<const glm::dvec3> goals = {});
+    /// `field`. `felt`: what they met last. What is not there to be seen, a hole, is not pressed into. A
+    /// finger with something in its way, or that is caught, goes over it: first towards the clip's camera,
+    /// before which nothing is hidden, then across, then down again.
+    void intend(const HeightField& field, const ViewCamera& camera, std::span<const Contact> felt = {});
 
 private:
-    std::optional<glm::dvec3> place_of(int finger, const HeightField& field, const ViewCamera& camera,
-                                       const glm::dvec3* goal);
+    std::optional<glm::dvec3> place_of(std::size_t finger, const HeightField& field, const ViewCamera& camera,
+                                       const Contact* felt);
+    std::optional<glm::dvec3> way_over(std::size_t finger, const HeightField& field, const glm::dvec3& ground,
+                                       double deep_m, const Contact& felt);
+    bool is_caught(const Contact& felt, double deep_m) const;
 
     PointerDevice& device_;
     Workspace workspace_;
@@ -58,6 +64,7 @@ private:
     int count_ = 1;
     bool held_ = false, was_pressed_ = false;
     double rest_m_ = hover_m;
+    std::array<bool, most> goes_over_{};
     std::optional<double> distance_;  // scene units, from the eye to what was met last
 };
 

@@ -114,9 +114,9 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
     if (const auto at = pointer_.take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
     if (is_inviting_) show_how(field, camera);
-    std::vector<glm::dvec3> goals;
-    for (const WatchedFinger& finger : moment.felt.fingers) goals.push_back(finger.contact.goal);
-    if (!options_.hand) clip_->fingers().intend(field, camera, goals);
+    std::vector<Contact> met;
+    for (const WatchedFinger& finger : moment.felt.fingers) met.push_back(finger.contact);
+    if (!options_.hand) clip_->fingers().intend(field, camera, met);
 
     WindowGraphics& graphics = picture_.graphics();
     if (auto begun = graphics.begin(); !begun.ok()) return begun;

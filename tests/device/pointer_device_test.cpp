@@ -174,6 +174,44 @@ TEST_F(Pointer, IsSlowerAlongTheViewThanAcross) {
     EXPECT_NEAR(along, 1 - (1 + 50.0 / 90) * std::exp(-50.0 / 90), 1e-5);
 }
 
+/// What is higher than relief, a slope or a step, is followed as quickly along the view as across.
+TEST_F(Pointer, AlongTheViewItIsOnALeash) {
+    const glm::dvec3 eye(0, 0, 0.3);
+    for (const double way : {-0.02, 0.02}) {
+        device.intend(std::array{glm::dvec3(0)}, eye);
+        read_for(3000);
+        device.intend(std::array{glm::dvec3(0, 0, way)}, eye);
+        LedPoint quick({settings.times.across_s, settings.times.across_s}, 0.001);
+        bool led = false;
+        for (int k = 0; k < 400; ++k) {
+            quick.follow({0, 0, way}, {0, 0, -1}, settings.max_speed);
+            const double behind = std::abs(quick.place().z - read()[0].z);
+            EXPECT_LE(behind, settings.leash + 1e-12) << k;
+            led = led || behind > 0.99 * settings.leash;
+        }
+        EXPECT_TRUE(led) << "it is as quick itself";
+    }
+}
+
+/// A goal that goes on is never reached: nor is a finger for that one that still comes from far away.
+TEST_F(Pointer, IsThereOnceItIsAsDeepAsItIsMeant) {
+    const glm::dvec3 eye(0, 0, 0.3);
+    double x = -0.1;
+    for (int k = 0; k < 1000; ++k, x += 1e-4) {  // 0.1 m/s
+        if (k % 16 == 0) device.intend(std::array{glm::dvec3(x, 0, 0)}, eye);
+        read();
+    }
+    device.intend(std::array{glm::dvec3(x, 0.1, 0)}, eye);
+    glm::dvec3 before = read()[0];
+    double fastest = 0;
+    for (int k = 0; k < 200; ++k) {
+        const glm::dvec3 now = read()[0];
+        fastest = std::max(fastest, glm::length(now - before) / 1e-3);
+        before = now;
+    }
+    EXPECT_GT(fastest, 2 * settings.approach_speed);
+}
+
 TEST_F(Pointer, StoppingIsAtOnceAndComingBackIsSlow) {
     const glm::dvec3 deep(0.02, 0, -0.005);
     intend({deep, deep, deep});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -151,6 +152,69 @@ TEST(PixelValues, AreInUnitsOfTheSceneAndMillimetres) {
             highest = std::max(highest, values.height);
         }
     EXPECT_GT(highest, 0);
+}
+
+/// Planar depth of the surface under a place of the picture, by the cell's two triangles.
+double plain_depth_at(const HeightField& field, double x, double y) {
+    const int i = std::min(static_cast<int>(x), field.width() - 2),
+              j = std::min(static_cast<int>(y), field.height() - 2);
+    const auto q = [&](int di, int dj) {
+        return 1 / planar_depth(field.scene().camera, field.scene().depth.semantics, i + di, j + dj,
+                                field.vertex(i + di, j + dj).depth);
+    };
+    const double a = x - i, b = y - j;
+    return 1 / (a >= b ? q(0, 0) + a * (q(1, 0) - q(0, 0)) + b * (q(1, 1) - q(1, 0))
+                       : q(0, 0) + b * (q(0, 1) - q(0, 0)) + a * (q(1, 1) - q(0, 1)));
+}
+
+TEST(SurfaceOnWay, IsWhatManyPlacesOfItSay) {
+    const auto shown = shown_scene("globe", 90, 60);
+    const HeightField field = shown->field();
+    const Camera& camera = field.scene().camera;
+    const std::array<glm::dvec2, 6> places{
+        {{3.2, 5.7}, {80.1, 55.5}, {45, 30}, {12.5, 50.25}, {70, 4}, {45, 2}}};
+    int behind = 0;
+    for (const glm::dvec2& a : places)
+        for (const glm::dvec2& b : places)
+            for (const double lift : {0.0, 2.0}) {
+                if (a == b) continue;
+                const glm::dvec3 from = unproject(camera, a.x, a.y, plain_depth_at(field, a.x, a.y) - lift),
+                                 to = unproject(camera, b.x, b.y, plain_depth_at(field, b.x, b.y) - lift);
+                const auto found = surface_on_way(field, from, to);
+                ASSERT_TRUE(found);
+                double most_behind = -1e9, nearest = 1e9;
+                constexpr int steps = 20'000;
+                for (int k = 0; k <= steps; ++k) {
+                    const glm::dvec3 at = from + (to - from) * (k / static_cast<double>(steps));
+                    const auto seen = project(camera, at);
+                    const double depth = plain_depth_at(field, seen->x, seen->y);
+                    most_behind = std::max(most_behind, -at.z - depth);
+                    nearest = std::min(nearest, depth);
+                }
+                EXPECT_GE(found->behind, most_behind - 1e-9);
+                EXPECT_NEAR(found->behind, most_behind, 0.05);
+                EXPECT_LE(found->nearest, nearest + 1e-9);
+                EXPECT_NEAR(found->nearest, nearest, 0.05);
+                behind += found->behind > 1;
+            }
+    EXPECT_GT(behind, 10) << "nothing was in any way";
+}
+
+TEST(SurfaceOnWay, IsThatOfThePictureAlone) {
+    const auto shown = shown_scene("globe", 90, 60);
+    const HeightField field = shown->field();
+    const Camera& camera = field.scene().camera;
+    const double depth = 0.5 * plain_depth_at(field, 45, 30);
+    const auto across =
+        surface_on_way(field, unproject(camera, -50, 30, depth), unproject(camera, 140, 30, depth));
+    const auto inside =
+        surface_on_way(field, unproject(camera, 0, 30, depth), unproject(camera, 89, 30, depth));
+    ASSERT_TRUE(across && inside);
+    EXPECT_NEAR(across->behind, inside->behind, 1e-9);
+    EXPECT_NEAR(across->nearest, inside->nearest, 1e-9);
+    EXPECT_LT(across->behind, 0);
+    EXPECT_FALSE(surface_on_way(field, unproject(camera, -50, 30, depth), unproject(camera, -2, 30, depth)));
+    EXPECT_FALSE(surface_on_way(field, {0, 0, 1}, unproject(camera, 45, 30, depth))) << "behind the camera";
 }
 
 }  // namespace

@@ -93,7 +93,11 @@ TEST_F(Pointer, HoversOverWhatIsInItsWay) {
     ASSERT_GT(-places[0].z, 100);
     put(160, 120);
     for (int tick = 0; tick < 1000; ++tick) {
-        if (tick % 16 == 0) fingers_->intend(field(), camera(), places);
+        if (tick % 16 == 0) {
+            Contact met;
+            met.proxy = met.goal = places[0];
+            fingers_->intend(field(), camera(), std::array{met});
+        }
         ASSERT_TRUE(device_->read_positions(places));
         for (auto& place : places) place = workspace_.to_scene(place);
         const auto seen = camera().project(places[0]);
