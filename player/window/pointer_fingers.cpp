@@ -80,12 +80,14 @@ std::optional<glm::dvec3> PointerFingers::way_over(std::size_t finger, const Hei
     return std::nullopt;
 }
 
-/// It stays farther aside of where it presses to than friction or a slope explains.
+/// It stays farther from where it presses to than that, friction and slopes explain.
 bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
     if (!felt.touching) return false;
-    const glm::dvec3 pull = felt.goal - felt.proxy, ray = glm::normalize(felt.proxy);
-    const double aside_m = glm::length(pull - ray * glm::dot(pull, ray)) * workspace_.metres_per_scene_unit;
-    return aside_m > caught_m + felt.properties.static_friction * (std::max(deep_m, 0.0) + step_m);
+    const glm::dvec3 pull = (felt.goal - felt.proxy) * workspace_.metres_per_scene_unit;
+    const glm::dvec3 ray = glm::normalize(felt.proxy);
+    const double pressed_m = std::max(deep_m, 0.0) + step_m, along_m = glm::dot(pull, ray),
+                 aside_m = glm::length(pull - ray * along_m);
+    return along_m > pressed_m + caught_m || aside_m > pressed_m * felt.properties.static_friction + caught_m;
 }
 
 void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
