@@ -135,11 +135,12 @@ void draw_help(const PanelFacts& facts, float width, float height, float scale) 
         if (facts.hand) {
             row("Mouse", "drag: turn; with the right button: move");
             row("Wheel", "nearer, or farther");
-            row("Middle button", "double click: look at that place");
+            row("Middle button", "or Ctrl and the left one; double click: look at that place");
         } else {
             row("Mouse", "moves the finger; hold the left button to press");
             row("Wheel", "presses deeper or less; so does dragging with the right button");
-            row("Middle button", "drag: turn; with Shift: move; double click: look at that place");
+            row("Middle button", "or Ctrl and the left one; drag: turn; with Shift: move;");
+            row("", "double click: look at that place");
         }
         if (facts.hand) row("Forces", facts.hand->state.words.c_str());
         if (facts.hand && facts.hand->buttons > 0)
@@ -147,11 +148,12 @@ void draw_help(const PanelFacts& facts, float width, float height, float scale) 
         const auto keys = key_bindings();
         for (std::size_t k = 0; k < keys.size();) {
             const bool is_other = does_nothing(keys[k].verb, facts.hand.has_value());
-            std::string names;
+            std::string names, held;  // which is said once, of keys in a row
             const char* const what = keys[k].what;
             do {
-                const std::string name = (keys[k].shift ? "Shift " : "") + printed(keys[k].key);
-                names += (names.empty() ? "" : "  ") + name;
+                const std::string with = keys[k].control ? "Ctrl " : (keys[k].shift ? "Shift " : "");
+                names += (names.empty() ? "" : "  ") + (with != held ? with : "") + printed(keys[k].key);
+                held = with;
                 ++k;
             } while (k < keys.size() && !keys[k].what);
             if (!is_other) row(names, what);

@@ -200,6 +200,7 @@ private:
             of(window).add({.kind = Kind::wheel, .y = notches, .control = control});
         });
         glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int code, int action, int held) {
+            of(window).repeats_ = action == GLFW_REPEAT;
             const std::string name = name_of_key(key, glfwGetKeyName(key, code));
             if (name.empty()) return;
             of(window).add({.kind = action == GLFW_RELEASE ? Kind::key_released : Kind::key,
@@ -207,6 +208,12 @@ private:
                             .control = (held & GLFW_MOD_CONTROL) != 0,
                             .shift = (held & GLFW_MOD_SHIFT) != 0,
                             .repeated = action == GLFW_REPEAT});
+        });
+        // After the key that it comes of.
+        glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned character) {
+            const std::string name = name_of_sign(character);
+            if (!name.empty())
+                of(window).add({.kind = Kind::key, .word = name, .repeated = of(window).repeats_});
         });
         glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
             of(window).add(
@@ -225,7 +232,7 @@ private:
     std::unique_ptr<Swapchain> swapchain_;
     std::vector<InputEvent> events_;
     int place_[4] = {0, 0, 1280, 720};  // before it became full-screen: x, y, width, height
-    bool hidden_ = false;
+    bool hidden_ = false, repeats_ = false;
 };
 
 }  // namespace

@@ -36,6 +36,8 @@ bool is_for_visitors(WindowVerb verb) {
         case WindowVerb::mute:
         case WindowVerb::overlay:
         case WindowVerb::home:
+        case WindowVerb::turn:
+        case WindowVerb::tilt:
         case WindowVerb::nearer:
             return true;
         default:
@@ -49,9 +51,8 @@ bool is_for_visitors(const InputEvent& event) {
     using Kind = InputEvent::Kind;
     if (event.kind == Kind::close || event.kind == Kind::dropped) return false;
     if (event.kind != Kind::key) return true;
-    for (const KeyBinding& binding : key_bindings())
-        if (event.word == binding.key && event.shift == binding.shift) return is_for_visitors(binding.verb);
-    return true;
+    const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
+    return !binding || is_for_visitors(binding->verb);
 }
 
 bool is_a_visit(const InputEvent& event) {

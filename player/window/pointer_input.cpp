@@ -65,7 +65,8 @@ void PointerInput::take_for_view(const InputEvent& event, PointerFingers& finger
 }
 
 void PointerInput::press(const InputEvent& event) {
-    held_ = event.word;
+    // Not every mouse has a middle button.
+    held_ = event.word == "left" && event.control ? "middle" : event.word;
     shift_ = event.shift;
     if (held_ != "middle") return;
     const auto now = Clock::now();

@@ -11,7 +11,8 @@
 
 namespace touchable {
 
-/// What the pointer does over the picture: it leads the fingers, presses, and turns and moves the view.
+/// What the pointer does over the picture: it leads the fingers, presses, and turns and moves the view. The
+/// left button with Ctrl is a middle button.
 class PointerInput {
 public:
     using Clock = std::chrono::steady_clock;

@@ -90,13 +90,16 @@ std::span<const KeyBinding> key_bindings() {
         {"m", false, mute, 0, "sound off, or on again"},
         {"o", false, overlay, 0, "what the surface is coloured by"},
         {"b", false, settings, 0, "the other settings of what is felt, A or B"},
+        {"left", false, turn, -5, "turn the view", true},
+        {"right", false, turn, 5, nullptr, true},
+        {"up", false, tilt, 5, nullptr, true},
+        {"down", false, tilt, -5, nullptr, true},
         {"home", false, home, 0, "back to the clip's own view"},
         {"+", false, nearer, 1.25, "nearer, or farther; so does Ctrl and the wheel"},
         {"=", false, nearer, 1.25, nullptr},
         {"-", false, nearer, 0.8, nullptr},
         {"tab", false, panel, 0, "the panel"},
         {"?", false, help, 0, "these keys"},
-        {"/", true, help, 0, nullptr},
         {"f1", false, help, 0, nullptr},
         {"f11", false, fullscreen, 0, "full screen"},
         {"f12", false, screenshot, 0, "keep a picture of the window"},
@@ -105,8 +108,16 @@ std::span<const KeyBinding> key_bindings() {
     return bindings;
 }
 
+const KeyBinding* binding_of(const std::string& key, bool control, bool shift) {
+    for (const KeyBinding& binding : key_bindings())
+        if (key == binding.key && control == binding.control && shift == binding.shift) return &binding;
+    return nullptr;
+}
+
 bool goes_by_steps(WindowVerb verb) {
     switch (verb) {
+        case WindowVerb::turn:
+        case WindowVerb::tilt:
         case WindowVerb::seek_by:
         case WindowVerb::step:
         case WindowVerb::deeper:

@@ -57,8 +57,11 @@ struct KeyBinding {
     WindowVerb verb;
     double number;
     const char* what;  ///< for a person; null: the same as the row above
+    bool control = false;
 };
 std::span<const KeyBinding> key_bindings();
+/// Of a key with what is held; null: it does nothing.
+const KeyBinding* binding_of(const std::string& key, bool control, bool shift);
 
 /// Whether a key that is held does it again and again: what goes on by steps, never what switches.
 bool goes_by_steps(WindowVerb verb);

@@ -208,10 +208,9 @@ void WindowLoop::take(const InputEvent& event) {
         return;
     }
     if (event.kind == Kind::key) {
-        for (const KeyBinding& binding : key_bindings())
-            if (event.word == binding.key && event.shift == binding.shift &&
-                (!event.repeated || goes_by_steps(binding.verb)))
-                return take(WindowCommand{binding.verb, binding.number, ""});
+        const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
+        if (binding && (!event.repeated || goes_by_steps(binding->verb)))
+            take(WindowCommand{binding->verb, binding->number, ""});
         return;
     }
     if (event.kind == Kind::key_released) {

@@ -94,6 +94,27 @@ void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
     explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
 }
 
+/// For whoever has neither a middle button nor keys.
+void WindowPanel::draw_view(float scale, std::vector<WindowCommand>& asked) {
+    draw_label("view", scale);
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
+    ImGui::PushButtonRepeat(true);
+    if (ImGui::ArrowButton("##left", ImGuiDir_Left)) asked.push_back({WindowVerb::turn, -5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##right", ImGuiDir_Right)) asked.push_back({WindowVerb::turn, 5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##up", ImGuiDir_Up)) asked.push_back({WindowVerb::tilt, 5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##down", ImGuiDir_Down)) asked.push_back({WindowVerb::tilt, -5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::Button("+##nearer", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 1.25});
+    ImGui::SameLine(0, gap);
+    if (ImGui::Button("-##farther", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 0.8});
+    ImGui::PopButtonRepeat();
+    explain_row(
+        "Turns the view, nearer, farther. So do Ctrl and the arrows, + and -, or dragging with Ctrl held.");
+}
+
 /// What the finger and the clip do now. `roomy`: the bar below has room for the rest of it.
 void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
                               std::vector<WindowCommand>& asked) {
@@ -114,6 +135,7 @@ void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
             asked.push_back({WindowVerb::overlay});
         explain_row("What the surface is coloured by.");
     }
+    draw_view(scale, asked);
     const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
         asked.push_back({WindowVerb::force});

@@ -29,6 +29,7 @@ public:
 private:
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    static void draw_view(float scale, std::vector<WindowCommand>& asked);
     void draw_finger(const PanelFacts& facts, bool roomy, float scale, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
     void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);

@@ -43,8 +43,9 @@ Result<std::optional<InputEvent>> read_input(const std::string& line) {
         if (!(words >> event.word) || !ends(words)) return usage_error(name + " needs the name of one key");
         std::string known;
         for (const KeyBinding& binding : key_bindings()) {
+            if (binding.shift || binding.control) continue;  // a script holds neither
             if (event.word == binding.key) return std::optional(event);
-            if (!binding.shift) known += std::string(known.empty() ? "" : " ") + binding.key;
+            known += std::string(known.empty() ? "" : " ") + binding.key;
         }
         return usage_error("no key " + event.word + " does anything; there are " + known);
     }

@@ -2,7 +2,7 @@
 
 #include <set>
 #include <string>
-#include <utility>
+#include <tuple>
 
 #include "player/window/window_command.hpp"
 
@@ -10,13 +10,22 @@ namespace touchable::test {
 namespace {
 
 TEST(WindowCommand, EveryKeyDoesOneThing) {
-    std::set<std::pair<std::string, bool>> keys;
+    std::set<std::tuple<std::string, bool, bool>> keys;
     bool first = true;
     for (const KeyBinding& binding : key_bindings()) {
-        EXPECT_TRUE(keys.insert({binding.key, binding.shift}).second) << binding.key;
+        EXPECT_TRUE(keys.insert({binding.key, binding.shift, binding.control}).second) << binding.key;
         EXPECT_TRUE(!first || binding.what) << "nothing is above it";
         first = false;
     }
+}
+
+TEST(WindowCommand, ArrowsTurnTheViewWithControlAndSeekWithout) {
+    ASSERT_TRUE(binding_of("left", true, false) && binding_of("left", false, false));
+    EXPECT_EQ(binding_of("left", true, false)->verb, WindowVerb::turn);
+    EXPECT_EQ(binding_of("up", true, false)->verb, WindowVerb::tilt);
+    EXPECT_EQ(binding_of("left", false, false)->verb, WindowVerb::seek_by);
+    EXPECT_EQ(binding_of("up", false, false), nullptr);
+    EXPECT_TRUE(goes_by_steps(WindowVerb::turn) && goes_by_steps(WindowVerb::tilt));
 }
 
 TEST(WindowCommand, IsReadWithItsNumber) {

@@ -43,6 +43,8 @@ TEST(Kiosk, VisitorsNeitherEndItNorOpenNorLeaveFiles) {
     EXPECT_FALSE(may(Kind::key, "backspace", true));
     EXPECT_FALSE(may(Kind::close, ""));
     EXPECT_FALSE(may(Kind::dropped, "other.mkv"));
+    const InputEvent arrow{.kind = Kind::key, .word = "left", .control = true};
+    EXPECT_TRUE(is_for_visitors(arrow));
     for (const char* key : {"space", "left", "f", "1", "5", "w", "home", "m", "c", "r"})
         EXPECT_TRUE(may(Kind::key, key)) << key;
     EXPECT_TRUE(may(Kind::pressed, "left"));

@@ -139,6 +139,32 @@ TEST_F(Pointer, MiddleButtonTurnsTheViewAndLeavesTheFinger) {
     EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
 }
 
+/// A touchpad has no middle button.
+TEST_F(Pointer, ControlAndLeftButtonAreTheMiddleOne) {
+    const auto press = [this](bool shift) {
+        input_.take({.kind = InputEvent::Kind::pressed, .word = "left", .control = true, .shift = shift},
+                    *fingers_, *view_, 320, 240);
+    };
+    const auto let_go = [this] {
+        input_.take({.kind = InputEvent::Kind::released, .word = "left"}, *fingers_, *view_, 320, 240);
+    };
+    put(160, 120);
+    press(false);
+    EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m) << "it presses";
+    put(190, 120);
+    EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
+    let_go();
+    EXPECT_FALSE(input_.holds());
+    press(true);
+    EXPECT_TRUE(input_.take_double_click());
+    const glm::dvec3 before = camera().eye;
+    put(220, 120);
+    let_go();
+    EXPECT_NEAR(view_->orbit().azimuth, -9, 1e-9);
+    EXPECT_GT(glm::length(camera().eye - before), 0.1) << "it did not move along";
+    EXPECT_FALSE(fingers_->was_pressed());
+}
+
 TEST_F(Pointer, WhereADeviceIsHeldItOnlyMovesTheView) {
     const auto take = [this](const InputEvent& event) {
         input_.take_for_view(event, *fingers_, *view_, 320, 240);

@@ -76,6 +76,33 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
 }
 
+/// `?` is Shift and another key on each; a Russian F is where an American one is.
+TEST(RealWindow, HasItsKeysOnEveryKeyboard) {
+    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
+            .code,
+        0);
+    // Escape closes the help; the window, where there is none.
+    const int code = with_display(folder, "play globe.mkv --size 400x300 --painter cpu", R"(
+for layout in us de fr es se ru gr; do
+    setxkbmap $layout || exit 97; sleep 0.3
+    xdotool key question; sleep 0.3
+    xdotool key Escape; sleep 0.3
+    kill -0 $program 2>/dev/null || { echo "no help with $layout" >>out; exit 96; }
+done
+setxkbmap ru; sleep 0.3
+xdotool key 32; sleep 0.3  # the place of O
+setxkbmap us; sleep 0.3
+xdotool key Escape
+)");
+    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
+    const std::string kept = file_contents(folder / "config/touchable/play.json");
+    EXPECT_NE(kept.find("\"overlay\": \"depth\""), std::string::npos) << kept;
+}
+
 /// The CPU's picture in it, too.
 TEST(RealWindow, EndsWithItsDisplayAndKeepsWhatWasRecorded) {
     if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";

@@ -52,6 +52,7 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
                   {"nan key a\n", "line 1", "a time"},
                   {"-1 key a\n", "line 1", "a time"},
                   {"0 key esc\n", "line 1", "escape"},
+                  {"0 key up\n", "line 1", "no key up"},  // without Ctrl
                   {"0 overlay heat\n", "line 1", "stiffness"},
                   {"0 drop\n", "line 1", "a file or folder"}};
     for (const auto& fault : faults) {
