@@ -7,7 +7,10 @@ namespace touchable {
 /// Between ImGuiLayer's `begin` and `draw`.
 void draw_invitation(double seconds, float width, float height, bool held);
 
-/// All that it says, for whoever makes its letters.
+/// Over the picture of a window whose force is off, of the mouse's fingers: that, and what brings it back.
+void draw_stop(float width, float height, bool is_kiosk);
+
+/// All that they say, for whoever makes its letters.
 const char* invitation_words();
 
 }  // namespace touchable

@@ -136,6 +136,7 @@ Result<void> WindowLoop::turn() {
     if (begun_) take_script(script_s);
     if (kiosk_ && begun_) watch_over();
     for (const WindowCommand& command : std::exchange(asked_, {})) take(command);
+    screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on());
     go_on_opening();
     note_sound();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
@@ -194,10 +195,7 @@ void WindowLoop::take_script(double now_s) {
 void WindowLoop::take(const InputEvent& event) {
     using Kind = InputEvent::Kind;
     if (kiosk_ && !is_for_visitors(event)) return;
-    if (kiosk_ && is_a_visit(event)) {
-        kiosk_->came(now_s());
-        watch_over();  // the finger that showed how goes before the visitor's comes
-    }
+    if (kiosk_ && is_a_visit(event)) welcome(event);
     last_event_ = Clock::now();
     if (!first_event_) first_event_ = last_event_;
     events_.push_back(event);
@@ -227,7 +225,6 @@ void WindowLoop::take(const InputEvent& event) {
     const auto lead = options_.hand ? &PointerInput::take_for_view : &PointerInput::take;
     if (!is_of_panel || event.kind == Kind::released)
         (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);
-    screen_->hide_pointer(!options_.hand && clip_->shown() > 0);
 }
 
 void WindowLoop::say(const Result<void>& done) {

@@ -81,6 +81,7 @@ private:
     std::string words_of_opening() const;
     void reset();
     void watch_over();
+    void welcome(const InputEvent& event);
     void show_how(const HeightField& field, const ViewCamera& camera);
     void begin_anew();
     void try_again();

@@ -61,6 +61,13 @@ void WindowLoop::watch_over() {
     if (ended && now > begun_anew_s_ + 1) begin_anew();
 }
 
+/// Somebody did something. Of the mouse's force no visitor has to know how it was stopped.
+void WindowLoop::welcome(const InputEvent& event) {
+    kiosk_->came(now_s());
+    watch_over();  // the finger that showed how goes before the visitor's comes
+    if (event.kind == InputEvent::Kind::pressed && !options_.hand) clip_->set_force(true);
+}
+
 /// A clip that broke off may have come back: a disk that was away, a file that was being written.
 void WindowLoop::try_again() {
     const auto failure =
@@ -72,10 +79,11 @@ void WindowLoop::try_again() {
     ask_for_clip(options_.session.clip);
 }
 
-/// A finger that goes by itself over the picture, and really touches it: nearer to the middle where there is
-/// nothing to touch farther out. Where a device is held there is none.
+/// A finger that goes by itself over the picture, and really touches it, whoever stopped forces: nearer to
+/// the middle where there is nothing to touch farther out. Where a device is held there is none.
 void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
     if (options_.hand) return;
+    clip_->set_force(true);
     constexpr double goes_nearer = 0.03;  // a picture, of its way
     const ShownStroke stroke = stroke_at(kiosk_->invites(now_s()).value_or(0));
     const glm::dvec2 size(camera.width, camera.height);
@@ -94,7 +102,6 @@ void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
     shown_share_ += std::clamp(share - shown_share_, -goes_nearer, goes_nearer);
     clip_->fingers().set_pointer(place(shown_share_));
     clip_->fingers().press(stroke.pressed);
-    screen_->hide_pointer(true);
 }
 
 /// As it was at the start.

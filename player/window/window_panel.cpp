@@ -40,6 +40,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     boxes_.clear();
     draw_finger_halos(facts.halos, scale_);
     if (facts.invited_s) draw_invitation(*facts.invited_s, w, h, facts.hand.has_value());
+    if (!facts.force_on && !facts.hand && !help_shown) draw_stop(w, h, facts.is_kiosk);
     state_bottom_ = 0;
     if (!help_shown) draw_state(facts, w);  // it is among the help
     if (facts.is_kiosk) {

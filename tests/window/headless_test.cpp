@@ -319,6 +319,23 @@ TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
     EXPECT_TRUE(backward.one_line_of_error()) << backward.err;
 }
 
+TEST(HeadlessWindow, SaysLargeThatForceIsOff) {
+    const std::string press = "0 move 160 110\n0.05 press left\n";
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--kiosk"}}) {
+        const Shot on = shot_of(still(), press, "0.6", more),
+                   off = shot_of(still(), press + "0.1 key f\n", "0.6", more);
+        EXPECT_GT(differences(on.image, off.image, 60, 140, 260, 235), 1500) << "no words";
+    }
+    // A visitor who finds it so need not know how; nor does the finger that invites.
+    const std::vector<std::string> kiosk{"--kiosk"}, idle{"--kiosk", "--idle", "0.3", "9"};
+    const Shot pressed = shot_of(still(), "0 key f\n0.3 move 160 110\n0.4 press left\n", "1.5", kiosk),
+               never_off = shot_of(still(), "0.3 move 160 110\n0.4 press left\n", "1.5", kiosk);
+    EXPECT_LT(differences(pressed.image, never_off.image, 60, 140, 260, 235), 300);
+    const Shot plain = shot_of(still(), "", "0.3", {"--kiosk"}),
+               invited = shot_of(still(), "0 key f\n", "1.8", idle);
+    EXPECT_GT(differences(invited.image, plain.image, 60, 60, 260, 150), 60) << "no finger";
+}
+
 TEST(HeadlessWindow, FilmShowsWhatTheWindowDidAndSoundsAsIt) {
     const TemporaryFolder folder;
     const std::string film = (folder / "film.mkv").string();

@@ -103,6 +103,38 @@ xdotool key Escape
     EXPECT_NE(kept.find("\"overlay\": \"depth\""), std::string::npos) << kept;
 }
 
+TEST(RealWindow, ShowsThePointerWhereNoFingerIs) {
+    if (!has_display_programs() ||
+        std::system("command -v python3 >/dev/null && ldconfig -p | grep -q libXfixes.so.3") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool, python3 and libXfixes are not installed";
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
+            .code,
+        0);
+    std::ofstream(folder / "pointer.py") << R"(
+from ctypes import *
+class Image(Structure):
+    _fields_ = [("x", c_short), ("y", c_short), ("width", c_ushort), ("height", c_ushort), ("xhot", c_ushort),
+                ("yhot", c_ushort), ("serial", c_ulong), ("pixels", POINTER(c_ulong))]
+x11, fixes = CDLL("libX11.so.6"), CDLL("libXfixes.so.3")
+x11.XOpenDisplay.restype, fixes.XFixesGetCursorImage.restype = c_void_p, POINTER(Image)
+display = c_void_p(x11.XOpenDisplay(None))
+first, error = c_int(), c_int()
+fixes.XFixesQueryExtension(display, byref(first), byref(error))
+image = fixes.XFixesGetCursorImage(display).contents
+print("seen" if any(image.pixels[k] >> 24 for k in range(image.width * image.height)) else "hidden")
+)";
+    const int code = with_display(folder, "play globe.mkv --size 400x300 --painter cpu", R"(
+xdotool mousemove 200 120 sleep 0.6; python3 pointer.py >>pointers
+xdotool key f sleep 0.6; python3 pointer.py >>pointers
+xdotool key f sleep 0.6; python3 pointer.py >>pointers
+xdotool key Escape
+)");
+    EXPECT_EQ(code, 0) << file_contents(folder / "err");
+    EXPECT_EQ(file_contents(folder / "pointers"), "hidden\nseen\nhidden\n");
+}
+
 /// The CPU's picture in it, too.
 TEST(RealWindow, EndsWithItsDisplayAndKeepsWhatWasRecorded) {
     if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";

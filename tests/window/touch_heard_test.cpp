@@ -188,6 +188,20 @@ TEST(Sound, OfTheWindowIsKept) {
     EXPECT_NE(again.err.find("--overwrite"), std::string::npos) << again.err;
 }
 
+/// A visitor has stopped forces: the next one presses, and feels.
+TEST(Sound, OfAKioskIsThereAgainForWhoeverPresses) {
+    const TemporaryFolder folder;
+    const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "2"}).code, 0);
+    std::ofstream(folder / "script") << "0 move 160 130\n0 key f\n0.3 press left\n";
+    const auto played =
+        run_touchable({"play", clip, "--kiosk", "--headless", "--size", "320x240", "--seconds", "1.5",
+                       "--script", (folder / "script").string(), "--sound", wav});
+    ASSERT_EQ(played.code, 0) << played.err;
+    const Wav heard(wav);
+    EXPECT_GT(heard.loudness(0, heard.milliseconds()), 0.001);
+}
+
 TEST(Sound, OfTheClipIsKeptWithItsTouch) {
     const TemporaryFolder folder;
     const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
