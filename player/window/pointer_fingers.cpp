@@ -14,8 +14,7 @@ namespace {
 /// How far several fingers are from the pointer, of the picture's height.
 constexpr double spread = 0.08;
 // Device metres. What is less high than a step is not gone over, and what is clear of the surface by so much
-// has nothing in its way. Who is farther aside than that of where it presses to, whatever friction, is
-// caught.
+// has nothing in its way. Who is by so much too far from where it presses to is caught.
 constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005;
 // It is lifted to so far beyond what it goes over, and by that share of the way there farther: meant to be
 // higher than it has to, it is there sooner.
@@ -67,7 +66,8 @@ std::optional<glm::dvec3> PointerFingers::way_over(std::size_t finger, const Hei
         return std::nullopt;
     }
     const auto at = [&](const ImagePoint& pixel, double beyond_nearest_m) {
-        return unproject(camera, pixel.x, pixel.y, surface->nearest + beyond_nearest_m / metres);
+        const double depth = surface->nearest + beyond_nearest_m / metres;
+        return unproject(camera, pixel.x, pixel.y, std::max(depth, surface->nearest / 2));
     };
     const double behind_m = surface->behind * metres,
                  below_m = (from->planar_depth - surface->nearest) * metres;

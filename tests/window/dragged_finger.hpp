@@ -85,6 +85,7 @@ inline std::unique_ptr<BuiltClip> built_recording(const std::filesystem::path& f
 /// What came of a finger that was dragged, in ticks.
 struct Dragged {
     int ticks = 0, touching = 0, at_limit = 0, behind = 0;
+    int beyond_camera = 0;       ///< it went through the clip's camera
     std::vector<double> astray;  ///< where it touches from what is under the pointer, across sight, device m
 
     double limit_share() const { return touching > 0 ? static_cast<double>(at_limit) / touching : 0; }
@@ -179,6 +180,7 @@ public:
             all.touching += one.touching;
             all.at_limit += one.at_limit;
             all.behind += one.behind;
+            all.beyond_camera += one.beyond_camera;
             all.astray.insert(all.astray.end(), one.astray.begin(), one.astray.end());
         }
         return all;
@@ -188,6 +190,7 @@ private:
     void note(const TouchTick& tick, const glm::dvec2& at, Dragged& dragged) {
         ++dragged.ticks;
         dragged.behind += tick.behind;
+        dragged.beyond_camera += tick.goals[0].z > 1e-6;
         const Contact& contact = tick.contacts[0];
         if (!contact.touching) return;
         ++dragged.touching;

@@ -13,6 +13,7 @@ void expect_free(const Dragged& dragged) {
     EXPECT_LE(dragged.limit_share(), 0.05);
     EXPECT_LT(dragged.quantile(0.95), 0.02);
     EXPECT_EQ(dragged.behind, 0) << "it went through the surface";
+    EXPECT_EQ(dragged.beyond_camera, 0);
     EXPECT_GT(dragged.touching, dragged.ticks / 8) << "it only went over it";
 }
 

@@ -109,6 +109,21 @@ TEST_F(Pointer, HoversOverWhatIsInItsWay) {
     EXPECT_LT(-places[0].z, 80) << "it never came";
 }
 
+/// However far below what it goes over it is.
+TEST_F(Pointer, IsNotLiftedThroughTheClipsCamera) {
+    put(160, 120);
+    Contact met;
+    met.touching = true;
+    met.proxy = met.goal = unproject(shown_->scene.camera, 80, 60, 1000);
+    std::array<glm::dvec3, PointerFingers::most> places{};
+    for (int tick = 0; tick < 1000; ++tick) {
+        if (tick % 16 == 0) fingers_->intend(field(), camera(), std::array{met});
+        ASSERT_TRUE(device_->read_positions(places));
+        ASSERT_LT(workspace_.to_scene(places[0]).z, 1e-6) << "tick " << tick;
+    }
+    EXPECT_LT(workspace_.to_scene(places[0]).z, -1) << "it never came";
+}
+
 TEST_F(Pointer, WhatIsNotThereIsNotPressed) {
     put(160, 120);
     after_a_second();
