@@ -14,8 +14,9 @@ namespace {
 /// How far several fingers are from the pointer, of the picture's height.
 constexpr double spread = 0.08;
 // Device metres. What is less high than a step is not gone over, and what is clear of the surface by so much
-// has nothing in its way. Who is by so much too far from where it presses to is caught.
-constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005;
+// has nothing in its way. Who is by so much too far from where it presses to is caught. A finger slips alike
+// off places that are that near to each other.
+constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005, again_m = 0.001;
 // It is lifted to so far beyond what it goes over, and by that share of the way there farther: meant to be
 // higher than it has to, it is there sooner.
 constexpr double lift_m = 2 * PointerFingers::hover_m, lift_share = 0.5;
@@ -71,12 +72,17 @@ std::optional<glm::dvec3> PointerFingers::way_over(std::size_t finger, const Hei
     };
     const double behind_m = surface->behind * metres,
                  below_m = (from->planar_depth - surface->nearest) * metres;
-    if (goes_over)
+    const bool is_blocked = behind_m > step_m, is_below = below_m > step_m, went_over = goes_over;
+    if (went_over)
         goes_over = felt.touching || behind_m > clear_m || below_m > -clear_m;
-    else
-        goes_over = (behind_m > step_m && below_m > step_m) || is_caught(felt, deep_m);
+    else if (is_caught(felt, deep_m))
+        goes_over = true;
+    else  // where it did not stay it would slip again and again
+        goes_over = is_blocked && is_below && glm::distance(ground, lifted_to_[finger]) * metres > again_m;
+    if (goes_over && !went_over) lifted_to_[finger] = ground;
     if (goes_over) return below_m > -clear_m ? at(*from, lift_m - below_m * lift_share) : at(*to, hover_m);
-    if (behind_m > step_m) return at(*to, deep_m);  // not through the ground before an edge, but on to it
+    // From something near: not through it, but on to its edge.
+    if (is_blocked && !is_below) return at(*to, deep_m);
     return std::nullopt;
 }
 

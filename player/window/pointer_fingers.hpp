@@ -65,7 +65,8 @@ private:
     bool held_ = false, was_pressed_ = false;
     double rest_m_ = hover_m;
     std::array<bool, most> goes_over_{};
-    std::optional<double> distance_;  // scene units, from the eye to what was met last
+    std::array<glm::dvec3, most> lifted_to_{};  // world: what was meant when it was last lifted
+    std::optional<double> distance_;            // scene units, from the eye to what was met last
 };
 
 }  // namespace touchable

@@ -109,6 +109,31 @@ TEST_F(Pointer, HoversOverWhatIsInItsWay) {
     EXPECT_LT(-places[0].z, 80) << "it never came";
 }
 
+/// It slips off a narrow rim again and again.
+TEST_F(Pointer, IsLiftedOnceToWhereItDoesNotStay) {
+    double limb = 160;
+    while (-pick(field(), camera(), limb, 120)->point.z < 100) ++limb;
+    put(limb - 3, 120);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    const glm::dvec3 pressed = after_a_second()[0];
+    const auto lifted_m = [&](const glm::dvec3& proxy, bool touching) {
+        Contact met;
+        met.proxy = met.goal = proxy;
+        met.touching = touching;
+        std::array<glm::dvec3, PointerFingers::most> places{};
+        fingers_->intend(field(), camera(), std::array{met});
+        for (int tick = 0; tick < 1000; ++tick) EXPECT_TRUE(device_->read_positions(places));
+        return glm::length(places[0] - workspace_.to_device(pressed));
+    };
+    const glm::dvec3 slipped = pick(field(), camera(), limb + 8, 120)->point,
+                     above = 0.9 * pick(field(), camera(), limb - 3, 120)->point;
+    EXPECT_GT(lifted_m(slipped, true), 0.01);
+    EXPECT_LT(lifted_m(above, false), 1e-5) << "it is not pressed again";
+    EXPECT_LT(lifted_m(slipped, true), 1e-5) << "it hops for ever";
+    put(limb - 9, 120);
+    EXPECT_GT(lifted_m(slipped, true), 0.01) << "it stays where the pointer no longer is";
+}
+
 /// However far below what it goes over it is.
 TEST_F(Pointer, IsNotLiftedThroughTheClipsCamera) {
     put(160, 120);
