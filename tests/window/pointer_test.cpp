@@ -109,6 +109,35 @@ TEST_F(Pointer, HoversOverWhatIsInItsWay) {
     EXPECT_LT(-places[0].z, 80) << "it never came";
 }
 
+/// Aside, or along its ray as in a turned view; but friction holds it back by more where it presses deeper.
+TEST_F(Pointer, IsLiftedWhereItStaysFarFromItsGoal) {
+    put(160, 120);
+    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    const glm::dvec3 pressed = after_a_second()[0], ground = pick(field(), camera(), 160, 120)->point,
+                     ray = glm::normalize(ground),
+                     aside = glm::normalize(glm::cross(ray, glm::dvec3(0, 1, 0)));
+    const auto is_lifted = [&](const glm::dvec3& goal_m, double friction) {
+        fingers_.emplace(*device_, workspace_);
+        put(160, 120);
+        fingers_->press(true);
+        Contact met;
+        met.touching = true;
+        met.proxy = ground;
+        met.goal = ground + goal_m / workspace_.metres_per_scene_unit;
+        met.properties.static_friction = friction;
+        std::array<glm::dvec3, PointerFingers::most> places{};
+        fingers_->intend(field(), camera(), std::array{met});
+        for (int tick = 0; tick < 1000; ++tick) EXPECT_TRUE(device_->read_positions(places));
+        return workspace_.to_scene(places[0]).z > pressed.z + 1;
+    };
+    EXPECT_FALSE(is_lifted(0.004 * ray, 0.4)) << "as it is pressed";
+    EXPECT_FALSE(is_lifted(0.004 * ray + 0.007 * aside, 0.4)) << "friction";
+    EXPECT_TRUE(is_lifted(0.004 * ray + 0.009 * aside, 0.4));
+    EXPECT_FALSE(is_lifted(0.004 * ray + 0.009 * aside, 0.8)) << "friction";
+    EXPECT_FALSE(is_lifted(0.011 * ray, 0.4)) << "a slope";
+    EXPECT_TRUE(is_lifted(0.013 * ray, 0.4));
+}
+
 /// It slips off a narrow rim again and again.
 TEST_F(Pointer, IsLiftedOnceToWhereItDoesNotStay) {
     double limb = 160;
