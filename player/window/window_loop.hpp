@@ -124,7 +124,6 @@ private:
     std::optional<KioskWatch> kiosk_;
     bool is_inviting_ = false;
     bool hand_is_gone_ = false;
-    Clock::time_point hand_heard_at_;  // while its forces are on
     glm::dvec3 hand_seen_at_{0.0};     // world, its first finger, when it last was a visit
     std::set<std::string> told_;       // on the terminal, by a kiosk: once each
     double tried_again_s_ = 0;         // to open its clip

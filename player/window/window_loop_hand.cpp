@@ -8,20 +8,11 @@
 // A device that is held, in place of the mouse.
 
 namespace touchable {
-namespace {
 
-// A hand that nobody has heard of for so long may be another one when it comes back.
-constexpr double long_away_s = 1;
-
-}  // namespace
-
-/// Once a turn. A device that comes back has no force: nobody may be there by then.
+/// Once a turn. (That forces are off once nobody was there for a second, HandControl sees to.)
 void WindowLoop::look_after_hand(const WatchedMoment* moment) {
     HeldHand& hand = *options_.hand;
-    if (hand.age_s() <= HapticDevice::oldest_s || !clip_->force_is_on()) hand_heard_at_ = Clock::now();
-    if (seconds_between(hand_heard_at_, Clock::now()) > long_away_s) clip_->set_force(false);
     if (const bool gone = hand.is_gone(); gone != std::exchange(hand_is_gone_, gone) && gone) {
-        clip_->set_force(false);
         last_event_ = Clock::now();
         if (const auto health = hand.health(); !health.ok()) tell(health.error().message);
     }
@@ -37,7 +28,7 @@ void WindowLoop::take_of_hand(const WindowCommand& command) {
     HeldHand& hand = *options_.hand;
     switch (command.verb) {
         case WindowVerb::force:
-            // Whether or not a turn has noticed already that it is gone: it comes back without forces.
+            // It comes back without forces: nobody may be there by then.
             if (hand.is_gone()) {
                 clip_->set_force(false);
                 return hand.look_again();

@@ -32,10 +32,10 @@ public:
     glm::dvec3 place{0.0};
     std::uint32_t buttons = 0;
     std::string wish;
-    std::int64_t kept_ns = 0;  ///< for how long it has had what it tells
-    int descriptor = -1;       ///< of hardware that speaks by itself
-    bool over = false;
     std::string not_opened_because;  ///< what it says when it is connected without being plugged; empty: gone
+    std::int64_t kept_ns = 0;        ///< for how long it has had what it tells
+    int descriptor = -1;             ///< of hardware that speaks by itself
+    bool over = false;
 
     bool connected = false;
     glm::dvec3 force{0.0};  ///< of finger 0, that was sent last

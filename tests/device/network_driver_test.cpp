@@ -130,16 +130,6 @@ TEST_F(NetworkHand, TellsPlacesAndGetsForces) {
     EXPECT_EQ(answer.time_ns, 1001U) << "its own clock, so that it can tell the round trip";
 }
 
-TEST_F(NetworkHand, ForcesAreNoPlaces) {
-    const Peer peer(driver.port());
-    NetworkPacket packet;
-    packet.kind = NetworkPacket::Kind::forces;
-    packet.sequence = 1;
-    peer.say(encode(packet));
-    EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(driver.wish().find("kind 1"), std::string::npos) << driver.wish();
-}
-
 /// Hears a packet from this machine.
 bool takes_one_from_here(NetworkDriver& driver) {
     const Peer peer(driver.port());
@@ -216,6 +206,16 @@ TEST_F(NetworkHand, GarbageIsLeftOutAndNamed) {
     peer.say(std::vector<std::byte>(2000, std::byte{0}));
     EXPECT_TRUE(hears_nothing());
     EXPECT_EQ(driver.left_out(), 4);
+}
+
+TEST_F(NetworkHand, ForcesAreNoPlaces) {
+    const Peer peer(driver.port());
+    NetworkPacket packet;
+    packet.kind = NetworkPacket::Kind::forces;
+    packet.sequence = 1;
+    peer.say(encode(packet));
+    EXPECT_TRUE(hears_nothing());
+    EXPECT_NE(driver.wish().find("kind 1"), std::string::npos) << driver.wish();
 }
 
 TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
