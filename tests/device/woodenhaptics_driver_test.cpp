@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "tests/device/wooden_bench.hpp"
 
@@ -39,9 +40,14 @@ TEST(WoodenDriver, ForcesAreCurrentsAndPartingIsLimp) {
     ASSERT_TRUE(bench.connect().ok());
     ASSERT_TRUE(bench.turn({0, 1, 0}).ok());
     EXPECT_EQ(bench.board->milliamperes, (std::array<int, 3>{0, 0, 788}));
+    const std::size_t before = bench.wire->sent().size();
     bench.driver->disconnect();
     EXPECT_EQ(bench.wire->last_sent(), limp);
     EXPECT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
+    const auto sent = bench.wire->sent();
+    EXPECT_EQ(std::vector(sent.begin() + static_cast<std::ptrdiff_t>(before), sent.end()),
+              std::vector(2, limp))
+        << "one may be lost";
 }
 
 TEST(WoodenDriver, OneThatMustNotBeDrivenGetsNoCurrent) {
@@ -90,6 +96,26 @@ TEST(WoodenDriver, TwoDamagedReadingsOfItsButtonHomeNothing) {
         }
         EXPECT_EQ(bench.board->counters[2], 333) << "nobody knows that it is at home";
     }
+}
+
+/// Its counters were lost on the way, and one of its readings is damaged: its button seems to be released.
+TEST(WoodenDriver, ABoardThatDidNotTakeItsCountersIsNotAtHome) {
+    Bench bench(with_button());
+    bench.board->counters = {111, 222, 333, 0, 0, 0};
+    ASSERT_TRUE(bench.connect().ok());
+    bench.wire->answer = {};
+    bench.board->pressed = true;
+    for (int reading = 0; reading < 3; ++reading) bench.wire->lay(bench.board->reading());
+    ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)).ok());
+    const std::array<glm::dvec3, 1> push{glm::dvec3(0, 1, 0)};
+    ASSERT_TRUE(bench.driver->send(push).ok());
+    EXPECT_EQ(word_at(bench.wire->last_sent(), 7), 1) << "its counters";
+    bench.board->pressed = false;
+    bench.wire->lay(bench.board->reading());
+    ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)).ok());
+    EXPECT_FALSE(bench.has_place());
+    ASSERT_TRUE(bench.driver->send(push).ok());
+    EXPECT_EQ(bench.wire->last_sent(), limp);
 }
 
 TEST(WoodenDriver, ABoardThatWasHomedMaySoBeTakenOnce) {
