@@ -156,6 +156,52 @@ TEST(ChosenFilters, TerracesStayWhereCodesLeaveNoRoom) {
     }
 }
 
+// Whatever was measured: all of it asks for a filter here.
+TEST(ChosenFilters, EachThatTheSceneStatesStays) {
+    MeasuredDepth measured = of_a_camera();
+    measured.roughness = 2;
+    measured.flying = measured.tiny_holes = 0.01;
+    measured.kappa = 1;
+    measured.noise = {2, 0};
+    const FilterSettings all = chosen_by(measured);
+    const auto chosen_but = [&](bool UnstatedFilters::*stated) {
+        Scene scene = open_scene();
+        scene.unstated.*stated = false;
+        choose_filters(measured, scene);
+        return scene.filter;
+    };
+    FilterSettings but = all;
+    but.median = 0;
+    but.temporal_noise = all.temporal_noise;
+    EXPECT_EQ(chosen_but(&UnstatedFilters::median), but);
+    but = all;
+    but.fill_holes = 0;
+    EXPECT_EQ(chosen_but(&UnstatedFilters::fill_holes), but);
+    but = all;
+    but.flying_pixels = {};
+    EXPECT_EQ(chosen_but(&UnstatedFilters::flying_pixels), but);
+    but = all;
+    but.terraces = TerraceRemoval::off;
+    but.levels = {};
+    EXPECT_EQ(chosen_but(&UnstatedFilters::terraces), but);
+    but = all;
+    but.temporal = false;
+    but.temporal_noise = {};
+    EXPECT_EQ(chosen_but(&UnstatedFilters::temporal), but);
+}
+
+TEST(ChosenFilters, AutomaticTerracesGoByWhatIsMeasured) {
+    for (const bool is_measured : {false, true}) {
+        Scene scene = open_scene();
+        scene.unstated = {};
+        scene.filter.terraces = TerraceRemoval::automatic;
+        MeasuredDepth measured = of_a_camera();
+        measured.kappa = 1;
+        choose_filters(is_measured ? std::optional(measured) : std::nullopt, scene);
+        EXPECT_EQ(scene.filter.terraces, is_measured ? TerraceRemoval::on : TerraceRemoval::off);
+    }
+}
+
 TEST(ChosenFilters, NoiseThatTheSceneStatesIsKept) {
     Scene scene = open_scene();
     scene.filter.temporal_noise = {0.7, 0};

@@ -121,6 +121,49 @@ TEST(SurveyRules, NoiseAndHolesAreMeasuredAsThePageSays) {
         EXPECT_GT(decided[rule], 20) << rule;
 }
 
+/// 1200 pixels at 1000 mm with noise, of which `share` were 200 mm, more than a tenth, farther in the first
+/// frame.
+DepthLength noise_of_what_is_left(double share) {
+    DepthCoding coding;
+    coding.kind = DepthCodingKind::metric;
+    coding.scale = 1;
+    coding.far = 4000;
+    coding.code_max = 4000;
+    const int width = 42, height = 32;
+    SplitMix64 random(43);
+    NoiseSurvey survey(coding);
+    for (int n = 0; n < 3; ++n) {
+        CodePicture picture{width, height, {}};
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const bool was_farther = n == 0 && (x - 1) + 40 * (y - 1) < share * 1200;
+                picture.codes.push_back((was_farther ? 1200 : 1000) + static_cast<int>(random.next() % 9));
+            }
+        survey.add(picture);
+    }
+    return survey.noise(NoiseSurvey::Place::flat);
+}
+
+TEST(SurveyRules, AWindowOfWhichMoreThanHalfIsLeftOutSaysNothing) {
+    for (const double share : {0.4, 0.5}) {
+        // Of nine even numbers the standard deviation is 2.58.
+        EXPECT_NEAR(noise_of_what_is_left(share).constant, 2.58, 0.15) << share;
+    }
+    for (const double share : {0.51, 0.6}) EXPECT_EQ(noise_of_what_is_left(share), DepthLength{}) << share;
+}
+
+TEST(SurveyRules, APlaneHasNeitherNoiseNorRoughness) {
+    DepthCoding coding;
+    coding.kind = DepthCodingKind::metric;
+    coding.scale = 1;
+    coding.far = 4000;
+    coding.code_max = 4000;
+    NoiseSurvey survey(coding);
+    for (int n = 0; n < 3; ++n) survey.add({40, 30, std::vector<int>(40 * 30, 1000)});
+    EXPECT_EQ(survey.noise(NoiseSurvey::Place::flat), DepthLength{});
+    EXPECT_EQ(survey.roughness(), DepthLength{});
+}
+
 // Larger pictures than 640x480 are looked at in some of their rows.
 TEST(SurveyRules, OfLargePicturesSomeRowsAreLookedAt) {
     SplitMix64 random(31);
@@ -163,7 +206,9 @@ CodePicture any_levels(SplitMix64& random) {
             level += rule == 3 ? random.within(1, 30) : std::max(1.0, step);
         }
     }
-    const double wide = random.within(0, 0.5), tall = random.within(0, 0.5);
+    const bool is_near = random.next() % 2 == 0;  // to a seventh
+    const double wide = random.within(is_near ? 0.05 : 0, is_near ? 0.2 : 0.5);
+    const double tall = random.within(is_near ? 0.05 : 0, is_near ? 0.2 : 0.5);
     const double strays = random.next() % 2 == 0 ? 0 : random.within(0, 0.05);
     const double shown = random.within(0.02, 1);  // the rest is none
     CodePicture picture{width, height, std::vector<int>(static_cast<std::size_t>(width * height), 0)};
