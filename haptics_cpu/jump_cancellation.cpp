@@ -112,9 +112,8 @@ CalmedForce JumpCancellation::calm(const Contact& contact) {
     follow_hole(contact);
     const double share = felt_share(contact.properties.stiffness);
     const dvec3 felt = share * contact.force;
-    // Most ticks by far: a contact that did not jump, and nothing to fade.
-    if (contact.touching && !surface_is_new_ && !contact.jumped && !is_silent() && ticks_ >= fade_ticks &&
-        presence_ >= 1) {
+    // Most ticks by far: nothing jumped, and there is nothing to fade.
+    if (!surface_is_new_ && !contact.jumped && !is_silent() && ticks_ >= fade_ticks && presence_ >= 1) {
         wanted_ = given_ = felt;
         return {contact.force};
     }

@@ -97,6 +97,15 @@ TEST_F(TwoStiffnesses, ANewContactBeginsWithTheMapsStiffness) {
     EXPECT_EQ(result.forces.back().reasons, guard_none);
 }
 
+TEST_F(TwoStiffnesses, WhatOneContactLostPaysForNoOther) {
+    std::vector<dvec3> path = press_slide_release(2, -2, 0.01);  // a fall that loses 3.2 mJ
+    const auto again = path_along({{-2, 0, -99}, {-2, 0, -100 - depth}, {2, 0, -100 - depth}}, 0.01);
+    path.insert(path.end(), again.begin(), again.end());
+    const PathResult result = run_path(path, strong(true), wall);
+    EXPECT_NEAR(result.forces.back().force.z, soft * depth * 1e-3, 0.01);
+    EXPECT_EQ(result.forces.back().reasons, guard_rise);
+}
+
 TEST_F(TwoStiffnesses, FrictionPaysForStiffness) {
     paint(wall.prev, 255);  // mu 1
     const PathResult result = run(-2.2, 4, 0.002, true);
@@ -175,6 +184,39 @@ Contact resting_on(double stiffness) {
     contact.carried_stiffness = stiffness;
     contact.force = {0, 0, stiffness * 0.002};
     return contact;
+}
+
+/// The same at a hole, whose stiffness has that share.
+Contact resting_at_a_hole(double stiffness, double share) {
+    Contact contact = resting_on(stiffness);
+    contact.hole_share = share;
+    return contact;
+}
+
+// docs/solver.md: 0.04 N a tick over 2 mm is 20 N/m; and no rise is faster than a slew that is asked for.
+TEST(ContactStiffness, OutOfAHoleTheSlowerOfTwoRisesCounts) {
+    for (const double slew : {5.0, 15.0, 30.0, 1000.0}) {
+        GuardSettings settings = without_ramp();
+        settings.rise.per_tick = slew;
+        ForceGuard guard(settings, 0.001);
+        guard.guard(resting_at_a_hole(100, 1));
+        double last = 0.2;
+        for (int tick = 0; tick < 20; ++tick) {
+            const double force = guard.guard(resting_on(600)).force.z;
+            EXPECT_NEAR(force - last, 0.002 * std::min(slew, 20.0), 1e-12) << slew;
+            last = force;
+        }
+    }
+}
+
+TEST(ContactStiffness, RisesElsewhereAreNotLimitedOnceItHasArrived) {
+    ForceGuard guard(without_ramp(), 0.001);
+    guard.guard(resting_at_a_hole(100, 1));
+    for (int tick = 0; tick < 24; ++tick) EXPECT_EQ(guard.guard(resting_on(600)).reasons, guard_rise);
+    EXPECT_NEAR(guard.guard(resting_on(600)).force.z, 1.2, 1e-9);
+    Contact stiffer = resting_on(2000);
+    EXPECT_EQ(guard.guard(stiffer).force.z, 4);
+    EXPECT_EQ(guard.guard(stiffer).reasons, guard_none);
 }
 
 TEST(ContactStiffness, GroundWithoutStiffnessIsContactToo) {

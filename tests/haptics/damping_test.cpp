@@ -41,6 +41,31 @@ TEST_F(DampedWall, PullingOutNeverMakesTheSurfaceHoldTheFinger) {
     EXPECT_GT(weakened, 10);
 }
 
+// Of 1000 N/m a soft device gives 100: the damper may only take that back.
+TEST_F(DampedWall, PullingOutOfWhatIsStifferThanTheDeviceDoesNotHoldTheFingerEither) {
+    GuardSettings settings = damped(20);
+    settings.max_stiffness = 100;
+    const PathResult result =
+        run_path(path_along({{0, 0, -99}, {0, 0, -102}, {0, 0, -99}}, 0.05), settings, wall);
+    int weakened = 0;
+    for (std::size_t k = 0; k < result.forces.size(); ++k) {
+        ASSERT_GE(result.forces[k].force.z, -1e-12) << k;
+        weakened += result.forces[k].force.z < 0.05 * result.contacts[k].force.z;
+    }
+    EXPECT_GT(weakened, 10);
+}
+
+TEST_F(DampedWall, ALandingIsDampedByItsOwnMotionAlone) {
+    ForceGuard used(damped(20), 0.001), fresh(damped(20), 0.001);
+    FingerState before, landing;
+    for (const dvec3& goal : path_along({{0, 0, -99}, {0, 0, -101}, {0, 0, -99}}, 0.2))
+        used.guard(wall.touch(before, goal));
+    for (const dvec3& goal : path_along({{0, 0, -99}, {0, 0, -101}}, 0.01)) {
+        const Contact contact = wall.touch(landing, goal);
+        ASSERT_NEAR(length(used.guard(contact).force - fresh.guard(contact).force), 0, 1e-12) << goal.z;
+    }
+}
+
 TEST_F(DampedWall, AlongTheSurfaceThereIsNoDampingWithoutFriction) {
     const auto path = path_along({{-2, 0, -99}, {-2, 0, -101}, {2, 0, -101}}, 0.02);
     const PathResult with = run_path(path, damped(20), wall), without = run_path(path, damped(0), wall);
@@ -179,6 +204,27 @@ TEST_F(Dragged, TheBrakeIsFeltAsFarAsTheContactIs) {
         EXPECT_NEAR(out.force.x, -20 * 0.2 * presence, 1e-6);
         EXPECT_EQ(out.reasons & guard_passivity, presence > 0 ? std::uint32_t{guard_passivity} : 0U);
     }
+}
+
+TEST_F(Dragged, TheBrakeEndsWithTheContactAndKeepsToTheDevicesForce) {
+    GuardSettings settings = without_ramp();
+    settings.passivity = 20;
+    ForceGuard guard(settings, 0.001);
+    int tick = 0;
+    for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
+    Contact arriving = at(tick++, 10, 10000);
+    arriving.carried_stiffness = 100;
+    const GuardedForce out = guard.guard(arriving);
+    EXPECT_NEAR(length(out.force), 10, 1e-9) << "100 N of spring and 4 N across";
+    EXPECT_LT(out.force.x, -1);
+    EXPECT_EQ(out.reasons, std::uint32_t{guard_passivity | guard_force});
+    Contact leaving = at(tick, 0, 10000);
+    leaving.touching = false;
+    leaving.properties.stiffness = 0;
+    leaving.force = dvec3(0.0);
+    const GuardedForce free = guard.guard(leaving);
+    EXPECT_EQ(free.force, dvec3(0.0));
+    EXPECT_EQ(free.reasons, guard_none);
 }
 
 TEST_F(Dragged, TheDamperIsFeltAsFarAsTheContactIs) {

@@ -168,6 +168,63 @@ TEST(Energy, TheWayOfAHandThatWasLostIsNotBooked) {
     EXPECT_EQ(account.figures().bound, before.bound);
 }
 
+/// A goal `depth` mm deep in ground of 1000 N/m, 0 or less: free; the finger was there before.
+Contact resting_at(double depth) {
+    Contact contact;
+    contact.goal = contact.proxy = contact.carried = {0, 0, -depth};
+    if (depth <= 0) return contact;
+    contact.touching = true;
+    contact.proxy.z = contact.carried.z = 0;
+    contact.properties.stiffness = 1000;
+    contact.carried_stiffness = 1000;
+    contact.force = contact.proxy - contact.goal;
+    return contact;
+}
+
+TEST(Energy, AGuardThatMissesAGoalDoesNotBookTheWayEither) {
+    ForceGuard guard(without_ramp(), 0.001);
+    guard.guard(resting_at(0));
+    const EnergyFigures before = guard.guard(resting_at(2)).energy;
+    Contact missing = resting_at(2);
+    missing.goal_held = true;
+    guard.guard(missing);
+    EXPECT_EQ(guard.guard(resting_at(-10)).energy.work, before.work);
+}
+
+// All that the spring holds in the end came from the ramp; nothing was created.
+TEST(Energy, UnderAFingerAtRestTheRampPutsInWhatIsStored) {
+    ForceGuard guard(GuardSettings{}, 0.001);
+    EnergyFigures energy;
+    for (int tick = 0; tick < 150; ++tick) {
+        energy = guard.guard(resting_at(2)).energy;
+        ASSERT_NEAR(energy.stored, std::min(0.01 * tick, 1.0) * 0.002, energy_rounding) << tick;
+    }
+    EXPECT_EQ(energy.work, 0);
+    EXPECT_NEAR(energy.surface, 0.002, energy_rounding);
+    EXPECT_NEAR(energy.created, 0, energy_rounding);
+}
+
+// The jump's part of the force is the surface's, whatever moves against it: as the device gives it, beyond
+// its limit and in the ramp.
+TEST(Energy, WhatAJumpsCancellationTakesFromTheHandIsTheSurfaces) {
+    const auto surface_of_a_step = [](double depth, double newtons, int ramp_ticks) {
+        GuardSettings settings;
+        settings.ramp_in_ticks = ramp_ticks;
+        ForceGuard guard(settings, 0.001);
+        guard.guard(resting_at(depth));
+        const EnergyFigures before =
+            guard.guard_calmed(resting_at(depth), {glm::dvec3(0, 0, newtons)}).energy;
+        Contact up = resting_at(depth - 1);  // the surface rests, the hand goes up by a millimetre
+        up.carried = {0, 0, 0};
+        return guard.guard(up).energy.surface - before.surface;
+    };
+    EXPECT_NEAR(surface_of_a_step(4, 1, 0), -0.003, energy_rounding) << "3 of 4 N are held back";
+    EXPECT_NEAR(surface_of_a_step(20, 15, 0), 0, energy_rounding) << "the limit is 10 N with or without";
+    // In the second of two ticks of a ramp half of that; the third lets all of the spring through: from half
+    // of 0.5 k x^2 to all of it at the old goal.
+    EXPECT_NEAR(surface_of_a_step(4, 1, 2), -0.0015 + 0.004, energy_rounding);
+}
+
 TEST(Energy, AGoalThatIsLostForAWhileLeavesTheBooksFinite) {
     SmallField wall(33, 33, 100.0);
     FingerState finger;

@@ -153,6 +153,8 @@ TEST(ForceGuard, ARampOfNoTicksIsAtOnce) {
     ForceGuard guard(settings, 0.001);
     EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
     EXPECT_EQ(guard.guard(without_goal()).force, glm::dvec3(0.0));
+    EXPECT_TRUE(guard.has_let_go());
+    EXPECT_FALSE(guard.has_begun_anew());
     EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
 }
 

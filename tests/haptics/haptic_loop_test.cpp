@@ -20,8 +20,7 @@ class PressingPort final : public HapticPort {
 public:
     bool read_goals(std::int64_t tick, const HeightField&, std::span<glm::dvec3> goals) override {
         ticks.push_back(tick);
-        if (static_cast<int>(ticks.size()) == stalls_at)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        if (static_cast<int>(ticks.size()) == stalls_at) std::this_thread::sleep_for(stall);
         if (static_cast<int>(ticks.size()) == throws_at) throw std::runtime_error("unplugged");
         cpus.push_back(sched_getcpu());
         for (glm::dvec3& goal : goals)
@@ -32,11 +31,13 @@ public:
         last.assign(newtons.begin(), newtons.end());
         for (const glm::dvec3& force : newtons) largest = std::max(largest, force.z);
         ++writes;
+        if (writes == write_stalls_at) std::this_thread::sleep_for(stall);
         if (writes == write_throws_at) throw 7;
         return true;
     }
 
-    int fails_at = -1, stalls_at = -1, throws_at = -1, write_throws_at = -1;
+    int fails_at = -1, stalls_at = -1, throws_at = -1, write_stalls_at = -1, write_throws_at = -1;
+    std::chrono::milliseconds stall{5};
     std::vector<std::int64_t> ticks;
     std::vector<int> cpus;  // that each tick began on
     std::vector<glm::dvec3> last;
@@ -198,24 +199,49 @@ TEST(HapticLoop, RunsOnceAndSaysSo) {
 
 // Whatever the machine is busy with, a tick begins within its own millisecond, for a later one is the next.
 TEST(HapticLoop, TicksThatWereMissedAreSkippedAndNotMadeUpFor) {
+    for (const int ms : {2, 5}) {
+        LoopRig rig(4096);
+        rig.port.stalls_at = 10;
+        rig.port.stall = std::chrono::milliseconds(ms);
+        rig.port.fails_at = 60;
+        HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+        ASSERT_TRUE(loop.start().ok());
+        wait_for_the_end(loop);
+        EXPECT_GE(rig.port.ticks[10] - rig.port.ticks[9], ms);
+        EXPECT_GE(loop.facts().late, 1);
+        EXPECT_GE(loop.facts().skipped, ms - 1);
+        EXPECT_EQ(loop.facts().skipped, rig.port.ticks.back() + 1 - loop.facts().ticks);
+        int logged = 0;
+        while (rig.log.pop([&](const TouchTick& tick) {
+            ++logged;
+            EXPECT_GE(tick.late_us, 0);
+            EXPECT_LT(tick.late_us, 1000) << "tick " << tick.tick;
+        })) {
+        }
+        EXPECT_EQ(logged, 59);
+    }
+}
+
+TEST(HapticLoop, KnowsTheLongestThatThePortTookInATickToReadAndToWrite) {
     LoopRig rig(4096);
-    rig.port.stalls_at = 10;
-    rig.port.fails_at = 60;
+    rig.port.stalls_at = rig.port.write_stalls_at = 10;
+    rig.port.fails_at = 40;
     HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
     ASSERT_TRUE(loop.start().ok());
     wait_for_the_end(loop);
-    EXPECT_GE(rig.port.ticks[10] - rig.port.ticks[9], 5);
-    EXPECT_GE(loop.facts().late, 1);
-    EXPECT_GE(loop.facts().skipped, 4);
-    EXPECT_EQ(loop.facts().skipped, rig.port.ticks.back() + 1 - loop.facts().ticks);
-    int logged = 0;
-    while (rig.log.pop([&](const TouchTick& tick) {
-        ++logged;
-        EXPECT_GE(tick.late_us, 0);
-        EXPECT_LT(tick.late_us, 1000) << "tick " << tick.tick;
-    })) {
-    }
-    EXPECT_EQ(logged, 59);
+    EXPECT_GE(loop.facts().longest_port_ms, 10) << "5 ms each, ticks ago";
+}
+
+TEST(HapticLoop, EndsByItselfBeforeATickThatItWasTold) {
+    LoopRig rig(4096);
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    loop.end_before(30);
+    ASSERT_TRUE(loop.start().ok());
+    wait_for_the_end(loop);
+    EXPECT_LT(rig.port.ticks.back(), 30);
+    EXPECT_EQ(loop.facts().ticks, static_cast<std::int64_t>(rig.port.ticks.size()));
+    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+    EXPECT_FALSE(loop.facts().port_failed);
 }
 
 TEST(HapticLoop, ALogThatNobodyReadsCostsTicksOfTheLogButNoForce) {

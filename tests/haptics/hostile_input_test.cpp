@@ -143,9 +143,25 @@ TEST(HostileInput, EveryFieldThatAForceIsMadeOfIsLookedAt) {
     EXPECT_EQ(out_of([](Contact& c) { c.jumped_force.x = NAN; }), guard_none);
 
     ForceGuard guard(without_ramp(), 0.001);
-    for (const CalmedForce& calmed : {CalmedForce{dvec3(NAN, 0, 0)}, CalmedForce{dvec3(1e200, 0, 0)},
-                                      CalmedForce{.presence = NAN}, CalmedForce{.presence = 2}})
+    for (const CalmedForce& calmed :
+         {CalmedForce{dvec3(NAN, 0, 0)}, CalmedForce{dvec3(1e200, 0, 0)}, CalmedForce{.presence = NAN},
+          CalmedForce{.presence = 2}, CalmedForce{.presence = -0.5}})
         EXPECT_EQ(guard.guard_calmed(good_contact(20), calmed).reasons, guard_fault);
+}
+
+// Time goes on by a tick at least, and no contact says otherwise.
+TEST(HostileInput, ATickThatTookNoTimeCountsAsOne) {
+    GuardSettings settings = without_ramp();
+    settings.damping = 10;
+    for (const int ticks : {0, -1, std::numeric_limits<int>::min()}) {
+        FingerGuard hostile(settings, 0.001), good(settings, 0.001);
+        for (int tick = 0; tick < 60; ++tick) {
+            Contact contact = good_contact(tick);
+            const GuardedForce wanted = good.guard(contact);
+            contact.ticks = ticks;
+            ASSERT_EQ(hostile.guard(contact).force, wanted.force) << ticks;
+        }
+    }
 }
 
 TEST(HostileInput, GoalsOfAnyBitsLeaveAForceADeviceCanBearAndNothingBehind) {
@@ -196,6 +212,18 @@ TEST(HostileInput, WhatCannotGoOutIsZeroAndAllBeginsAnew) {
         ASSERT_EQ(again.force, wanted.force) << tick;
         ASSERT_EQ(again.reasons, wanted.reasons) << tick;
     }
+    // A cut that buried the finger is forgotten too.
+    Contact cut = good_contact(20);
+    cut.jumped = true;
+    cut.force = cut.jumped_force = {0, 0, 60};
+    guard.guard(cut);
+    ASSERT_EQ(guard.guard(far).reasons, guard_fault);
+    FingerGuard other(settings, 0.001);
+    Contact resting = good_contact(20);
+    resting.carried = resting.proxy;
+    for (int tick = 0; tick < 150; ++tick)
+        ASSERT_EQ(guard.guard(resting).force, other.guard(resting).force) << tick;
+    EXPECT_GT(length(guard.guard(resting).force), 1);
 }
 
 TEST(HostileInput, AFrameThatIsMissingOrOfAnotherSizeEndsTheForceWithoutAJump) {
@@ -216,7 +244,11 @@ TEST(HostileInput, AFrameThatIsMissingOrOfAnotherSizeEndsTheForceWithoutAJump) {
             for (int tick = 0; tick < 500; ++tick) {
                 FramePair pair = field.pair();
                 if (tick >= 150 && tick < 300) (later ? pair.next : pair.prev).frame = frame;
-                const double force = step.run(tick, tick, field.scene, pair).forces[0].force.z;
+                const TouchTick done = step.run(tick, tick, field.scene, pair);
+                const double force = done.forces[0].force.z;
+                const bool missing = tick >= 150 && tick < 300;
+                ASSERT_EQ(done.contacts[0].touching, !missing) << tick;
+                ASSERT_EQ(done.contacts[0].goal, dvec3(0, 0, -103)) << tick;
                 ASSERT_LE(std::abs(force - last), 3.0 / 100 + 1e-9) << tick;
                 last = force;
                 if (tick == 149 || tick == 499) {
@@ -250,6 +282,13 @@ TEST(GuardSettings, WhatNoGuardCanKeepIsRefusedAndAGuardOfItExertsNoForce) {
         refuse("damping", [=](GuardSettings& s) { s.damping = b; });
         refuse("damping", [=](GuardSettings& s) { s.passivity = b; });
     }
+    const Contact nowhere = [] {  // all of it at 0, but the force
+        Contact contact;
+        contact.touching = true;
+        contact.properties.stiffness = 1000;
+        contact.force = {0, 0, 5};
+        return contact;
+    }();
     for (const auto& [settings, word] : refused) {
         const auto checked = validate(settings);
         ASSERT_FALSE(checked.ok()) << word;
@@ -259,12 +298,15 @@ TEST(GuardSettings, WhatNoGuardCanKeepIsRefusedAndAGuardOfItExertsNoForce) {
             const GuardedForce out = guard.guard(good_contact(tick));
             ASSERT_EQ(out.force, dvec3(0.0)) << word;
             ASSERT_EQ(out.reasons, guard_fault) << word;
+            ASSERT_EQ(guard.guard(nowhere).force, dvec3(0.0)) << word;
+            ASSERT_EQ(guard.guard(nowhere).reasons, guard_fault) << word;
         }
     }
     for (const double scale : {nan, inf, 0.0, -0.001}) {
         FingerGuard guard(without_ramp(), scale);
         EXPECT_EQ(guard.guard(good_contact(20)).reasons, guard_fault) << scale;
         EXPECT_EQ(guard.guard(good_contact(20)).force, dvec3(0.0)) << scale;
+        EXPECT_EQ(guard.guard(nowhere).force, dvec3(0.0)) << scale;
     }
 }
 

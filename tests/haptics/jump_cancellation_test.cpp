@@ -38,6 +38,16 @@ Contact jumping(const dvec3& force) {
     return contact;
 }
 
+/// A goal `depth` mm deep, where the stiffness is `stiffness` N/m, `hole_share` of it a hole's.
+Contact near_hole(double depth, double stiffness, double hole_share, bool jumped) {
+    const dvec3 force{0, 0, 0.001 * stiffness * depth};
+    Contact contact = jumped ? jumping(force) : pressing(force);
+    contact.properties.stiffness = stiffness;
+    contact.carried_stiffness = stiffness;
+    contact.hole_share = hole_share;
+    return contact;
+}
+
 TEST(JumpCancellation, WhatNeverJumpsGoesThroughToTheBit) {
     JumpCancellation calm(device());
     Random random(3);
@@ -182,6 +192,109 @@ TEST(JumpCancellation, FromOneStiffnessBeyondTheDevicesToAnotherNothingJumps) {
         << "1 N as the device gives it, less a jump of 0.6";
 }
 
+// The share that the device gives of a jump is that of the stiffness under the jump, not of where the finger
+// has moved to since.
+TEST(JumpCancellation, AJumpCountsAsTheDeviceGivesItWhereItHappened) {
+    GuardSettings soft = device();
+    soft.max_stiffness = 500;
+    JumpCancellation calm(soft);
+    calm.calm(pressing({0, 0, 2}));  // of 1000 N/m: the hand feels 1 N
+    Contact moved = jumping({0, 0, 1});
+    moved.jumped_force = {0, 0, 4};  // of 2000 N/m: 1 N as well
+    moved.carried_stiffness = 2000;
+    moved.properties.stiffness = 500;
+    EXPECT_EQ(calm.calm(moved).force, dvec3(0, 0, 1)) << "nothing jumped";
+}
+
+TEST(JumpCancellation, MoreThanTheDevicesForceBuriesAndNoMoreDoesNot) {
+    for (const double newtons : {7.999, 8.001}) {
+        JumpCancellation calm(device());  // of 8 N
+        calm.calm(pressing({0, 0, 4}));
+        calm.calm(jumping({0, 0, newtons}));
+        for (int tick = 0; tick < 100; ++tick) calm.calm(pressing({0, 0, newtons}));
+        EXPECT_EQ(calm.calm(pressing({0, 0, newtons})).force.z, newtons < 8 ? newtons : 0.0);
+    }
+}
+
+// As where every frame is another picture.
+TEST(JumpCancellation, CutsThatBuryAgainAndAgainHoldNoForceUp) {
+    JumpCancellation calm(device());
+    double last = calm.calm(pressing({0, 0, 4})).force.z;
+    for (int tick = 0; tick <= 100; ++tick) {
+        const double force = calm.calm(jumping({0, 0, 60.0 + tick % 7})).force.z;
+        EXPECT_LE(force, last + 1e-12);
+        last = force;
+    }
+    EXPECT_EQ(last, 0);
+}
+
+TEST(JumpCancellation, ACutBackWhileTheForceStillFadesGoesOnFromThere) {
+    JumpCancellation calm(device());
+    calm.calm(pressing({0, 0, 4}));
+    calm.calm(jumping({0, 0, 60}));
+    for (int tick = 1; tick < 50; ++tick) calm.calm(pressing({0, 0, 60}));
+    EXPECT_NEAR(calm.calm(pressing({0, 0, 60})).force.z, 2, 1e-12);
+    EXPECT_NEAR(calm.calm(jumping({0, 0, 3})).force.z, 2, 1e-12);
+    for (int tick = 1; tick < 50; ++tick) calm.calm(pressing({0, 0, 3}));
+    EXPECT_NEAR(calm.calm(pressing({0, 0, 3})).force.z, 2.5, 1e-12);
+}
+
+/// A finger that is inside a new surface.
+JumpCancellation waiting() {
+    GuardSettings settings = device();
+    settings.waits_to_be_free = true;
+    return JumpCancellation(settings);
+}
+
+TEST(JumpCancellation, AFingerThatWaitsGetsNothingOfAJumpEither) {
+    JumpCancellation calm = waiting();
+    const CalmedForce first = calm.calm(pressing({0, 0, 3}));
+    EXPECT_EQ(first.force, dvec3(0.0));
+    EXPECT_EQ(first.presence, 0) << "nor of what is added to the spring";
+    Contact turned = jumping({0, 0, 3});
+    turned.jumped_force = {0, 1, -3};  // at the goal before, the new surface would push the other way
+    EXPECT_EQ(calm.calm(turned).force, dvec3(0.0));
+    for (int tick = 0; tick < 50; ++tick) EXPECT_EQ(calm.calm(pressing({0, 0, 3})).force, dvec3(0.0));
+}
+
+// No contact is known of, but that it is free is not known either.
+TEST(JumpCancellation, AFingerWhoseGoalIsMissingGoesOnWaiting) {
+    JumpCancellation calm = waiting();
+    Contact missing;
+    missing.goal_held = true;
+    for (int tick = 0; tick < 3; ++tick) EXPECT_FALSE(calm.calm(missing).waiting);
+    EXPECT_TRUE(calm.calm(pressing({0, 0, 3})).waiting);
+    EXPECT_FALSE(calm.calm(missing).waiting) << "there is nothing to wait for";
+    const CalmedForce again = calm.calm(pressing({0, 0, 3}));
+    EXPECT_TRUE(again.waiting);
+    EXPECT_EQ(again.force, dvec3(0.0));
+    calm.calm(Contact{});
+    EXPECT_EQ(calm.calm(pressing({0, 0, 3})).force, dvec3(0, 0, 3));
+}
+
+TEST(JumpCancellation, OnceResetItIsAsItWasMade) {
+    for (const bool waits : {false, true}) {
+        GuardSettings settings = device();
+        settings.waits_to_be_free = waits;
+        Random random(41);
+        for (int run = 0; run < 50; ++run) {
+            JumpCancellation used(settings), made(settings);
+            for (int tick = 0; tick < 60; ++tick)
+                used.calm(near_hole(1 + random.below(20), 100 + random.below(900), random.below(2),
+                                    random.below(4) == 0));
+            used.reset();
+            for (int tick = 0; tick < 30; ++tick) {
+                const Contact contact = near_hole(1 + random.below(6), 100 + random.below(900),
+                                                  random.below(2), tick > 0 && random.below(4) == 0);
+                const CalmedForce a = used.calm(contact), b = made.calm(contact);
+                ASSERT_EQ(a.force, b.force) << run << ' ' << tick;
+                ASSERT_EQ(a.presence, b.presence);
+                ASSERT_EQ(a.waiting, b.waiting);
+            }
+        }
+    }
+}
+
 TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
     JumpCancellation calm(device());
     double last = calm.calm(pressing({0, 0, 4})).force.z;
@@ -202,22 +315,14 @@ TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
     EXPECT_EQ(out.force, dvec3(0, 0, 3));
 }
 
-/// A goal `depth` mm deep, where the stiffness is `stiffness` N/m, `hole_share` of it a hole's.
-Contact near_hole(double depth, double stiffness, double hole_share, bool jumped) {
-    const dvec3 force{0, 0, 0.001 * stiffness * depth};
-    Contact contact = jumped ? jumping(force) : pressing(force);
-    contact.properties.stiffness = stiffness;
-    contact.carried_stiffness = stiffness;
-    contact.hole_share = hole_share;
-    return contact;
-}
-
 // docs/solver.md: a jump that fades when k changes near a hole fades in proportion to k. So how deep a hand
 // feels itself does not depend on what holes do to the stiffness.
 TEST(JumpCancellation, AtAHoleAJumpIsHowFarTheSurfaceJumpedWhateverTheStiffness) {
-    for (const double max_force : {8.0, 1e6}) {  // with jumps that bury, and without
+    for (const auto& [max_force, max_stiffness] :
+         {std::pair{8.0, 1e4}, {1e6, 1e4}, {1e6, 300.0}}) {  // with jumps that bury, without; a soft device
         GuardSettings settings = device();
         settings.max_force = max_force;
+        settings.max_stiffness = max_stiffness;
         JumpCancellation even(settings), uneven(settings);
         Random random(23);
         double depth = 4;

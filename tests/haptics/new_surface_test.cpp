@@ -22,8 +22,8 @@ protected:
         solver.emplace(TouchSolver::create(wall.scene, settings).value());
         step.emplace(*solver, guard, 1);
     }
-    double press(double depth) { return give(-100 - depth); }
-    double without_goal() { return give(NAN); }
+    double press(double depth, double x = 0) { return give({x, 0, -100 - depth}); }
+    double without_goal() { return give({0, 0, NAN}); }
     /// The largest change of force from tick to tick while a finger rests there, and the force in the end.
     std::pair<double, double> rest(double depth, int ticks, double last) {
         double most = 0;
@@ -39,15 +39,19 @@ protected:
     TouchSettings settings;
     GuardSettings guard;
     std::uint32_t reasons = 0;
+    Contact contact;
+    bool behind = false;
     std::optional<TouchSolver> solver;
     std::optional<TouchStep> step;
 
 private:
-    double give(double z) {
-        step->goals()[0] = {0, 0, z};
+    double give(const glm::dvec3& goal) {
+        step->goals()[0] = goal;
         const TouchTick done = step->run(tick_, tick_ * 1'000'000, wall.scene, wall.pair());
         ++tick_;
         reasons = done.forces[0].reasons;
+        contact = done.contacts[0];
+        behind = done.behind;
         return done.forces[0].force.z;
     }
     std::int64_t tick_ = 0;
@@ -125,11 +129,43 @@ TEST_F(NewSurface, WhoComesBackAfterAnOutageWaitsAndAfterABadSampleDoesNot) {
     press(4);
     without_goal();
     EXPECT_NEAR(press(4), 4, 1e-9);
+    EXPECT_NEAR(rest(4, 150, 4).second, 4, 1e-9) << "for good";
     for (int k = 0; k < 20; ++k) without_goal();
     for (int k = 0; k < 50; ++k) ASSERT_EQ(press(4), 0);
     EXPECT_NE(reasons & guard_waiting, 0U);
     press(-0.1);
     EXPECT_NEAR(press(4), 4, 1e-9);
+}
+
+// Where it was is not forgotten; but nobody is there whom a surface could come by.
+TEST_F(NewSurface, AHandThatHasLetGoIsWhereItWasLastAndNotBehindASurfaceThatPasses) {
+    guard.ramp_out_ticks = 20;
+    begin();
+    press(-1);
+    for (int k = 0; k < 30; ++k) without_goal();
+    wall.fill(wall.prev, 90.0);
+    without_goal();
+    EXPECT_EQ(contact.goal, glm::dvec3(0, 0, -99));
+    EXPECT_FALSE(contact.touching);
+    EXPECT_FALSE(behind);
+}
+
+// Friction holds the proxy at 0 while the goal goes to 3 mm beside it.
+TEST_F(NewSurface, BeginsWhereTheGoalIsAndAnOutageWhereNobodyWaitsIsNoBeginning) {
+    wall.scene.default_properties = {1000, 5, 5};
+    guard.waits_to_be_free = false;
+    guard.ramp_out_ticks = 20;
+    begin();
+    press(-1);
+    press(2);
+    press(2, 3);
+    ASSERT_NEAR(contact.proxy.x, 0, 1e-9);
+    for (int k = 0; k < 30; ++k) without_goal();
+    press(2, 3);
+    EXPECT_NEAR(contact.proxy.x, 0, 1e-9) << "it is where it was left";
+    step->meet_new_surface();
+    press(2, 3);
+    EXPECT_NEAR(contact.proxy.x, 3, 0.1) << "on the goal's ray";
 }
 
 TEST_F(NewSurface, WhoComesBackAfterAnOutageInTheAirIsFree) {

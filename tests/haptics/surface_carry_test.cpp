@@ -198,8 +198,8 @@ TEST(SurfaceCarry, ASlopeOfSixtyDegreesDividesTheRayFromTheNearestPlace) {
     for (const double rise : {8.0, 15.0}) {
         const auto moved = [&](double degrees) {
             const Proxy ray = stuck_on_a_rising_slope(degrees, rise, never);
-            return glm::distance(
-                stuck_on_a_rising_slope(degrees, rise, TouchSettings{}.sudden_speed).point, ray.point);
+            return glm::distance(stuck_on_a_rising_slope(degrees, rise, TouchSettings{}.sudden_speed).point,
+                                 ray.point);
         };
         EXPECT_EQ(moved(58), 0) << rise << " mm";
         // From the foot of the perpendicular to the ray's place.
