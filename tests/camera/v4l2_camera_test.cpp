@@ -135,6 +135,31 @@ TEST_F(Camera, TimesNeverGoBack) {
               (std::vector<std::int64_t>{1'000'000, 3'000'000, 3'000'001, 3'000'002, 3'000'003, 4'000'000}));
 }
 
+// It comes after the run's beginning, but shows what was before.
+TEST_F(Camera, AFrameThatWasTakenBeforeTheRunIsNoneOfIt) {
+    std::int64_t zero_ns = 0;
+    add().stamp = [&](std::uint32_t n) {
+        constexpr std::int64_t us[] = {-2000, -1, 1000, 2000};
+        return zero_ns == 0 ? std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count()
+                            : zero_ns + 1000 * us[n - 10];
+    };
+    const auto camera = opened();
+    for (int n = 0; n < 2; ++n) next(*camera);
+    const auto zero = steady_clock::now() - std::chrono::seconds(1);
+    zero_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count() / 1000 * 1000;
+    ASSERT_EQ(said(camera->begin(zero)), "");
+    const RawFrame frame = next(*camera);
+    EXPECT_EQ(frame.number, 2);
+    EXPECT_EQ(picture_in(frame), 12u);
+    EXPECT_EQ(next(*camera).number, 3);
+}
+
+TEST_F(Camera, FramesBeforeARunAreNumberedOneAfterTheOther) {
+    add().fate = [](std::uint32_t n) { return n == 9 ? Fate::lost : Fate::good; };
+    const auto camera = opened();
+    for (int n = 0; n < 3; ++n) EXPECT_EQ(next(*camera).number, n);
+}
+
 TEST_F(Camera, WithoutATimeOfItsOwnIsTimedByArrival) {
     add().timestamps = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
     const auto camera = running();
