@@ -1,7 +1,6 @@
 #include "player/session/touch_figures.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -18,23 +17,6 @@ bool is_finite(const glm::dvec3& v) {
 }
 
 }  // namespace
-
-nlohmann::ordered_json to_json(const Spread& s) {
-    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
-}
-
-Spread spread_of(std::vector<double> values) {
-    if (values.empty()) return {};
-    std::sort(values.begin(), values.end());
-    auto quantile = [&values](double share) {
-        const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-        return values[std::min(rank, values.size() - 1)];
-    };
-    double sum = 0;
-    for (const double value : values) sum += value;
-    return {sum / static_cast<double>(values.size()), quantile(0.5), quantile(0.99), quantile(0.999),
-            values.back()};
-}
 
 Result<void> TouchFigures::take(const TouchTick& tick) {
     bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
@@ -79,22 +61,18 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     guarded_ticks_ += guarded;
     stiffness_limited_ticks_ += softened;
     waiting_ticks_ += waiting;
-    tick_us_.push_back(tick.solve_us);
-    late_us_.push_back(tick.late_us);
+    tick_us_.add(tick.solve_us);
+    late_us_.add(tick.late_us);
+    const auto bin = std::upper_bound(late_below_us.begin(), late_below_us.end(), tick.late_us);
+    ++late_ticks_[static_cast<std::size_t>(bin - late_below_us.begin())];
     return {};
 }
 
 nlohmann::ordered_json TouchFigures::late_histogram() const {
-    constexpr std::array below_us{10, 20, 50, 100, 200, 500, 1000};
-    std::array<std::int64_t, below_us.size() + 1> ticks{};
-    for (const double late : late_us_) {
-        const auto bin = std::upper_bound(below_us.begin(), below_us.end(), late);
-        ++ticks[static_cast<std::size_t>(bin - below_us.begin())];
-    }
     auto histogram = nlohmann::ordered_json::array();
-    for (std::size_t k = 0; k < below_us.size(); ++k)
-        histogram.push_back({{"below_us", below_us[k]}, {"ticks", ticks[k]}});
-    histogram.push_back({{"ticks", ticks.back()}});
+    for (std::size_t k = 0; k < late_below_us.size(); ++k)
+        histogram.push_back({{"below_us", late_below_us[k]}, {"ticks", late_ticks_[k]}});
+    histogram.push_back({{"ticks", late_ticks_.back()}});
     return histogram;
 }
 
@@ -151,7 +129,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
               {"largest_n_mm", largest_stiffness_ / 1000}}},
             {"energy_mj", energy_mj()},
             {"hole_contact", hole_contact()},
-            {"tick_us", touchable::to_json(spread_of(tick_us_))}};
+            {"tick_us", touchable::to_json(tick_us_.spread())}};
 }
 
 }  // namespace touchable

@@ -1,23 +1,19 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "haptics_cpu/force_hash.hpp"
+#include "player/session/time_spread.hpp"
 #include "player/session/touch_session.hpp"
 
 namespace touchable {
 
-/// Spread of a measured quantity.
-struct Spread {
-    double mean = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
-};
-Spread spread_of(std::vector<double> values);
-nlohmann::ordered_json to_json(const Spread& spread);
-
-/// Counts and sums of a run. Times are wall time on this machine; everything else repeats to the bit.
+/// Counts and sums of a run, in memory that does not grow with it. Times are wall time on this machine;
+/// everything else repeats to the bit.
 class TouchFigures final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override;
@@ -25,9 +21,9 @@ public:
     void end_part();
 
     std::int64_t ticks() const { return ticks_; }
-    Spread tick_us() const { return spread_of(tick_us_); }
+    Spread tick_us() const { return tick_us_.spread(); }
     /// How late ticks began; all 0 in virtual time.
-    Spread late_us() const { return spread_of(late_us_); }
+    Spread late_us() const { return late_us_.spread(); }
     /// Ticks by how late they began: {"below_us", "ticks"}, each counting what the ones before do not; the
     /// last has no "below_us".
     nlohmann::ordered_json late_histogram() const;
@@ -58,7 +54,9 @@ private:
     std::vector<std::int64_t> in_hole_;                  // as limited_
     std::vector<EnergyFigures> energy_;                  // of each finger, up to the newest tick
     EnergyFigures energy_before_;                        // of all fingers, in the parts before
-    std::vector<double> tick_us_, late_us_;
+    TimeSpread tick_us_, late_us_;
+    static constexpr std::array late_below_us{10, 20, 50, 100, 200, 500, 1000};
+    std::array<std::int64_t, late_below_us.size() + 1> late_ticks_{};  // the last: of all that were later
     ForceHash hash_;
 };
 
