@@ -158,7 +158,8 @@ TEST_F(ReplayCamera, ThatIsStalledEndsWhenItIsTold) {
         ASSERT_FALSE(frame.ok());
         EXPECT_EQ(frame.error().kind, ErrorKind::interrupted);
         EXPECT_EQ(frame.error().message, "the camera was told to stop before it gave frame 1");
-        EXPECT_LT(ended - told, std::chrono::seconds(1)) << "0.04 ms where nothing else runs";
+        EXPECT_LT(ended - told, std::chrono::seconds(60))
+            << "0.04 ms where nothing else runs; the frame comes in 1000 s";
         EXPECT_EQ(camera->next().error().kind, ErrorKind::interrupted);
     }
 }

@@ -205,6 +205,23 @@ Outcome run_in_folder(const std::vector<std::string>& arguments, const fs::path&
     return run(arguments, hooks);
 }
 
+Outcome run_in_folder_until(const std::vector<std::string>& arguments, const fs::path& folder,
+                            const std::function<bool()>& is_enough) {
+    Hooks hooks;
+    hooks.prepare = [&] {
+        if (chdir(folder.c_str()) != 0) _exit(126);
+    };
+    hooks.meanwhile = [&](pid_t child) {
+        siginfo_t ended{};
+        while (!is_enough() &&
+               waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+               ended.si_pid == 0)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        kill(child, SIGINT);
+    };
+    return run(arguments, hooks);
+}
+
 Outcome run_unheard(const std::vector<std::string>& arguments) {
     Hooks hooks;
     hooks.prepare = [] {

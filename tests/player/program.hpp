@@ -25,6 +25,10 @@ Outcome run_touchable(const std::vector<std::string>& arguments);
 /// Starts it in `folder`, for names that are relative.
 Outcome run_in_folder(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
+/// Starts it there and sends SIGINT once that is enough.
+Outcome run_in_folder_until(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                            const std::function<bool()>& is_enough);
+
 /// Starts it where nobody hears what it says on standard output: the reader has gone away.
 Outcome run_unheard(const std::vector<std::string>& arguments);
 

@@ -25,7 +25,7 @@ namespace {
 
 template <class Condition>
 bool soon(const Condition& condition) {
-    for (int k = 0; k < 5000; ++k) {
+    for (int k = 0; k < 20'000; ++k) {
         if (condition()) return true;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -393,7 +393,7 @@ TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
         if (tick == 500) fake_->has_failed = fake_->is_unplugged = true;
         return glm::dvec3(0, 0, 0.12);
     };
-    seconds_ = 1.6;
+    seconds_ = 2.6;
     const auto played = play("0.1 key f\n", 500);
     ASSERT_FALSE(played.ok());
     EXPECT_EQ(played.error().kind, ErrorKind::device);
@@ -402,7 +402,7 @@ TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
     EXPECT_EQ(again.code, 0) << again.err;
     const auto recording = read_recording(record_);
     ASSERT_TRUE(recording.ok());
-    EXPECT_GT(recording->front().ticks.size(), 700U) << "it ended with the device";
+    EXPECT_GT(recording->front().ticks.size(), 520U) << "it ended with the device, after 501";
 }
 
 TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
