@@ -12,6 +12,7 @@
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 
 namespace touchable::test {
 namespace {
@@ -271,10 +272,8 @@ TEST(Bag, PicturesComeInTheOrderOfTheirStampsWithTheNearestColour) {
     }
 }
 
-/// The castle, which was recorded by an SR300.
-TEST(Bag, OfRealPicturesIsTheSamePictures) {
-    const auto castle = real_data("castel_sr300");
-    TOUCHABLE_NEEDS_DATA(castle);
+/// Depth and grey of 640x480, as an SR300 has them.
+void expect_the_same_pictures_from_a_bag(const std::filesystem::path& castle) {
     constexpr int count = 4;
     const TemporaryFolder folder;
     const std::string sensor = "/device_0/sensor_0/", depth = sensor + "Depth_0/";
@@ -312,6 +311,22 @@ TEST(Bag, OfRealPicturesIsTheSamePictures) {
     const auto last = reader->next();
     ASSERT_EQ(message(last), "");
     EXPECT_TRUE(same_frame(**last, frames[3]));
+}
+
+/// The castle, which was recorded by an SR300.
+TEST(Bag, OfRealPicturesIsTheSamePictures) {
+    const auto castle = real_data("castel_sr300");
+    TOUCHABLE_NEEDS_DATA(castle);
+    expect_the_same_pictures_from_a_bag(castle);
+}
+
+TEST(Bag, OfWhatACameraStoresIsTheSamePictures) {
+    const TemporaryFolder folder;
+    StandIn what = stand_in("castel_sr300");
+    what.width = 640;
+    what.height = 480;
+    write_stand_in(folder.path(), what);
+    expect_the_same_pictures_from_a_bag(folder.path());
 }
 
 std::string refusal_of(const std::filesystem::path& file, const std::string& bytes) {

@@ -10,6 +10,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 
 namespace touchable::test {
 namespace {
@@ -132,9 +133,7 @@ std::string castle_scene() {
         "folder": {"depth": "depth_%04d.png", "colour": "image_%04d.png", "count": 2}})";
 }
 
-TEST(PinholeFrames, ColourOfTheCastleIsWhereAPlainTwinHasIt) {
-    const auto castle = real_data("castel_sr300");
-    TOUCHABLE_NEEDS_DATA(castle);
+void expect_colour_where_a_plain_twin_has_it(const std::filesystem::path& castle) {
     const TemporaryFolder folder;
     write_bytes(folder / "castle.json", castle_scene());
     auto reader = open_clip(castle, folder / "castle.json");
@@ -174,6 +173,27 @@ TEST(PinholeFrames, ColourOfTheCastleIsWhereAPlainTwinHasIt) {
             ASSERT_EQ(frames->at(1).colour.sample(x, y, 0), expected) << x << ", " << y;
         }
     EXPECT_GT(compared, 2000);
+}
+
+TEST(PinholeFrames, ColourOfTheCastleIsWhereAPlainTwinHasIt) {
+    const auto castle = real_data("castel_sr300");
+    TOUCHABLE_NEEDS_DATA(castle);
+    expect_colour_where_a_plain_twin_has_it(castle);
+}
+
+/// The depth of the castle's stand-in, as large as the castle's.
+StandIn large_castle(int frames) {
+    StandIn what = stand_in("castel_sr300");
+    what.frames = frames;
+    what.width = 640;
+    what.height = 480;
+    return what;
+}
+
+TEST(PinholeFrames, ColourOfItsStandInIsWhereAPlainTwinHasIt) {
+    const TemporaryFolder folder;
+    write_stand_in(folder.path(), large_castle(2));
+    expect_colour_where_a_plain_twin_has_it(folder.path());
 }
 
 TEST(PinholeFrames, ASceneWithAColourCameraIsReadAsItIsWritten) {

@@ -51,9 +51,7 @@ SourceDescription preset(const char* name) {
     return known;
 }
 
-TEST(RealPictures, NyuIsDisparitiesOfSwappedBytes) {
-    const auto file = real_data("other_formats/NYU_depth.pgm");
-    TOUCHABLE_NEEDS_DATA(file);
+void expect_disparities_of_swapped_bytes(const std::filesystem::path& file) {
     const std::string bytes = read_bytes(file);
     const std::size_t begin = bytes.size() - 2 * 640 * 480;
     const auto depth = [&](int x, int y) {
@@ -65,9 +63,27 @@ TEST(RealPictures, NyuIsDisparitiesOfSwappedBytes) {
     expect_points(file, preset("nyu"), {582.62, 582.69, 313.04, 238.44, depth});
 }
 
-TEST(RealPictures, MidasIsInverseDepthWithoutAScale) {
-    const auto file = real_data("stills/midas_moon/moon.npy");
+TEST(RealPictures, NyuIsDisparitiesOfSwappedBytes) {
+    const auto file = real_data("other_formats/NYU_depth.pgm");
     TOUCHABLE_NEEDS_DATA(file);
+    expect_disparities_of_swapped_bytes(file);
+}
+
+TEST(PictureStandIns, OfNyuAreDisparitiesOfSwappedBytes) {
+    const TemporaryFolder folder;
+    std::string bytes = "P5 640 480 65535\n";
+    for (int y = 0; y < 480; ++y)
+        for (int x = 0; x < 640; ++x) {
+            // A slope, what saw nothing, and what is too far to be told.
+            const int d = x % 40 == 0 ? 2047 : x % 40 == 1 ? 0 : x % 40 == 2 ? 1093 + y : 500 + x / 2 + y / 2;
+            bytes += static_cast<char>(d & 0xff);
+            bytes += static_cast<char>(d >> 8);
+        }
+    write_bytes(folder / "depth.pgm", bytes);
+    expect_disparities_of_swapped_bytes(folder / "depth.pgm");
+}
+
+void expect_inverse_depth_without_a_scale(const std::filesystem::path& file) {
     const std::string bytes = read_bytes(file);
     std::vector<float> values(640 * 640);
     std::memcpy(values.data(), bytes.data() + bytes.size() - 4 * values.size(), 4 * values.size());
@@ -81,6 +97,27 @@ TEST(RealPictures, MidasIsInverseDepthWithoutAScale) {
     // Half of one of 65534 steps of 1/depth, 1.33 in all, at 1.5 m.
     expect_points(file, preset("relative-inverse"),
                   {f, f, 319.5, 319.5, depth, 0.5 * 1.5 * 1.334 / 65534 * 1.01});
+}
+
+TEST(RealPictures, MidasIsInverseDepthWithoutAScale) {
+    const auto file = real_data("stills/midas_moon/moon.npy");
+    TOUCHABLE_NEEDS_DATA(file);
+    expect_inverse_depth_without_a_scale(file);
+}
+
+TEST(PictureStandIns, OfMidasAreInverseDepthWithoutAScale) {
+    const TemporaryFolder folder;
+    std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (640, 640), }";
+    text.resize(117, ' ');
+    std::string bytes = std::string("\x93NUMPY\1\0v\0", 10) + text + '\n';
+    for (int y = 0; y < 640; ++y)
+        for (int x = 0; x < 640; ++x) {
+            const float value =
+                3.7F + 11 * std::sin(0.01F * static_cast<float>(x)) + 0.02F * static_cast<float>(y);
+            bytes.append(reinterpret_cast<const char*>(&value), 4);
+        }
+    write_bytes(folder / "moon.npy", bytes);
+    expect_inverse_depth_without_a_scale(folder / "moon.npy");
 }
 
 TEST(RealPictures, RedwoodIsAFolderWithItsCamera) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -195,6 +196,52 @@ TEST(Depthkit, FramesThatAreNotEvenlySpacedAreRefused) {
     auto clip = open_clip(folder / "Clip.mov");
     ASSERT_EQ(message(clip), "");
     EXPECT_NE(message(read_all(**clip)).find("frame 3: is not at its time"), std::string::npos);
+}
+
+/// Its codec, its two halves, and a person who was cut out of the background: the head, blue in hue, half the
+/// way to the far plane, above the hands, orange, a tenth of it.
+TEST(Depthkit, OfHapIsWhatWasCutOutOfBothHalves) {
+    constexpr int wide = 64, high = 48;
+    const TemporaryFolder folder;
+    Image picture{wide, 2 * high, 1, 3, std::vector<std::uint8_t>(3 * wide * 2 * high, 0)};
+    const auto is_head = [](int x, int y) { return x >= 24 && x < 40 && y >= 8 && y < 24; };
+    const auto is_hands = [](int x, int y) { return x >= 12 && x < 52 && y >= 28 && y < 44; };
+    for (int y = 0; y < high; ++y)
+        for (int x = 0; x < wide; ++x) {
+            if (!is_head(x, y) && !is_hands(x, y)) continue;
+            const std::array<std::uint8_t, 3> depth = is_head(x, y)
+                                                          ? std::array<std::uint8_t, 3>{0, 255, 255}
+                                                          : std::array<std::uint8_t, 3>{255, 153, 0};
+            for (std::size_t c = 0; c < 3; ++c) {
+                picture.samples[static_cast<std::size_t>(3 * (wide * y + x)) + c] = 200;
+                picture.samples[static_cast<std::size_t>(3 * (wide * (high + y) + x)) + c] = depth[c];
+            }
+        }
+    std::string text = with("textureWidth: 8", "textureWidth: 64");
+    for (const auto& [from, to] : {std::pair{"textureHeight: 12", "textureHeight: 96"},
+                                   {"{x: 8, y: 6}", "{x: 64, y: 48}"},
+                                   {"{x: 3.75, y: 2.5}", "{x: 31.5, y: 23.5}"}})
+        text.replace(text.find(from), std::string(from).size(), to);
+    write_quicktime(folder / "Clip.mov", {picture, picture, picture}, {24, 1}, {}, QuicktimeCodec::hap);
+    write_bytes(folder / "Clip.Metadata.asset", text);
+    auto clip = open_clip(folder / "Clip.mov");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->tracks()[0].codec, "hap");
+    const Scene& scene = (*clip)->scene();
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    for (const RawFrame& frame : *frames)
+        for (int y = 0; y < high; ++y)
+            for (int x = 0; x < wide; ++x) {
+                const std::uint16_t code = stored_code(frame.depth, scene.depth, x, y);
+                const bool is_there = is_head(x, y) || is_hands(x, y);
+                ASSERT_EQ(scene.depth.is_valid(code), is_there) << x << ", " << y;
+                ASSERT_EQ(frame.colour.sample(x, y, 1) > 100, is_there) << x << ", " << y;
+                if (!is_there) continue;
+                // Colours of 5, 6 and 5 bits.
+                ASSERT_NEAR(scene.depth.depth(code), is_head(x, y) ? 1.0 : 0.6, 0.015) << x << ", " << y;
+            }
 }
 
 class RealDepthkit : public ::testing::Test {

@@ -5,6 +5,7 @@
 #include "engine/media/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
+#include "tests/media/quicktime.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {
@@ -44,6 +45,19 @@ TEST(Inputs, EveryPictureOfAFolderHoweverItIsOpened) {
     EXPECT_EQ(inputs_of(open_clip(folder.path())), all);
     EXPECT_EQ(inputs_of(open_clip(folder / "scene.json")), all);
     EXPECT_EQ(inputs_of(open_clip(folder.path(), folder / "scene.json")), all);
+}
+
+TEST(Inputs, WhatLiesBesideAVideoOfDepthkit) {
+    const TemporaryFolder folder;
+    Image picture{8, 12, 1, 3, std::vector<std::uint8_t>(8 * 12 * 3, 90)};
+    write_quicktime(folder / "Take 1.mov", {picture, picture}, {24, 1});
+    write_bytes(folder / "Take 1.Metadata.asset",
+                "format: perpixel\ntextureWidth: 8\ntextureHeight: 12\nperspectives:\n- depthImageSize: {x: "
+                "8, y: 6}\n"
+                "  depthPrincipalPoint: {x: 4, y: 3}\n  depthFocalLength: {x: 7, y: 7}\n  farClip: 1.5\n"
+                "  nearClip: 0.5\n  crop: {x: 0, y: 0, z: 1, w: 1}\n");
+    EXPECT_EQ(inputs_of(open_clip(folder / "Take 1.mov")),
+              (Paths{folder / "Take 1.mov", folder / "Take 1.Metadata.asset"}));
 }
 
 TEST(Inputs, WhatLiesBesideADepthkitVideo) {

@@ -99,9 +99,7 @@ TEST(Netpbm, PngOfSixteenBitGreyStoredAsColour) {
         for (int x = 0; x < 7; ++x) EXPECT_EQ(stored->image.view().sample(x, y), (x + y) * 256 + x + y + 1);
 }
 
-TEST(Netpbm, ARealKinectPictureIsWhatAPlainParseGives) {
-    const auto file = real_data("other_formats/NYU_depth.pgm");
-    TOUCHABLE_NEEDS_DATA(file);
+void expect_as_plainly_parsed(const std::filesystem::path& file) {
     const auto stored = read_stored_image(file);
     ASSERT_EQ(message(stored), "");
     const std::string bytes = read_bytes(file), header = "P5 640 480 65535\n";
@@ -114,6 +112,21 @@ TEST(Netpbm, ARealKinectPictureIsWhatAPlainParseGives) {
             ASSERT_EQ(stored->image.view().sample(x, y),
                       static_cast<unsigned char>(bytes[at]) << 8 | static_cast<unsigned char>(bytes[at + 1]));
         }
+}
+
+TEST(Netpbm, APictureWithAHeaderOfOneLineIsWhatAPlainParseGives) {
+    const TemporaryFolder folder;
+    std::string bytes = "P5 640 480 65535\n";
+    Numbers numbers(3);
+    for (int k = 0; k < 2 * 640 * 480; ++k) bytes += static_cast<char>(numbers.below(256));
+    write_bytes(folder / "kinect.pgm", bytes);
+    expect_as_plainly_parsed(folder / "kinect.pgm");
+}
+
+TEST(Netpbm, ARealKinectPictureIsWhatAPlainParseGives) {
+    const auto file = real_data("other_formats/NYU_depth.pgm");
+    TOUCHABLE_NEEDS_DATA(file);
+    expect_as_plainly_parsed(file);
 }
 
 /// By the format's definition: the lowest row first. (FFmpeg 5.1 writes the highest first.)

@@ -11,9 +11,15 @@
 
 namespace touchable::test {
 
-/// Writes 8-bit RGB pictures without loss as a QuickTime file. `time_of` gives each frame's time in units of
-/// 1/rate.num seconds; its number times rate.den where evenly spaced.
+enum class QuicktimeCodec {
+    png,  ///< without loss
+    hap   ///< four by four pixels of two colours and what is between them, as Depthkit writes
+};
+
+/// Writes 8-bit RGB pictures as a QuickTime file. `time_of` gives each frame's time in units of 1/rate.num
+/// seconds; its number times rate.den where evenly spaced.
 void write_quicktime(const std::filesystem::path& file, const std::vector<Image>& pictures,
-                     const FrameRate& rate, const std::function<std::int64_t(int)>& time_of = {});
+                     const FrameRate& rate, const std::function<std::int64_t(int)>& time_of = {},
+                     QuicktimeCodec codec = QuicktimeCodec::png);
 
 }  // namespace touchable::test

@@ -3,14 +3,15 @@
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 
 namespace touchable::test {
 namespace {
 
-/// A real recording beside the checkout, its scene in the repository.
+/// A real recording beside the checkout, its scene in the repository, or its stand-in.
 struct Recording {
     const char* scene;
-    const char* folder;
+    const char* folder;  ///< null: the stand-in
     int frames;
     double nearest_mm, median_mm[2];  ///< no valid depth is nearer; the median lies between
     double valid_share;               ///< at least, of all pixels
@@ -23,15 +24,31 @@ constexpr Recording recordings[] = {
     {"redwood5", "stills/redwood5", 5, 900, {1700, 2000}, 0.85},
     {"icl_nuim5", "stills/icl_nuim5", 5, 700, {1400, 3100}, 0.999},
 };
+// Of the wall, which is most of the picture, and what stands at three quarters of the way to it.
+constexpr Recording generated[] = {
+    {"castel_sr300", nullptr, 4, 200, {240, 350}, 0.97},
+    {"visp_cube_realsense", nullptr, 4, 350, {420, 600}, 0.96},
+    {"redwood5", nullptr, 4, 1400, {1600, 2300}, 0.97},
+    {"icl_nuim5", nullptr, 4, 2000, {2200, 3200}, 0.999},
+};
 
 class RecordedFolder : public ::testing::TestWithParam<Recording> {
 protected:
-    std::filesystem::path folder() const { return real_data(GetParam().folder); }
+    std::filesystem::path folder() const {
+        return GetParam().folder ? real_data(GetParam().folder) : written_.path();
+    }
     std::filesystem::path scene_file() const {
+        if (!GetParam().folder) return folder() / "scene.json";
         return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" /
                (std::string(GetParam().scene) + ".json");
     }
-    void SetUp() override { TOUCHABLE_NEEDS_DATA(folder()); }
+    void SetUp() override {
+        if (!GetParam().folder) write_stand_in(written_.path(), stand_in(GetParam().scene));
+        TOUCHABLE_NEEDS_DATA(folder());
+    }
+
+private:
+    const TemporaryFolder written_;
 };
 
 bool varies(const PlaneView& picture) {
@@ -56,9 +73,10 @@ TEST_P(RecordedFolder, GivesAllFramesAtPlausibleDepths) {
         ASSERT_EQ(frame.colour.channels, 3);
         EXPECT_TRUE(varies(frame.colour));
         std::vector<std::size_t> histogram(65536);
-        std::size_t valid = 0, pixels = 640U * 480U;
-        for (int y = 0; y < 480; ++y)
-            for (int x = 0; x < 640; ++x) {
+        std::size_t valid = 0,
+                    pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
+        for (int y = 0; y < scene.height; ++y)
+            for (int x = 0; x < scene.width; ++x) {
                 const std::uint16_t code = frame.depth.sample(x, y);
                 if (!scene.depth.is_valid(code)) continue;
                 ++histogram[code];
@@ -94,6 +112,8 @@ TEST_P(RecordedFolder, ComesBackExactlyFromAClip) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Real, RecordedFolder, ::testing::ValuesIn(recordings),
+                         [](const auto& parameter) { return std::string(parameter.param.scene); });
+INSTANTIATE_TEST_SUITE_P(Generated, RecordedFolder, ::testing::ValuesIn(generated),
                          [](const auto& parameter) { return std::string(parameter.param.scene); });
 
 }  // namespace
