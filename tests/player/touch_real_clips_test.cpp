@@ -6,6 +6,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 
 namespace touchable::test {
 namespace {
@@ -33,17 +34,9 @@ nlohmann::json expect_verified(const Words& clip_and_hand, const std::string& ex
     return report;
 }
 
-struct RealClip {
-    const char *name, *folder;  ///< of the scene file; below the test data
-};
-
-class TouchRealClip : public ::testing::TestWithParam<RealClip> {};
-
-TEST_P(TouchRealClip, EveryForceIsVerified) {
-    const std::string clip = real_data(GetParam().folder);
-    TOUCHABLE_NEEDS_DATA(clip);
+/// By a hand that wanders, with one finger and with five that may push hard.
+void expect_wandering_is_verified(const std::string& clip, const std::string& scene) {
     const TemporaryFolder folder;
-    const std::string scene = std::string(TOUCHABLE_SOURCE_DIR "/tests/scenes/") + GetParam().name + ".json";
     const std::string exported = folder / "frames";
     ASSERT_EQ(run_touchable({"export", clip, "--scene", scene, "--frames", "all", "--out", exported}).code,
               0);
@@ -54,6 +47,19 @@ TEST_P(TouchRealClip, EveryForceIsVerified) {
     }
 }
 
+struct RealClip {
+    const char *name, *folder;  ///< of the scene file; below the test data
+};
+
+class TouchRealClip : public ::testing::TestWithParam<RealClip> {};
+
+TEST_P(TouchRealClip, EveryForceIsVerified) {
+    const std::string clip = real_data(GetParam().folder);
+    TOUCHABLE_NEEDS_DATA(clip);
+    expect_wandering_is_verified(
+        clip, std::string(TOUCHABLE_SOURCE_DIR "/tests/scenes/") + GetParam().name + ".json");
+}
+
 INSTANTIATE_TEST_SUITE_P(, TouchRealClip,
                          ::testing::Values(RealClip{"castel_sr300", "castel_sr300"},
                                            RealClip{"visp_cube_realsense", "visp_cube_realsense"},
@@ -61,8 +67,36 @@ INSTANTIATE_TEST_SUITE_P(, TouchRealClip,
                                            RealClip{"icl_nuim5", "stills/icl_nuim5"}),
                          [](const auto& run) { return std::string(run.param.name); });
 
+class TouchStandIn : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(TouchStandIn, EveryForceIsVerified) {
+    const TemporaryFolder folder;
+    const std::string scene = write_stand_in(folder.path(), stand_in(GetParam()));
+    expect_wandering_is_verified(folder.path(), scene);
+}
+
+INSTANTIATE_TEST_SUITE_P(, TouchStandIn,
+                         ::testing::Values("castel_sr300", "visp_cube_realsense", "redwood5", "icl_nuim5"),
+                         [](const auto& run) { return std::string(run.param); });
+
+/// By a recorded hand over the globe, with one finger and with three.
+void expect_recorded_hand_is_verified(const std::string& csv, const std::string& keys) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", exported = folder / "frames";
+    make_clip("globe", clip, {"--size", "360x240", "--frames", "20"});
+    ASSERT_EQ(run_touchable({"export", clip, "--frames", "all", "--out", exported}).code, 0);
+    const std::string hand = "csv:" + csv + ":" + keys;
+    expect_verified({clip, "--hand", hand}, exported);
+    expect_verified({clip, "--hand", hand, "--fingers", "3", "--max-force", "1000", "--seconds", "2"},
+                    exported);
+}
+
+const std::string pressed_keys = "columns=master_rad,scale=0.075",
+                  wiped_keys = "columns=x_m+y_m+z_m,extent=0.048";
+
 struct RealHand {
-    const char *name, *file, *keys;  ///< the file below the test data
+    const char *name, *file;  ///< below the test data
+    const std::string& keys;
 };
 
 class TouchRealHand : public ::testing::TestWithParam<RealHand> {};
@@ -70,42 +104,54 @@ class TouchRealHand : public ::testing::TestWithParam<RealHand> {};
 TEST_P(TouchRealHand, EveryForceOnTheGlobeIsVerified) {
     const std::string file = real_data("haptics") / GetParam().file;
     TOUCHABLE_NEEDS_DATA(file);
-    const TemporaryFolder folder;
-    const std::string clip = folder / "globe.mkv", exported = folder / "frames";
-    make_clip("globe", clip, {"--size", "360x240", "--frames", "20"});
-    ASSERT_EQ(run_touchable({"export", clip, "--frames", "all", "--out", exported}).code, 0);
-    const std::string hand = "csv:" + file + ":" + GetParam().keys;
-    expect_verified({clip, "--hand", hand}, exported);
-    expect_verified({clip, "--hand", hand, "--fingers", "3", "--max-force", "1000", "--seconds", "2"},
-                    exported);
+    expect_recorded_hand_is_verified(file, GetParam().keys);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     , TouchRealHand,
-    ::testing::Values(
-        RealHand{"PressedRigid", "tue_1dof/m2_question1a_rigid.csv", "columns=master_rad,scale=0.075"},
-        RealHand{"PressedSpring", "tue_1dof/m2_question1e_spring.csv", "columns=master_rad,scale=0.075"},
-        RealHand{"Wiped0", "epfl_wiping/circular_wiping_dataset_0.csv", "columns=x_m+y_m+z_m,extent=0.048"},
-        RealHand{"Wiped3", "epfl_wiping/circular_wiping_dataset_3.csv", "columns=x_m+y_m+z_m,extent=0.048"}),
+    ::testing::Values(RealHand{"PressedRigid", "tue_1dof/m2_question1a_rigid.csv", pressed_keys},
+                      RealHand{"PressedSpring", "tue_1dof/m2_question1e_spring.csv", pressed_keys},
+                      RealHand{"Wiped0", "epfl_wiping/circular_wiping_dataset_0.csv", wiped_keys},
+                      RealHand{"Wiped3", "epfl_wiping/circular_wiping_dataset_3.csv", wiped_keys}),
     [](const auto& run) { return std::string(run.param.name); });
 
+TEST(TouchRecordedHand, EveryForceOnTheGlobeIsVerified) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "pressing.csv") << pressing_hand_csv();
+    std::ofstream(folder / "wiping.csv") << wiping_hand_csv();
+    expect_recorded_hand_is_verified(folder / "pressing.csv", pressed_keys);
+    expect_recorded_hand_is_verified(folder / "wiping.csv", wiped_keys);
+}
+
 /// Wiped over a recording without regard to where its depth is missing; holes have a stiffness of their own.
+void expect_soft_holes_are_verified(const std::string& clip, const std::string& scene_file,
+                                    const std::string& csv) {
+    const TemporaryFolder folder;
+    const std::string soft = folder / "soft.json", exported = folder / "frames";
+    auto scene = nlohmann::json::parse(file_contents(scene_file));
+    scene["hole_stiffness"] = 0.1;
+    std::ofstream(soft) << scene;
+    ASSERT_EQ(run_touchable({"export", clip, "--scene", soft, "--frames", "all", "--out", exported}).code, 0);
+    const auto report =
+        expect_verified({clip, "--scene", soft, "--hand", "csv:" + csv + ":columns=x_m+y_m+z_m,extent=0.1",
+                         "--fingers", "3", "--max-force", "1000", "--seconds", "2.5"},
+                        exported);
+    EXPECT_GT(report["hole_contact"]["finger_ticks"], 500);
+}
+
 TEST(TouchRealSoftHoles, EveryForceIsVerified) {
     const std::string clip = real_data("castel_sr300");
     const std::string file = real_data("haptics/epfl_wiping/circular_wiping_dataset_0.csv");
     TOUCHABLE_NEEDS_DATA(clip);
     TOUCHABLE_NEEDS_DATA(file);
+    expect_soft_holes_are_verified(clip, TOUCHABLE_SOURCE_DIR "/tests/scenes/castel_sr300.json", file);
+}
+
+TEST(TouchSoftHoles, EveryForceIsVerified) {
     const TemporaryFolder folder;
-    const std::string soft = folder / "soft.json", exported = folder / "frames";
-    auto scene = nlohmann::json::parse(file_contents(TOUCHABLE_SOURCE_DIR "/tests/scenes/castel_sr300.json"));
-    scene["hole_stiffness"] = 0.1;
-    std::ofstream(soft) << scene;
-    ASSERT_EQ(run_touchable({"export", clip, "--scene", soft, "--frames", "all", "--out", exported}).code, 0);
-    const auto report =
-        expect_verified({clip, "--scene", soft, "--hand", "csv:" + file + ":columns=x_m+y_m+z_m,extent=0.1",
-                         "--fingers", "3", "--max-force", "1000", "--seconds", "2.5"},
-                        exported);
-    EXPECT_GT(report["hole_contact"]["finger_ticks"], 500);
+    const std::string scene = write_stand_in(folder.path(), stand_in("castel_sr300"));
+    std::ofstream(folder / "wiping.csv") << wiping_hand_csv();
+    expect_soft_holes_are_verified(folder.path(), scene, folder / "wiping.csv");
 }
 
 /// Generated, and verified by what the exported codes say that they mean.

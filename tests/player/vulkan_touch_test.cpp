@@ -8,6 +8,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 
 // touch with --builder vulkan: the forces of the other builders, and what it says where it cannot.
 namespace touchable::test {
@@ -63,6 +64,18 @@ TEST_P(VulkanTouchGenerated, HasTheForcesOfTheOtherBuilders) {
 
 INSTANTIATE_TEST_SUITE_P(, VulkanTouchGenerated,
                          ::testing::Values("globe", "bumps", "moving", "noise", "spheres", "cliffs"),
+                         test_name);
+
+class VulkanTouchStandIn : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(VulkanTouchStandIn, HasTheForcesOfTheOtherBuilders) {
+    const TemporaryFolder folder;
+    const std::string scene = write_stand_in(folder.path(), stand_in(GetParam()));
+    expect_the_same_forces({folder.path(), "--scene", scene});
+}
+
+INSTANTIATE_TEST_SUITE_P(, VulkanTouchStandIn,
+                         ::testing::Values("castel_sr300", "visp_cube_realsense", "redwood5", "icl_nuim5"),
                          test_name);
 
 class VulkanTouchReal : public ::testing::TestWithParam<const char*> {};

@@ -97,6 +97,11 @@ TEST_F(Painters, DrawNoiseAlike) {
     EXPECT_GT(mesh.covered, 500U);
     EXPECT_LE(mesh.coverage, 1U);
 }
+TEST_F(Painters, DrawWhatACameraStoresAlike) {
+    const auto castel = shown_stand_in("castel_sr300");
+    ASSERT_TRUE(castel);
+    compare_views(*castel, 0.6);
+}
 TEST_F(Painters, DrawARecordingAlike) {
     TOUCHABLE_NEEDS_DATA(real_data("castel_sr300"));
     const auto castel = shown_recording("castel_sr300", "castel_sr300");

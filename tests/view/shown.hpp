@@ -12,6 +12,8 @@
 #include "haptics_cpu/height_field.hpp"
 #include "player/view/view_surface.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 
@@ -45,9 +47,9 @@ inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int heigh
     return shown;
 }
 
-inline std::unique_ptr<Shown> shown_recording(const char* name, const char* folder) {
-    auto reader = open_clip(
-        real_data(folder), std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / (std::string(name) + ".json"));
+inline std::unique_ptr<Shown> shown_clip(const std::filesystem::path& folder,
+                                         const std::filesystem::path& scene) {
+    auto reader = open_clip(folder, scene);
     EXPECT_TRUE(reader.ok()) << reader.error().message;
     if (!reader.ok()) return nullptr;
     auto shown = std::make_unique<Shown>();
@@ -56,6 +58,16 @@ inline std::unique_ptr<Shown> shown_recording(const char* name, const char* fold
     shown->raw_next = **(*reader)->next();
     shown->build();
     return shown;
+}
+
+inline std::unique_ptr<Shown> shown_recording(const char* name, const char* folder) {
+    return shown_clip(real_data(folder), std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" /
+                                             (std::string(name) + ".json"));
+}
+
+inline std::unique_ptr<Shown> shown_stand_in(const char* name) {
+    const TemporaryFolder folder;
+    return shown_clip(folder.path(), write_stand_in(folder.path(), stand_in(name)));
 }
 
 }  // namespace touchable::test

@@ -69,6 +69,12 @@ TEST_F(Unproject, AgreesOnTheGlobe) {
     for (const double blend : {0.0, 0.37}) compare(globe->scene, globe->prev, globe->next, blend);
 }
 
+TEST_F(Unproject, AgreesOnWhatACameraStores) {
+    const auto castel = shown_stand_in("castel_sr300");
+    ASSERT_TRUE(castel);
+    compare(castel->scene, castel->prev, castel->next, 0.6);
+}
+
 TEST_F(Unproject, AgreesOnARecording) {
     TOUCHABLE_NEEDS_DATA(real_data("castel_sr300"));
     const auto castel = shown_recording("castel_sr300", "castel_sr300");
