@@ -29,6 +29,8 @@ struct LastWord {
     int descriptor = -1;  ///< of an open file, socket or USB device
     std::vector<std::byte> bytes{};
     std::optional<std::uint8_t> usb_endpoint{};  ///< of a usbfs descriptor; nothing: written by write(2)
+    std::vector<std::byte>
+        meanwhile{};  ///< for a process that may go on, unlike one that is gone; empty: `bytes`
 };
 
 /// Whether whoever waits wants it no more; asked now and then by calls that wait long.

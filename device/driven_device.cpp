@@ -187,8 +187,14 @@ void DrivenDevice::drive() {
 
 bool DrivenDevice::turn() {
     if (!held_) return look_for_it();
-    if (auto served = answer_of(name_, [this] { return serve(); }); !served.ok()) let_go(served.error());
-    return true;
+    const auto served = answer_of(name_, [this] { return serve(); });
+    if (served.ok()) return true;
+    let_go(served.error());
+    const auto kept = settings_.keeper ? settings_.keeper->health() : Result<void>{};
+    if (kept.ok()) return true;
+    set_words(Error{kept.error().kind, name_ + ": " + kept.error().message}, {});
+    lost_.store(true, std::memory_order_release);
+    return false;
 }
 
 /// Hardware that answers when asked is asked as often as it answers. Hardware that speaks by itself is heard
@@ -263,7 +269,17 @@ DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
     return newtons;
 }
 
+/// That this thread is about to speak. Where it was taken for one that stands still, the force begins anew.
+Result<void> DrivenDevice::beat() {
+    if (!kept_) return {};
+    const auto beat = kept_->beat();
+    if (!beat.ok()) return beat.error();
+    if (!*beat) exerts_since_ns_ = {};
+    return {};
+}
+
 Result<void> DrivenDevice::speak() {
+    if (auto kept = beat(); !kept.ok()) return kept;
     const std::int64_t now = settings_.clock();
     const Forces newtons = due_forces(now);
     spoken_ns_ = now;

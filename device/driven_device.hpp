@@ -24,7 +24,9 @@ struct DrivenSettings {
     double look_again_s = 0.5;  ///< from one look to the next
     /// Called by the device's thread before all else; it may want to be real-time.
     std::function<void()> as_thread_begins{};
-    std::shared_ptr<LimpKeeper> keeper{};  ///< leaves it limp when this process is gone; nothing: nobody does
+    /// Leaves it limp when this process is gone or stands still, and without it there is no force; nothing:
+    /// nobody does.
+    std::shared_ptr<LimpKeeper> keeper{};
     std::function<std::int64_t()> clock{};  ///< ns, never backward, never 0; nothing: the system's steady one
     /// Called by the device's thread with the moment (ns) at which a position had come, and at which a force
     /// had gone out; they may not wait.
@@ -49,7 +51,10 @@ struct DrivenFacts {
 ///   younger than `oldest_s`; otherwise zero goes out, again and again. After that it rises over `rise_s`;
 /// - a position that cannot be, or leaps, is left out (PlausibleMotion), as if it had not come;
 /// - hardware that fails is let go of, with zero force if it can still be sent, and looked for again:
-///   positions are not numbers meanwhile, which the force guard takes for a hand that has let go.
+///   positions are not numbers meanwhile, which the force guard takes for a hand that has let go;
+/// - where its thread stands still, the keeper's process makes it limp. Where that is gone, it is let go of
+/// for
+///   good.
 class DrivenDevice final : public HapticDevice {
 public:
     static constexpr double rise_s = 0.1;
@@ -97,6 +102,7 @@ private:
     Result<void> serve();
     Result<void> hear(std::chrono::microseconds patience);
     Result<void> speak();
+    Result<void> beat();
     Forces due_forces(std::int64_t now);
     void let_go(const Error& why);
     bool look_for_it();

@@ -3,19 +3,23 @@
 #include <sys/types.h>
 #include <memory>
 #include <mutex>
+#include <span>
 
 #include "device/device_driver.hpp"
+#include "device/limp_process.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
 
-/// A small process beside this one that leaves devices without force when this one is gone, however it went:
-/// by a signal, by abort, killed. It holds their descriptors and the bytes that leave them limp, and sleeps
-/// until the last end of a socket to it is closed. What it cannot help against: a machine that stops.
+/// A small process beside this one that leaves devices without force when this one cannot: when it is gone,
+/// however it went (by a signal, by abort, killed), and while the thread that speaks with a device stands
+/// still, as one that is stopped, swapped out or dumped does. It holds the devices' descriptors and the bytes
+/// that leave them limp, and waits for the last end of a socket to it to be closed, or for a heart that does
+/// not beat. What it cannot help against: a machine that stops.
 class LimpKeeper {
 public:
-    static constexpr int most_devices = 8;
-    static constexpr std::size_t most_bytes = 512;
+    static constexpr int most_devices = LimpOrder::most_devices;
+    static constexpr std::size_t most_bytes = LimpOrder::most_bytes;
 
     /// Forks. Best done early: it keeps a copy of what this process has in memory by then, as long as neither
     /// writes to it. Error (internal): no process can be had.
@@ -24,32 +28,45 @@ public:
     LimpKeeper(const LimpKeeper&) = delete;
     LimpKeeper& operator=(const LimpKeeper&) = delete;
 
+    pid_t process() const { return process_; }
+    /// Error (device): it is gone, which nobody but a person or the system can have done. Any thread.
+    Result<void> health() const;
+
     /// A device in its care, until this is gone.
     class Kept {
     public:
-        Kept(Kept&& other) noexcept : keeper_(std::move(other.keeper_)), place_(other.place_) {}
+        Kept(Kept&& other) noexcept
+            : keeper_(std::move(other.keeper_)), place_(other.place_), silences_(other.silences_) {}
         Kept& operator=(Kept&& other) noexcept;
         ~Kept();
         /// Another word, or another descriptor, in place of the last. Said anew of hardware that came back:
-        /// its descriptor may have the number that the lost one had.
+        /// its descriptor may have the number that the lost one had. No beat is expected until the next one.
         Result<void> say(const LastWord& word);
+        /// By the thread that speaks with the device, before it speaks: it lives. From the first one on they
+        /// are expected, `Heartbeat::longest_ns` apart at most. False: the device was made limp since the
+        /// last one, so that what it is told now is a beginning. Error (device): LimpKeeper::health's.
+        Result<bool> beat();
 
     private:
         friend class LimpKeeper;
-        Kept(std::shared_ptr<LimpKeeper> keeper, int place) : keeper_(std::move(keeper)), place_(place) {}
+        Kept(std::shared_ptr<LimpKeeper> keeper, std::size_t place)
+            : keeper_(std::move(keeper)), place_(place) {}
         std::shared_ptr<LimpKeeper> keeper_;
-        int place_ = 0;
+        std::size_t place_ = 0;
+        std::uint32_t silences_ = 0;  // that are known of
     };
     /// Error (device): `most_devices` are kept already.
     static Result<Kept> keep(std::shared_ptr<LimpKeeper> keeper);
 
 private:
-    LimpKeeper(int socket, pid_t process) : socket_(socket), process_(process) {}
-    Result<void> tell(int place, const LastWord* word);
+    LimpKeeper(int socket, pid_t process, std::span<Heartbeat> hearts)
+        : socket_(socket), process_(process), hearts_(hearts) {}
+    Result<void> tell(std::size_t place, const LastWord* word);
 
-    int socket_;
-    pid_t process_;
-    std::mutex mutex_;  // threads of several devices
+    const int socket_;
+    const pid_t process_;
+    const std::span<Heartbeat> hearts_;  // of `most_devices`, shared with it
+    std::mutex mutex_;                   // threads of several devices
     bool taken_[most_devices] = {};
 };
 

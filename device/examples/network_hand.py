@@ -34,7 +34,8 @@ for tick in range(1, int(words.seconds * 1000)):
         continue
     if len(answer) == 52 and zlib.crc32(answer[:-4]) == struct.unpack("<I", answer[-4:])[0]:
         forces.append(math.hypot(*struct.unpack_from("<3d", answer, head.size)))
-        trips.append((time.monotonic_ns() - head.unpack_from(answer)[7]) / 1e6)
+        if not answer[7] & 2:  # touchable stands still: zeros that answer nothing
+            trips.append((time.monotonic_ns() - head.unpack_from(answer)[7]) / 1e6)
 if not trips:
     sys.exit(f"no answer from UDP 127.0.0.1:{words.port}: {why}")
 try:

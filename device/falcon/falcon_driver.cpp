@@ -175,7 +175,7 @@ void FalconDriver::take(const FalconReport& report, DeviceSample& sample) {
 std::optional<LastWord> FalconDriver::last_word() const {
     if (!transport_ || !runs_ || transport_->usbfs() < 0) return std::nullopt;
     const auto packet = encode(FalconCommand{});
-    return LastWord{transport_->usbfs(), {packet.begin(), packet.end()}, usb_endpoint_out};
+    return LastWord{transport_->usbfs(), {packet.begin(), packet.end()}, usb_endpoint_out, {}};
 }
 
 std::string FalconDriver::wish() const {

@@ -160,7 +160,7 @@ glm::dvec3 WoodenHapticsDriver::angles() const {
 std::optional<LastWord> WoodenHapticsDriver::last_word() const {
     if (!transport_ || transport_->spare_descriptor() < 0) return std::nullopt;
     const auto limp = encode_wooden_currents({});
-    return LastWord{transport_->spare_descriptor(), {limp.begin(), limp.end()}, {}};
+    return LastWord{transport_->spare_descriptor(), {limp.begin(), limp.end()}, {}, {}};
 }
 
 std::string WoodenHapticsDriver::wish() const {

@@ -238,7 +238,7 @@ std::string Inverse3Driver::zero() const {
 
 std::optional<LastWord> Inverse3Driver::last_word() const {
     if (!transport_ || id_.empty() || transport_->descriptor() < 0) return std::nullopt;
-    return LastWord{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}};
+    return LastWord{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}, {}};
 }
 
 std::string Inverse3Driver::wish() const {

@@ -188,10 +188,11 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
 }
 
 std::optional<LastWord> NetworkDriver::last_word() const {
-    const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
-    return LastWord{socket_->descriptor(),
-                    encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true)),
-                    {}};
+    NetworkPacket last, meanwhile;
+    last.kind = meanwhile.kind = NetworkPacket::Kind::forces;
+    last.fingers = meanwhile.fingers = settings_.fingers;
+    last.last = meanwhile.stands_still = true;
+    return LastWord{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
 }
 
 std::string NetworkDriver::wish() const {

@@ -15,7 +15,7 @@ constexpr std::array<std::byte, 4> magic{std::byte{'T'}, std::byte{'C'}, std::by
 constexpr std::size_t head_bytes = 24;
 constexpr std::size_t vector_bytes = 24;
 constexpr std::size_t crc_bytes = 4;
-constexpr std::uint8_t last_flag = 1;
+constexpr std::uint8_t last_flag = 1, still_flag = 2;
 
 std::size_t bytes_of(std::size_t fingers) {
     return head_bytes + fingers * vector_bytes + crc_bytes;
@@ -90,7 +90,8 @@ std::vector<std::byte> encode(const NetworkPacket& packet) {
     out.put(NetworkPacket::version);
     out.put(static_cast<std::uint8_t>(packet.kind));
     out.put(static_cast<std::uint8_t>(packet.fingers));
-    out.put(packet.last ? last_flag : std::uint8_t{0});
+    out.put(
+        static_cast<std::uint8_t>((packet.last ? last_flag : 0) | (packet.stands_still ? still_flag : 0)));
     out.put(packet.sequence);
     out.put(packet.buttons);
     out.put(packet.time_ns);
@@ -110,7 +111,9 @@ Result<NetworkPacket> decode_network_packet(std::span<const std::byte> bytes) {
                            "; right would be 1 (places) or 2 (forces)");
     packet.kind = static_cast<NetworkPacket::Kind>(kind);
     packet.fingers = in.take<std::uint8_t>();
-    packet.last = (in.take<std::uint8_t>() & last_flag) != 0;
+    const auto flags = in.take<std::uint8_t>();
+    packet.last = (flags & last_flag) != 0;
+    packet.stands_still = (flags & still_flag) != 0;
     packet.sequence = in.take<std::uint32_t>();
     packet.buttons = in.take<std::uint32_t>();
     packet.time_ns = in.take<std::uint64_t>();

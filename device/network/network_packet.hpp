@@ -28,6 +28,7 @@ struct NetworkPacket {
     std::uint32_t buttons = 0;  ///< of places: one bit each
     std::uint64_t time_ns = 0;  ///< of places: the sender's own clock; of forces: that of the places answered
     bool last = false;          ///< nothing more will come: forces are to be zero
+    bool stands_still = false;  ///< of forces: zero, because nobody computes any now; answers nothing
     int fingers = 1;            ///< 1 to `most_fingers`
     std::array<glm::dvec3, most_fingers> vectors{};
 };

@@ -1,0 +1,167 @@
+#include "device/limp_process.hpp"
+
+#include <linux/usbdevice_fs.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+namespace touchable {
+namespace {
+
+// Forked from a process that may have threads: only what a signal handler may call.
+
+constexpr char process_name[] = "limp-keeper";
+constexpr int nothing_kept = -1;
+// Above the threads that it watches, and at least above ordinary work.
+constexpr int wanted_priorities[] = {85, 1};
+
+struct Keeping {
+    int descriptor = nothing_kept;
+    LimpOrder order;
+    HeartWatch watch;
+};
+
+/// Twice: a receiver may be in the middle of something that a first one ends.
+void speak(const Keeping& kept, const LimpOrder::Word& word) {
+    for (int again = 0; again < 2; ++again) {
+        if (kept.order.endpoint < 0) {
+            [[maybe_unused]] const auto written = write(kept.descriptor, word.text, word.bytes);
+        } else {
+            LimpOrder::Word copy = word;
+            usbdevfs_bulktransfer transfer{static_cast<unsigned>(kept.order.endpoint), copy.bytes, 50,
+                                           copy.text};
+            ioctl(kept.descriptor, USBDEVFS_BULK, &transfer);
+        }
+    }
+}
+
+/// The heart is looked at last of all before the word: this process may have been late, and not the other.
+void speak_if_due(Keeping& kept, Heartbeat& heart) {
+    const auto is_due = [&] { return kept.watch.due_ns(heart.beat_ns) <= boot_ns(); };
+    if (!is_due()) return;
+    ++heart.silences;
+    if (!is_due()) return;
+    const LimpOrder::Word& meanwhile = kept.order.meanwhile;
+    speak(kept, meanwhile.bytes > 0 ? meanwhile : kept.order.last);
+    kept.watch.spoke(boot_ns());
+}
+
+/// The next order; false once nobody can give one any more. `descriptor`: what came with it, or -1.
+bool next_order(int socket, LimpOrder& order, int& descriptor) {
+    union {
+        cmsghdr header;
+        char room[CMSG_SPACE(sizeof(int))];
+    } ancillary{};
+    iovec part{&order, sizeof order};
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = &ancillary;
+    message.msg_controllen = sizeof ancillary;
+    ssize_t came = 0;
+    do came = recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
+    while (came < 0 && errno == EINTR);
+    if (came != static_cast<ssize_t>(sizeof order)) return false;
+    descriptor = nothing_kept;
+    if (const cmsghdr* header = CMSG_FIRSTHDR(&message); header && header->cmsg_type == SCM_RIGHTS)
+        std::memcpy(&descriptor, CMSG_DATA(header), sizeof descriptor);
+    return true;
+}
+
+/// Whether there is an order, or an end, before the first word is due. Nobody tells of a heart that begins to
+/// beat, so it is looked for again and again.
+bool waits_for_order(int socket, std::span<Keeping> kept, std::span<Heartbeat> hearts) {
+    const std::int64_t now = boot_ns();
+    std::int64_t due = now + Heartbeat::longest_ns;
+    bool is_any_kept = false;
+    for (std::size_t place = 0; place < kept.size(); ++place) {
+        if (kept[place].descriptor == nothing_kept) continue;
+        is_any_kept = true;
+        due = std::min(due, kept[place].watch.due_ns(hearts[place].beat_ns));
+    }
+    const timespec patience{0, std::max<std::int64_t>(due - now, 0)};
+    pollfd waited_for{socket, POLLIN, 0};
+    return ppoll(&waited_for, 1, is_any_kept ? &patience : nullptr, nullptr) == 1;
+}
+
+void keep(int socket, std::span<Keeping> kept, std::span<Heartbeat> hearts) {
+    for (;;) {
+        if (waits_for_order(socket, kept, hearts)) {
+            LimpOrder order;
+            int descriptor = nothing_kept;
+            if (!next_order(socket, order, descriptor)) return;
+            Keeping& place = kept[order.place % kept.size()];
+            if (place.descriptor != nothing_kept) close(place.descriptor);
+            place = {descriptor, order, {}};
+            const std::byte done{1};
+            [[maybe_unused]] const auto told = send(socket, &done, 1, MSG_NOSIGNAL);
+        }
+        for (std::size_t place = 0; place < kept.size(); ++place)
+            if (kept[place].descriptor != nothing_kept) speak_if_due(kept[place], hearts[place]);
+    }
+}
+
+/// A process that nobody means who signals the program: not by its terminal, nor by its name.
+void become_another(std::span<char> command_line) {
+    setsid();  // a terminal's Ctrl-C is for the others
+    prctl(PR_SET_NAME, process_name);
+    std::fill(command_line.begin(), command_line.end(), '\0');
+    if (!command_line.empty())
+        std::copy_n(process_name, std::min(sizeof process_name, command_line.size()) - 1,
+                    command_line.begin());
+    for (const int ignored : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+        struct sigaction action = {};
+        action.sa_handler = SIG_IGN;
+        sigaction(ignored, &action, nullptr);
+    }
+    prctl(PR_SET_TIMERSLACK, 1UL);
+    for (const int priority : wanted_priorities) {
+        const sched_param wanted{.sched_priority = priority};
+        if (sched_setscheduler(0, SCHED_FIFO, &wanted) == 0) break;
+    }
+}
+
+}  // namespace
+
+void keep_limp_until_alone(int socket, std::span<Heartbeat> hearts, std::span<char> command_line) {
+    become_another(command_line);
+    // What it does not need it must not hold open: a pipe that the other one writes would have no end.
+    if (socket != 3) {
+        dup2(socket, 3);
+        socket = 3;
+    }
+    close_range(4, ~0U, 0);
+    for (const int standard : {0, 1, 2}) close(standard);
+    Keeping kept[LimpOrder::most_devices];
+    keep(socket, kept, hearts);
+    for (const Keeping& place : kept)
+        if (place.descriptor != nothing_kept) speak(place, place.order.last);
+    _exit(0);
+}
+
+std::span<char> own_command_line() {
+    std::ifstream file("/proc/self/stat");
+    const std::string all{std::istreambuf_iterator<char>(file), {}};
+    // The name of the process stands in brackets, and may have any sign in it; then the third field begins.
+    std::istringstream fields(all.substr(std::min(all.rfind(')') + 1, all.size())));
+    std::uintptr_t begin = 0, end = 0;
+    std::string field;
+    for (int number = 3; number < 48 && fields >> field; ++number) {
+    }
+    if (!(fields >> begin >> end) || begin == 0 || end <= begin) return {};
+    return {reinterpret_cast<char*>(begin), end - begin};
+}
+
+}  // namespace touchable

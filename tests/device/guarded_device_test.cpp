@@ -1,0 +1,99 @@
+// A device beside the process that leaves it limp: what happens to its force where its thread stood still,
+// and where that process is gone.
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <string>
+
+#include "device/driven_device.hpp"
+#include "tests/device/fake_driver.hpp"
+
+namespace touchable::test {
+namespace {
+
+class GuardedDevice : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, line), 0);
+        const timeval patience{10, 0};  // then nothing was said
+        setsockopt(line[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        hardware.last_word = LastWord{line[1], {std::byte{'L'}}, {}, {std::byte{'M'}}};
+        auto started = LimpKeeper::start();
+        ASSERT_TRUE(started.ok());
+        keeper = *started;
+        device.emplace(
+            std::make_unique<FakeDriver>(hardware),
+            DrivenSettings{.keeper = keeper, .clock = [this] { return now; }, .own_thread = false});
+        ASSERT_TRUE(device->open().ok());
+    }
+    void TearDown() override {
+        device.reset();
+        for (const int end : line) ::close(end);
+    }
+    /// A haptic tick, then the device's: what the hardware exerts afterwards.
+    double tick() {
+        glm::dvec3 place;
+        const glm::dvec3 newtons(0, 0, 1);
+        now += 1'000'000;
+        reads = device->read_positions(std::span(&place, 1)) && device->write_forces(std::span(&newtons, 1));
+        goes_on = device->turn();
+        return hardware.force.z;
+    }
+    /// (Where the machine stands still, it begins anew.)
+    void rise() {
+        for (int ticks = 0; ticks < 100'000 && tick() < 1; ++ticks) {
+        }
+        ASSERT_EQ(hardware.force.z, 1);
+    }
+
+    int line[2] = {-1, -1};
+    std::int64_t now = 1'000'000;
+    FakeHardware hardware;
+    std::shared_ptr<LimpKeeper> keeper;
+    std::optional<DrivenDevice> device;
+    bool reads = false, goes_on = true;
+};
+
+TEST_F(GuardedDevice, ItsForceBeginsAnewAfterItsThreadStoodStill) {
+    rise();
+    char word = 0;
+    ASSERT_EQ(recv(line[0], &word, 1, 0), 1) << "until it was made limp";
+    EXPECT_EQ(word, 'M');
+    EXPECT_EQ(tick(), 0);
+    EXPECT_LT(tick(), 0.02) << "it rises";
+    rise();
+}
+
+TEST_F(GuardedDevice, HasNoForceBesideNobody) {
+    rise();
+    kill(keeper->process(), SIGKILL);
+    siginfo_t ended{};
+    ASSERT_EQ(waitid(P_PID, static_cast<id_t>(keeper->process()), &ended, WEXITED | WNOWAIT), 0);
+    EXPECT_EQ(tick(), 0);
+    EXPECT_FALSE(goes_on);
+    EXPECT_FALSE(hardware.connected);
+    tick();
+    EXPECT_FALSE(reads) << "it has failed, and is not looked for";
+    const auto health = device->health();
+    ASSERT_FALSE(health.ok());
+    EXPECT_EQ(health.error().message,
+              "fake: the process that leaves devices limp when this program cannot (limp-keeper, " +
+                  std::to_string(keeper->process()) +
+                  ") is gone; there is no force without it: start the program again");
+    EXPECT_FALSE(device->open().ok());
+    EXPECT_EQ(hardware.force, glm::dvec3(0));
+}
+
+/// What hangs in a call of a driver, as one that loads firmware, may do so where no force is out.
+TEST_F(GuardedDevice, NoBeatIsExpectedBeforeTheFirstTurn) {
+    usleep(50'000);
+    EXPECT_EQ(recv(line[0], nullptr, 0, MSG_DONTWAIT | MSG_PEEK), -1);
+    rise();
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,47 @@
+// When a silent thread's device is made limp, in virtual time.
+#include <gtest/gtest.h>
+
+#include "device/heartbeat.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr std::int64_t beat_ms = 1'000'000;
+
+TEST(HeartWatch, WantsAWordTwentyMillisecondsAfterTheLastBeat) {
+    HeartWatch watch;
+    EXPECT_EQ(watch.due_ns(1000 * beat_ms), 1020 * beat_ms);
+    EXPECT_EQ(watch.due_ns(1001 * beat_ms), 1021 * beat_ms) << "it beats";
+}
+
+TEST(HeartWatch, WaitsForAFirstBeat) {
+    HeartWatch watch;
+    EXPECT_EQ(watch.due_ns(0), HeartWatch::never);
+}
+
+TEST(HeartWatch, SpeaksAgainInTheSameSilenceAndThenStops) {
+    HeartWatch watch;
+    std::int64_t now = 0;
+    for (int word = 0; word < 20; ++word) {
+        const std::int64_t due = watch.due_ns(1000 * beat_ms);
+        ASSERT_NE(due, HeartWatch::never) << word;
+        if (word > 0) {
+            EXPECT_EQ(due, now + 20 * beat_ms);
+        }
+        now = due + 3 * beat_ms;  // it is late itself
+        watch.spoke(now);
+    }
+    EXPECT_EQ(watch.due_ns(1000 * beat_ms), HeartWatch::never) << "of a program that is stopped for an hour";
+}
+
+TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
+    HeartWatch watch;
+    while (watch.due_ns(1000 * beat_ms) != HeartWatch::never) watch.spoke(5000 * beat_ms);
+    EXPECT_EQ(watch.due_ns(9000 * beat_ms), 9020 * beat_ms);
+    watch.spoke(9020 * beat_ms);
+    EXPECT_EQ(watch.due_ns(9000 * beat_ms), 9040 * beat_ms);
+    EXPECT_EQ(watch.due_ns(0), HeartWatch::never) << "another device in its place";
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,303 @@
+// The process that leaves devices limp: a program that stands still, that is dumped, that is ended with all
+// of its group, and who ends that process.
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "device/limp_keeper.hpp"
+#include "tests/sanitizers.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+// The machine may be late, the mechanism not: it has been quick enough in one of so many goes.
+constexpr int most_goes = 8;
+
+std::vector<std::byte> word(const std::string& text) {
+    const auto* first = reinterpret_cast<const std::byte*>(text.data());
+    return {first, first + text.size()};
+}
+
+/// A program that sends "force" to a device and beats, until it does something else.
+class BeatingProgram {
+public:
+    enum class Way { beats, aborts };
+    explicit BeatingProgram(Way way = Way::beats, const std::function<void()>& before = {}) {
+        int ends[2], told[2];
+        EXPECT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
+        EXPECT_EQ(pipe(told), 0);
+        process_ = fork();
+        if (process_ == 0) {
+            setpgid(0, 0);
+            for (const int theirs : {ends[0], told[0], 2}) ::close(theirs);
+            if (before) before();
+            live(ends[1], told[1], way);
+        }
+        for (const int its : {ends[1], told[1]}) ::close(its);
+        device_ = ends[0];
+        const timeval patience{10, 0};  // then it hears nothing, and the test fails
+        setsockopt(device_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        EXPECT_EQ(read(told[0], &guardian_, sizeof guardian_), static_cast<ssize_t>(sizeof guardian_));
+        ::close(told[0]);
+    }
+    ~BeatingProgram() {
+        kill(process_, SIGKILL);
+        waitpid(process_, nullptr, 0);
+        ::close(device_);
+    }
+    BeatingProgram(const BeatingProgram&) = delete;
+    BeatingProgram& operator=(const BeatingProgram&) = delete;
+
+    pid_t process() const { return process_; }
+    pid_t guardian() const { return guardian_; }
+    /// What the device hears next; empty: nobody holds it any more.
+    std::string hears() const {
+        char room[64];
+        const ssize_t came = recv(device_, room, sizeof room, 0);
+        return {room, static_cast<std::size_t>(came > 0 ? came : 0)};
+    }
+    /// Whether it comes to hear that, after other things.
+    bool hears_of(const std::string& what) const {
+        for (int words = 0; words < 10'000; ++words) {
+            const std::string heard = hears();
+            if (heard == what || heard.empty()) return heard == what;
+        }
+        return false;
+    }
+    void stop() const {
+        kill(process_, SIGSTOP);
+        int status = 0;
+        ASSERT_EQ(waitpid(process_, &status, WUNTRACED), process_);
+        ASSERT_TRUE(WIFSTOPPED(status));
+    }
+    bool has_ended() const {
+        siginfo_t state{};
+        return waitid(P_PID, static_cast<id_t>(process_), &state, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+               state.si_pid == process_;
+    }
+
+private:
+    [[noreturn]] static void live(int device, int told, Way way) {
+        auto keeper = LimpKeeper::start();
+        if (!keeper.ok()) _exit(1);
+        auto kept = LimpKeeper::keep(*keeper);
+        if (!kept.ok() || !kept->say({device, word("last"), {}, word("meanwhile")}).ok()) _exit(1);
+        const pid_t guardian = (*keeper)->process();
+        if (write(told, &guardian, sizeof guardian) != sizeof guardian) _exit(1);
+        for (int force = 0;; ++force) {
+            const auto beat = kept->beat();
+            if (!beat.ok()) _exit(2);
+            ::send(device, *beat ? "force" : "anew", *beat ? 5 : 4, 0);
+            if (way == Way::aborts && force == 100) std::abort();
+            usleep(1000);
+        }
+    }
+
+    pid_t process_ = 0, guardian_ = 0;
+    int device_ = -1;
+};
+
+/// The shortest time from `begins` to what it waits for, of several goes.
+double quickest_ms(const std::function<void(BeatingProgram&)>& begins, const std::string& heard,
+                   BeatingProgram::Way way = BeatingProgram::Way::beats,
+                   const std::function<void()>& before = {}) {
+    double quickest = 1e9;
+    for (int go = 0; go < most_goes && quickest > 50; ++go) {
+        BeatingProgram program(way, before);
+        begins(program);
+        const auto begun = Clock::now();
+        for (std::string now = program.hears(); now != heard && !now.empty();) now = program.hears();
+        quickest =
+            std::min(quickest, std::chrono::duration<double, std::milli>(Clock::now() - begun).count());
+    }
+    return quickest;
+}
+
+TEST(LimpProcess, AStoppedProgramIsMadeLimpWithoutDying) {
+    const double ms = quickest_ms([](BeatingProgram& program) { program.stop(); }, "meanwhile");
+    EXPECT_LE(ms, 50);
+    EXPECT_GE(ms, 10) << "not before it stands still";
+}
+
+TEST(LimpProcess, AProgramThatGoesOnIsLeftAloneAndWatchedAgain) {
+    const BeatingProgram program;
+    for (int again = 0; again < 3; ++again) {
+        program.stop();
+        ASSERT_TRUE(program.hears_of("meanwhile"));
+        EXPECT_FALSE(program.has_ended());
+        kill(program.process(), SIGCONT);
+        ASSERT_TRUE(program.hears_of("anew")) << "it is told that its force begins anew";
+        ASSERT_TRUE(program.hears_of("force"));
+    }
+}
+
+TEST(LimpProcess, SaysAWordAgainWhileAProgramIsStopped) {
+    const BeatingProgram program;
+    program.stop();
+    ASSERT_TRUE(program.hears_of("meanwhile"));
+    for (int words = 1; words < 8; ++words) ASSERT_EQ(program.hears(), "meanwhile");
+    kill(program.process(), SIGKILL);
+    EXPECT_TRUE(program.hears_of("last")) << "once it is gone";
+}
+
+TEST(LimpProcess, DoesNotWaitForACoreToBeWritten) {
+#ifdef TOUCHABLE_SANITIZED
+    GTEST_SKIP() << "a sanitizer's memory is too large to be dumped";
+#endif
+    const std::string folder = std::filesystem::temp_directory_path() / ("core-" + std::to_string(getpid()));
+    std::filesystem::create_directory(folder);
+    const double ms = quickest_ms(
+        [](BeatingProgram& program) {
+            std::string heard;
+            for (int forces = 0; forces < 100 && !(heard = program.hears()).empty(); ++forces) {
+            }
+        },
+        "meanwhile", BeatingProgram::Way::aborts,
+        [&folder] {
+            rlimit core{};
+            getrlimit(RLIMIT_CORE, &core);
+            core.rlim_cur = core.rlim_max;
+            setrlimit(RLIMIT_CORE, &core);
+            if (chdir(folder.c_str()) != 0) _exit(1);
+            static std::vector<char> large(std::size_t{400} << 20, 'a');  // as decoded frames
+            large[1] = 'b';
+        });
+    EXPECT_LE(ms, 50);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(LimpProcess, IsNotMistakenWhenItWasLateItself) {
+    int fewest = 1;
+    for (int go = 0; go < most_goes && fewest > 0; ++go) {
+        const BeatingProgram program;
+        for (int forces = 0; forces < 20; ++forces) program.hears();
+        kill(program.guardian(), SIGSTOP);
+        for (int forces = 0; forces < 60; ++forces) program.hears();
+        kill(program.guardian(), SIGCONT);
+        int words = 0;
+        for (int forces = 0; forces < 60; ++forces) words += program.hears() == "meanwhile" ? 1 : 0;
+        fewest = std::min(fewest, words);
+    }
+    EXPECT_EQ(fewest, 0);
+}
+
+/// As a terminal does by Ctrl-C, and a person by kill -9 -GROUP.
+TEST(LimpProcess, OutlivesWhatIsSentToTheWholeGroup) {
+    for (const int signal : {SIGINT, SIGQUIT, SIGHUP, SIGTERM, SIGKILL}) {
+        const BeatingProgram program;
+        program.hears();
+        kill(-program.process(), signal);
+        std::string heard, last;
+        while (!(heard = program.hears()).empty()) last = heard;
+        EXPECT_EQ(last, "last") << signal;
+    }
+}
+
+TEST(LimpProcess, IsNotEndedByWhatEndsPrograms) {
+    auto keeper = LimpKeeper::start();
+    ASSERT_TRUE(keeper.ok());
+    auto kept = LimpKeeper::keep(*keeper);
+    ASSERT_TRUE(kept.ok());
+    ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it has begun";
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) {
+        kill((*keeper)->process(), signal);
+        EXPECT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << signal;
+    }
+    EXPECT_TRUE((*keeper)->health().ok());
+}
+
+std::string contents(pid_t process, const char* what) {
+    std::ifstream file("/proc/" + std::to_string(process) + "/" + what);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// `pkill -9 touchable` goes by the one, `pkill -f` by the other.
+TEST(LimpProcess, HasANameAndACommandLineOfItsOwn) {
+    const BeatingProgram program;
+    EXPECT_EQ(contents(program.guardian(), "comm"), "limp-keeper\n");
+    const std::string line = contents(program.guardian(), "cmdline");
+    EXPECT_EQ(line.substr(0, line.find('\0')), "limp-keeper");
+    EXPECT_EQ(line.find_first_not_of('\0', line.find('\0')), std::string::npos) << "nothing behind it";
+    EXPECT_NE(contents(program.process(), "cmdline").find("test_device"), std::string::npos)
+        << "the program keeps its own";
+}
+
+TEST(LimpProcess, IsAsUrgentAsItMayBe) {
+    const BeatingProgram program;
+    const pid_t tries = fork();
+    if (tries == 0) {
+        const sched_param least{.sched_priority = 1};
+        _exit(sched_setscheduler(0, SCHED_FIFO, &least) == 0 ? SCHED_FIFO : SCHED_OTHER);
+    }
+    int status = 0;
+    waitpid(tries, &status, 0);
+    EXPECT_EQ(sched_getscheduler(program.guardian()), WEXITSTATUS(status));
+}
+
+/// Whoever reads a pipe that the program writes waits for its end.
+TEST(LimpProcess, HoldsNothingOpenThatItDoesNotNeed) {
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    auto keeper = LimpKeeper::start();
+    ASSERT_TRUE(keeper.ok());
+    auto kept = LimpKeeper::keep(*keeper);
+    ASSERT_TRUE(kept.ok());
+    ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it has begun";
+    ::close(ends[1]);
+    pollfd end{ends[0], POLLIN, 0};
+    EXPECT_EQ(poll(&end, 1, 0), 1);
+    EXPECT_NE(end.revents & POLLHUP, 0);
+    ::close(ends[0]);
+    const std::filesystem::path open = "/proc/" + std::to_string((*keeper)->process()) + "/fd";
+    std::vector<std::string> held;
+    for (const auto& one : std::filesystem::directory_iterator(open)) held.push_back(one.path().filename());
+    EXPECT_EQ(held.size(), 2U) << "its socket, and what it keeps";
+}
+
+TEST(LimpProcess, SpeaksTwice) {
+    const BeatingProgram program;
+    kill(program.process(), SIGKILL);
+    ASSERT_TRUE(program.hears_of("last"));
+    EXPECT_EQ(program.hears(), "last");
+    EXPECT_EQ(program.hears(), "");
+}
+
+TEST(LimpProcess, ThatItIsGoneIsKnown) {
+    auto keeper = LimpKeeper::start();
+    ASSERT_TRUE(keeper.ok());
+    auto kept = LimpKeeper::keep(*keeper);
+    ASSERT_TRUE(kept.ok());
+    EXPECT_TRUE(kept->beat().ok());
+    kill((*keeper)->process(), SIGKILL);
+    siginfo_t ended{};
+    ASSERT_EQ(waitid(P_PID, static_cast<id_t>((*keeper)->process()), &ended, WEXITED | WNOWAIT), 0);
+    const auto beat = kept->beat();
+    ASSERT_FALSE(beat.ok());
+    EXPECT_EQ(beat.error().kind, ErrorKind::device);
+    EXPECT_NE(
+        beat.error().message.find("(limp-keeper, " + std::to_string((*keeper)->process()) + ") is gone"),
+        std::string::npos)
+        << beat.error().message;
+    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+}
+
+}  // namespace
+}  // namespace touchable::test
