@@ -50,7 +50,7 @@ Result<void> HapticLoop::start() {
 
 void HapticLoop::stop() {
     if (!thread_.joinable()) return;
-    stopping_.store(true, std::memory_order_relaxed);
+    ask_to_stop();
     thread_.join();
 }
 

@@ -53,6 +53,8 @@ public:
     /// Ends after the tick in progress, with zero force written; does nothing before it started or once it
     /// has ended.
     void stop();
+    /// Likewise, and does not wait for that. Any thread.
+    void ask_to_stop() { stopping_.store(true, std::memory_order_relaxed); }
     bool running() const { return !ended_.load(std::memory_order_acquire); }
     /// Time of the newest tick begun: tick k is at k ms.
     std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }

@@ -68,6 +68,19 @@ bool LiveSession::outlasts(const FeedThreads& threads) {
     return true;
 }
 
+void LiveSession::stop() {
+    stopping_.store(true, std::memory_order_relaxed);
+    const std::lock_guard lock(loop_mutex_);
+    if (loop_) loop_->ask_to_stop();
+}
+
+/// One that was to stop before is stopped.
+void LiveSession::set_loop(HapticLoop* loop) {
+    const std::lock_guard lock(loop_mutex_);
+    loop_ = loop;
+    if (loop && stopping_.load(std::memory_order_relaxed)) loop->ask_to_stop();
+}
+
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (interrupted()) return interrupted_error();
     TouchStep step(solver_, settings_.guard, settings_.fingers);
@@ -92,6 +105,11 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         return now.moment;
     });
 
+    const struct Known {
+        Known(LiveSession& session, HapticLoop& loop) : session(session) { session.set_loop(&loop); }
+        ~Known() { session.set_loop(nullptr); }
+        LiveSession& session;
+    } known(*this, loop);
     if (settings_.ticks) loop.end_before(*settings_.ticks);
 
     Result<void> taken;

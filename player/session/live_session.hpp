@@ -47,8 +47,9 @@ public:
     Result<void> run(std::span<TouchSink* const> sinks);
 
     // While it runs, any thread.
-    /// `run` returns soon.
-    void stop() { stopping_.store(true, std::memory_order_relaxed); }
+    /// The hand is limp after the tick in progress, whatever a sink is at; then `run` returns as soon as that
+    /// is done.
+    void stop();
     /// What the clip's clock is doing, as of the newest tick.
     PlaybackState playback() const { return board_.read(); }
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
@@ -66,6 +67,7 @@ public:
 private:
     bool is_over(const HapticLoop& loop, const std::optional<MediaMoment>& end) const;
     bool outlasts(const FeedThreads& threads);
+    void set_loop(HapticLoop* loop);
     Result<void> conclude(const HapticLoop& loop, const Result<void>& taken);
 
     const Scene& scene_;
@@ -76,6 +78,8 @@ private:
     std::shared_ptr<PlaybackLog> log_;
     PlaybackBoard board_;
     std::atomic<bool> stopping_{false};
+    std::mutex loop_mutex_;
+    HapticLoop* loop_ = nullptr;  // that `run` has
     std::atomic<std::int64_t> late_frames_{0}, clip_end_ns_{0};
     mutable std::mutex failure_mutex_;
     std::optional<Error> clip_failure_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "engine/start_thread.hpp"
 
@@ -14,7 +13,10 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-HeldHand::HeldHand(std::shared_ptr<HapticDevice> device) : device_(std::move(device)), age_s_(never) {}
+HeldHand::HeldHand(std::shared_ptr<HapticDevice> device)
+    : device_(std::move(device)),
+      age_s_(never),
+      zeros_(static_cast<std::size_t>(device_->fingers()), glm::dvec3(0)) {}
 
 HeldHand::~HeldHand() {
     if (looking_.joinable()) looking_.join();
@@ -29,8 +31,7 @@ Result<void> HeldHand::open() {
 }
 
 void HeldHand::close() {
-    if (state() == State::open)
-        device_->write_forces(std::vector<glm::dvec3>(static_cast<std::size_t>(fingers())));
+    if (state() == State::open) device_->write_forces(zeros_);
 }
 
 bool HeldHand::read_positions(std::span<glm::dvec3> device_metres) {
@@ -49,7 +50,8 @@ bool HeldHand::read_positions(std::span<glm::dvec3> device_metres) {
 
 bool HeldHand::write_forces(std::span<const glm::dvec3> newtons) {
     if (state() == State::closed) return false;
-    if (state() == State::open && !device_->write_forces(newtons))
+    const bool is_limp = is_limp_.load(std::memory_order_acquire);
+    if (state() == State::open && !device_->write_forces(is_limp ? zeros_ : newtons))
         state_.store(State::gone, std::memory_order_release);
     return true;
 }

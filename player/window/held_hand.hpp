@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "device/haptic_device.hpp"
 
@@ -38,6 +39,9 @@ public:
     bool is_looked_for() const { return state() == State::looked_for; }
     /// Opens the device that is gone again, on a thread of its own; does nothing to one that is not.
     void look_again();
+    /// No force reaches the device from the session's next tick on, whoever asks for it. Waits for nobody,
+    /// and is for good.
+    void leave_limp() { is_limp_.store(true, std::memory_order_release); }
 
 private:
     enum class State { closed, open, gone, looked_for };
@@ -47,6 +51,8 @@ private:
     // While it is `open` the session's haptic thread has the device; while it is not, whoever opens it.
     std::atomic<State> state_{State::closed};
     std::atomic<double> age_s_;
+    std::atomic<bool> is_limp_{false};
+    const std::vector<glm::dvec3> zeros_;
     std::thread looking_;
 };
 

@@ -75,6 +75,7 @@ Result<PlayFigures> WindowLoop::run() {
         return std::move(figures_);
     }
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
+    leave_hand_limp();
     Result<void> kept;
     if (ended.ok() && options_.screenshot && !interrupted()) {
         if (const WatchedMoment* const last = clip_->session().look()) ended = draw(*last);

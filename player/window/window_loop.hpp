@@ -31,6 +31,8 @@ namespace touchable {
 class WindowLoop {
 public:
     explicit WindowLoop(PlayOptions options) : options_(std::move(options)), asked_for_(Clock::now()) {}
+    /// Whatever it ends by: the hand is limp before anything is waited for.
+    ~WindowLoop() { leave_hand_limp(); }
 
     Result<void> open();
     Result<PlayFigures> run();
@@ -54,6 +56,7 @@ private:
     void take_of_hand(const WindowCommand& command);
     void change_scale(double times);
     void look_after_hand(const WatchedMoment* moment);
+    void leave_hand_limp();
     void set_overlay(const std::string& name);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);

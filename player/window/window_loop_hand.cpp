@@ -24,6 +24,14 @@ void WindowLoop::look_after_hand(const WatchedMoment* moment) {
     kiosk_->came(now_s());
 }
 
+/// Nobody sees any more what is asked for. It is asked for no longer, too, so that what is recorded of the
+/// session's last ticks is what the hand had.
+void WindowLoop::leave_hand_limp() {
+    if (!options_.hand) return;
+    options_.hand->leave_limp();
+    if (clip_) clip_->set_force(false);
+}
+
 void WindowLoop::take_of_hand(const WindowCommand& command) {
     HeldHand& hand = *options_.hand;
     switch (command.verb) {

@@ -71,12 +71,17 @@ private:
 class Steps final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override {
+        while (keeps_waiting) {
+            is_waiting = true;
+            sleep_ms(1);
+        }
         const double force = glm::length(tick.forces[0].force);
         if (tick.tick > 200) rise = std::max(rise, force - before_);
         most = std::max(most, force);
         before_ = force;
         return {};
     }
+    std::atomic<bool> keeps_waiting{false}, is_waiting{false};  ///< as a disk that does not answer
     double rise = 0, most = 0;  ///< N; from a tick to the next, once the guard has ramped in
 
 private:
@@ -200,6 +205,19 @@ TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColour) {
         EXPECT_GT(session->setup().settings.playback.size(), 20U);
         EXPECT_EQ(session->figures().ticks.ticks, session->facts().loop.ticks);
     }
+}
+
+TEST_F(Watched, TheHandIsLimpBeforeItsEndIsWaitedFor) {
+    start(options());
+    press();
+    steps.keeps_waiting = true;
+    ASSERT_TRUE(comes_true([this] { return steps.is_waiting.load(); }));
+    EXPECT_GT(handle->newtons(), 0) << "the hand waits for nobody";
+    std::thread stops([this] { session->stop(); });
+    EXPECT_TRUE(comes_true([this] { return handle->newtons() == 0; })) << "while the disk keeps it waiting";
+    steps.keeps_waiting = false;
+    stops.join();
+    EXPECT_FALSE(session->failure()) << session->failure()->message;
 }
 
 TEST_F(Watched, ASeekOfAPausedClipIsFeltAndFadesIn) {

@@ -290,6 +290,18 @@ TEST(HeldHand, ClosingLeavesNoForceAndTheDeviceOpen) {
     EXPECT_EQ(fake->openings, 1);
 }
 
+TEST(HeldHand, ThatIsLeftLimpGetsNoForceWhoeverWritesOne) {
+    const auto fake = std::make_shared<FakeHand>();
+    HeldHand hand(fake);
+    ASSERT_TRUE(hand.open().ok());
+    const glm::dvec3 force(0, 0, 2);
+    EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
+    EXPECT_EQ(fake->newtons, 2);
+    hand.leave_limp();
+    EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
+    EXPECT_EQ(fake->newtons, 0);
+}
+
 TEST(HeldHand, ThatIsNotThereIsRefused) {
     const auto fake = std::make_shared<FakeHand>();
     fake->is_unplugged = true;
