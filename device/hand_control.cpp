@@ -65,11 +65,30 @@ void HandControl::grip() {
     }
 }
 
-void HandControl::let_go() {
+void HandControl::let_go(const SurfaceProbe* surface) {
     offset_ -= moved();
     gripped_ = false;
     for (Finger& finger : fingers_) finger.gripped.reset();
     close_gates();
+    if (surface) come_out(*surface);
+}
+
+/// Each finger that is inside goes along its pixel's ray and takes the others along. One of them may come
+/// under a cliff so, and goes on in the next round.
+void HandControl::come_out(const SurfaceProbe& surface) {
+    constexpr int rounds = 4;
+    const Workspace& space = mapping_.workspace;
+    const double gap = out_of_it / space.metres_per_scene_unit;
+    for (std::size_t k = 0; k < rounds * count_; ++k) {
+        const Finger& finger = fingers_[k % count_];
+        if (!finger.known) continue;
+        const glm::dvec3 goal = space.to_scene(finger.place + offset_);
+        const glm::dvec3 at = goal.z < 0 ? surface.project(goal) : glm::dvec3(0);
+        const std::optional<double> depth = surface.depth_under(at.x, at.y);
+        if (!depth || !(at.z > *depth)) continue;
+        const glm::dvec3 out = surface.unproject(at.x, at.y, std::max(*depth - gap, 0.5 * *depth));
+        offset_ += (out - goal) * space.metres_per_scene_unit;
+    }
 }
 
 void HandControl::go_on_from(const HandControl& before) {
@@ -89,6 +108,17 @@ void HandControl::close_gates() {
     }
 }
 
+void HandControl::come_back(std::int64_t alone_ms) {
+    close_gates();
+    nobody_ticks_ = std::max(nobody_ticks_, alone_ms);
+    give_up_forces();
+}
+
+/// Of whoever is away for so long.
+void HandControl::give_up_forces() {
+    if (nobody_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
+}
+
 void HandControl::take_buttons(std::uint32_t buttons, bool known) {
     if ((buttons & second_button) != 0) ask_force(false);
     if (!known) {
@@ -104,7 +134,7 @@ void HandControl::take_buttons(std::uint32_t buttons, bool known) {
     }
 }
 
-void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons) {
+void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, const SurfaceProbe* surface) {
     assert(places.size() == count_);
     for (std::size_t finger = 0; finger < count_; ++finger) {
         fingers_[finger].known = is_known(places[finger]);
@@ -115,12 +145,12 @@ void HandControl::to_goals(std::span<glm::dvec3> places, std::uint32_t buttons) 
     ++figures_.ticks;
     if (!hand) ++figures_.placeless;
     nobody_ticks_ = hand ? 0 : nobody_ticks_ + 1;
-    if (nobody_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
+    give_up_forces();
 
     const bool clutched = clutch_button_ || held_.load(std::memory_order_relaxed);
     clutched_.store(clutched, std::memory_order_relaxed);
     if (clutched && hand) grip();
-    if (!clutched && gripped_ && hand) let_go();
+    if (!clutched && gripped_ && hand) let_go(surface);
     const std::uint32_t recentrings = recentrings_.load(std::memory_order_relaxed);
     if (recentrings != recentred_ && hand && !gripped_) {
         recentred_ = recentrings;

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "device/device_driver.hpp"
+#include "device/surface_probe.hpp"
 #include "device/workspace.hpp"
 
 namespace touchable {
@@ -33,9 +34,12 @@ struct HandFigures {
 /// - Forces are off until somebody asks for them. From then on each finger feels them once it has been free:
 ///   they rise over `rise_ticks`. Off is at once.
 /// - They are off again once no finger's place was known for a second: whoever takes the device then may be
-///   another person. (Not where somebody insists.)
-/// - The device is held still in the scene while it is repositioned (clutch): no force, and afterwards as if
-///   forces had just been asked for.
+///   another person. (Not where somebody insists.) After a gap in which nobody looked after the hand it is as
+///   if forces had just been asked for.
+/// - The fingers are held still in the scene while the device is repositioned (clutch): no force, and
+/// afterwards
+///   as if forces had just been asked for. A finger that is inside the surface then comes out of it, towards
+///   the camera, and the others with it: so it is free, and what it presses next is felt.
 /// - Recentring makes the place where the hand is now that of the workspace's centre; likewise.
 ///
 /// The first button asks for forces; while they are on, it is the clutch. The second one stops them. One that
@@ -45,12 +49,16 @@ public:
     static constexpr int most_fingers = 80;  // eight devices of ten
     static constexpr int rise_ticks = 300;
     static constexpr int longest_away_ticks = 1000;
+    static constexpr double out_of_it = 0.001;  ///< m, before the surface: where a finger comes out to
 
     HandControl(int fingers, const HandMapping& mapping);
 
     // The haptic thread's, every tick: neither waits nor allocates.
-    /// In: device metres, not numbers where there is no place. Out: goals, scene units.
-    void to_goals(std::span<glm::dvec3> places, std::uint32_t buttons);
+    /// Nobody has looked after the hand for so long, ms: every finger has to be free once more.
+    void come_back(std::int64_t alone_ms);
+    /// In: device metres, not numbers where there is no place. Out: goals, scene units. `surface`: of this
+    /// tick, out of which the fingers come where the clutch is released; nullptr: none.
+    void to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, const SurfaceProbe* surface = nullptr);
     /// Of guarded forces what reaches the device, in its axes. `ticks`: that have passed since the last call.
     void to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons);
     /// Whether any finger may feel a force in this tick.
@@ -92,10 +100,12 @@ private:
     std::optional<glm::dvec3> centre() const;
     glm::dvec3 moved() const;
     void grip();
-    void let_go();
+    void let_go(const SurfaceProbe* surface);
+    void come_out(const SurfaceProbe& surface);
     glm::dvec3 offset_in_effect() const { return gripped_ ? offset_ - moved() : offset_; }
     void take_buttons(std::uint32_t buttons, bool known);
     void close_gates();
+    void give_up_forces();
 
     HandMapping mapping_;
     const std::size_t count_;

@@ -17,6 +17,8 @@ public:
     void surface_is_new();
     /// Goals have been missing for so long that no force is left.
     bool has_let_go() const { return guard_.has_let_go(); }
+    /// As if they had been.
+    void let_go() { guard_.let_go(); }
 
 private:
     JumpCancellation jump_;

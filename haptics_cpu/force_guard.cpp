@@ -63,6 +63,15 @@ GuardedForce ForceGuard::ramp_out() {
     return can_go_out(out) ? out : begin_anew();
 }
 
+void ForceGuard::let_go() {
+    ticks_faulty_ = ramp_out_ticks();
+    ticks_in_ = 0;
+    ticks_held_ = std::max(ticks_held_, settled_ticks);  // no haste, however far away the hand is now
+    last_force_ = glm::dvec3(0.0);
+    account_.lose_goal();
+    stiffness_.lift();
+}
+
 glm::dvec3 ForceGuard::spring(const Contact& contact, const glm::dvec3& unlimited, double stiffness,
                               std::uint32_t& reasons) const {
     glm::dvec3 force = unlimited;

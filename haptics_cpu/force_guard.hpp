@@ -24,7 +24,8 @@ enum GuardReason : std::uint32_t {
     guard_damping = 32,    ///< a damper's force added
     guard_passivity = 64,  ///< the passivity controller's force added
     guard_jump = 128,      ///< the surface jumped: JumpCancellation
-    guard_waiting = 256    ///< with guard_jump: no force until the finger has been free of a new surface
+    guard_waiting = 256,   ///< with guard_jump: no force until the finger has been free of a new surface
+    guard_gap = 512        ///< the hand was left alone before this tick: TouchStep::come_back
 };
 
 struct GuardedForce {
@@ -50,6 +51,8 @@ public:
     }
     /// Goals have been missing for so long that no force is left: what comes next is a new beginning.
     bool has_let_go() const { return ticks_faulty_ >= ramp_out_ticks(); }
+    /// As if they had been: the hand was left alone, and nothing is left of the force it had.
+    void let_go();
 
     /// Of a tick with a fault: what would have gone out could not, and all that led to it is forgotten.
     bool has_begun_anew() const { return ticks_faulty_ == 0; }

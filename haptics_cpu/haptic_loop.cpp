@@ -75,6 +75,7 @@ void HapticLoop::run() {
 void HapticLoop::tick_until_stopped() {
     const auto start = steady_clock::now();
     zero_.store(start, std::memory_order_relaxed);
+    ticked_ns_ = clock_();
     for (std::int64_t tick = 0; !stopping_.load(std::memory_order_relaxed); ++tick) {
         sleep_until(start + tick * tick_time);
         auto late = steady_clock::now() - (start + tick * tick_time);
@@ -94,6 +95,15 @@ void HapticLoop::tick_until_stopped() {
     }
 }
 
+/// By a clock that a suspended machine does not stop. (Ticks stand still then, as the clip does.)
+void HapticLoop::look_for_gap() {
+    const std::int64_t now = clock_(), alone_ns = now - std::exchange(ticked_ns_, now);
+    if (alone_ns <= longest_gap_ns) return;
+    ++facts_.gaps;
+    step_.come_back();
+    port_.come_back(alone_ns / 1'000'000);
+}
+
 bool HapticLoop::tick(std::int64_t tick, double late_us) {
     const std::int64_t time_ns = std::chrono::nanoseconds(tick * tick_time).count();
     time_ns_.store(time_ns, std::memory_order_relaxed);
@@ -101,6 +111,7 @@ bool HapticLoop::tick(std::int64_t tick, double late_us) {
     timeline_.pair_at(moment_of_tick_ ? moment_of_tick_(tick) : MediaMoment{0, time_ns, 0}, pair);
     timeline_.show(tick);
     const HeightField field(scene_, pair);
+    look_for_gap();
     const auto asked = steady_clock::now();
     if (!answer_of([&] { return port_.read_goals(tick, field, step_.goals()); })) return false;
     const auto read = steady_clock::now();

@@ -7,8 +7,10 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "engine/boot_time.hpp"
 #include "engine/result.hpp"
 #include "haptics_cpu/haptic_port.hpp"
 #include "haptics_cpu/realtime.hpp"
@@ -23,6 +25,7 @@ struct LoopFacts {
     std::int64_t ticks = 0;
     std::int64_t late = 0;       ///< wake-ups a whole tick or more too late
     std::int64_t skipped = 0;    ///< ticks whose time had passed by then; never made up for
+    std::int64_t gaps = 0;       ///< of more than `longest_gap_ns` without a tick
     std::int64_t lost = 0;       ///< ticks for which the log had no room
     double longest_port_ms = 0;  ///< that the port took in one tick, its reading and its writing together
     bool port_failed = false;    ///< it said so, or threw
@@ -37,6 +40,9 @@ public:
     /// Which moment of the clip a tick is of; asked tick by tick by the haptic thread, so it must not wait.
     /// Nothing: the tick's own time, of epoch 0.
     using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
+    /// A hand that got no tick for longer was left alone: the program was stopped, the machine was suspended
+    /// or had other work. It has no force any more, and is one that comes back (TouchStep::come_back).
+    static constexpr std::int64_t longest_gap_ns = 100'000'000;
     /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.
     HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
                MomentOfTick moment_of_tick = {});
@@ -46,6 +52,8 @@ public:
 
     /// It ends by itself before that tick, whatever keeps others from stopping it. Before `start`.
     void end_before(std::int64_t tick) { end_ = tick; }
+    /// The clock by which a gap is seen, in place of boot_ns: ns, never backward. Before `start`.
+    void see_gaps_by(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
     /// Begins tick 0 now. At least one frame has been published. A loop runs
     /// once: what its fingers carry over knows nothing of a pause, and the hand would get a force without a
     /// ramp. An error then, and where the machine has no thread left.
@@ -69,6 +77,7 @@ private:
     void run();
     void tick_until_stopped();
     bool tick(std::int64_t tick, double late_us);
+    void look_for_gap();
 
     const Scene& scene_;
     SurfaceTimeline& timeline_;
@@ -76,6 +85,8 @@ private:
     HapticPort& port_;
     TickLog& log_;
     const MomentOfTick moment_of_tick_;
+    std::function<std::int64_t()> clock_ = boot_ns;
+    std::int64_t ticked_ns_ = 0;  // by that clock, when the newest tick began
     std::vector<glm::dvec3> newtons_;
     LoopFacts facts_;
     std::optional<std::int64_t> end_;

@@ -41,6 +41,14 @@ void TouchStep::meet_new_surface() {
     for (std::size_t k = 0; k < fingers_.size(); ++k) meet_anew(k);
 }
 
+void TouchStep::come_back() {
+    came_back_ = true;
+    for (std::size_t k = 0; k < fingers_.size(); ++k) {
+        guards_[k].let_go();
+        if (waits_to_be_free_) meet_anew(k);
+    }
+}
+
 /// Since the tick before; a count that begins anew has no tick before.
 int TouchStep::ticks_until(std::int64_t tick) {
     const std::int64_t last = std::exchange(last_tick_, tick).value_or(tick - 1);
@@ -83,6 +91,8 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     } else {
         meet_nothing();
     }
+    if (std::exchange(came_back_, false))
+        for (GuardedForce& force : forces_) force.reasons |= guard_gap;
     done.tick = tick;
     done.time_ns = time_ns;
     done.pair = pair;

@@ -25,6 +25,10 @@ public:
     /// Each begins anew where its goal is; what is inside a surface then waits to be free (GuardSettings), or
     /// feels it come on as after a jump. Time goes on.
     void meet_new_surface();
+    /// The hand was left alone before the next `run`, for so long that it may be anywhere and has no force
+    /// any more (HapticLoop): as where a device comes back whose goals were missing. What is inside a surface
+    /// then waits to be free (GuardSettings), or feels it ramp in. The forces of that tick have `guard_gap`.
+    void come_back();
     /// No allocation, lock or I/O. The spans stay as they are until the next call. `tick` counts time: where
     /// it is more than 1 after the last one, that long has passed. Frames that are missing, or have not the
     /// scene's size, are a fault: forces ramp to zero.
@@ -38,6 +42,7 @@ private:
 
     const TouchSolver& solver_;
     bool waits_to_be_free_;
+    bool came_back_ = false;  // before the next tick
     std::optional<std::int64_t> last_tick_;
     std::vector<glm::dvec3> goals_;
     std::vector<FingerState> fingers_;

@@ -217,6 +217,7 @@ std::string how_to_begin(const HapticDevice& device, const HandControl& control,
 std::string state_of(const HapticDevice& device, const HandControl& control) {
     const std::string wish = device.wish();
     std::string forces = control.force_is_asked() ? "forces on" : "forces off";
+    if (control.is_repositioned()) forces = "no force while the hand is repositioned";
     if (device.capabilities().axes_driven == 0) forces = "no force from this device";
     return wish.empty() ? forces : forces + "; " + wish;
 }

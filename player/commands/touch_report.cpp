@@ -49,6 +49,7 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     const auto frames = report["frames"].get<double>();
     report["late_ticks"] = live.loop.late;
     report["skipped_ticks"] = live.loop.skipped;
+    report["gaps"] = live.loop.gaps;
     report["late_us"] = to_json(figures.late_us());
     report["late_us_histogram"] = figures.late_histogram();
     report["scheduling"] = live.loop.grant.in_words();
@@ -259,9 +260,10 @@ std::string report_to_text(const Json& r) {
     line("event limit reached", count("capped_ticks") + " ticks");
     line("time per tick", spread(r["tick_us"]) + " us, all fingers");
     if (r["clock"] == "wall") {
-        line("on the wall clock", count("late_ticks") + " ticks late by 1 ms or more, " +
-                                      count("skipped_ticks") + " skipped; began " + spread(r["late_us"]) +
-                                      " us after their time; " + r["scheduling"].get<std::string>());
+        line("on the wall clock",
+             count("late_ticks") + " ticks late by 1 ms or more, " + count("skipped_ticks") + " skipped" +
+                 (r["gaps"] == 0 ? "" : ", with " + count("gaps") + " gaps of over 100 ms") + "; began " +
+                 spread(r["late_us"]) + " us after their time; " + r["scheduling"].get<std::string>());
     }
     if (r.contains("late_frames"))
         line("frames too late", count("late_frames") + " of " + count("frames") +

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "player/session/field_probe.hpp"
+
 namespace touchable {
 
 HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log)
@@ -11,11 +13,12 @@ HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* lo
       places_(static_cast<std::size_t>(device.fingers())),
       newtons_(static_cast<std::size_t>(device.fingers())) {}
 
-bool HeldPort::read_goals(std::int64_t tick, const HeightField&, std::span<glm::dvec3> goals) {
+bool HeldPort::read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) {
     tick_ = tick;
     if (!device_.read_positions(places_)) return false;
     std::copy(places_.begin(), places_.end(), goals.begin());
-    control_.to_goals(goals, device_.buttons());
+    const FieldProbe probe(field);
+    control_.to_goals(goals, device_.buttons(), &probe);
     return true;
 }
 

@@ -16,6 +16,7 @@ public:
     /// All of them outlive the port; the device is open. `log`: nullptr: nobody wants one.
     HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log);
     bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
+    void come_back(std::int64_t alone_ms) override { control_.come_back(alone_ms); }
     bool write_forces(std::span<const glm::dvec3> newtons) override;
 
 private:

@@ -50,6 +50,7 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     if (is_over(tick)) return {};
     const HeightField field(scene_, *pair);
     hand_.goals_at(tick, FieldProbe(field), step_.goals());
+    if (settings_.is_after_gap && settings_.is_after_gap(tick)) step_.come_back();
     const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, *pair);
     for (TouchSink* sink : sinks)
         if (auto taken = sink->take(done); !taken.ok()) return taken;

@@ -45,6 +45,8 @@ struct TouchSessionSettings {
     std::function<bool()> hand_is_over;
     /// Time of a tick; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
+    /// Whether the hand had been left alone before a tick (TouchStep::come_back); never by default.
+    std::function<bool(std::int64_t)> is_after_gap;
     /// Frames of a tick; those around its moment on the clip's clock by default.
     std::function<Result<FramePair>(std::int64_t)> pair_of_tick;
 };

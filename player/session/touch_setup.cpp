@@ -285,6 +285,9 @@ void follow(const RecordedPart& part, TouchSetup& setup) {
     };
     setup.settings.playback = part.playback;
     if (!setup.live) return;
+    setup.settings.is_after_gap = [&part](std::int64_t tick) {
+        return (part.ticks[static_cast<std::size_t>(tick)].guards.front() & guard_gap) != 0;
+    };
     const PlaybackClock clock(setup.scene.rate, part.playback);
     setup.settings.pair_of_tick = [&part, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
                                    now = clock](std::int64_t tick) mutable -> Result<FramePair> {

@@ -73,6 +73,9 @@ SessionOptions OpenedClip::session_options(const FeltSettings& felt) const {
         session.held_device = options_.hand;
         session.control = std::make_shared<HandControl>(fingers_of_hand(), HandMapping{});
     }
+    // A pointer's finger that was inside, where how the surface is felt is new or after a gap, stays there,
+    // and the ramp is for that. No hand is pushed out of what it did not come into.
+    session.start_buried = !options_.hand;
     session.recorded = options_.record.has_value();
     return with_felt(std::move(session), felt);
 }
@@ -203,9 +206,6 @@ Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
         change.state = session_->playback();
         return {};
     };
-    // A finger that was inside stays there: how the surface is felt is new, and the ramp is for that. No hand
-    // is pushed out of what it did not come into.
-    session.start_buried = !options_.hand;
     auto setup = setup_from_options(session);
     if (!setup.ok()) return setup.error();
     change.setup = std::move(*setup);

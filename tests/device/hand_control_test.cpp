@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "tests/device/fake_probe.hpp"
+
 namespace touchable::test {
 namespace {
 
@@ -169,6 +171,28 @@ TEST_F(Control, ForcesOfAHandThatIsAwayForASecondAreOffUnlessSomebodyInsists) {
     EXPECT_TRUE(control.force_is_asked());
 }
 
+TEST_F(Control, AHandThatWasLeftAloneHasToBeFreeOnceMore) {
+    ask();
+    goal({0, 0, 0});
+    control.come_back(101);
+    for (int tick = 0; tick < 1000; ++tick) EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
+    felt({0, 0, 0});
+    EXPECT_NEAR(felt({0, 0, 3}).z, 3.0 / HandControl::rise_ticks, 1e-12) << "and then it rises";
+    EXPECT_TRUE(control.force_is_asked());
+}
+
+TEST_F(Control, ForcesOfAHandThatWasLeftAloneForASecondAreOffUnlessSomebodyInsists) {
+    ask();
+    control.come_back(HandControl::longest_away_ticks);
+    EXPECT_TRUE(control.force_is_asked());
+    control.come_back(HandControl::longest_away_ticks + 1);
+    EXPECT_FALSE(control.force_is_asked());
+    control.insist_on_force();
+    ask();
+    control.come_back(10'000);
+    EXPECT_TRUE(control.force_is_asked());
+}
+
 TEST_F(Control, TheClutchIsHeldThroughAGap) {
     goal({0, 0, 0}, 0);
     ask();
@@ -210,6 +234,69 @@ TEST(ControlOfTwo, AFingerThatIsLostOrFoundWhileTheClutchIsHeldMovesNobody) {
     const auto after = goals({0.03, 0, 0}, {0.07, 0, 0});
     EXPECT_NEAR(glm::length(after[0] - before[0]), 0, 1e-9);
     EXPECT_NEAR(glm::length(after[1] - before[1]), 0, 1e-9);
+}
+
+// Force returns only to a finger that has been free, and one that is let go of inside would stay there.
+TEST_F(Control, WhoLetsGoOfTheClutchInsideComesOutOfTheSurface) {
+    const FakeProbe wall = flat_view(520);  // 20 units, or 2 mm, behind the device's middle
+    const auto put = [&](const glm::dvec3& place) {
+        glm::dvec3 out = place;
+        control.to_goals(std::span(&out, 1), 0, &wall);
+        return out;
+    };
+    put({0.001, 0, 0});
+    ask();
+    EXPECT_NEAR(put({0.001, 0, -0.006}).z, -560, 1e-9) << "it presses";
+    control.hold(true);
+    const glm::dvec3 held = put({0.001, 0, -0.006});
+    EXPECT_EQ(put({0.001, 0, 0.03}), held) << "it stays while the hand goes back";
+    control.hold(false);
+    const glm::dvec3 out = put({0.001, 0, 0.03});
+    EXPECT_NEAR(out.z, -510, 1e-9) << "a millimetre before the surface";
+    const glm::dvec3 pixel = wall.project(out), pixel_before = wall.project(held);
+    EXPECT_NEAR(pixel.x, pixel_before.x, 1e-9) << "where it was seen";
+    EXPECT_NEAR(put({0.001, 0, 0.028}).z, -530, 1e-9) << "and what it presses now is felt";
+    felt({0, 0, 0});
+    for (int tick = 0; tick < HandControl::rise_ticks; ++tick) felt({0, 0, 2});
+    EXPECT_EQ(felt({0, 0, 2}), glm::dvec3(0, 0, 2));
+}
+
+TEST_F(Control, WhoLetsGoOfTheClutchOutsideStaysWhereItIs) {
+    const FakeProbe wall = flat_view(520), holes = camera_view([](double, double) { return std::nullopt; });
+    for (const FakeProbe* surface : {&wall, &holes}) {
+        const auto put = [&](const glm::dvec3& place) {
+            glm::dvec3 out = place;
+            control.to_goals(std::span(&out, 1), 0, surface);
+            return out;
+        };
+        control.hold(true);
+        const glm::dvec3 held = put({0, 0, -0.0019});
+        put({0, 0, 0.01});
+        control.hold(false);
+        EXPECT_NEAR(glm::length(put({0, 0, 0.01}) - held), 0, 1e-9);
+        put({0, 0, -0.0019});
+    }
+}
+
+TEST(ControlOfTwo, BothComeOutTogetherOfAStep) {
+    HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
+    const FakeProbe step =
+        camera_view([](double x, double) { return std::optional(x < 320 ? 560.0 : 530.0); });
+    std::array<glm::dvec3, 2> places{};
+    const auto put = [&](double x0, double z0, double x1, double z1) {
+        places = {glm::dvec3(x0, 0, z0), glm::dvec3(x1, 0, z1)};
+        control.to_goals(places, 0, &step);
+    };
+    control.hold(true);
+    put(-0.02, -0.008, 0.02, -0.008);  // 20 mm to each side; 2 mm inside, and 5
+    put(-0.02, 0.01, 0.02, 0.01);
+    control.hold(false);
+    put(-0.02, 0.01, 0.02, 0.01);
+    for (const glm::dvec3& place : places) {
+        const glm::dvec3 at = step.project(place);
+        EXPECT_LT(at.z, *step.depth_under(at.x, at.y));
+    }
+    EXPECT_NEAR(glm::length(places[1] - places[0]), 400, 1e-9) << "as far apart as the hand holds them";
 }
 
 TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {

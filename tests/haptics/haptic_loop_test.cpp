@@ -27,6 +27,9 @@ public:
             goal = {0, 0, -100 - 0.02 * static_cast<double>(std::min<std::int64_t>(tick, 100))};
         return static_cast<int>(ticks.size()) != fails_at;
     }
+    void come_back(std::int64_t alone_ms) override {
+        alone.emplace_back(static_cast<std::int64_t>(ticks.size()), alone_ms);
+    }
     bool write_forces(std::span<const glm::dvec3> newtons) override {
         last.assign(newtons.begin(), newtons.end());
         for (const glm::dvec3& force : newtons) largest = std::max(largest, force.z);
@@ -39,7 +42,8 @@ public:
     int fails_at = -1, stalls_at = -1, throws_at = -1, write_stalls_at = -1, write_throws_at = -1;
     std::chrono::milliseconds stall{5};
     std::vector<std::int64_t> ticks;
-    std::vector<int> cpus;  // that each tick began on
+    std::vector<std::pair<std::int64_t, std::int64_t>> alone;  // after how many ticks, for how many ms
+    std::vector<int> cpus;                                     // that each tick began on
     std::vector<glm::dvec3> last;
     double largest = 0;
     int writes = 0;
@@ -242,6 +246,33 @@ TEST(HapticLoop, EndsByItselfBeforeATickThatItWasTold) {
     EXPECT_EQ(loop.facts().ticks, static_cast<std::int64_t>(rig.port.ticks.size()));
     EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
     EXPECT_FALSE(loop.facts().port_failed);
+}
+
+// A machine that is suspended stops the clock that ticks go by, and another one goes on.
+TEST(HapticLoop, AHandThatWasLeftAloneComesBackWhicheverClockKnows) {
+    LoopRig rig(4096);
+    rig.port.fails_at = 300;
+    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
+    std::int64_t now_ns = 5, reads = 0;
+    loop.see_gaps_by([&] {
+        ++reads;
+        return now_ns += reads == 150 ? 3'000'000'000 : reads == 200 ? 100'000'000 : 1'000'000;
+    });
+    ASSERT_TRUE(loop.start().ok());
+    wait_for_the_end(loop);
+    // The first reading is before the first tick.
+    EXPECT_EQ(rig.port.alone, (std::vector<std::pair<std::int64_t, std::int64_t>>{{148, 3000}}));
+    EXPECT_EQ(loop.facts().gaps, 1);
+    std::size_t ticks = 0;
+    while (rig.log.pop([&](const TouchTick& tick) {
+        const bool after_gap = ticks++ == 148;
+        for (const GuardedForce& force : tick.forces) {
+            EXPECT_EQ((force.reasons & guard_gap) != 0, after_gap) << ticks;
+            EXPECT_TRUE(!after_gap || force.force == glm::dvec3(0.0));
+        }
+    })) {
+    }
+    EXPECT_GT(rig.port.largest, 0.5) << "there was a force to take away";
 }
 
 TEST(HapticLoop, ALogThatNobodyReadsCostsTicksOfTheLogButNoForce) {

@@ -177,5 +177,70 @@ TEST_F(NewSurface, WhoComesBackAfterAnOutageInTheAirIsFree) {
     EXPECT_NEAR(press(4), 4, 1e-9);
 }
 
+TEST_F(NewSurface, AHandThatWasLeftAloneInsideHasNoForceUntilItHasBeenFree) {
+    begin();
+    press(-1);
+    press(4);
+    step->come_back();
+    EXPECT_EQ(press(7), 0) << "at once, and not after a fade: nobody knows whose hand it is";
+    EXPECT_EQ(reasons, std::uint32_t{guard_jump | guard_waiting | guard_gap});
+    for (int k = 0; k < 300; ++k) {
+        ASSERT_EQ(press(7 - 0.02 * k), 0) << k;
+        ASSERT_EQ(reasons & (guard_waiting | guard_gap), std::uint32_t{guard_waiting}) << k;
+    }
+    press(-0.1);
+    EXPECT_NEAR(press(4), 4, 1e-9);
+}
+
+TEST_F(NewSurface, AHandThatWentInsideWhileItWasLeftAloneHasNoForceEither) {
+    begin();
+    press(-20);
+    step->come_back();
+    for (int k = 0; k < 300; ++k) ASSERT_EQ(press(5), 0) << k;
+    press(-0.1);
+    EXPECT_NEAR(press(4), 4, 1e-9);
+}
+
+TEST_F(NewSurface, AHandThatWasLeftAloneInTheAirIsFree) {
+    begin();
+    press(4);
+    step->come_back();
+    EXPECT_EQ(press(-3), 0);
+    EXPECT_NEAR(press(4), 4, 1e-9);
+}
+
+TEST_F(NewSurface, AHandWithoutAPlaceAfterItWasLeftAloneIsNotFree) {
+    begin();
+    press(-1);
+    press(4);
+    step->come_back();
+    for (int k = 0; k < 5; ++k) EXPECT_EQ(without_goal(), 0) << "nothing is left to ramp out";
+    for (int k = 0; k < 300; ++k) ASSERT_EQ(press(4), 0) << k;
+}
+
+TEST_F(NewSurface, AHandThatWasLeftAloneFeelsItRampInWhereNothingWaits) {
+    guard.waits_to_be_free = false;
+    guard.ramp_in_ticks = 100;
+    begin();
+    press(-1);
+    rest(4, 200, 0);
+    step->come_back();
+    EXPECT_EQ(press(4), 0);
+    const auto [most, force] = rest(4, 150, 0);
+    EXPECT_LE(most, 4 * 0.01 * (1 + 1e-9));
+    EXPECT_NEAR(force, 4, 1e-9);
+}
+
+TEST_F(NewSurface, ADamperTakesAHandThatWasLeftAloneForNoHaste) {
+    guard.waits_to_be_free = false;
+    guard.damping = 10;
+    begin();
+    press(-1);
+    press(1);
+    step->come_back();
+    // 3 mm farther: in one tick that would be 3 m/s, and 12 N.
+    EXPECT_NEAR(press(4), 4, 10 * 0.04);
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -18,6 +18,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "device/network/network_packet.hpp"
 #include "device/network/udp_socket.hpp"
@@ -90,6 +91,13 @@ public:
         for (int tries = 0; tries < 20'000; ++tries)
             if (glm::length(press().vectors[0]) > 0.1) return true;
         return false;
+    }
+    double place() const { return place_; }
+    void go_out() { way_ = 0.0005; }  ///< and come again
+    /// What has been answered until now counts no more.
+    void forget() {
+        hear(20);
+        newest_ = {};
     }
     NetworkPacket hear(int patience_ms) {
         pollfd waited_for{socket_, POLLIN, 0};
@@ -284,6 +292,65 @@ TEST_F(NetworkTouch, AFingerThatIsInsideIsToldToComeOut) {
         EXPECT_EQ(live.code, 130) << "it was to end once its line had said that thrice: " << live.err;
         EXPECT_EQ(times_in(live.err, told) > 0, is_inside) << live.err;
     }
+}
+
+/// The program, with the device and forces from the start, until it is told to end.
+class RunningProgram {
+public:
+    RunningProgram(const std::string& clip, const std::string& device) : program_(fork()) {
+        if (program_ != 0) return;
+        const int nowhere = open("/dev/null", O_RDWR);
+        for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
+        execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "touch", clip.c_str(), "--live", "--device",
+              device.c_str(), "--force-on", nullptr);
+        _exit(127);
+    }
+    ~RunningProgram() {
+        send(SIGCONT);
+        send(SIGTERM);
+        waitpid(program_, nullptr, 0);
+    }
+    RunningProgram(const RunningProgram&) = delete;
+    RunningProgram& operator=(const RunningProgram&) = delete;
+    void send(int signal) const { kill(program_, signal); }
+    /// It has stopped once this returns.
+    void stop() const {
+        send(SIGSTOP);
+        int state = 0;
+        ASSERT_EQ(waitpid(program_, &state, WUNTRACED), program_);
+        ASSERT_TRUE(WIFSTOPPED(state));
+    }
+
+private:
+    const pid_t program_;
+};
+
+/// A program that was stopped, as by a debugger or a machine that swaps, may find any hand anywhere.
+TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
+    const RunningProgram program(clip, device());
+    PressingHand hand(port);
+    for (const bool goes_in_meanwhile : {false, true}) {
+        ASSERT_TRUE(hand.feels_something());
+        const double inside = hand.place() - 0.004;
+        if (goes_in_meanwhile)
+            for (int packet = 0; packet < 300; ++packet) hand.rest_at(inside + 0.04);
+        program.stop();
+        std::this_thread::sleep_for(std::chrono::milliseconds(400));
+        hand.forget();
+        program.send(SIGCONT);
+        int answers = 0;
+        std::uint32_t answered = 0;
+        for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
+            const NetworkPacket answer = hand.rest_at(inside);
+            ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
+                      glm::dvec3(0))
+                << "answer " << answers;
+            if (!answer.last && answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
+        }
+        EXPECT_EQ(answers, 600) << "the program does not answer any more";
+        hand.go_out();
+    }
+    EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
 }
 
 TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {
