@@ -33,7 +33,8 @@ HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep&
       port_(port),
       log_(log),
       moment_of_tick_(std::move(moment_of_tick)),
-      newtons_(static_cast<std::size_t>(step.fingers())) {}
+      newtons_(static_cast<std::size_t>(step.fingers())),
+      shares_(static_cast<std::size_t>(step.fingers())) {}
 
 HapticLoop::~HapticLoop() {
     stop();
@@ -122,6 +123,8 @@ bool HapticLoop::tick(std::int64_t tick, double late_us) {
     const bool written = answer_of([this] { return port_.write_forces(newtons_); });
     const std::chrono::duration<double, std::milli> port = read - asked + (steady_clock::now() - computed);
     facts_.longest_port_ms = std::max(facts_.longest_port_ms, port.count());
+    for (std::size_t k = 0; k < shares_.size(); ++k) shares_[k] = written ? port_.share(k) : 0;
+    done.shares = shares_;
     if (!log_.push(done)) ++facts_.lost;
     return written;
 }

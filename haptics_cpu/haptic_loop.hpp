@@ -88,6 +88,7 @@ private:
     std::function<std::int64_t()> clock_ = boot_ns;
     std::int64_t ticked_ns_ = 0;  // by that clock, when the newest tick began
     std::vector<glm::dvec3> newtons_;
+    std::vector<double> shares_;
     LoopFacts facts_;
     std::optional<std::int64_t> end_;
     bool started_ = false;

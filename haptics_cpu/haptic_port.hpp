@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -21,6 +22,8 @@ public:
     /// Guarded forces, newtons, world axes. False as above. The last call of a loop, however it ends, writes
     /// zeros.
     virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
+    /// Of what was written last, how much of a finger's force went to the hand: 0 to 1.
+    virtual double share(std::size_t) const { return 1; }
 };
 
 }  // namespace touchable

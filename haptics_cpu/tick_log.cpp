@@ -13,6 +13,7 @@ std::vector<TickLog::Slot> TickLog::slots_for(int ticks, int fingers) {
         slot.goals.resize(count);
         slot.contacts.resize(count);
         slot.forces.resize(count);
+        slot.shares.resize(count);
     }
     return slots;
 }
@@ -26,6 +27,8 @@ bool TickLog::push(const TouchTick& tick) {
         slot.tick.goals = slot.goals;
         slot.tick.contacts = slot.contacts;
         slot.tick.forces = slot.forces;
+        std::copy(tick.shares.begin(), tick.shares.end(), slot.shares.begin());
+        if (!tick.shares.empty()) slot.tick.shares = slot.shares;
     });
 }
 

@@ -27,6 +27,7 @@ private:
         std::vector<glm::dvec3> goals;
         std::vector<Contact> contacts;
         std::vector<GuardedForce> forces;
+        std::vector<double> shares;
     };
     static std::vector<Slot> slots_for(int ticks, int fingers);
 

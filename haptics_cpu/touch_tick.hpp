@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -18,10 +19,15 @@ struct TouchTick {
     std::span<const glm::dvec3> goals;  ///< as the hand gave them
     std::span<const Contact> contacts;
     std::span<const GuardedForce> forces;
+    std::span<const double> shares{};  ///< of these, how much was sent to the hand, 0 to 1; empty: all
     double metres_per_scene_unit = 0;
     bool behind = false;  ///< a proxy was behind the surface by more than rounding explains
     double solve_us = 0;  ///< solver and guard of all fingers, wall time
     double late_us = 0;   ///< how long after its time it began; 0 in virtual time
+
+    double share(std::size_t finger) const { return shares.empty() ? 1.0 : shares[finger]; }
+    /// The force that was sent to a finger's hand, newtons, world axes.
+    glm::dvec3 sent(std::size_t finger) const { return share(finger) * forces[finger].force; }
 };
 
 }  // namespace touchable

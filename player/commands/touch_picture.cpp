@@ -73,7 +73,7 @@ Result<void> TouchPicture::take(const TouchTick& tick) {
     moment_ = Moment{tick.pair.epoch, tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, {}};
     for (std::size_t k = 0; k < trails_.size(); ++k) {
         const Contact& contact = tick.contacts[k];
-        moment_->fingers.push_back({contact.goal, contact.proxy, tick.forces[k].force, contact.touching, {}});
+        moment_->fingers.push_back({contact.goal, contact.proxy, tick.sent(k), contact.touching, {}});
     }
     return {};
 }

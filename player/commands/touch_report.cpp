@@ -247,6 +247,10 @@ std::string report_to_text(const Json& r) {
     if (!was_never_there(r))
         line("guard", count("guarded_ticks") + " ticks changed by it" +
                           (r.value("placeless_ticks", 0) > 0 ? ", those without a position among them" : ""));
+    if (r["held_back_ticks"] > 0)
+        line("held back", number(1e-3 * r["held_back_ticks"].get<double>(), "%.3f s of contact ") +
+                              "with no force or a part of it: forces were off, or the finger had not been "
+                              "free since");
     if (r["waiting_ticks"] > 0)
         line("began inside", count("waiting_ticks") +
                                  " ticks without force, for a finger that had not been free of the surface; "

@@ -1,6 +1,7 @@
 #include "player/session/held_port.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "player/session/field_probe.hpp"
 
@@ -10,6 +11,7 @@ HeldPort::HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* lo
     : device_(device),
       control_(control),
       log_(log),
+      has_motors_(device.capabilities().axes_driven > 0),
       places_(static_cast<std::size_t>(device.fingers())),
       newtons_(static_cast<std::size_t>(device.fingers())) {}
 
@@ -27,10 +29,22 @@ bool HeldPort::write_forces(std::span<const glm::dvec3> newtons) {
     const bool is_tick = tick_ > written_;  // the zeros at the end are of none
     written_ = tick_;
     control_.to_device(newtons, passed, newtons_);
+    for (std::size_t finger = 0; finger < newtons_.size(); ++finger)
+        if (!has_place(finger) && std::isfinite(newtons_[finger].x)) newtons_[finger] = glm::dvec3(0.0);
     const bool works = device_.write_forces(newtons_);
     if (log_ && is_tick)
         log_->push({tick_, device_.buttons(), device_.age_s(), control_.exerts(), places_, newtons_});
     return works;
+}
+
+/// One without has no force, which its device would not let out either.
+bool HeldPort::has_place(std::size_t finger) const {
+    return std::isfinite(places_[finger].x);
+}
+
+double HeldPort::share(std::size_t finger) const {
+    if (!has_motors_) return 1;
+    return has_place(finger) ? control_.share(finger) : 0;
 }
 
 }  // namespace touchable

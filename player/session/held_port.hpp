@@ -18,11 +18,16 @@ public:
     bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) override;
     void come_back(std::int64_t alone_ms) override { control_.come_back(alone_ms); }
     bool write_forces(std::span<const glm::dvec3> newtons) override;
+    /// All of it where the device has no motors: what is told is the scene's then.
+    double share(std::size_t finger) const override;
 
 private:
+    bool has_place(std::size_t finger) const;
+
     HapticDevice& device_;
     HandControl& control_;
     DeviceTickLog* log_;
+    const bool has_motors_;
     std::vector<glm::dvec3> places_, newtons_;
     std::int64_t tick_ = -1, written_ = -1;
 };

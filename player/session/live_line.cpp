@@ -15,8 +15,7 @@ Result<void> LiveLine::take(const TouchTick& tick) {
     is_kept_back_ = control_ && control_->waits_to_be_free();
     for (std::size_t finger = 0; finger < tick.forces.size(); ++finger) {
         const GuardedForce& guarded = tick.forces[finger];
-        const double share = control_ ? control_->share(finger) : 1;
-        newtons_ = std::max(newtons_, share * std::sqrt(glm::dot(guarded.force, guarded.force)));
+        newtons_ = std::max(newtons_, glm::length(tick.sent(finger)));
         is_kept_back_ = is_kept_back_ ||
                         (control_ && control_->force_is_asked() && (guarded.reasons & guard_waiting) != 0);
     }

@@ -26,8 +26,9 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     in_hole_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
-        const glm::dvec3& force = tick.forces[k].force;
-        hash_.add(force);
+        const glm::dvec3 force = tick.sent(k);
+        const bool all_sent = tick.share(k) == 1;
+        hash_.add(tick.forces[k].force);
         contact |= c.touching;
         finger_contact_ticks_ += c.touching;
         nonfinite |= !is_finite(c.proxy) || !is_finite(force);
@@ -35,7 +36,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         guarded |= tick.forces[k].reasons != guard_none;
         softened |= (tick.forces[k].reasons & guard_stiffness) != 0;
         waiting |= (tick.forces[k].reasons & guard_waiting) != 0;
-        const bool limited = (tick.forces[k].reasons & guard_force) != 0;
+        const bool limited = all_sent && (tick.forces[k].reasons & guard_force) != 0;
         limited_[k] = limited ? limited_[k] + 1 : 0;
         force_limited_ticks_ += limited;
         longest_limited_ = std::max(longest_limited_, limited_[k]);
@@ -43,9 +44,10 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         hole_ticks_ += c.in_hole;
         limited_in_hole_ticks_ += c.in_hole && limited;
         longest_in_hole_ = std::max(longest_in_hole_, in_hole_[k]);
-        energy_[k] = tick.forces[k].energy;
+        energy_[k].take(tick.forces[k].energy, tick.share(k));
         events_ += c.counts.events;
         if (!c.touching) continue;
+        held_back_ticks_ += !all_sent;
         const double newtons = std::sqrt(glm::dot(force, force));
         force_sum_ += newtons;
         force_max_ = std::max(force_max_, newtons);
@@ -78,7 +80,8 @@ nlohmann::ordered_json TouchFigures::late_histogram() const {
 
 EnergyFigures TouchFigures::energy() const {
     EnergyFigures all = energy_before_;
-    for (const EnergyFigures& finger : energy_) {
+    for (const SentEnergy& sent : energy_) {
+        const EnergyFigures& finger = sent.figures();
         all.created += finger.created;
         all.bound += finger.bound;
         all.surface += finger.surface;
@@ -129,6 +132,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
               {"largest_n_mm", largest_stiffness_ / 1000}}},
             {"energy_mj", energy_mj()},
             {"hole_contact", hole_contact()},
+            {"held_back_ticks", held_back_ticks_},
             {"tick_us", touchable::to_json(tick_us_.spread())}};
 }
 

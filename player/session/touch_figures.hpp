@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "haptics_cpu/force_hash.hpp"
+#include "player/session/sent_energy.hpp"
 #include "player/session/time_spread.hpp"
 #include "player/session/touch_session.hpp"
 
 namespace touchable {
 
-/// Counts and sums of a run, in memory that does not grow with it. Times are wall time on this machine;
-/// everything else repeats to the bit.
+/// Counts and sums of a run, in memory that does not grow with it, of forces as they were sent to the hand; but
+/// the hash is of what the guard gave, which is what a replay gives again. Times are wall time on this
+/// machine; everything else repeats to the bit.
 class TouchFigures final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override;
@@ -52,7 +54,8 @@ private:
     std::int64_t hole_ticks_ = 0, longest_in_hole_ = 0;  // finger ticks on walls of holes; in a row
     std::int64_t limited_in_hole_ticks_ = 0;             // of these, at the device's force
     std::vector<std::int64_t> in_hole_;                  // as limited_
-    std::vector<EnergyFigures> energy_;                  // of each finger, up to the newest tick
+    std::int64_t held_back_ticks_ = 0;                   // finger ticks in contact, with less than all sent
+    std::vector<SentEnergy> energy_;                     // of each finger, up to the newest tick
     EnergyFigures energy_before_;                        // of all fingers, in the parts before
     TimeSpread tick_us_, late_us_;
     static constexpr std::array late_below_us{10, 20, 50, 100, 200, 500, 1000};

@@ -36,7 +36,6 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
 WatchedSession::WatchedSession(std::unique_ptr<TouchSetup> setup, std::vector<TouchSink*> sinks)
     : setup_(std::move(setup)),
       log_(std::make_shared<PlaybackLog>(setup_->settings.playback, most_commands)),
-      ticks_(setup_->exerting_control()),
       sinks_(std::move(sinks)) {
     if (const auto frames = setup_->feed->reader().frame_count())
         clip_end_ns_ = setup_->scene.rate.time_ns(*frames);

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <vector>
 
-#include "device/hand_control.hpp"
 #include "player/session/touch_session.hpp"
 
 namespace touchable {
@@ -16,7 +15,7 @@ namespace touchable {
 struct WatchedFinger {
     glm::dvec3 goal{0.0};  ///< as the hand gave it
     Contact contact;       ///< the goal that was used, proxy, whether it touches, properties there
-    GuardedForce force;    ///< as it was asked of the device, and why it is not the spring's
+    GuardedForce force;    ///< as it was sent to the hand, and why it is not the spring's; no energy
 };
 
 struct WatchedTick {
@@ -35,8 +34,6 @@ struct TickFigures {
 /// The newest tick, from the session's thread to a watcher's.
 class WatchedTicks final : public TouchSink {
 public:
-    /// `control`: of the device that a person holds, which outlives this; nullptr: forces go out as they are.
-    explicit WatchedTicks(const HandControl* control = nullptr) : control_(control) {}
     Result<void> take(const TouchTick& tick) override {
         const std::lock_guard lock(mutex_);
         figures_.late += tick.tick > newest_.tick + 1;
@@ -47,7 +44,8 @@ public:
         newest_.tick = tick.tick;
         newest_.fingers.resize(tick.contacts.size());
         for (std::size_t k = 0; k < tick.contacts.size(); ++k)
-            newest_.fingers[k] = {tick.goals[k], tick.contacts[k], in_the_hand(tick.forces[k], k)};
+            newest_.fingers[k] = {
+                tick.goals[k], tick.contacts[k], {tick.sent(k), tick.forces[k].reasons, {}}};
         return {};
     }
     void copy_newest(WatchedTick& to) const {
@@ -65,12 +63,6 @@ public:
     }
 
 private:
-    GuardedForce in_the_hand(GuardedForce force, std::size_t finger) const {
-        if (control_) force.force *= control_->share(finger);
-        return force;
-    }
-
-    const HandControl* const control_;
     mutable std::mutex mutex_;
     WatchedTick newest_;
     TickFigures figures_;

@@ -17,13 +17,18 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
 #include <thread>
 #include <utility>
 
 #include "device/network/network_packet.hpp"
 #include "device/network/udp_socket.hpp"
+#include "haptics_cpu/force_guard.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/recording_bytes.hpp"
 #include "tests/player/standstill.hpp"
+#include "tests/player/touched.hpp"
 
 namespace touchable::test {
 namespace {
@@ -121,6 +126,16 @@ private:
     NetworkPacket newest_;
 };
 
+/// Of a row of a device's log, newtons.
+std::array<double, 3> sent_of(const std::string& row) {
+    std::array<double, 11> cells{};
+    std::istringstream in(row);
+    std::string cell;
+    for (double& value : cells)
+        if (std::getline(in, cell, ',')) value = std::strtod(cell.c_str(), nullptr);
+    return {cells[7], cells[8], cells[9]};
+}
+
 class NetworkTouch : public ::testing::Test {
 protected:
     NetworkTouch() {
@@ -131,7 +146,7 @@ protected:
 
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", report = folder / "r.json", log = folder / "log.csv",
-                      record = folder / "live.rec";
+                      forces = folder / "forces.csv", record = folder / "live.rec";
     const std::uint16_t port = free_port();
 };
 
@@ -143,7 +158,7 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
         std::thread touchable([&] {
             live = run_touchable({"touch", clip, "--live", "--device", device(), "--force-on", "--seconds",
                                   "3.5", "--overwrite", "--json", report, "--device-log", log, "--record",
-                                  record});
+                                  record, "--forces", forces});
         });
         said = said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py 3 " +
                        std::to_string(port));
@@ -169,9 +184,20 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     std::string header, row;
     std::getline(rows, header);
     EXPECT_EQ(header, "time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on");
-    std::int64_t count = 0;
-    while (std::getline(rows, row)) ++count;
-    EXPECT_EQ(count, facts["ticks"].get<std::int64_t>());
+    const auto told = read_forces(forces);
+    std::size_t count = 0, rising = 0;
+    double most = 0;
+    for (; std::getline(rows, row); ++count) {
+        ASSERT_LT(count, told.size());
+        // What is told of a tick is what was sent in it.
+        const std::array<double, 3> sent = sent_of(row), of_it = told[count].vector("force");
+        for (std::size_t axis = 0; axis < 3; ++axis) ASSERT_NEAR(of_it[axis], sent[axis], 1e-12) << row;
+        most = std::max(most, length(sent));
+        rising += told[count]["share"] > 0 && told[count]["share"] < 1;
+    }
+    EXPECT_EQ(count, facts["ticks"].get<std::size_t>());
+    EXPECT_NEAR(facts["force_n"]["max"].get<double>(), most, 1e-12);
+    EXPECT_GT(rising, 0U) << "it did not come on as it should";
     const std::string plotted =
         said_by("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/plot_live.py " +
                 (folder / "plot.png").string() + " < " + log);
@@ -264,15 +290,28 @@ TEST_F(NetworkTouch, ThePlotKeepsUpAndEndsWithItsInput) {
 TEST_F(NetworkTouch, ThatNobodyAskedForForcesHasNone) {
     Outcome live;
     std::thread touchable([&] {
-        live = run_touchable(
-            {"touch", clip, "--live", "--device", device(), "--seconds", "1", "--json", report});
+        live = run_touchable({"touch", clip, "--live", "--device", device(), "--seconds", "1", "--json",
+                              report, "--forces", forces});
     });
     PressingHand hand(port);
     for (int packet = 0; packet < 800; ++packet) EXPECT_EQ(hand.press().vectors[0], glm::dvec3(0));
     touchable.join();
     EXPECT_EQ(live.code, 0) << live.err;
     EXPECT_NE(live.err.find("forces are off"), std::string::npos) << live.err;
-    EXPECT_EQ(nlohmann::json::parse(file_contents(report))["forces_on_ticks"], 0);
+    const auto facts = nlohmann::json::parse(file_contents(report));
+    EXPECT_EQ(facts["forces_on_ticks"], 0);
+    // Nor is one told of, though the hand was pressed in.
+    EXPECT_GT(facts["contact_ticks"], 0);
+    EXPECT_EQ(facts["held_back_ticks"], facts["contact_ticks"]);
+    EXPECT_EQ(facts["force_n"]["max"], 0);
+    EXPECT_EQ(facts["force_limited"]["finger_ticks"], 0);
+    for (const char* figure : {"created", "zoh_bound", "surface", "on_hand"})
+        EXPECT_NEAR(facts["energy_mj"][figure].get<double>(), 0, 1e-9) << figure;
+    EXPECT_NE(live.out.find("\n  held back             "), std::string::npos) << live.out;
+    for (const ForcesRow& row : read_forces(forces)) {
+        ASSERT_EQ(row["share"], 0) << row["tick"];
+        ASSERT_EQ(length(row.vector("force")), 0) << row["tick"];
+    }
 }
 
 TEST_F(NetworkTouch, AFingerThatIsInsideIsToldToComeOut) {
@@ -297,12 +336,13 @@ TEST_F(NetworkTouch, AFingerThatIsInsideIsToldToComeOut) {
 /// The program, with the device and forces from the start, until it is told to end.
 class RunningProgram {
 public:
-    RunningProgram(const std::string& clip, const std::string& device) : program_(fork()) {
+    RunningProgram(const std::string& clip, const std::string& device, const std::string& record)
+        : program_(fork()) {
         if (program_ != 0) return;
         const int nowhere = open("/dev/null", O_RDWR);
         for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
         execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "touch", clip.c_str(), "--live", "--device",
-              device.c_str(), "--force-on", nullptr);
+              device.c_str(), "--force-on", "--record", record.c_str(), nullptr);
         _exit(127);
     }
     ~RunningProgram() {
@@ -327,17 +367,17 @@ private:
 
 /// A program that was stopped, as by a debugger or a machine that swaps, may find any hand anywhere.
 TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
-    const RunningProgram program(clip, device());
+    std::optional<RunningProgram> program(std::in_place, clip, device(), record);
     PressingHand hand(port);
     for (const bool goes_in_meanwhile : {false, true}) {
         ASSERT_TRUE(hand.feels_something());
         const double inside = hand.place() - 0.004;
         if (goes_in_meanwhile)
             for (int packet = 0; packet < 300; ++packet) hand.rest_at(inside + 0.04);
-        program.stop();
+        program->stop();
         std::this_thread::sleep_for(std::chrono::milliseconds(400));
         hand.forget();
-        program.send(SIGCONT);
+        program->send(SIGCONT);
         int answers = 0;
         std::uint32_t answered = 0;
         for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
@@ -351,6 +391,14 @@ TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
         hand.go_out();
     }
     EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
+    program.reset();
+    const RecordingBytes raw(file_contents(record));
+    int gaps = 0;
+    for (std::size_t tick = 0; tick < raw.ticks(); ++tick)
+        gaps += (raw.integer(raw.guard_at(tick, 0), 4) & guard_gap) != 0;
+    EXPECT_GE(gaps, 2);
+    const Outcome replay = run_touchable({"touch", "--replay", record});
+    EXPECT_EQ(replay.code, 0) << replay.err;
 }
 
 TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {

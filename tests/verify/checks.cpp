@@ -154,7 +154,7 @@ void Verifier::check_properties(const ForceRow& row, const Touch& touch) {
 }
 
 void Verifier::check_force(const ForceRow& row) {
-    const Vec3 wanted = row.stiffness * row.metres_per_unit * (row.proxy - row.goal);
+    const Vec3 wanted = row.share * row.stiffness * row.metres_per_unit * (row.proxy - row.goal);
     if (row.guarded) {
         if (!row.braked && length(row.force) > length(wanted) * (1 + relative))
             found(Check::force, row, text("the guard made ", length(row.force), " N of ", length(wanted)));
@@ -164,7 +164,8 @@ void Verifier::check_force(const ForceRow& row) {
     if (length(wanted) > 0)
         coverage_.largest_force_error = std::max(coverage_.largest_force_error, error / length(wanted));
     if (!(error <= relative * length(wanted)))
-        found(Check::force, row, text("F is ", text_of(row.force), ", k S (P - G) ", text_of(wanted)));
+        found(Check::force, row,
+              text("F is ", text_of(row.force), ", its share of k S (P - G) ", text_of(wanted)));
 }
 
 void Verifier::check_minimum(const ForceRow& row, const Star& star, real mu) {

@@ -46,6 +46,8 @@ Result<ForcesReader> ForcesReader::open(const std::filesystem::path& file) {
         if (found == header.end()) return reader.fault("there is no column " + std::string(names[k]));
         reader.position_[k] = static_cast<std::size_t>(found - header.begin());
     }
+    const auto share = std::find(header.begin(), header.end(), "share");
+    if (share != header.end()) reader.share_ = static_cast<std::size_t>(share - header.begin());
     return reader;
 }
 
@@ -57,13 +59,17 @@ Result<bool> ForcesReader::next(ForceRow& row) {
     if (cells.size() != width_)
         return fault("has " + std::to_string(cells.size()) + " columns, the header " +
                      std::to_string(width_));
+    const auto is_number = [](std::string_view cell, double& value) {
+        const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+        return status == std::errc() && end == cell.data() + cell.size();
+    };
     std::array<double, column_count> v{};
-    for (std::size_t k = 0; k < column_count; ++k) {
-        const std::string_view cell = cells[position_[k]];
-        const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), v[k]);
-        if (status != std::errc() || end != cell.data() + cell.size())
+    for (std::size_t k = 0; k < column_count; ++k)
+        if (const std::string_view cell = cells[position_[k]]; !is_number(cell, v[k]))
             return fault(std::string(names[k]) + " is \"" + std::string(cell) + "\": must be a number");
-    }
+    double share = 1;
+    if (share_ && !(is_number(cells[*share_], share) && share >= 0 && share <= 1))
+        return fault("share must be between 0 and 1");
     auto whole = [&](std::size_t k, double most) {
         return v[k] >= 0 && v[k] <= most && v[k] == std::floor(v[k]);
     };
@@ -91,6 +97,7 @@ Result<bool> ForcesReader::next(ForceRow& row) {
            v[20] != 0,
            (static_cast<std::uint32_t>(v[20]) & 96U) != 0,
            v[21],
+           share,
            v[22] != 0};
     return true;
 }

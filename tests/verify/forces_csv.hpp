@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "engine/result.hpp"
@@ -25,10 +26,12 @@ struct ForceRow {
     bool guarded = false;      ///< the guard changed the force
     bool braked = false;       ///< and added some: a damper's or the passivity controller's (bits 32, 64)
     real metres_per_unit = 0;  ///< S
+    real share = 1;       ///< of the force, that was sent to the hand; files of older versions do not say
     bool capped = false;  ///< the solver ended at its event limit: on the surface, but not yet at the minimum
 };
 
-/// Reads a forces file row by row. Columns are found by name; all must be there, others are ignored.
+/// Reads a forces file row by row. Columns are found by name; all but `share` must be there, others are
+/// ignored.
 class ForcesReader {
 public:
     static Result<ForcesReader> open(const std::filesystem::path& file);
@@ -43,6 +46,7 @@ private:
     std::ifstream stream_;
     std::int64_t line_ = 0;
     std::array<std::size_t, column_count> position_{};  // of each wanted column in a line
+    std::optional<std::size_t> share_;                  // likewise
     std::size_t width_ = 0;                             // columns of a line
 };
 

@@ -178,7 +178,7 @@ void write_forces(const std::filesystem::path& file, const std::vector<Row>& row
     out.precision(17);
     out << "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
            "pixel_x,"
-           "pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped\n";
+           "pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share\n";
     for (const Row& r : rows) {
         out << r.tick << ',' << r.tick * 0.001 << ',' << r.finger;
         for (const Vec3& v : {r.goal, r.proxy, r.force})
@@ -186,7 +186,7 @@ void write_forces(const std::filesystem::path& file, const std::vector<Row>& row
         out << ',' << r.contact << ',' << narrow(r.pixel.x) << ',' << narrow(r.pixel.y) << ','
             << narrow(r.touch.stiffness) << ',' << narrow(r.touch.mu_static) << ','
             << narrow(r.touch.mu_dynamic) << ',' << r.prev << ',' << r.next << ',' << r.blend << ','
-            << r.guard << ',' << r.metres_per_unit << ',' << r.capped << '\n';
+            << r.guard << ',' << r.metres_per_unit << ',' << r.capped << ',' << r.share << '\n';
     }
 }
 

@@ -45,6 +45,7 @@ struct Row {
     double blend = 0;
     int guard = 0;
     int capped = 0;
+    double share = 1;
     double metres_per_unit = 0.001;
 };
 

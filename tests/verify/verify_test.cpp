@@ -209,6 +209,15 @@ TEST_F(Clip, TheGuardMayOnlyTakeAway) {
     EXPECT_EQ(run(rows).code, 0);
 }
 
+TEST_F(Clip, AForceIsTheShareThatWasSent) {
+    std::vector<Row> rows = rows_;
+    rows[14].share = 0.25;
+    rows[14].force = 0.25L * rows[14].force;
+    EXPECT_EQ(run(rows).code, 0);
+    rows[14].share = 0.5;
+    EXPECT_EQ(violations(run(rows), Check::force), 1);
+}
+
 TEST_F(Clip, MissingRowsAndAChangingScaleAreCaught) {
     std::vector<Row> rows = rows_;
     rows.erase(rows.begin() + 14);
