@@ -17,9 +17,9 @@ struct FrictionCone {
     double stopping = 0;    ///< mu of a slide where it is; all along its way where friction is level
     bool level = true;      ///< the cell it moves over has the same mu everywhere
     bool presumed = false;  ///< level but for one corner of the cell, which was not looked at
-    // Else, at the corners (0, 0), (1, 0), (0, 1), (1, 1) of the cell: of two bilinear maps the lesser
-    // counts.
-    std::array<double, 4> sliding{}, most{};
+    // At the corners (0, 0), (1, 0), (0, 1), (1, 1) of the cell: of two bilinear maps the lesser counts.
+    // Written only where it is not level.
+    std::array<double, 4> sliding, most;
 };
 
 /// What friction depends on beside the place. By default Coulomb's: mu dynamic at any speed.
@@ -37,15 +37,19 @@ Slip stribeck_slip(double speed, double stribeck_speed);
 /// True where a proxy has become slow enough (v < v_s / 10) to stick wherever mu static holds it.
 bool is_slow(double speed, double stribeck_speed);
 
+/// Of the cell of a place the corners (0, 0), (1, 0), (0, 1), (1, 1): whether each is valid, or has no weight
+/// there and is not looked at.
+template <class Space>
+std::array<bool, 4> valid_corners(const Space& space, const Place& at) {
+    const bool right = at.a > 0, below = at.b > 0;
+    const auto valid = [&](int di, int dj) { return space.is_valid(at.i + di, at.j + dj); };
+    return {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)};
+}
+
 /// Stiffness and friction at a place of the surface.
 template <class Space>
 HapticProperties properties_at(const Space& space, const Place& at) {
-    // A corner of no weight is not looked at.
-    const bool right = at.a > 0, below = at.b > 0;
-    const auto valid = [&](int di, int dj) { return space.vertex(at.i + di, at.j + dj).valid; };
-    return space.field().properties(
-        at.i, at.j, at.a, at.b,
-        {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)});
+    return space.field().properties(at.i, at.j, at.a, at.b, valid_corners(space, at));
 }
 
 /// Where in a cell: (a, b), 0 to 1.
@@ -65,7 +69,7 @@ template <class Space>
 FrictionCone uneven_cone(const Space& space, const Proxy& proxy, const Motion& motion, const Slip& slip) {
     // Along a side of the cell the other side's corners have no weight.
     const bool right = motion.feature != Feature::edge_v, below = motion.feature != Feature::edge_h;
-    const auto valid = [&](int di, int dj) { return space.vertex(motion.i + di, motion.j + dj).valid; };
+    const auto valid = [&](int di, int dj) { return space.is_valid(motion.i + di, motion.j + dj); };
     CornerProperties corners = space.field().corner_properties(
         motion.i, motion.j,
         {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)});
@@ -84,8 +88,18 @@ FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Motion&
     FrictionCone cone;
     cone.stopping = p.dynamic_friction + slip.static_share * (p.static_friction - p.dynamic_friction);
     cone.resting = proxy.sliding ? cone.stopping : p.static_friction;
-    cone.presumed = motion.kind == Motion::Kind::face && proxy.feature != motion.feature;
+    // From a face or a diagonal all corners of the cell were looked at.
+    cone.presumed = motion.kind == Motion::Kind::face && proxy.feature != motion.feature &&
+                    proxy.feature != Feature::edge_d;
     return cone;
+}
+
+/// Whether what was presumed of a motion's cone is so: that the corner of its cell beyond its face is valid.
+/// By Stribeck's rule the minimum at the corners may round to another number: there nothing is presumed.
+template <class Space>
+bool is_as_presumed(const Space& space, const Motion& motion, const Slip& slip) {
+    const bool lower = motion.feature == Feature::face_lower;
+    return slip.static_share == 0 && space.is_valid(motion.i + !lower, motion.j + lower);
 }
 
 /// True where the proxy need not move: the way is inside the cone.

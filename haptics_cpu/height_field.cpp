@@ -6,7 +6,7 @@ namespace touchable {
 
 namespace {
 
-bool is_valid(const SurfaceFrame& frame, const SurfaceFrame* codes, int x, int y) {
+bool is_valid_in(const SurfaceFrame& frame, const SurfaceFrame* codes, int x, int y) {
     return codes ? codes->is_valid(x, y) : frame.vertices->at(x, y).valid;
 }
 
@@ -52,13 +52,18 @@ FieldVertex HeightField::frame_vertex(const SurfaceFrame& frame, const SurfaceFr
 }
 
 FieldVertex HeightField::vertex(std::int64_t i, std::int64_t j) const {
-    if (i < 0 || j < 0 || i >= scene_.width || j >= scene_.height) return {scene_.depth.far, false};
+    if (!is_pixel(i, j)) return {scene_.depth.far, false};
     const int x = static_cast<int>(i), y = static_cast<int>(j);
     const FieldVertex prev = frame_vertex(*prev_, prev_codes_, x, y);
     if (!next_) return prev;
     const FieldVertex next = frame_vertex(*next_, next_codes_, x, y);
     if (prev.valid != next.valid) return nearer_ == prev_ ? prev : next;
     return {prev.depth + (next.depth - prev.depth) * blend_, prev.valid};
+}
+
+bool HeightField::is_valid(std::int64_t i, std::int64_t j) const {
+    const SurfaceFrame* codes = nearer_ == prev_ ? prev_codes_ : next_codes_;
+    return is_pixel(i, j) && is_valid_in(*nearer_, codes, static_cast<int>(i), static_cast<int>(j));
 }
 
 double HeightField::nearest_depth(int tile_x, int tile_y) const {
@@ -76,17 +81,16 @@ double HeightField::nearest_depth(int tile_x, int tile_y) const {
 /// One that loses it half-way to the next frame is on its way from the frame before. When a hole closes the
 /// rise of stiffness is the guard's to spread.
 double HeightField::missing(std::int64_t i, std::int64_t j) const {
-    if (i < 0 || j < 0 || i >= scene_.width || j >= scene_.height) return 1;
+    if (!is_pixel(i, j)) return 1;
     const int x = static_cast<int>(i), y = static_cast<int>(j);
-    const bool before = is_valid(*prev_, prev_codes_, x, y);
+    const bool before = is_valid_in(*prev_, prev_codes_, x, y);
     if (!next_) return before ? 0 : 1;
-    const bool after = is_valid(*next_, next_codes_, x, y);
+    const bool after = is_valid_in(*next_, next_codes_, x, y);
     if (!(nearer_ == prev_ ? before : after)) return 1;
     return before && !after ? 2 * blend_ : 0;
 }
 
-double HeightField::hole_share(std::int64_t i, std::int64_t j, double a, double b) const {
-    if (!scene_.hole_stiffness) return 0;
+double HeightField::missing_around(std::int64_t i, std::int64_t j, double a, double b) const {
     // Of a corner the most that is missing at it and its eight neighbours: so a cell with an invalid corner
     // is all hole, down to the rim of the wall.
     std::array<double, 4> share{};
@@ -163,7 +167,7 @@ HapticProperties HeightField::mixed_properties(std::int64_t i, std::int64_t j, d
     return out;
 }
 
-double HeightField::stiffness(std::int64_t i, std::int64_t j, double a, double b) const {
+double HeightField::mixed_stiffness(std::int64_t i, std::int64_t j, double a, double b) const {
     if (!has_haptic_image()) return with_holes(default_properties_.stiffness, i, j, a, b);
     const auto at = [&](int di, int dj) { return vertex_properties(i + di, j + dj, true).stiffness; };
     return with_holes(bilinear(a, b, at(0, 0), at(1, 0), at(0, 1), at(1, 1)), i, j, a, b);

@@ -49,6 +49,8 @@ public:
 
     /// Depth and validity at any lattice vertex; beyond the ring, of the ring vertex nearest to it.
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;
+    /// The vertex's validity alone.
+    bool is_valid(std::int64_t i, std::int64_t j) const;
     /// No vertex of the tile, ring included, has a smaller depth. May be smaller than any of them.
     double nearest_depth(int tile_x, int tile_y) const;
     /// No depth of any frame of this scene is smaller.
@@ -62,7 +64,9 @@ public:
     /// How much of the stiffness at (i + a, j + b), 0 <= a, b <= 1, is that of holes, 0 to 1: bilinear, 1 in
     /// a cell with an invalid vertex, 0 from the next but one on. Where a hole opens half-way between two
     /// frames it grows from 0 to 1 until then. 0 everywhere in a scene that does not say how stiff holes are.
-    double hole_share(std::int64_t i, std::int64_t j, double a, double b) const;
+    double hole_share(std::int64_t i, std::int64_t j, double a, double b) const {
+        return scene_.hole_stiffness ? missing_around(i, j, a, b) : 0;
+    }
 
     /// Of valid pixels in a frame without a haptic image, far from holes.
     const HapticProperties& default_properties() const { return default_properties_; }
@@ -78,15 +82,24 @@ public:
         return alike ? default_properties_ : mixed_properties(i, j, a, b, valid);
     }
     /// Stiffness alone, N/m.
-    double stiffness(std::int64_t i, std::int64_t j, double a, double b) const;
+    double stiffness(std::int64_t i, std::int64_t j, double a, double b) const {
+        const bool alike = !has_haptic_image() && !scene_.hole_stiffness;
+        return alike ? default_properties_.stiffness : mixed_stiffness(i, j, a, b);
+    }
     /// What the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) bring into the mean, where their validity is
     /// known: here dynamic friction may exceed static, and stiffness is not that of holes anywhere.
     CornerProperties corner_properties(std::int64_t i, std::int64_t j,
                                        const std::array<bool, 4>& valid) const;
 
 private:
+    bool is_pixel(std::int64_t i, std::int64_t j) const {
+        return static_cast<std::uint64_t>(i) < static_cast<std::uint64_t>(scene_.width) &&
+               static_cast<std::uint64_t>(j) < static_cast<std::uint64_t>(scene_.height);
+    }
     double missing(std::int64_t i, std::int64_t j) const;
+    double missing_around(std::int64_t i, std::int64_t j, double a, double b) const;
     double with_holes(double stiffness, std::int64_t i, std::int64_t j, double a, double b) const;
+    double mixed_stiffness(std::int64_t i, std::int64_t j, double a, double b) const;
     HapticProperties mixed_properties(std::int64_t i, std::int64_t j, double a, double b,
                                       const std::array<bool, 4>& valid) const;
     HapticProperties properties_in(const SurfaceFrame& frame, int x, int y) const;

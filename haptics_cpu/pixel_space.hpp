@@ -23,6 +23,11 @@ public:
     const SpaceVertex& vertex(std::int64_t i, std::int64_t j) const {
         return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
     }
+    /// Of a vertex whose place is not asked for, and is not computed for this.
+    bool is_valid(std::int64_t i, std::int64_t j) const {
+        const SpaceVertex* known = cache_.find(i, j);
+        return known ? known->valid : field_.is_valid(i, j);
+    }
     glm::dvec3 position(const ChartPoint& at) const { return {at.x, -at.y, at.w}; }
     /// What `from_world` let in is on the lattice.
     std::optional<ChartPoint> chart(const glm::dvec3& point) const {

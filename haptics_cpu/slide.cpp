@@ -175,7 +175,7 @@ private:
         const FaceExit exit = exit_of_face(motion.feature, from.a, from.b, step.dx, step.dy,
                                            start_edges(proxy_.feature, motion.feature, from.a, from.b));
         double length = stopping_length(cone, motion, step, from, exit.length);
-        if (length < exit.length && cone.presumed)
+        if (length < exit.length && cone.presumed && !is_as_presumed(space_, motion, slip_))
             length =
                 stopping_length(uneven_cone(space_, proxy_, motion, slip_), motion, step, from, exit.length);
         if (length < exit.length) {

@@ -48,7 +48,7 @@ template <class Space>
 /// of a hole. The rim, from valid vertex to valid vertex, is not.
 template <class Space>
 bool is_in_hole(const Space& space, const Place& at) {
-    auto invalid = [&](int di, int dj) { return !space.vertex(at.i + di, at.j + dj).valid; };
+    auto invalid = [&](int di, int dj) { return !space.is_valid(at.i + di, at.j + dj); };
     switch (at.feature) {
         case Feature::free:
             return false;
@@ -122,7 +122,7 @@ inline Place face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, dou
 
 /// Where a place of the lattice is, in the space.
 template <class Space>
-glm::dvec3 surface_point(const Space& space, const Place& at) {
+[[gnu::always_inline]] inline glm::dvec3 surface_point(const Space& space, const Place& at) {
     return space.position({at.x(), at.y(), surface_w(space, at)});
 }
 

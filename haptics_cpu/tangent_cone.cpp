@@ -69,16 +69,17 @@ void along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way, 
 
 template <class Space>
 void on_face(const Space& space, const Place& at, const dvec3& pull, bool may_leave, Motion& motion) {
-    const SpaceVertex &v00 = space.vertex(at.i, at.j), &v11 = space.vertex(at.i + 1, at.j + 1);
-    const SpaceVertex &v10 = space.vertex(at.i + 1, at.j), &v01 = space.vertex(at.i, at.j + 1);
     const bool lower = at.feature == Feature::face_lower;
-    const dvec3 n = lower ? normal_of(v00, v10, v11) : normal_of(v00, v11, v01);
+    const SpaceVertex &first = space.vertex(at.i, at.j), &second = space.vertex(at.i + 1, at.j + 1);
+    const SpaceVertex& apex = space.vertex(at.i + lower, at.j + !lower);
+    const dvec3 n = lower ? normal_of(first, apex, second) : normal_of(first, second, apex);
     if (may_leave && dot(pull, n) > 0) {
         motion.kind = Motion::Kind::leave;
         return;
     }
     along_face({at.feature, at.i, at.j}, n, pull, motion);
-    motion.corners_valid = v00.valid && v10.valid && v01.valid && v11.valid;
+    motion.corners_valid =
+        first.valid && second.valid && apex.valid && space.is_valid(at.i + !lower, at.j + lower);
 }
 
 /// One face beside an edge: its place, its vertex off the edge.
@@ -188,9 +189,11 @@ void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& 
     std::array<dvec3, 6> e, n;
     const SpaceVertex& middle = space.vertex(i, j);
     std::array<const SpaceVertex*, 6> around;
+    motion.corners_valid = middle.valid;
     for (std::size_t k = 0; k < 6; ++k) {
         around[k] = &space.vertex(i + spokes[k].di, j + spokes[k].dj);
         e[k] = around[k]->position - middle.position;
+        motion.corners_valid &= around[k]->valid;
     }
     for (std::size_t k = 0; k < 6; ++k) n[k] = normal_of(middle, *around[k], *around[(k + 1) % 6]);
 
@@ -199,7 +202,6 @@ void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& 
         return;
     }
 
-    motion.corners_valid = false;  // the vertex itself was not looked at
     double longest = 0;
     int face = -1, edge = -1;
     for (std::size_t k = 0; k < 6; ++k) {

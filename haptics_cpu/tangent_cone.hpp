@@ -21,7 +21,7 @@ struct Motion {
     /// How hard the goal presses: the square of |G - C| on a face, of the sum of both faces' shares in a
     /// valley.
     double load2;
-    /// Every corner of weight at the proxy is known to be valid.
+    /// Every corner of weight at the proxy is known to be valid, and every one of the face or edge.
     bool corners_valid;
 };
 

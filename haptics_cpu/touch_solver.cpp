@@ -167,9 +167,11 @@ void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scen
     if (contact.touching) {
         contact.pixel_x = proxy.x();
         contact.pixel_y = proxy.y();
-        contact.properties = properties_at(space, proxy);
+        const auto valid = valid_corners(space, proxy);
+        const bool all_valid = valid[0] && valid[1] && valid[2] && valid[3];
+        contact.properties = space.field().properties(proxy.i, proxy.j, proxy.a, proxy.b, valid);
         contact.force = contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
-        contact.in_hole = is_in_hole(space, proxy);
+        contact.in_hole = !all_valid && is_in_hole(space, proxy);
         contact.hole_share = space.field().hole_share(proxy.i, proxy.j, proxy.a, proxy.b);
         return;
     }

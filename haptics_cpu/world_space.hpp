@@ -50,6 +50,11 @@ public:
     const SpaceVertex& vertex(std::int64_t i, std::int64_t j) const {
         return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
     }
+    /// Of a vertex whose place is not asked for, and is not computed for this.
+    bool is_valid(std::int64_t i, std::int64_t j) const {
+        const SpaceVertex* known = cache_.find(i, j);
+        return known ? known->valid : field_.is_valid(i, j);
+    }
     glm::dvec3 position(const ChartPoint& at) const;
     /// Where a point is seen. This is the one way from the world to the lattice: nothing for a point that no
     /// pixel worth the name sees (behind the camera, in its plane, or so near to that that it lies farther
