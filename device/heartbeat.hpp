@@ -2,18 +2,11 @@
 
 #include <atomic>
 #include <cstdint>
-#include <ctime>
 #include <limits>
 
-namespace touchable {
+#include "engine/boot_time.hpp"
 
-/// Now, ns since the machine began: goes on while it sleeps, so that whoever wakes first knows how long that
-/// was. For signal handlers and forked processes too.
-inline std::int64_t boot_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_BOOTTIME, &now);
-    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
+namespace touchable {
 
 /// Of the thread that speaks with a device, in memory that it shares with the process that leaves the device
 /// limp. Both sides write their own member first and read the other's afterwards: where a word and a beat
