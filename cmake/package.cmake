@@ -7,6 +7,8 @@ include(CMakePackageConfigHelpers)
 foreach(room IN ITEMS base scene frame haptics)
   set_target_properties(touchable_${room} PROPERTIES EXPORT_NAME ${room})
 endforeach()
+# Headers have arithmetic that reaches a force, too (docs/architecture.md, decision 3).
+target_compile_options(touchable_base INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
 install(TARGETS touchable_base touchable_scene touchable_frame touchable_haptics EXPORT touchable
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY engine/scene engine/frame DESTINATION include/touchable/engine FILES_MATCHING PATTERN "*.hpp")

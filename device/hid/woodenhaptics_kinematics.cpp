@@ -6,6 +6,8 @@
 #include <glm/matrix.hpp>
 #include <numbers>
 
+#include "engine/trigonometry.hpp"
+
 namespace touchable {
 namespace {
 
@@ -16,8 +18,8 @@ struct Bends {
 };
 
 Bends bends_of(const glm::dvec3& angles) {
-    return {std::sin(angles[0]), std::cos(angles[0]), std::sin(angles[1]),
-            std::cos(angles[1]), std::sin(angles[2]), std::cos(angles[2])};
+    return {sine(angles[0]),   cosine(angles[0]), sine(angles[1]),
+            cosine(angles[1]), sine(angles[2]),   cosine(angles[2])};
 }
 
 /// The linkage is described with x to the person, y right, z up.

@@ -9,6 +9,7 @@
 #include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
 #include "engine/media/plane_role.hpp"
+#include "engine/trigonometry.hpp"
 
 namespace touchable {
 namespace {
@@ -130,13 +131,12 @@ void DepthPhotoReader::find_camera(const SourceDescription& known) {
     } else if (photo_.camera) {
         scene_.camera = scaled_camera(*photo_.camera, width, height);
     } else if (photo_.film_focal_length > 0) {
-        const double focal_length =
-            photo_.film_focal_length / film_diagonal * std::hypot(colour.width, colour.height);
+        const double w = colour.width, h = colour.height;
+        const double focal_length = photo_.film_focal_length / film_diagonal * std::sqrt(w * w + h * h);
         scene_.camera = scaled_camera(
             {focal_length, focal_length, std::nullopt, std::nullopt, colour.width, colour.height}, width,
             height);
-        guess("the camera sees " +
-                  short_number(360 / 3.14159265358979323846 * std::atan(0.5 * width / scene_.camera.fx)) +
+        guess("the camera sees " + short_number(360 / pi * arctangent(0.5 * width / scene_.camera.fx)) +
                   " degrees from left to right, by its focal length, " +
                   short_number(photo_.film_focal_length) + " mm in terms of 35 mm film",
               otherwise);

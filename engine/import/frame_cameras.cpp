@@ -47,7 +47,7 @@ Camera median_camera(std::span<const Camera> cameras) {
 }
 
 double PixelShift::length() const {
-    return std::hypot(columns, rows);
+    return std::sqrt(columns * columns + rows * rows);
 }
 
 PixelShift shift_between(const Camera& clip, const Camera& stored, int width, int height) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/trigonometry.hpp"
+
 namespace touchable {
 
 Camera scaled_camera(const Intrinsics& intrinsics, int width, int height) {
@@ -25,7 +27,7 @@ Camera scaled_camera(const Intrinsics& intrinsics, int width, int height) {
 }
 
 Camera camera_of_fov(double degrees, int width, int height) {
-    const double f = 0.5 * width / std::tan(degrees * 3.14159265358979323846 / 360);
+    const double half = degrees * pi / 360, f = 0.5 * width * cosine(half) / sine(half);
     return {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
 }
 

@@ -23,8 +23,10 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
         warnings.push_back(share + std::string(" of the ticks were skipped, because others came too late"));
     }
     if (live.late_frames > 0)
-        warnings.push_back(std::to_string(live.late_frames) + " of " + std::to_string(frames) +
-                           " frames came too late: decoding and building are too slow");
+        warnings.push_back(
+            std::to_string(live.late_frames) + " of " + std::to_string(frames) +
+            " frames came too late: decoding and building are too slow; touchable convert writes "
+            "a clip that decodes faster");
     for (std::string& remark : remarks) warnings.push_back(std::move(remark));
     if (dropped > 0 && !live.camera)  // which leaves out some itself
         warnings.push_back(std::to_string(dropped) +

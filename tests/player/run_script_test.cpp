@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "tests/temporary_folder.hpp"
@@ -20,8 +21,8 @@ struct Answer {
 };
 
 /// What `./run` with these words says where no other programs are than those in `path`.
-Answer run_script(const std::string& words, const fs::path& path) {
-    const std::string command = "PATH='" + path.string() + "' '" + (path / "bash").string() +
+Answer run_script(const std::string& words, const fs::path& path, const std::string& through = "") {
+    const std::string command = "PATH='" + path.string() + "' " + through + " '" + (path / "bash").string() +
                                 "' '" TOUCHABLE_SOURCE_DIR "/run' " + words + " 2>&1";
     Answer answer;
     FILE* script = popen(command.c_str(), "r");
@@ -49,6 +50,34 @@ TEST(RunScript, NamesTheProgramsThatAreMissing) {
     std::error_code failure;
     fs::create_symlink("/usr/bin/true", path / "cmake", failure);
     EXPECT_EQ(run_script("build --no-install", path.path()).text.find("cmake"), std::string::npos);
+}
+
+TEST(RunScript, AWindowWithoutADisplayIsRefusedBeforeAnythingIsBuilt) {
+    const Answer answer =
+        run_script("demo --window --no-install", "/usr/bin", "env -u DISPLAY -u WAYLAND_DISPLAY");
+    EXPECT_EQ(answer.code, 2) << answer.text;
+    EXPECT_EQ(std::count(answer.text.begin(), answer.text.end(), '\n'), 1) << answer.text;
+    EXPECT_NE(answer.text.find("./run demo touches the globe without"), std::string::npos) << answer.text;
+}
+
+/// A program of a folder, as a script.
+void put_script(const fs::path& path, const std::string& text) {
+    std::ofstream(path) << "#!/usr/bin/bash\n" << text << '\n';
+    fs::permissions(path, fs::perms::owner_all);
+}
+
+TEST(RunScript, APersonWhomSudoRefusesIsAskedOnceAndGetsTheLineForRoot) {
+    const TemporaryFolder path;
+    for (const char* name : {"bash", "dirname", "nproc"})
+        fs::create_symlink(fs::path("/usr/bin") / name, path / name);
+    put_script(path / "id", "echo 1000");
+    put_script(path / "dpkg-query", "exit 1");  // nothing is installed
+    put_script(path / "sudo", "echo asked; exit 1");
+    const Answer answer = run_script("build", path.path());
+    EXPECT_EQ(answer.code, 2) << answer.text;
+    EXPECT_EQ(answer.text.find("asked"), answer.text.rfind("asked")) << answer.text;
+    EXPECT_NE(answer.text.find("as root: apt-get install --no-install-recommends g++ "), std::string::npos)
+        << answer.text;
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // whole in itself would link from anywhere.)
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -72,6 +74,45 @@ TEST(Rooms, IncludeOnlyWhatTheyMayUse) {
             }
         }
     EXPECT_GT(includes, 450) << "hardly anything was looked at";
+}
+
+/// The words behind each `std::` or `glm::` of a line of code.
+std::set<std::string> library_words(std::string line) {
+    line.resize(std::min(line.size(), line.find("//")));
+    std::set<std::string> words;
+    for (const std::string from : {"std::", "glm::"})
+        for (std::size_t at = line.find(from); at != std::string::npos; at = line.find(from, at)) {
+            const std::size_t begin = at += from.size();
+            while (at < line.size() &&
+                   (std::isalnum(static_cast<unsigned char>(line[at])) || line[at] == '_'))
+                ++at;
+            words.insert(line.substr(begin, at - begin));
+        }
+    return words;
+}
+
+// The C library's may round otherwise on another machine (docs/architecture.md, decision 3);
+// engine/trigonometry.hpp has some that do not.
+TEST(Rooms, WhatReachesACodeOrAForceCallsNothingThatALibraryRounds) {
+    const std::set<std::string> rounded{
+        "sin",  "cos",    "tan",    "asin",  "acos",   "atan",      "atan2", "sinh",
+        "cosh", "tanh",   "asinh",  "acosh", "atanh",  "exp",       "exp2",  "expm1",
+        "log",  "log2",   "log10",  "log1p", "pow",    "cbrt",      "hypot", "erf",
+        "erfc", "tgamma", "lgamma", "fma",   "rotate", "angleAxis", "slerp", "perspective"};
+    int files = 0;
+    for (const auto& [room, allowed] : may_use) {
+        if (room.starts_with("player") && room != "player/session") continue;
+        for (const auto& entry : fs::directory_iterator(fs::path(TOUCHABLE_SOURCE_DIR) / room)) {
+            // Which compares forces that were written down, for a person.
+            if (!entry.is_regular_file() || entry.path().filename() == "force_comparison.cpp") continue;
+            std::ifstream in(entry.path());
+            ++files;
+            for (std::string line; std::getline(in, line);)
+                for (const std::string& word : library_words(line))
+                    EXPECT_FALSE(rounded.contains(word)) << entry.path() << ": " << line;
+        }
+    }
+    EXPECT_GT(files, 300) << "hardly anything was looked at";
 }
 
 }  // namespace

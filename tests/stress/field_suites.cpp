@@ -76,7 +76,8 @@ std::unique_ptr<StressRun> make_staircase(std::uint64_t seed) {
                 std::clamp((low + high) / 2 + static_cast<int>(std::floor(steps)), low, high)));
         }
     add_planes(scene, random, planes);
-    return still(scene, planes, skimming(random.next(), {random.within(0.02, 2.0)}));
+    const std::uint64_t walk = random.next();
+    return still(scene, planes, skimming(walk, {random.within(0.02, 2.0)}));
 }
 
 std::unique_ptr<StressRun> make_spike_and_pit(std::uint64_t seed) {
@@ -91,7 +92,8 @@ std::unique_ptr<StressRun> make_spike_and_pit(std::uint64_t seed) {
         return middle;
     });
     add_planes(scene, random, planes);
-    return still(scene, planes, skimming(random.next(), {random.within(0.1, 5.0), random.within(0.01, 0.5)}));
+    const std::uint64_t walk = random.next();
+    return still(scene, planes, skimming(walk, {random.within(0.1, 5.0), random.within(0.01, 0.5)}));
 }
 
 std::unique_ptr<StressRun> make_far_million(std::uint64_t seed) {
@@ -110,7 +112,8 @@ std::unique_ptr<StressRun> make_wide_planes(std::uint64_t seed) {
     Scene scene = draw_scene(random);
     draw_wide_planes(random, scene);
     const DrawnPlanes planes = chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
-    return still(scene, planes, walking(random.next(), {1, chance(random, 0.5) ? 0.02 : 1e-6}));
+    const std::uint64_t walk = random.next();
+    return still(scene, planes, walking(walk, {1, chance(random, 0.5) ? 0.02 : 1e-6}));
 }
 
 std::unique_ptr<StressRun> make_tiny_pictures(std::uint64_t seed) {

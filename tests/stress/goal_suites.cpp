@@ -128,9 +128,10 @@ private:
     glm::dvec3 goal(std::int64_t) override {
         const double far = scene_.depth.far;
         // Every other one where the picture is.
-        if (chance(random_, 0.5))
-            return unproject(scene_.camera, random_.within(-1, scene_.width),
-                             random_.within(-1, scene_.height), magnitude(random_, 1e-12 * far, 12));
+        if (chance(random_, 0.5)) {
+            const double x = random_.within(-1, scene_.width), y = random_.within(-1, scene_.height);
+            return unproject(scene_.camera, x, y, magnitude(random_, 1e-12 * far, 12));
+        }
         return {any(), any(), any()};
     }
     double any() {

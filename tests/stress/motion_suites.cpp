@@ -69,8 +69,8 @@ std::unique_ptr<StressRun> make_cut_every_frame(std::uint64_t seed) {
     std::vector<DrawnPlanes> pictures;
     for (int k = 0; k < 12; ++k)
         pictures.push_back(chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random));
-    return std::make_unique<LoopRun>(scene, pictures, 1 + below(random, 33), random.next(),
-                                     Walk::Reach{0.5, 0.01, 0.01});
+    const int ticks = 1 + below(random, 33);
+    return std::make_unique<LoopRun>(scene, pictures, ticks, random.next(), Walk::Reach{0.5, 0.01, 0.01});
 }
 
 namespace {
