@@ -111,16 +111,16 @@ TEST(TouchFigures, KnowTheLongestTimeAtTheLimitAndInAHoleOfAnyFinger) {
     take(true, true, 4);
     EXPECT_TRUE(figures.force_limited_in_holes());
     take(false, false, 1);
-    take(true, false, 2);
+    take(true, true, 2);
     figures.end_part();  // nothing goes on in a row
-    take(true, false, 3);
+    take(true, true, 5);
     const auto report = figures.to_json();
-    EXPECT_EQ(report["force_limited"]["finger_ticks"], 12);
-    EXPECT_EQ(report["force_limited"]["longest_ticks"], 4);
-    EXPECT_EQ(report["hole_contact"]["finger_ticks"], 6);
-    EXPECT_EQ(report["hole_contact"]["contact_pct"], 20.0) << "of 30";
+    EXPECT_EQ(report["force_limited"]["finger_ticks"], 14);
+    EXPECT_EQ(report["force_limited"]["longest_ticks"], 5);
+    EXPECT_EQ(report["hole_contact"]["finger_ticks"], 13);
+    EXPECT_DOUBLE_EQ(report["hole_contact"]["contact_pct"].get<double>(), 100 * 13.0 / 34);
     EXPECT_EQ(report["hole_contact"]["longest_ticks"], 6);
-    EXPECT_EQ(report["hole_contact"]["force_limited_ticks"], 4);
+    EXPECT_EQ(report["hole_contact"]["force_limited_ticks"], 11);
 }
 
 TEST(TouchFigures, HaveTheSmallestAndLargestStiffnessInContactInNewtonsPerMillimetre) {
