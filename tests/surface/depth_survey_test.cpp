@@ -8,7 +8,9 @@
 #include "engine/content/random.hpp"
 #include "engine/import/open_clip.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -126,6 +128,20 @@ TEST(DepthSurvey, TheMedianLeavesOutTheFarPlaneUnlessAllIsThere) {
     DepthSurvey some(scene);
     some.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
     EXPECT_EQ(some.measured()->median, 1149);
+}
+
+TEST(DepthSurvey, KnowsAStructuredLightCameraByGeneratedPictures) {
+    const test::TemporaryFolder folder;
+    const test::StandIn what = test::stand_in("redwood5");
+    auto reader = open_clip(folder.path(), test::write_stand_in(folder.path(), what));
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    DepthSurvey survey((*reader)->scene());
+    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next()) survey.add(**frame);
+    const auto measured = survey.measured();
+    ASSERT_TRUE(measured);
+    EXPECT_NEAR(measured->levels.quadratic, what.level_per_mm, 0.05 * what.level_per_mm);
+    EXPECT_EQ(measured->noise, DepthLength{}) << "views from different places are no noise";
+    EXPECT_TRUE(measured->from_a_camera());
 }
 
 TEST(DepthSurvey, KnowsAStructuredLightCameraByItsPictures) {

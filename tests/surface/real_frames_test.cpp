@@ -5,8 +5,10 @@
 #include "engine/media/image_file.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
+#include "tests/temporary_folder.hpp"
 
 // Depth cameras and scanners as they are: the fast and the lazy builder against the reference.
 namespace touchable::test {
@@ -22,11 +24,8 @@ std::ostream& operator<<(std::ostream& out, const RealFrame& frame) {
     return out << frame.file;
 }
 
-class RealFrames : public testing::TestWithParam<RealFrame> {};
-
-TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
-    const std::filesystem::path file = real_data(GetParam().file);
-    TOUCHABLE_NEEDS_DATA(file);
+/// Codes deeper than `far_code` become invalid.
+void expect_the_same_bits_of_a_picture(const std::filesystem::path& file, int far_code) {
     const Result<Image> image = read_image(file);
     ASSERT_TRUE(image.ok()) << image.error().message;
     ASSERT_EQ(image.value().channels, 1);
@@ -37,7 +36,7 @@ TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
     scene.depth.semantics = DepthSemantics::planar;
     scene.depth.scale = 1;
     scene.depth.near = 0;
-    scene.depth.far = GetParam().far_code;
+    scene.depth.far = far_code;
     derive_valid_range(scene.depth);
     ASSERT_FALSE(scene.depth.is_valid(0));
     RawFrame raw;
@@ -63,6 +62,31 @@ TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
         for (int y = 0; y < reference.height; ++y)
             for (int x = 0; x < reference.width; ++x) valid += reference.is_valid(x, y);
         EXPECT_GT(valid, scene.width * scene.height / 10);
+    }
+}
+
+class RealFrames : public testing::TestWithParam<RealFrame> {};
+
+TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
+    const std::filesystem::path file = real_data(GetParam().file);
+    TOUCHABLE_NEEDS_DATA(file);
+    expect_the_same_bits_of_a_picture(file, GetParam().far_code);
+}
+
+TEST(StandInFrames, GiveTheSameBitsFromEveryBuilder) {
+    const std::pair<const char*, int> frames[] = {{"castel_sr300/depth_0000.png", 20000},
+                                                  {"visp_cube_realsense/depth_0000.png", 60000},
+                                                  {"redwood5/depth_00000.png", 60000},
+                                                  {"icl_nuim5/depth_1.png", 65535}};
+    const TemporaryFolder folder;
+    for (const auto& [file, far_code] : frames) {
+        SCOPED_TRACE(file);
+        const std::filesystem::path path = folder / file;
+        StandIn what = stand_in(path.parent_path().filename());
+        what.frames = 1;
+        write_stand_in(path.parent_path(), what);
+        expect_the_same_bits_of_a_picture(path, far_code);
+        if (HasFailure()) return;
     }
 }
 
