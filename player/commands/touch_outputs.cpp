@@ -1,5 +1,6 @@
 #include "player/commands/touch_outputs.hpp"
 
+#include <initializer_list>
 #include <string>
 #include <utility>
 
@@ -59,7 +60,8 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     if (auto free = check_outputs(outputs_of(options, setup), inputs_of(options, setup)); !free.ok())
         return free.error();
     std::unique_ptr<TouchOutputs> out(new TouchOutputs);
-    const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing); };
+    const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
+    const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing, pace); };
     if (auto opened = open_if(options.forces, out->forces_, forces); !opened.ok()) return opened.error();
     if (options.device_log && !setup.device_log)
         return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
@@ -68,13 +70,15 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     };
     if (auto opened = open_if(options.device_log, out->device_log_, log); !opened.ok()) return opened.error();
     const auto record = [&](const auto& path) {
-        return RecordingFile::create(path, setup.settings.fingers, options.existing);
+        return RecordingFile::create(path, setup.settings.fingers, options.existing, pace);
     };
     if (auto opened = open_if(options.record, out->record_, record); !opened.ok()) return opened.error();
     if (options.record && setup.film)
         if (auto opened = setup.film->open(film_beside(*options.record), options.existing); !opened.ok())
             return opened.error();
-    const auto json = [&](const auto& path) { return OutputFile::create("--json", path, options.existing); };
+    const auto json = [&](const auto& path) {
+        return OutputFile::create("--json", path, options.existing, pace);
+    };
     if (auto opened = open_if(options.json, out->json_, json); !opened.ok()) return opened.error();
     auto order = order_picture(options.picture, options.existing, setup.builder, *setup.gpu);
     if (!order.ok()) return order.error();
@@ -108,27 +112,46 @@ Result<void> TouchOutputs::end_part(const TouchSetup& setup) {
     return picture_->finish(setup, false);
 }
 
+std::vector<std::string> TouchOutputs::new_faults() {
+    std::vector<std::string> faults;
+    for (const OutputSink* const file :
+         std::initializer_list<const OutputSink*>{forces_.get(), device_log_.get(), record_.get()})
+        if (const auto fault = file ? file->fault() : std::nullopt; fault && told_.insert(file).second)
+            faults.push_back(fault->message);
+    return faults;
+}
+
+Result<void> TouchOutputs::finish_record(const std::string& force_hash, const TouchSetup& setup) {
+    nlohmann::ordered_json facts = recorded_facts(setup);
+    facts["force_hash"] = force_hash;
+    if (setup.film)
+        if (auto done = setup.film->finish(); !done.ok()) return done;
+    return record_->finish(facts, setup.settings.playback);
+}
+
+Result<void> TouchOutputs::finish_json(const nlohmann::ordered_json& report) {
+    const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // names need not be UTF-8
+    if (auto written = json_->write(report.dump(2, ' ', false, replace) + '\n'); !written.ok())
+        return written;
+    return json_->finish();
+}
+
 Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const std::string& force_hash,
                                   const TouchSetup& setup) {
-    if (forces_)
-        if (auto done = forces_->finish(); !done.ok()) return done;
-    if (device_log_)
-        if (auto done = device_log_->finish(); !done.ok()) return done;
-    if (record_) {
-        nlohmann::ordered_json facts = recorded_facts(setup);
-        facts["force_hash"] = force_hash;
-        if (setup.film)
-            if (auto done = setup.film->finish(); !done.ok()) return done;
-        if (auto done = record_->finish(facts, setup.settings.playback); !done.ok()) return done;
-    }
-    if (json_) {
-        const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // names need not be UTF-8
-        if (auto written = json_->write(report.dump(2, ' ', false, replace) + '\n'); !written.ok())
-            return written;
-        if (auto done = json_->finish(); !done.ok()) return done;
-    }
-    if (!picture_ || is_drawn_) return {};
-    return picture_->finish(setup, report.value("interrupted", false));
+    std::optional<Error> fault;
+    const auto note = [&fault](const Result<void>& done) {
+        if (done.ok()) return;
+        if (fault)
+            fault->message += "; " + done.error().message;
+        else
+            fault = done.error();
+    };
+    if (forces_) note(forces_->finish());
+    if (device_log_) note(device_log_->finish());
+    if (record_) note(finish_record(force_hash, setup));
+    if (json_) note(finish_json(report));
+    if (picture_ && !is_drawn_) note(picture_->finish(setup, report.value("interrupted", false)));
+    return fault ? Result<void>(*fault) : Result<void>();
 }
 
 }  // namespace touchable

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/printable.hpp"
 #include "player/commands/builder_options.hpp"
 #include "player/commands/force_keys.hpp"
 #include "player/commands/touch_outputs.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 /// Where the table goes: not between figures that another program reads.
 std::ostream& stream_of_words(const TouchOptions& options) {
-    for (const auto& file : {options.json, options.forces})
+    for (const auto& file : {options.json, options.forces, options.device_log})
         if (file && is_standard_output(*file)) return std::cerr;
     return std::cout;
 }
@@ -83,8 +84,9 @@ Result<Recording> read_replayed(const TouchOptions& options) {
 /// Gives the ticks of a later part on as those of one run with the parts before, and knows who takes longest.
 class OneRun final : public TouchSink {
 public:
-    OneRun(std::int64_t ticks_before, std::vector<TouchSink*> sinks)
-        : before_(ticks_before), sinks_(std::move(sinks)), took_(sinks_.size()) {}
+    /// `outputs`: what they can no longer write is said at once; nullptr: in the end.
+    OneRun(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs* outputs)
+        : before_(ticks_before), sinks_(std::move(sinks)), took_(sinks_.size()), outputs_(outputs) {}
     Result<void> take(const TouchTick& tick) override {
         TouchTick later = tick;
         later.tick += before_;
@@ -94,6 +96,9 @@ public:
             if (auto taken = sinks_[k]->take(later); !taken.ok()) return taken;
             took_[k] += std::chrono::steady_clock::now() - begun;
         }
+        if (outputs_)
+            for (const std::string& fault : outputs_->new_faults())
+                std::cerr << "touchable: warning: " << printable(fault, 500) << "; the run goes on\n";
         return {};
     }
     const TouchSink* slowest() const {
@@ -104,6 +109,7 @@ private:
     std::int64_t before_;
     std::vector<TouchSink*> sinks_;
     std::vector<std::chrono::steady_clock::duration> took_;
+    TouchOutputs* outputs_;
 };
 
 std::int64_t ticks_of(const RecordedPart& part) {
@@ -146,12 +152,12 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     TouchFigures figures;
     std::vector<TouchSink*> of_all = outputs.sinks();
     of_all.push_back(&told.all);
-    OneRun one_run(told.ticks, std::move(of_all));
+    const bool live = runs_live(s, options);
+    OneRun one_run(told.ticks, std::move(of_all), live ? &outputs : nullptr);
     std::vector<TouchSink*> sinks{&one_run};
     std::optional<ReplayCheck> check;
     if (part) sinks.push_back(&check.emplace(*part));
     if (part) sinks.push_back(&figures);
-    const bool live = runs_live(s, options);
     const auto ran = run_session(s, live, sinks, [&](std::int64_t ticks) {
         return fell_behind_error(outputs.name_of(one_run.slowest()), ticks);
     });

@@ -32,16 +32,16 @@ void DeviceTickLog::push(const DeviceTick& tick) {
 
 Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesystem::path& file,
                                                              Existing existing, DeviceTickLog& log) {
-    auto out = OutputFile::create("--device-log", file, existing);
+    auto out = OutputFile::create("--device-log", file, existing, Pace::wall_clock);
     if (!out.ok()) return out.error();
     if (auto written = (*out)->write("time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"); !written.ok())
         return written.error();
     return std::unique_ptr<DeviceLogFile>(new DeviceLogFile(std::move(*out), log));
 }
 
-Result<void> DeviceLogFile::take(const TouchTick&) {
+Result<void> DeviceLogFile::write(const TouchTick&) {
     rows_.clear();
-    const auto write = [this](const DeviceTick& tick) {
+    const auto add = [this](const DeviceTick& tick) {
         for (std::size_t finger = 0; finger < tick.places.size(); ++finger) {
             CsvRow row(rows_);
             row << static_cast<double>(tick.tick) / 1000 << static_cast<std::int64_t>(finger);
@@ -58,14 +58,15 @@ Result<void> DeviceLogFile::take(const TouchTick&) {
             row.end();
         }
     };
-    while (log_.pop(write)) {
+    while (log_.pop(add)) {
     }
     return file_->write(rows_);
 }
 
 Result<void> DeviceLogFile::finish() {
-    if (auto rest = take({}); !rest.ok()) return rest;
-    if (log_.lost() > 0) return fell_behind_error(file_->name(), log_.lost());
+    if (!is_faulty())
+        if (auto rest = take({}); !rest.ok()) return rest;
+    if (!is_faulty() && log_.lost() > 0) return fell_behind_error(file_->name(), log_.lost());
     return file_->finish();
 }
 

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "haptics_cpu/spsc_ring.hpp"
-#include "player/session/output_file.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/session/output_sink.hpp"
 
 namespace touchable {
 
@@ -50,21 +49,20 @@ private:
 };
 
 /// `--device-log FILE`, or `-`: a row for each tick and finger (docs/devices.md, Logs). Replays as a device.
-class DeviceLogFile final : public TouchSink {
+class DeviceLogFile final : public OutputSink {
 public:
-    /// `log` outlives it.
+    /// `log` outlives it. Only live runs have one.
     static Result<std::unique_ptr<DeviceLogFile>> create(const std::filesystem::path& file, Existing existing,
                                                          DeviceTickLog& log);
-    /// All that has come by now.
-    Result<void> take(const TouchTick&) override;
-    /// Gives the file its name. Error: ticks are missing.
+    /// Gives the file its name, as OutputFile does. Error: ticks are missing.
     Result<void> finish();
-    std::string name() const { return file_->name(); }  ///< as OutputFile has it
 
 private:
-    DeviceLogFile(std::unique_ptr<OutputFile> file, DeviceTickLog& log) : file_(std::move(file)), log_(log) {}
+    DeviceLogFile(std::unique_ptr<OutputFile> file, DeviceTickLog& log)
+        : OutputSink(std::move(file)), log_(log) {}
+    /// All that has come by now.
+    Result<void> write(const TouchTick&) override;
 
-    std::unique_ptr<OutputFile> file_;
     DeviceTickLog& log_;
     std::string rows_;
 };

@@ -4,8 +4,9 @@
 
 namespace touchable {
 
-Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file, Existing existing) {
-    auto out = OutputFile::create("--forces", file, existing);
+Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file, Existing existing,
+                                                       Pace pace) {
+    auto out = OutputFile::create("--forces", file, existing, pace);
     if (!out.ok()) return out.error();
     constexpr std::string_view header =
         "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
@@ -14,7 +15,7 @@ Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::pa
     return std::unique_ptr<ForcesFile>(new ForcesFile(std::move(*out)));
 }
 
-Result<void> ForcesFile::take(const TouchTick& tick) {
+Result<void> ForcesFile::write(const TouchTick& tick) {
     rows_.clear();
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& contact = tick.contacts[k];

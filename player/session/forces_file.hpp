@@ -4,26 +4,24 @@
 #include <memory>
 #include <string>
 
-#include "player/session/output_file.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/session/output_sink.hpp"
 
 namespace touchable {
 
 /// `--forces FILE`, or `-` for standard output: a header, then one row per tick and finger with all it takes
 /// to check a force with another program. World axes, scene units, newtons, N/m; numbers to 17 digits, so
 /// exactly the bits that were felt.
-class ForcesFile final : public TouchSink {
+class ForcesFile final : public OutputSink {
 public:
-    static Result<std::unique_ptr<ForcesFile>> create(const std::filesystem::path& file, Existing existing);
-    Result<void> take(const TouchTick& tick) override;
-    /// Gives the file its name; without this nothing is left behind.
+    static Result<std::unique_ptr<ForcesFile>> create(const std::filesystem::path& file, Existing existing,
+                                                      Pace pace);
+    /// Gives the file its name, as OutputFile does; without this nothing is left behind.
     Result<void> finish() { return file_->finish(); }
-    std::string name() const { return file_->name(); }  ///< as OutputFile has it
 
 private:
-    explicit ForcesFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
+    using OutputSink::OutputSink;
+    Result<void> write(const TouchTick& tick) override;
 
-    std::unique_ptr<OutputFile> file_;
     std::string rows_;  // of one tick
 };
 

@@ -43,7 +43,7 @@ public:
 
     /// To the end, or until the person asks to stop, which is how most sessions end, or until the device or
     /// the clip fails; where the log is open, the hand outlasts the clip. What was touched until then counts:
-    /// an error only where no tick was run by then, or where the sinks have not got all.
+    /// an error only where no tick was run by then, or where ticks were lost. What a sink refuses ends it too.
     Result<void> run(std::span<TouchSink* const> sinks);
 
     // While it runs, any thread.

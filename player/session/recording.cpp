@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdio>
 #include <fstream>
 
 #include "engine/scene/checked_json.hpp"
+#include "haptics_cpu/force_hash.hpp"
 
 namespace touchable {
 
@@ -222,14 +224,15 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     return recording;
 }
 
-Result<void> RecordingFile::write(const std::string& bytes) {
+Result<void> RecordingFile::add(const std::string& bytes) {
     hash_->add(bytes.data(), bytes.size());
+    bytes_ += bytes.size();
     return file_->write(bytes);
 }
 
 Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesystem::path& file, int fingers,
-                                                             Existing existing) {
-    auto opened = OutputFile::create("--record", file, existing);
+                                                             Existing existing, Pace pace) {
+    auto opened = OutputFile::create("--record", file, existing, pace);
     if (!opened.ok()) return opened.error();
     std::unique_ptr<RecordingFile> out(new RecordingFile(std::move(*opened), fingers));
     if (auto begun = out->begin_part(); !begun.ok()) return begun.error();
@@ -237,68 +240,139 @@ Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesyst
 }
 
 Result<void> RecordingFile::begin_part() {
-    ++part_;
+    parts_.push_back({.begin = bytes_});
     hash_.emplace();
-    ticks_ = 0;
     std::string head(magic);
     put(head, recording_format_version, 4);
     put(head, static_cast<std::uint64_t>(fingers_), 4);
-    return write(head);
+    return add(head);
 }
 
-Result<void> RecordingFile::take(const TouchTick& tick) {
-    if (ended_) {
+Result<void> RecordingFile::write(const TouchTick& tick) {
+    if (parts_.back().has_ended) {
         if (auto written = write_end(true); !written.ok()) return written;
         if (auto begun = begin_part(); !begun.ok()) return begun;
     }
-    bytes_.clear();
+    tick_.clear();
     for (const std::int64_t value : {tick.time_ns, tick.pair.prev.number, tick.pair.next.number})
-        put(bytes_, static_cast<std::uint64_t>(value), 8);
-    put(bytes_, tick.blend);
-    put(bytes_, tick.pair.epoch, 8);
+        put(tick_, static_cast<std::uint64_t>(value), 8);
+    put(tick_, tick.blend);
+    put(tick_, tick.pair.epoch, 8);
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
-        put(bytes_, tick.goals[k]);
-        put(bytes_, tick.forces[k].force);
-        put(bytes_, tick.forces[k].reasons, 4);
+        put(tick_, tick.goals[k]);
+        put(tick_, tick.forces[k].force);
+        put(tick_, tick.forces[k].reasons, 4);
     }
-    ++ticks_;
-    return write(bytes_);
+    ++parts_.back().ticks;
+    return add(tick_);
 }
 
 void RecordingFile::end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback) {
-    if (ended_ || ticks_ == 0) return;
-    ended_ = Ended{std::move(facts), std::move(playback)};
+    Part& part = parts_.back();
+    if (part.has_ended || part.ticks == 0) return;
+    part.facts = std::move(facts);
+    part.playback = std::move(playback);
+    part.has_ended = true;
 }
 
 Result<void> RecordingFile::finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback) {
-    if (!ended_) ended_ = Ended{std::move(facts), std::move(playback)};
-    if (auto written = write_end(false); !written.ok()) return written;
-    return file_->finish();
+    Part& part = parts_.back();
+    if (!part.has_ended) part = {part.begin, part.ticks, std::move(facts), std::move(playback), true};
+    const auto ended = is_faulty() ? Result<void>() : write_end(false);
+    const auto whole = ended.ok() ? file_->flush() : ended;
+    if (whole.ok()) return file_->finish();
+    return file_->pace() == Pace::own ? whole : keep_whole_ticks(whole.error());
 }
 
-Result<void> RecordingFile::write_end(bool goes_on) {
+/// What stands behind the ticks of a part, but for the hash.
+std::string RecordingFile::tail_of(std::size_t part, std::uint64_t ticks, bool goes_on) const {
+    const Part& ended = parts_[part];
     std::string tail;
-    for (const PlaybackCommand& command : ended_->playback) {
+    for (const PlaybackCommand& command : ended.playback) {
         put(tail, static_cast<std::uint64_t>(command.tick), 8);
         put(tail, static_cast<std::uint64_t>(command.verb), 4);
         for (const std::int64_t value : {command.first, command.second})
             put(tail, static_cast<std::uint64_t>(value), 8);
     }
-    put(tail, ended_->playback.size(), 8);
-    if (part_ > 1) ended_->facts["part"] = part_;
-    if (goes_on) ended_->facts["goes_on"] = true;
+    put(tail, ended.playback.size(), 8);
+    nlohmann::ordered_json facts = ended.facts;
+    if (part > 0) facts["part"] = part + 1;
+    if (goes_on) facts["goes_on"] = true;
     // Names of files need not be UTF-8; JSON must.
-    const std::string text =
-        ended_->facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    const std::string text = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     const std::uint64_t facts_size = text.size();
     tail += text;
     put(tail, facts_size, 8);
-    put(tail, ticks_, 8);
-    if (auto written = write(tail); !written.ok()) return written;
-    std::string hash;
-    put(hash, hash_->value(), 8);
-    ended_.reset();
-    return file_->write(hash);
+    put(tail, ticks, 8);
+    return tail;
+}
+
+Result<void> RecordingFile::write_end(bool goes_on) {
+    std::string tail = tail_of(parts_.size() - 1, parts_.back().ticks, goes_on);
+    hash_->add(tail.data(), tail.size());
+    put(tail, hash_->value(), 8);
+    bytes_ += tail.size();
+    return file_->write(tail);
+}
+
+std::size_t RecordingFile::tick_bytes() const {
+    return tick_size(recording_format_version) + finger_size * static_cast<std::size_t>(fingers_);
+}
+
+/// The last part of which there is room for a tick, and what stands behind it, becomes the last one.
+Result<void> RecordingFile::keep_whole_ticks(const Error& why) {
+    const std::uint64_t size = file_->size();
+    constexpr std::uint64_t step = 1 << 16, most = 1 << 20;  // that others may take of what is given back
+    for (std::uint64_t less = 0; less <= most; less += step)
+        for (std::size_t part = parts_.size(); part-- > 0;) {
+            if (!parts_[part].has_ended) continue;
+            parts_[part].facts["force_hash"] = ForceHash().hex();  // as long as the one to come
+            const std::uint64_t needed =
+                parts_[part].begin + head_size + tail_of(part, 0, false).size() + 8 + less;
+            if (size < needed + tick_bytes()) continue;
+            const auto kept_ns = end_with(part, std::min(parts_[part].ticks, (size - needed) / tick_bytes()));
+            if (!kept_ns.ok()) return kept_ns.error();
+            if (!*kept_ns) break;
+            char seconds[32];
+            std::snprintf(seconds, sizeof seconds, "%.3f", static_cast<double>(**kept_ns) * 1e-9);
+            const std::string of_part = part > 0 ? " of part " + std::to_string(part + 1) : std::string();
+            return input_error(why.message + "; it is kept, and replays, up to " + seconds + " s" + of_part);
+        }
+    return why;
+}
+
+/// The time of its last tick; nothing where there was no room.
+Result<std::optional<std::int64_t>> RecordingFile::end_with(std::size_t part, std::uint64_t ticks) {
+    constexpr std::uint64_t at_once = 1024;
+    const std::uint64_t first = parts_[part].begin + head_size;
+    const auto fingers = static_cast<std::size_t>(fingers_);
+    ByteHash hash;
+    ForceHash forces;
+    std::int64_t time_ns = 0;
+    const std::string head = file_->read(parts_[part].begin, head_size);
+    hash.add(head.data(), head.size());
+    for (std::uint64_t tick = 0; tick < ticks; tick += at_once) {
+        const std::uint64_t count = std::min(at_once, ticks - tick);
+        const std::string bytes = file_->read(first + tick * tick_bytes(), count * tick_bytes());
+        if (bytes.empty()) return input_error(file_->name() + ": cannot be read back");
+        hash.add(bytes.data(), bytes.size());
+        Bytes rest(bytes);
+        for (std::uint64_t k = 0; k < count; ++k) {
+            const RecordedTick recorded = read_tick(rest, recording_format_version, fingers);
+            time_ns = recorded.time_ns;
+            for (const auto& force : recorded.forces) forces.add(force);
+        }
+    }
+    parts_[part].facts["force_hash"] = forces.hex();
+    std::string tail = tail_of(part, ticks, false);
+    hash.add(tail.data(), tail.size());
+    put(tail, hash.value(), 8);
+    if (auto cut = file_->go_on_from(first + ticks * tick_bytes()); !cut.ok()) return cut.error();
+    auto written = file_->write(tail);
+    if (written.ok()) written = file_->flush();
+    if (!written.ok()) return std::optional<std::int64_t>();
+    if (auto kept = file_->keep(); !kept.ok()) return kept.error();
+    return std::optional<std::int64_t>(time_ns);
 }
 
 }  // namespace touchable

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/byte_hash.hpp"
-#include "player/session/output_file.hpp"
+#include "player/session/output_sink.hpp"
 #include "player/session/playback_clock.hpp"
 #include "player/session/touch_session.hpp"
 
@@ -47,37 +47,43 @@ using Recording = std::vector<RecordedPart>;
 Result<Recording> read_recording(const std::filesystem::path& file);
 
 /// `--record FILE`. A part has ended once it is said to; what comes after it is another one. A part without
-/// ticks is left out, unless there is no other.
-class RecordingFile final : public TouchSink {
+/// ticks is left out, unless there is no other. Where a disk became full under a live run, the recording ends
+/// with the last tick for which there is room, its facts included, and replays up to there.
+class RecordingFile final : public OutputSink {
 public:
     static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers,
-                                                         Existing existing);
-    Result<void> take(const TouchTick& tick) override;
+                                                         Existing existing, Pace pace = Pace::own);
     /// Of the ticks since the last part: the facts, and the clock's commands.
     void end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
-    /// Ends the last part, and gives the file its name; without this nothing is left behind.
+    /// Ends the last part, and gives the file its name; without this nothing is left behind. An error where
+    /// ticks are missing, which says up to where it is kept.
     Result<void> finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
-    std::string name() const { return file_->name(); }  ///< as OutputFile has it
 
 private:
     RecordingFile(std::unique_ptr<OutputFile> file, int fingers)
-        : file_(std::move(file)), fingers_(fingers) {}
+        : OutputSink(std::move(file)), fingers_(fingers) {}
+    Result<void> write(const TouchTick& tick) override;
     Result<void> begin_part();
     Result<void> write_end(bool goes_on);
-    Result<void> write(const std::string& bytes);
+    Result<void> add(const std::string& bytes);
 
-    /// What is still to be written of a part: whether another follows shows with that one's first tick.
-    struct Ended {
-        nlohmann::ordered_json facts;
-        std::vector<PlaybackCommand> playback;
+    struct Part {
+        std::uint64_t begin = 0;  // in the file
+        std::uint64_t ticks = 0;
+        nlohmann::ordered_json facts{};
+        std::vector<PlaybackCommand> playback{};
+        bool has_ended = false;  // what is to be written behind its ticks is known
     };
-    std::unique_ptr<OutputFile> file_;
-    int fingers_;
-    int part_ = 0;                  // its number, from 1 on; none has begun yet
-    std::optional<ByteHash> hash_;  // of what is written of the part
-    std::uint64_t ticks_ = 0;       // likewise
-    std::optional<Ended> ended_;
-    std::string bytes_;  // of one tick
+    std::string tail_of(std::size_t part, std::uint64_t ticks, bool goes_on) const;
+    Result<void> keep_whole_ticks(const Error& why);
+    Result<std::optional<std::int64_t>> end_with(std::size_t part, std::uint64_t ticks);
+    std::size_t tick_bytes() const;
+
+    const int fingers_;
+    std::vector<Part> parts_;
+    std::optional<ByteHash> hash_;  // of what is written of the last one
+    std::uint64_t bytes_ = 0;       // all that was written
+    std::string tick_;
 };
 
 }  // namespace touchable

@@ -134,7 +134,8 @@ Result<void> OpenedClip::open_film(TouchSetup& setup) {
 
 Result<void> OpenedClip::begin() {
     if (options_.record) {
-        auto file = RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing);
+        auto file =
+            RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing, Pace::wall_clock);
         if (!file.ok()) return file.error();
         record_ = std::make_unique<Record>(std::move(*file));
         if (auto film = open_film(*ready_); !film.ok()) return film;

@@ -106,6 +106,8 @@ public:
     /// Why the first of its sessions that ended by itself did, or lost ticks, or its clip broke off; known of
     /// each once it has ended.
     const std::optional<Error>& failure() const { return failure_; }
+    /// Why the recording gets no more ticks; nothing where it does, or there is none.
+    std::optional<Error> record_fault() const { return record_ ? record_->file->fault() : std::nullopt; }
 
 private:
     OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);

@@ -2,7 +2,7 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <string>
 
 namespace touchable {
 namespace {
@@ -18,21 +18,9 @@ void put(std::string& to, float value) {
     put(to, static_cast<std::uint32_t>(std::lround(value * 32767)), 2);
 }
 
-}  // namespace
-
-Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing) {
-    std::unique_ptr<SoundFile> made(new SoundFile(file, existing));
-    if (auto free = made->file_.check(); !free.ok()) return free.error();
-    made->out_.open(made->file_.path(), std::ios::binary);
-    made->write_header();
-    if (!made->out_)
-        return Error{ErrorKind::input, "--sound " + file.string() + ": nothing can be written there"};
-    return made;
-}
-
-void SoundFile::write_header() {
+std::string header_of(std::uint32_t bytes) {
     std::string header = "RIFF";
-    put(header, header_bytes - 8 + bytes_, 4);
+    put(header, header_bytes - 8 + bytes, 4);
     header += "WAVEfmt ";
     put(header, 16, 4);  // bytes of what follows
     put(header, 1, 2);   // integers
@@ -42,31 +30,47 @@ void SoundFile::write_header() {
     put(header, sample_bytes, 2);
     put(header, 16, 2);  // bits
     header += "data";
-    put(header, bytes_, 4);
-    out_.write(header.data(), static_cast<std::streamsize>(header.size()));
+    put(header, bytes, 4);
+    return header;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing) {
+    auto opened = OutputFile::create("--sound", file, existing, Pace::wall_clock);
+    if (!opened.ok()) return opened.error();
+    std::unique_ptr<SoundFile> made(new SoundFile(std::move(*opened)));
+    if (auto begun = made->file_->write(header_of(0)); !begun.ok()) return begun.error();
+    return made;
 }
 
 void SoundFile::add(std::span<const StereoSample> samples) {
     const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
-    if (bytes > most_wav_bytes - bytes_) return;
-    std::string words;
-    words.reserve(bytes);
+    if (is_faulty_ || bytes > most_wav_bytes - bytes_) return;
+    words_.clear();
     for (const StereoSample& sample : samples) {
-        put(words, sample.left);
-        put(words, sample.right);
+        put(words_, sample.left);
+        put(words_, sample.right);
     }
-    out_.write(words.data(), static_cast<std::streamsize>(words.size()));
     bytes_ += bytes;
+    const auto written = file_->write(words_);
+    if (written.ok()) return;
+    is_faulty_ = true;
+    const std::lock_guard lock(mutex_);
+    fault_ = written.error();
+}
+
+std::optional<Error> SoundFile::fault() const {
+    const std::lock_guard lock(mutex_);
+    return fault_;
 }
 
 Result<void> SoundFile::finish() {
-    out_.seekp(0);
-    write_header();
-    out_.close();
-    if (!out_)
-        return Error{ErrorKind::input,
-                     "--sound " + file_.target().string() + ": it cannot be written; is the disk full?"};
-    return file_.commit();
+    const auto whole = file_->flush();
+    if (!whole.ok() && file_->size() <= header_bytes) return whole;
+    const auto samples = static_cast<std::uint32_t>(file_->size()) - header_bytes;
+    if (auto begun = file_->write_over(0, header_of(samples)); !begun.ok()) return begun;
+    return file_->finish();
 }
 
 }  // namespace touchable

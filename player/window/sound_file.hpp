@@ -2,34 +2,40 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 
-#include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "player/session/output_file.hpp"
 #include "player/window/contact_sound.hpp"
 
 namespace touchable {
 
-/// A WAV file: two channels of 16 bits at 48 kHz. It has its name once it is complete.
+/// A WAV file: two channels of 16 bits at 48 kHz. It has its name once it is complete, or as complete as a
+/// disk that became full let it be.
 class SoundFile {
 public:
     /// An error (ErrorKind::input) where nothing can be written there.
     static Result<std::unique_ptr<SoundFile>> create(const std::filesystem::path& file, Existing existing);
     /// What does not fit into a WAV file, after six hours, is left out.
     void add(std::span<const StereoSample> samples);
+    /// Why nothing more is added; any thread.
+    std::optional<Error> fault() const;
     /// Gives the file its name. An error where anything could not be written.
     Result<void> finish();
 
 private:
-    SoundFile(const std::filesystem::path& file, Existing existing) : file_(file, existing) {}
-    void write_header();
+    explicit SoundFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
 
-    NewFile file_;
-    std::ofstream out_;
+    const std::unique_ptr<OutputFile> file_;
     std::uint32_t bytes_ = 0;  // of samples
+    std::string words_;
+    bool is_faulty_ = false;
+    mutable std::mutex mutex_;
+    std::optional<Error> fault_;  // guarded by it
 };
 
 }  // namespace touchable

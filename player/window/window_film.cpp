@@ -60,6 +60,11 @@ void WindowFilm::add_sound(std::int64_t sample, std::span<const StereoSample> sa
     if (sound_waits_ > much_sound) changed_.notify_all();
 }
 
+std::optional<Error> WindowFilm::fault() {
+    const std::lock_guard lock(mutex_);
+    return encoded_.ok() ? std::nullopt : std::optional(encoded_.error());
+}
+
 bool WindowFilm::has_work() const {
     return !waiting_.empty() || sound_waits_ > much_sound || (stopping_ && sound_waits_ > 0);
 }

@@ -33,6 +33,8 @@ public:
     void add(Image picture);
     /// FilmWriter's. After the first picture; any thread.
     void add_sound(std::int64_t sample, std::span<const StereoSample> samples);
+    /// Why it gets no more; nothing where it does.
+    std::optional<Error> fault();
     /// Pictures that found no room.
     std::int64_t left_out() const { return left_out_; }
     /// In the film, once it is finished.

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <initializer_list>
 #include <iostream>
+#include <optional>
 #include <utility>
 
 #include "engine/printable.hpp"
@@ -94,9 +95,16 @@ Result<PlayFigures> WindowLoop::run() {
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
     if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
+    std::optional<Error> fault;
     for (const auto* done :
-         std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &filmed, &kept})
-        if (!done->ok()) return done->error();
+         std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &filmed, &kept}) {
+        if (done->ok()) continue;
+        if (fault)
+            fault->message += "; " + done->error().message;
+        else
+            fault = done->error();
+    }
+    if (fault) return *fault;
     if (interrupted()) return interruption();
     return std::move(figures_);
 }
@@ -140,6 +148,7 @@ Result<void> WindowLoop::turn() {
     screen_->hide_pointer(!options_.hand && clip_->shown() > 0 && clip_->force_is_on());
     go_on_opening();
     note_sound();
+    note_files();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
     if (options_.seconds && script_s >= *options_.seconds) quit_ = true;
     return {};
@@ -151,6 +160,13 @@ void WindowLoop::note_sound() {
     if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
     if (figures_.sound_fault.empty()) figures_.sound_fault = fault;
     say(fault, true);
+}
+
+/// What is to be kept and no longer can be: once, as it happens.
+void WindowLoop::note_files() {
+    for (const auto& fault :
+         {clip_->record_fault(), sound_->file_fault(), film_ ? film_->fault() : std::nullopt})
+        if (fault && file_faults_.insert(fault->message).second) say(fault->message, true);
 }
 
 double WindowLoop::now_s() const {

@@ -89,6 +89,7 @@ private:
     void begin_anew();
     void try_again();
     void note_sound();
+    void note_files();
     KeptSettings to_keep() const;
     Error interruption() const;
     void say(std::string words, bool bad = false);
@@ -151,6 +152,7 @@ private:
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
     WhatIsSeen seen_;
     std::string message_, shown_message_, sound_fault_;
+    std::set<std::string> file_faults_;  // that were said
     std::size_t place_lines_ = 0;
     bool message_is_bad_ = false, quit_ = false, fullscreen_ = false;
     double last_draw_ms_ = 0;

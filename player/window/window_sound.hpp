@@ -45,6 +45,8 @@ public:
     bool is_muted() const { return muted_.load(std::memory_order_relaxed); }
     /// Why a clip with a sound track is silent, or in part; otherwise nothing.
     std::string clip_fault() const { return clip_->fault(); }
+    /// Why the file gets no more; nothing where it does, or there is none.
+    std::optional<Error> file_fault() const { return file_ ? file_->fault() : std::nullopt; }
     /// In a few words, for a person.
     std::string state() const;
     /// Completes the file. After the last session's end.

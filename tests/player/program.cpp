@@ -231,6 +231,32 @@ Outcome run_unheard(const std::vector<std::string>& arguments) {
     return run(arguments, hooks);
 }
 
+Outcome run_unread(const std::vector<std::string>& arguments, bool interrupted) {
+    Hooks hooks;
+    hooks.prepare = [] {
+        std::array<int, 2> ends{};  // this process keeps both
+        if (pipe(ends.data()) != 0 || fcntl(ends[1], F_SETFL, O_NONBLOCK) != 0) _exit(126);
+        const std::array<char, 4096> some{};
+        while (write(ends[1], some.data(), some.size()) > 0) {
+        }
+        fcntl(ends[1], F_SETFL, 0);
+        dup2(ends[1], STDOUT_FILENO);
+    };
+    if (interrupted)
+        hooks.meanwhile = [](pid_t child) {
+            wait_until_it_minds_interrupts(child);
+            std::this_thread::sleep_for(std::chrono::seconds(1));
+            kill(child, SIGINT);
+        };
+    return run(arguments, hooks);
+}
+
+Outcome run_with_full_output(const std::vector<std::string>& arguments) {
+    Hooks hooks;
+    hooks.prepare = [] { dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO); };
+    return run(arguments, hooks);
+}
+
 Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::path& folder, int signal,
                         Unfinished files) {
     Hooks hooks;

@@ -32,6 +32,13 @@ Outcome run_in_folder_until(const std::vector<std::string>& arguments, const std
 /// Starts it where nobody hears what it says on standard output: the reader has gone away.
 Outcome run_unheard(const std::vector<std::string>& arguments);
 
+/// Starts it with standard output into a pipe that is full, and that nobody reads though it stays open; sends
+/// SIGINT after a second where it is to be `interrupted`.
+Outcome run_unread(const std::vector<std::string>& arguments, bool interrupted = false);
+
+/// Starts it with standard output on a disk that is full.
+Outcome run_with_full_output(const std::vector<std::string>& arguments);
+
 /// How the program, or the file system it is on, treats files that are not complete.
 enum class Unfinished { unnamed, named };
 

@@ -7,6 +7,8 @@
 
 #include "engine/content/scenes.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/force_hash.hpp"
+#include "tests/full_disk.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 
@@ -247,6 +249,57 @@ TEST_F(PartsOfARecording, AreRefusedWhereOneIsMissingOrDamaged) {
         ASSERT_FALSE(read(damaged).ok()) << "byte " << at;
         ASSERT_FALSE(read(bytes_.substr(0, at)).ok()) << at << " bytes";
     }
+}
+
+/// Ticks of all parts, and that the clock, names and hashes are those of these parts.
+std::size_t ticks_of(const Recording& recording) {
+    std::size_t ticks = 0;
+    const std::vector<std::string> names{"first", "second", "third"};
+    for (std::size_t k = 0; k < recording.size(); ++k) {
+        EXPECT_EQ(recording[k].facts["name"], names[k]);
+        ticks += recording[k].ticks.size();
+    }
+    return ticks;
+}
+
+// Wherever it becomes full: all parts and ticks for which there is room are there, and nothing else.
+TEST_F(PartsOfARecording, AreKeptUpToWhereTheDiskBecameFull) {
+    std::size_t kept_before = 0;
+    for (std::size_t room = bytes_.size() % 7; room <= bytes_.size(); room += 7) {
+        const std::string place = folder / "cut.rec";
+        std::filesystem::remove(place);
+        Result<void> finished;
+        {
+            const FullDisk full(room);
+            auto recording = RecordingFile::create(place, 2, Existing::keep, Pace::wall_clock);
+            ASSERT_TRUE(recording.ok());
+            take(**recording, 0);
+            take(**recording, 1);
+            (*recording)->end_part({{"name", "first"}}, playback_);
+            take(**recording, 0);
+            (*recording)->end_part({{"name", "second"}}, {});
+            take(**recording, 2);
+            finished = (*recording)->finish({{"name", "third"}}, {});
+        }
+        EXPECT_EQ(finished.ok(), room == bytes_.size()) << room;
+        if (!std::filesystem::exists(place)) {
+            EXPECT_EQ(kept_before, 0U) << room;
+            continue;
+        }
+        const auto recording = read_recording(place);
+        ASSERT_TRUE(recording.ok()) << room << ": " << recording.error().message;
+        const std::size_t kept = ticks_of(*recording);
+        EXPECT_GE(kept, kept_before) << room;
+        kept_before = kept;
+        if (finished.ok()) continue;
+        EXPECT_NE(finished.error().message.find("; it is kept, and replays, up to 0.24"), std::string::npos)
+            << finished.error().message;
+        ForceHash forces;
+        for (std::size_t tick = 0; tick < recording->back().ticks.size(); ++tick)
+            for (const glm::dvec3& force : recording->back().ticks[tick].forces) forces.add(force);
+        EXPECT_EQ(recording->back().facts["force_hash"], forces.hex());
+    }
+    EXPECT_EQ(kept_before, 4U);
 }
 
 TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -245,6 +246,33 @@ TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
     const auto hand = RepeatingHand::read("rec:" + record);
     ASSERT_TRUE(hand.ok()) << hand.error().message;
     EXPECT_EQ((*hand)->ticks(), ms) << "all parts one after the other";
+}
+
+TEST(HeadlessWindow, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {
+    const TemporaryFolder folder;
+    const std::string record = (folder / "hand.touch").string(), sound = (folder / "heard.wav").string();
+    const Outcome played =
+        run_on_full_disk({"play", globe().string(), "--headless", "--size", "320x240", "--seconds", "2",
+                          "--painter", "cpu", "--builder", "cpu", "--record", record, "--sound", sound},
+                         100);
+    EXPECT_EQ(played.code, 3) << played.err;
+    for (const std::string& file : {"--record " + record, "--sound " + sound}) {
+        const std::size_t at_once = played.err.find("touchable: warning: " + file + ": cannot be written: ");
+        const std::size_t in_the_end = played.err.find("touchable: --record " + record + ": cannot be");
+        EXPECT_LT(at_once, in_the_end) << played.err;
+        EXPECT_NE(in_the_end, std::string::npos) << played.err;
+    }
+    const auto recording = read_recording(record);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    EXPECT_GT(recording->front().ticks.size(), 100U);
+    const auto again = run_touchable({"touch", "--replay", record});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_NE(again.out.find("as recorded, to the bit"), std::string::npos) << again.out;
+    const std::string wav = file_contents(sound);
+    ASSERT_GT(wav.size(), 60'000U);
+    std::uint32_t samples = 0;
+    std::memcpy(&samples, wav.data() + 40, sizeof samples);
+    EXPECT_EQ(samples, wav.size() - 44) << "what the header says is what is there";
 }
 
 TEST(HeadlessWindow, IsRefusedWhereItCouldNotEnd) {
