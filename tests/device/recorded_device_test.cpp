@@ -173,14 +173,14 @@ TEST(RecordedDevice, ALogOfEmptyPlacesIsALog) {
 }
 
 TEST(RecordedDevice, IsADeviceLikeAnyOther) {
-    std::string log = log_header;
-    for (int tick = 0; tick < 30; ++tick)
+    std::string log = log_header;  // of 0.6 s, so that it is seen where this thread stands still for a while
+    for (int tick = 0; tick < 600; ++tick)
         log += std::to_string(0.001 * tick) + ",0,0.25,0.5,-0.125,3,1,0,0,0,0\n";
     const TemporaryFile file("device.csv", log);
     const auto device = make_recorded_device(file.path(), {});
     ASSERT_TRUE(device.ok());
     ASSERT_TRUE((*device)->open().ok());
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     bool seen = false, ended = false;
     glm::dvec3 place, push(0, 0, 5);
     while (!ended && std::chrono::steady_clock::now() < until) {
