@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "device/given_file.hpp"
+#include "engine/given_file.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -50,18 +48,11 @@ const char* separator_name(char separator) {
 }  // namespace
 
 Result<CsvTable> CsvTable::read(const std::string& file) {
-    if (auto given = check_given_file(file, file, "a CSV file"); !given.ok()) return given.error();
-    std::error_code missing;
-    const auto size = std::filesystem::file_size(file, missing);
-    if (!missing && size > largest_file)
-        return input_error(file + ": is larger than 256 MiB; give a recorded motion of at most an hour");
+    auto text = read_given_file(file, file, "a CSV file", largest_file);
+    if (!text) return text.error();
     CsvTable table;
     table.file_ = file;
-    table.text_.resize(missing ? 0 : static_cast<std::size_t>(size));
-    std::ifstream stream(file, std::ios::binary);
-    stream.read(table.text_.data(), static_cast<std::streamsize>(table.text_.size()));
-    if (missing || !stream)
-        return input_error(file + ": cannot be read; give a CSV file with read permission");
+    table.text_ = std::make_shared<const std::string>(std::move(*text));
     if (const Result<void> done = table.find_lines(); !done) return done.error();
     table.choose_separator();
     if (const Result<void> done = table.check_fields(); !done) return done.error();
@@ -69,7 +60,7 @@ Result<CsvTable> CsvTable::read(const std::string& file) {
 }
 
 Result<void> CsvTable::find_lines() {
-    const std::string_view text(text_.data(), text_.size());
+    const std::string_view text(*text_);
     std::size_t filled = 0;  // lines up to the last that is not blank
     for (std::size_t at = text.starts_with("\xEF\xBB\xBF") ? 3 : 0; at < text.size();) {
         lines_.push_back(static_cast<std::uint32_t>(at));
@@ -85,7 +76,7 @@ Result<void> CsvTable::find_lines() {
 }
 
 std::string_view CsvTable::line(std::size_t number) const {
-    std::string_view line(text_.data(), text_.size());
+    std::string_view line(*text_);
     line.remove_prefix(lines_[number]);
     line = line.substr(0, line.find('\n'));
     if (line.ends_with('\r')) line.remove_suffix(1);

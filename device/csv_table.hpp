@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,10 +51,10 @@ private:
     Result<void> split(std::string_view line, std::vector<std::string_view>& fields) const;
 
     std::string file_;
-    std::vector<char> text_;               // unlike a string's it stays put when moved
-    std::vector<std::uint32_t> lines_;     // where each begins
-    std::vector<std::string_view> first_;  // fields of the first line
-    char separator_ = ',';                 // a blank: any number of blanks and tabs
+    std::shared_ptr<const std::string> text_;  // stays put when this is moved
+    std::vector<std::uint32_t> lines_;         // where each begins
+    std::vector<std::string_view> first_;      // fields of the first line
+    char separator_ = ',';                     // a blank: any number of blanks and tabs
     bool has_header_ = false;
 };
 

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
-#include "device/given_file.hpp"
+#include "engine/given_file.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -92,16 +90,14 @@ Result<void> send_and_compare(FtdiTransport& transport, std::span<const std::byt
 Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path) {
     const std::string named = "the Falcon's firmware " + printable(path);
     constexpr const char* right = "the image, which docs/devices.md says where an owner finds";
-    if (auto given = check_given_file(path, named, right); !given.ok()) return given.error();
-    std::error_code fault;
-    const auto size = std::filesystem::file_size(path, fault);
-    if (fault || size < least_firmware || size > most_firmware)
-        return input_error(named + ": has " + std::to_string(fault ? 0 : size) +
+    auto file = GivenFile::open(path, named, right);
+    if (!file) return file.error();
+    if (file->size() < least_firmware || file->size() > most_firmware)
+        return input_error(named + ": has " + std::to_string(file->size()) +
                            " bytes; right would be the image, of 7 to 9 thousand");
-    std::vector<std::byte> bytes(size);
-    std::ifstream file(path, std::ios::binary);
-    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    if (!file) return input_error(named + ": cannot be read");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(file->size()));
+    if (auto read = file->read(0, reinterpret_cast<char*>(bytes.data()), bytes.size()); !read)
+        return error_at(named, read.error());
     return bytes;
 }
 

@@ -1,11 +1,10 @@
 #include "device/hid/woodenhaptics_parameters.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <utility>
 
-#include "device/given_file.hpp"
+#include "engine/given_file.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -91,13 +90,9 @@ Result<WoodenParameters> parse_wooden_parameters(std::string_view json, std::str
 
 Result<WoodenParameters> read_wooden_parameters(const std::filesystem::path& file) {
     const std::string right = "a parameter file such as " + std::string(wooden_example);
-    if (auto given = check_given_file(file, file.string(), right); !given.ok()) return given.error();
-    std::ifstream in(file, std::ios::binary);
-    std::string text(checked_json::largest_text + 1, '\0');
-    if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (!in && !in.eof()) return input_error(file.string() + ": cannot be read; right would be " + right);
-    text.resize(static_cast<std::size_t>(in.gcount()));
-    return parse_wooden_parameters(text, file.string());
+    const auto text = read_given_file(file, file.string(), right, checked_json::largest_text);
+    if (!text) return text.error();
+    return parse_wooden_parameters(*text, file.string());
 }
 
 }  // namespace touchable

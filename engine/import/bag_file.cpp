@@ -32,13 +32,18 @@ Error BagFile::damaged(const std::string& what) const {
     return input_error(name_ + ": is damaged: " + what);
 }
 
+Error BagFile::unread(const Error& why) const {
+    return why.kind == ErrorKind::input ? damaged(why.message) : error_at(name_, why);
+}
+
 Result<std::unique_ptr<BagFile>> BagFile::open(const std::filesystem::path& file) {
     std::unique_ptr<BagFile> bag(new BagFile(file.string()));
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
     bag->bytes_ = std::move(*bytes);
     std::string begin(magic.size() + version.size(), '\0');
-    if (!bag->bytes_->read(0, begin.data(), begin.size())) return bag->damaged("it ends in its first bytes");
+    if (bag->bytes_->size() < begin.size()) return bag->damaged("it ends in its first bytes");
+    if (auto read = bag->bytes_->read(0, begin.data(), begin.size()); !read) return bag->unread(read.error());
     if (!begin.ends_with(version))
         return input_error(bag->name_ + ": is a recording of ROS 1 of version " +
                            printable(std::string_view(begin).substr(magic.size())) +
@@ -79,7 +84,7 @@ Result<void> BagFile::read_index() {
             return damaged("connection " + std::to_string(n) + " of its index is none");
         std::string data(record->size, '\0');
         if (auto read = bytes_->read(record->data_at, data.data(), data.size()); !read)
-            return damaged(read.error().message);
+            return unread(read.error());
         const auto fields = BagFields::of(std::move(data));
         if (!fields) return damaged("connection " + std::to_string(n) + " of its index says nothing");
         const auto is_it = [&](const BagConnection& other) { return other.id == *id; };
@@ -99,7 +104,7 @@ Result<void> BagFile::read_index() {
         std::vector<std::uint32_t> counts(2ULL * *count);  // connection, messages
         if (auto read = bytes_->read(record->data_at, reinterpret_cast<char*>(counts.data()), record->size);
             !read)
-            return damaged(read.error().message);
+            return unread(read.error());
         Chunk chunk;
         chunk.at = *chunk_at;
         for (std::size_t k = 0; k < counts.size(); k += 2) chunk.connections.push_back(counts[k]);
@@ -147,7 +152,7 @@ Result<void> BagFile::find_messages(std::uint32_t number, std::span<const std::u
         std::vector<std::uint32_t> entries(record->size / 4);
         if (auto read = bytes_->read(record->data_at, reinterpret_cast<char*>(entries.data()), record->size);
             !read)
-            return damaged(read.error().message);
+            return unread(read.error());
         for (std::size_t k = 0; k < entries.size(); k += 3)
             found.push_back({nanoseconds(entries[k], entries[k + 1]), *id, number, entries[k + 2]});
     }
@@ -201,7 +206,7 @@ Result<std::string> BagFile::read(const BagMessage& message, std::size_t most) {
                            std::to_string(largest_message >> 20) + " are read");
     std::string data(size, '\0');
     if (auto read = (*packed)->read(record->data_at, data.data(), data.size()); !read)
-        return damaged(read.error().message);
+        return unread(read.error());
     return data;
 }
 

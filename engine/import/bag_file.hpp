@@ -69,6 +69,7 @@ private:
                                std::vector<BagMessage>& found);
     Result<ByteSource*> unpacked(std::uint32_t number);
     Error damaged(const std::string& what) const;
+    Error unread(const Error& why) const;
 
     std::string name_;
     std::unique_ptr<ByteSource> bytes_;

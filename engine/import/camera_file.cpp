@@ -4,11 +4,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "engine/given_file.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -227,14 +227,11 @@ double codes_per_metre_in_json(const std::string& text) {
 }  // namespace
 
 Result<CameraFile> read_camera_file(const fs::path& file) {
-    std::error_code failure;
-    if (!fs::is_regular_file(file, failure)) return input_error(file.string() + ": is no file");
-    std::ifstream in(file, std::ios::binary);
-    std::string text(std::min<std::uintmax_t>(fs::file_size(file, failure), longest_file) + 1, '\0');
-    in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(in.gcount()));
+    auto given = read_given_file(file, file.string(), "a camera's file", longest_file);
+    if (!given) return given.error();
+    std::string& text = *given;
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);  // a mark that says UTF-8
-    const auto found = text.size() <= longest_file ? parsed(text) : std::nullopt;
+    const auto found = parsed(text);
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0 && value < 1e6; };
     if (found && is_length(found->intrinsics.fx) && is_length(std::abs(found->intrinsics.fy))) {
         CameraFile camera = *found;

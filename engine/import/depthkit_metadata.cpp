@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "engine/given_file.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -52,13 +52,9 @@ Result<Metadata> Metadata::read(const std::filesystem::path& file) {
     constexpr std::size_t largest = 1 << 20;
     Metadata metadata;
     metadata.file_ = file.string();
-    std::error_code failure;
-    metadata.text_.resize(std::min<std::uintmax_t>(std::filesystem::file_size(file, failure), largest - 1) +
-                          1);
-    std::ifstream in(file, std::ios::binary);
-    in.read(metadata.text_.data(), static_cast<std::streamsize>(metadata.text_.size()));
-    if (!in.eof()) return input_error(metadata.file_ + ": cannot be read, or is larger than 1 MiB");
-    metadata.text_.resize(static_cast<std::size_t>(in.gcount()));
+    auto text = read_given_file(file, metadata.file_, "the metadata of a Depthkit video", largest);
+    if (!text) return text.error();
+    metadata.text_ = std::move(*text);
     return metadata;
 }
 

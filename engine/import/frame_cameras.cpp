@@ -11,23 +11,27 @@
 
 namespace touchable {
 
-Result<std::vector<Camera>> read_frame_cameras(std::span<const std::filesystem::path> files, int width,
-                                               int height) {
-    constexpr double farthest = 1e6;  // pixels; further off is a slip
+Result<std::vector<Camera>> read_frame_cameras(const PictureFiles& files, int width, int height) {
+    constexpr double farthest = 1e6;                 // pixels; further off is a slip
+    constexpr std::size_t most_frames = 10'000'000;  // each has its camera in memory
+    if (files.count() > most_frames)
+        return input_error(files.file(0).string() + ": is the camera of " + std::to_string(files.count()) +
+                           " frames: at most " + std::to_string(most_frames) + " can have cameras");
     std::vector<Camera> cameras;
-    for (std::size_t frame = 0; frame < files.size(); ++frame) {
-        if (frame > 0 && files[frame] == files[frame - 1]) {
+    for (std::size_t frame = 0; frame < files.count(); ++frame) {
+        const std::filesystem::path& path = files.file(frame);
+        if (frame > 0 && path == files.file(frame - 1)) {
             cameras.push_back(cameras.back());
             continue;
         }
         if (stop_requested())
             return Error{ErrorKind::interrupted, "interrupted while the cameras of the frames were read"};
         const std::string of_frame = " (camera, frame " + std::to_string(frame) + ")";
-        const auto file = read_camera_file(files[frame]);
+        const auto file = read_camera_file(path);
         if (!file) return Error{file.error().kind, file.error().message + of_frame};
         const Camera camera = scaled_camera(file->intrinsics, width, height);
         if (!(std::abs(camera.cx) < farthest) || !(std::abs(camera.cy) < farthest))
-            return input_error(files[frame].string() + of_frame +
+            return input_error(path.string() + of_frame +
                                ": its cx and cy must be pixels, nearer than 1e6 to the picture");
         cameras.push_back(camera);
     }

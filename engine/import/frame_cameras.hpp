@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <span>
 #include <vector>
 
+#include "engine/import/picture_files.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/camera.hpp"
 
@@ -11,8 +11,7 @@ namespace touchable {
 
 /// The cameras in these files (camera_file.hpp), one a frame, for pictures of this size. An error names the
 /// file and the frame.
-Result<std::vector<Camera>> read_frame_cameras(std::span<const std::filesystem::path> files, int width,
-                                               int height);
+Result<std::vector<Camera>> read_frame_cameras(const PictureFiles& files, int width, int height);
 
 /// Each of the four numbers is the median (the lower of two in the middle) of all; of one or more.
 Camera median_camera(std::span<const Camera> cameras);

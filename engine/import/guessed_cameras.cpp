@@ -26,7 +26,7 @@ Result<std::optional<GuessedCameras>> guess_cameras(const std::filesystem::path&
     if (!frames) return frames.error();
     const auto files = camera_files(folder, source, *frames);
     if (!files) return files.error();
-    const auto cameras = read_frame_cameras(files->files, width, height);
+    const auto cameras = read_frame_cameras(*files, width, height);
     if (!cameras) return cameras.error();
     return std::optional(GuessedCameras{source.cameras, median_camera(*cameras)});
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <optional>
 #include <utility>
 
 #include "engine/import/camera_file.hpp"
 #include "engine/import/depthkit_clip.hpp"
 #include "engine/import/video_picture.hpp"
+#include "engine/media/byte_source.hpp"
 #include "engine/media/video_file.hpp"
 
 namespace touchable {
@@ -20,17 +20,15 @@ constexpr const char* otherwise = "a scene file's video.layout and values say ot
 
 /// What Record3D writes behind the pictures of its MP4: {"intrinsicMatrix": [nine numbers], ...}.
 std::optional<Intrinsics> record3d_camera(const fs::path& file) {
-    constexpr std::streamoff longest = 1 << 16;
-    std::ifstream in(file, std::ios::binary);
-    in.seekg(0, std::ios::end);
-    const std::streamoff length = in.tellg();
-    in.seekg(std::max<std::streamoff>(0, length - longest));
-    std::string tail(static_cast<std::size_t>(std::clamp<std::streamoff>(length, 0, longest)), '\0');
-    in.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+    constexpr std::uint64_t longest = 1 << 16;
+    const auto bytes = bytes_of_file(file);
+    const std::uint64_t length = bytes ? (*bytes)->size() : 0;
+    std::string tail(static_cast<std::size_t>(std::min(length, longest)), '\0');
+    if (!bytes || !(*bytes)->read(length - tail.size(), tail.data(), tail.size())) return {};
     const auto named = tail.rfind("\"intrinsicMatrix\"");
     const auto begin = named == std::string::npos ? named : tail.rfind('{', named);
     const auto end = tail.rfind('}');
-    if (!in || begin == std::string::npos || end == std::string::npos || end < named) return {};
+    if (begin == std::string::npos || end == std::string::npos || end < named) return {};
     return intrinsics_in_json(tail.substr(begin, end + 1 - begin));
 }
 

@@ -47,19 +47,21 @@ public:
 private:
     struct Track {
         PlaneRole role;
-        std::vector<std::filesystem::path> files;  // one a frame
-        std::shared_ptr<ImageStack> stack;         // that holds all of them
-        Plane still{};                             // the picture of every frame
-        bool is_still() const { return !stack && files.size() > 1 && files.front() == files.back(); }
+        PictureFiles files;
+        std::shared_ptr<ImageStack> stack;  // that holds all frames
+        Plane still{};                      // the picture of every frame
+        bool is_still() const {
+            return !stack && files.count() > 1 && files.file(0) == files.file(files.count() - 1);
+        }
     };
 
     static std::string where(const Track& track, std::int64_t frame) {
-        return track.files[static_cast<std::size_t>(frame)].string() + " (" +
+        return track.files.file(static_cast<std::size_t>(frame)).string() + " (" +
                std::string(role_name(track.role)) + ", frame " + std::to_string(frame) + ")";
     }
     /// The folder, or the one picture that is read.
     std::string name() const {
-        const auto& files = tracks_.front().files;
+        const auto& files = tracks_.front().files.files;
         return files.front() == files.back() ? files.front().string() : folder_.string();
     }
     Result<void> find_files();
@@ -99,7 +101,7 @@ Result<void> ImageFolderReader::find_files() {
     if (!depth->remark.empty()) notes_.push_back(depth->remark);
     auto stack = stack_in(depth->files);
     if (!stack) return stack.error();
-    if (*stack) depth->files.resize(static_cast<std::size_t>((*stack)->count()), depth->files.front());
+    if (*stack) depth->frames = static_cast<std::size_t>((*stack)->count());
     for (const PlaneRole role : all_roles) {
         if (pattern_of(source, role).empty()) continue;
         auto found = role == PlaneRole::depth ? depth : files_beside(folder_, role, source, *depth);
@@ -108,7 +110,7 @@ Result<void> ImageFolderReader::find_files() {
         if (!found->list.empty()) add_input(found->list);
         for (const auto& file : found->files)
             if (inputs().empty() || inputs().back() != file) add_input(file);
-        tracks_.push_back({role, std::move(found->files), role == PlaneRole::depth ? *stack : nullptr});
+        tracks_.push_back({role, std::move(*found), role == PlaneRole::depth ? *stack : nullptr});
     }
     if (!source.cameras.empty())
         if (auto read = read_cameras(*depth); !read) return read;
@@ -129,7 +131,7 @@ Result<void> ImageFolderReader::read_cameras(const PictureFiles& depth) {
     if (!found->list.empty()) add_input(found->list);
     for (const auto& file : found->files)
         if (inputs().empty() || inputs().back() != file) add_input(file);
-    auto cameras = read_frame_cameras(found->files, scene_.width, scene_.height);
+    auto cameras = read_frame_cameras(*found, scene_.width, scene_.height);
     if (!cameras) return cameras.error();
     if (std::exchange(scene_.camera_from_frames, false)) {
         scene_.camera = median_camera(*cameras);
@@ -196,7 +198,7 @@ Result<void> ImageFolderReader::find_far_plane() {
 }
 
 Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t frame) const {
-    const auto& file = track.files[static_cast<std::size_t>(frame)];
+    const auto& file = track.files.file(static_cast<std::size_t>(frame));
     auto stored = track.stack ? track.stack->image(frame) : read_stored_image(file);
     if (!stored)
         return Error{stored.error().kind, stored.error().message + " (" + std::string(role_name(track.role)) +

@@ -25,7 +25,7 @@ bool is_local_link(std::string_view url);
 /// there, otherwise decoded.
 Result<LinkedFile> follow_link(std::string_view url, const std::filesystem::path& holder);
 
-/// Up to 256 MiB.
+/// Up to 257 MiB.
 Result<std::shared_ptr<const std::string>> bytes_of(const LinkedFile& link);
 
 }  // namespace touchable

@@ -1,8 +1,6 @@
 #include "engine/import/open_clip.hpp"
 
 #include <algorithm>
-#include <array>
-#include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -19,6 +17,7 @@
 #include "engine/import/k4a_clip.hpp"
 #include "engine/import/pinhole_frames.hpp"
 #include "engine/import/video_clip.hpp"
+#include "engine/media/byte_source.hpp"
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/demuxer.hpp"
 #include "engine/media/matroska_reader.hpp"
@@ -184,16 +183,11 @@ constexpr Format formats[] = {
       "touchable play depth.webm"}},
 };
 
-std::string first_bytes(const std::filesystem::path& file) {
-    std::array<char, 12> first{};
-    std::ifstream in(file, std::ios::binary);
-    in.read(first.data(), first.size());
-    return {first.data(), static_cast<std::size_t>(in.gcount())};
-}
+constexpr std::size_t telling_bytes = 12;  // that tell what kind of file it is
 
 Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene,
                  const SourceDescription& known) {
-    const Candidate candidate{file, first_bytes(file), scene, known};
+    const Candidate candidate{file, first_bytes(file, telling_bytes), scene, known};
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
     if (describes_itself && !(known == SourceDescription()))
@@ -224,7 +218,7 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
     const auto video = path / (scene->video ? scene->video->depth : "");
-    const bool is_recording = scene->video && is_bag(first_bytes(video));
+    const bool is_recording = scene->video && is_bag(first_bytes(video, telling_bytes));
     auto reader = is_file        ? open_file(path, *scene, {})
                   : is_recording ? open_file(video, *scene, {})
                   : scene->video ? open_video_clip(path, *scene)
@@ -285,7 +279,7 @@ Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceD
     if (!std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
     const std::optional<Scene> none;
-    const Candidate candidate{path, first_bytes(path), none, known};
+    const Candidate candidate{path, first_bytes(path, telling_bytes), none, known};
     return is_ros_recording(candidate)  ? guess_bag(path, known)
            : is_azure_kinect(candidate) ? guess_k4a(path, known)
            : is_video(candidate)        ? guess_video(path, known)

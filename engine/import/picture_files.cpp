@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "engine/given_file.hpp"
 #include "engine/import/number_words.hpp"
 #include "engine/printable.hpp"
 
@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_files = 10'000'000;
+constexpr std::size_t largest_list = std::size_t{256} << 20;
 
 /// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
 class Numbered {
@@ -186,8 +187,9 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
 
 /// Lines "time name", "name", or a remark after '#'; names from the list's own folder.
 Result<PictureFiles> listed_files(const fs::path& list) {
-    std::ifstream in(list);
-    if (!in) return input_error(list.string() + ": cannot be read");
+    auto text = read_given_file(list, list.string(), "a list of pictures", largest_list);
+    if (!text) return text.error();
+    std::istringstream in(std::move(*text));
     PictureFiles found;
     found.list = list;
     std::size_t number = 0;
@@ -343,16 +345,18 @@ Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sou
     }
     if (is_still(pattern)) {
         if (!is_file(folder / pattern)) return missing(folder / pattern, what, 0, "");
-        beside.files.assign(depth.count(), folder / pattern);
+        beside.files.push_back(folder / pattern);
+        beside.frames = depth.count();
         return beside;
     }
     const auto found = found_files(folder, pattern);
     if (!found) return found;
     beside.list = found->list;
     const bool by_key = !found->keys.empty() && !depth.keys.empty();
-    for (std::size_t frame = 0; frame < depth.count(); ++frame)
-        beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame])
-                                                   : std::min(frame, found->count() - 1)]);
+    for (std::size_t frame = 0;
+         frame < (by_key ? depth.keys.size() : std::min(found->count(), depth.count())); ++frame)
+        beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame]) : frame]);
+    beside.frames = depth.count();
     if (!by_key && found->count() != depth.count())
         beside.remark = std::string(what) + " has " + std::to_string(found->count()) + " files for depth's " +
                         std::to_string(depth.count()) + ": paired in their order, from the first on";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -12,7 +13,8 @@
 
 namespace touchable {
 
-/// The files of a plane, one a frame.
+/// The files of a plane, one a frame. The last serves all frames that come after it as well: of a still and
+/// of a stack, which has millions of frames where somebody says so, it is the only one.
 struct PictureFiles {
     std::vector<std::filesystem::path> files;
     /// What orders them, if anything: numbers in their names, or the times of a list. As many as files.
@@ -21,7 +23,12 @@ struct PictureFiles {
     std::filesystem::path list;  ///< that names them, if one does
     std::string remark;          ///< of a numbered pattern: that it ends before later numbers
 
-    std::size_t count() const { return files.size(); }
+    std::size_t frames = 0;  ///< where they are more than files
+
+    std::size_t count() const { return std::max(frames, files.size()); }
+    const std::filesystem::path& file(std::size_t frame) const {
+        return files[std::min(frame, files.size() - 1)];
+    }
 };
 
 /// What the depth pattern of `source` stands for in `folder` (FolderSource). An error names what is missing.

@@ -1,23 +1,18 @@
 #include "engine/media/byte_source.hpp"
 
-#include <cerrno>
+#include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 namespace touchable {
 namespace {
-
-Error ended_early() {
-    return input_error("is cut short");
-}
 
 class MemoryBytes final : public ByteSource {
 public:
     explicit MemoryBytes(std::string_view bytes) : bytes_(bytes) {}
     std::uint64_t size() const override { return bytes_.size(); }
     Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
-        if (at > bytes_.size() || count > bytes_.size() - at) return ended_early();
+        if (at > bytes_.size() || count > bytes_.size() - at) return input_error("is cut short");
         std::memcpy(to, bytes_.data() + at, count);
         return {};
     }
@@ -28,22 +23,14 @@ private:
 
 class FileBytes final : public ByteSource {
 public:
-    FileBytes(std::ifstream file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
-    std::uint64_t size() const override { return size_; }
+    explicit FileBytes(GivenFile file) : file_(std::move(file)) {}
+    std::uint64_t size() const override { return file_.size(); }
     Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
-        if (at > size_ || count > size_ - at) return ended_early();
-        file_.clear();
-        errno = 0;
-        if (file_.seekg(static_cast<std::streamoff>(at)) &&
-            file_.read(to, static_cast<std::streamsize>(count)))
-            return {};
-        return errno == 0 ? ended_early()
-                          : input_error(std::string("cannot be read: ") + std::strerror(errno));
+        return file_.read(at, to, count);
     }
 
 private:
-    std::ifstream file_;
-    std::uint64_t size_;
+    GivenFile file_;
 };
 
 }  // namespace
@@ -53,12 +40,20 @@ std::unique_ptr<ByteSource> bytes_in_memory(std::string_view bytes) {
 }
 
 Result<std::unique_ptr<ByteSource>> bytes_of_file(const std::filesystem::path& file) {
-    std::error_code failure;
-    const auto size = std::filesystem::file_size(file, failure);
-    if (failure) return input_error(file.string() + ": cannot be read: " + failure.message());
-    std::ifstream in(file, std::ios::binary);
-    if (!in) return input_error(file.string() + ": cannot be read: " + std::strerror(errno));
-    return std::unique_ptr<ByteSource>(std::make_unique<FileBytes>(std::move(in), size));
+    auto given = GivenFile::open(file, file.string(), "an ordinary file");
+    if (!given) return given.error();
+    return std::unique_ptr<ByteSource>(std::make_unique<FileBytes>(std::move(*given)));
+}
+
+std::string first_bytes(ByteSource& bytes, std::size_t count) {
+    std::string begin(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), count)), '\0');
+    if (!bytes.read(0, begin.data(), begin.size())) begin.clear();
+    return begin;
+}
+
+std::string first_bytes(const std::filesystem::path& file, std::size_t count) {
+    const auto bytes = bytes_of_file(file);
+    return bytes ? first_bytes(**bytes, count) : std::string();
 }
 
 }  // namespace touchable

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/given_file.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -16,12 +17,17 @@ class ByteSource {
 public:
     virtual ~ByteSource() = default;
     virtual std::uint64_t size() const = 0;
-    /// All of `count` bytes from `at` on, or what went wrong, after a colon behind the name.
+    /// All of `count` bytes from `at` on, or what went wrong, after a colon behind the name (error_at).
     virtual Result<void> read(std::uint64_t at, char* to, std::size_t count) = 0;
 };
 
 /// Bytes that outlive it.
 std::unique_ptr<ByteSource> bytes_in_memory(std::string_view bytes);
+/// Of an ordinary file, as long as it is now (GivenFile).
 Result<std::unique_ptr<ByteSource>> bytes_of_file(const std::filesystem::path& file);
+
+/// What a source begins with, `count` bytes or all that there are; nothing where it cannot be read.
+std::string first_bytes(ByteSource& bytes, std::size_t count);
+std::string first_bytes(const std::filesystem::path& file, std::size_t count);
 
 }  // namespace touchable

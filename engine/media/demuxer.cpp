@@ -1,16 +1,12 @@
 #include "engine/media/demuxer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
-#include <fstream>
 #include <utility>
 
+#include "engine/media/byte_source.hpp"
+#include "engine/media/container_end.hpp"
 #include "engine/media/matroska_check.hpp"
-
-extern "C" {
-#include <libavutil/intreadwrite.h>
-}
 
 namespace touchable {
 namespace {
@@ -18,93 +14,53 @@ namespace {
 /// Frames one stream may run ahead of another, and what they all may hold while they wait.
 constexpr std::size_t queue_limit = 64, queued_bytes_limit = std::size_t{1} << 30;
 
-constexpr std::uint64_t largest_trailer = 1 << 16;
-
 std::optional<std::string> entry(const AVDictionary* dictionary, const char* name) {
     const AVDictionaryEntry* found = av_dict_get(dictionary, name, nullptr, 0);
     if (!found) return std::nullopt;
     return found->value;
 }
 
-/// Whether a QuickTime file's outermost boxes, each a length, a type and a content, fill it exactly. FFmpeg
-/// is content with a last box that is cut. Record3D puts JSON behind the last box.
-bool boxes_are_whole(const std::filesystem::path& file) {
-    std::error_code failure;
-    const std::uint64_t length = std::filesystem::file_size(file, failure);
-    std::ifstream in(file, std::ios::binary);
-    std::uint64_t position = 0;
-    while (!failure && position < length) {
-        std::array<std::uint8_t, 16> head{};
-        in.seekg(static_cast<std::streamoff>(position));
-        in.read(reinterpret_cast<char*>(head.data()), head.size());
-        if (in.gcount() < 8) return false;
-        in.clear();  // a last box may be shorter than a long head
-        const std::uint64_t stated = AV_RB32(head.data());
-        const bool is_text = head[0] == '{' && head[1] == '"' && length - position < largest_trailer;
-        if (is_text && position > 0) return true;
-        const std::uint64_t size = stated == 0   ? length - position  // to the end of the file
-                                   : stated == 1 ? AV_RB64(head.data() + 8)
-                                                 : stated;
-        if (size < 8 || size > length - position) return false;
-        position += size;
-    }
-    return position == length && length > 0;
-}
-
-/// Whether an AVI file is as long as its first chunk says; what may follow are further ones of a large file.
-bool riff_is_whole(const std::filesystem::path& file) {
-    std::error_code failure;
-    const std::uint64_t length = std::filesystem::file_size(file, failure);
-    std::ifstream in(file, std::ios::binary);
-    while (!failure && length > 0) {
-        std::array<std::uint8_t, 8> head{};
-        const auto position = static_cast<std::uint64_t>(in.tellg());
-        in.read(reinterpret_cast<char*>(head.data()), head.size());
-        if (in.gcount() < 8) return false;
-        const std::uint64_t end = position + 8 + AV_RL32(head.data() + 4);
-        if (end > length) return false;
-        if (end + 8 > length) return true;  // a byte of padding at most
-        in.seekg(static_cast<std::streamoff>(end));
-    }
-    return false;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const std::filesystem::path& file) {
-    if (auto whole = check_matroska(file); !whole) return whole.error();
-    return open(file, "matroska", "Matroska");
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    const auto end = check_matroska(**bytes, file.string());
+    if (!end) return end.error();
+    return open(std::move(*bytes), *end, file.string(), "matroska", "Matroska");
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(const std::filesystem::path& file, EndOf end_of,
+                                                     const char* format, const std::string& name) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    const auto end = end_of(**bytes);
+    if (!end) return error_at(file.string(), end.error());
+    if (!*end) return input_error(file.string() + ": is truncated, or no " + name + " file");
+    return open(std::move(*bytes), **end, file.string(), format, name);
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const std::filesystem::path& file) {
-    if (!boxes_are_whole(file))
-        return input_error(file.string() + ": is truncated, or no QuickTime or MP4 file");
-    return open(file, "mov", "QuickTime or MP4");
+    return open_whole(file, end_of_boxes, "mov", "QuickTime or MP4");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const std::filesystem::path& file) {
-    std::array<char, 4> first{};
-    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
-    const std::string_view begin(first.data(), first.size());
+    const std::string begin = first_bytes(file, 4);
     if (begin == "\x1a\x45\xdf\xa3") return open_matroska(file);
-    if (begin != "RIFF") return open_quicktime(file);
-    if (!riff_is_whole(file)) return input_error(file.string() + ": is truncated, or no AVI file");
-    return open(file, "avi", "AVI");
+    return begin == "RIFF" ? open_whole(file, end_of_riff, "avi", "AVI") : open_quicktime(file);
 }
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open(const std::filesystem::path& file, const char* format,
+Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
+                                               const std::string& file, const char* format,
                                                const std::string& name) {
-    silence_ffmpeg();
+    auto container = open_input(std::move(bytes), end, file,
+                                {.format = format, .error_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE});
+    if (!container && container.error().kind == ErrorKind::input)
+        return error_at(file + ": is not a readable " + name + " file", container.error());
+    if (!container) return error_at(file, container.error());
     auto demuxer = std::make_unique<Demuxer>();
-    demuxer->file_ = file.string();
-    AVFormatContext* container = avformat_alloc_context();
-    if (!container) return Error{ErrorKind::internal, "out of memory"};
-    container->error_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
-    const int status =
-        avformat_open_input(&container, file_url(file).c_str(), av_find_input_format(format), nullptr);
-    if (status < 0)
-        return input_error(file.string() + ": is not a readable " + name + " file: " + ffmpeg_text(status));
-    demuxer->container_.reset(container);
+    demuxer->file_ = file;
+    demuxer->container_ = std::move(*container);
     return demuxer;
 }
 
@@ -148,8 +104,8 @@ Result<bool> Demuxer::read_one() {
     PacketPtr packet(av_packet_alloc());
     if (!packet) return Error{ErrorKind::internal, "out of memory"};
     const int status = av_read_frame(container_.get(), packet.get());
-    if (status == AVERROR_EOF && (!container_->pb || container_->pb->error >= 0)) return false;
-    if (status < 0) return input_error(file_ + ": cannot be read further: " + ffmpeg_text(status));
+    if (status == AVERROR_EOF && container_->pb->error >= 0) return false;
+    if (status < 0) return error_at(file_ + ": cannot be read further", input_failure(*container_, status));
     const auto queue = queues_.find(packet->stream_index);
     if (queue == queues_.end()) return true;
     if (queue->second.size() >= queue_limit)

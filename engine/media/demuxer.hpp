@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/media/ffmpeg.hpp"
+#include "engine/media/ffmpeg_input.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -22,6 +22,11 @@ public:
 
     /// Any of these, or AVI, as its first bytes tell.
     static Result<std::unique_ptr<Demuxer>> open_video(const std::filesystem::path& file);
+
+    /// Of bytes that end at `end`; `format` as FFmpeg calls it, `name` as people do.
+    static Result<std::unique_ptr<Demuxer>> open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
+                                                 const std::string& file, const char* format,
+                                                 const std::string& name);
 
     const AVFormatContext& container() const { return *container_; }
     /// A tag of the whole file.
@@ -46,16 +51,14 @@ public:
     Result<const AVPacket*> peek(int stream);
 
 private:
-    struct Closer {
-        void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
-    };
-    /// `format` as FFmpeg calls it, `name` as people do.
-    static Result<std::unique_ptr<Demuxer>> open(const std::filesystem::path& file, const char* format,
-                                                 const std::string& name);
+    /// Where a kind of container ends; nothing where it is cut.
+    using EndOf = Result<std::optional<std::uint64_t>> (*)(ByteSource&);
+    static Result<std::unique_ptr<Demuxer>> open_whole(const std::filesystem::path& file, EndOf end_of,
+                                                       const char* format, const std::string& name);
     Result<bool> read_one();
 
     std::string file_;
-    std::unique_ptr<AVFormatContext, Closer> container_;
+    InputPtr container_;
     std::map<int, std::deque<PacketPtr>> queues_;
     std::size_t queued_bytes_ = 0;
 };

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <string>
 
@@ -29,23 +28,21 @@ struct Element {
     std::uint64_t end() const { return content + size; }
 };
 
+/// Elements where they are said to be. Once reading fails there is nothing anywhere.
 class ElementReader {
 public:
-    explicit ElementReader(const std::filesystem::path& file) : in_(file, std::ios::binary) {
-        in_.seekg(0, std::ios::end);
-        if (in_) length_ = static_cast<std::uint64_t>(in_.tellg());
-    }
-    bool opened() const { return in_.is_open(); }
-    std::uint64_t length() const { return length_; }
+    explicit ElementReader(ByteSource& bytes) : bytes_(bytes) {}
+    std::uint64_t length() const { return bytes_.size(); }
+    /// Why reading failed.
+    const std::optional<Error>& failure() const { return failure_; }
 
     /// Identifier and size of the element at `position`; nothing where there is none.
     std::optional<Element> at(std::uint64_t position) {
-        in_.clear();
-        in_.seekg(static_cast<std::streamoff>(position));
+        position_ = position;
         const auto id = number(4, true);
         const auto size = id ? number(8, false) : std::nullopt;
         if (!size) return std::nullopt;
-        return Element{*id, *size, static_cast<std::uint64_t>(in_.tellg())};
+        return Element{*id, *size, position_};
     }
 
     /// True unless the element begins with a CRC-32 element that the rest of it does not have.
@@ -53,8 +50,7 @@ public:
         std::array<std::uint8_t, 1 << 16> bytes;
         constexpr std::size_t crc_bytes = 6;  // identifier 0xBF, size 0x84, four bytes
         if (element.size < crc_bytes) return true;
-        in_.clear();
-        in_.seekg(static_cast<std::streamoff>(element.content));
+        position_ = element.content;
         if (!read(bytes.data(), crc_bytes)) return false;
         if (bytes[0] != 0xBF || bytes[1] != 0x84) return true;
         const std::uint32_t stated = AV_RL32(bytes.data() + 2);
@@ -72,27 +68,32 @@ private:
     /// A number whose first byte's leading zeros tell how many bytes follow; all ones without the marker mean
     /// an unknown size.
     std::optional<std::uint64_t> number(int longest, bool keep_marker) {
-        const int first = in_.get();
-        if (first == std::char_traits<char>::eof()) return std::nullopt;
-        const int following = std::countl_zero(static_cast<std::uint8_t>(first));
+        std::uint8_t first = 0;
+        if (!read(&first, 1)) return std::nullopt;
+        const int following = std::countl_zero(first);
         if (following >= longest) return std::nullopt;
         const int marker = 0x80 >> following;
-        std::uint64_t value = static_cast<std::uint64_t>(keep_marker ? first : first & (marker - 1));
+        auto value = static_cast<std::uint64_t>(keep_marker ? first : first & (marker - 1));
         for (int k = 0; k < following; ++k) {
-            const int next = in_.get();
-            if (next == std::char_traits<char>::eof()) return std::nullopt;
-            value = value << 8 | static_cast<std::uint64_t>(next);
+            std::uint8_t next = 0;
+            if (!read(&next, 1)) return std::nullopt;
+            value = value << 8 | next;
         }
         const std::uint64_t all_ones = (std::uint64_t{1} << (7 * (following + 1))) - 1;
         return !keep_marker && value == all_ones ? unknown_size : value;
     }
 
     bool read(std::uint8_t* to, std::size_t size) {
-        return in_.read(reinterpret_cast<char*>(to), static_cast<std::streamsize>(size)).good();
+        if (failure_ || position_ > length() || size > length() - position_) return false;
+        if (auto read = bytes_.read(position_, reinterpret_cast<char*>(to), size); !read)
+            failure_ = read.error();
+        position_ += size;
+        return !failure_;
     }
 
-    std::ifstream in_;
-    std::uint64_t length_ = 0;
+    ByteSource& bytes_;
+    std::uint64_t position_ = 0;
+    std::optional<Error> failure_;
 };
 
 Result<void> check_segment(ElementReader& reader, const Element& segment, const std::string& file) {
@@ -117,19 +118,17 @@ Result<void> check_segment(ElementReader& reader, const Element& segment, const 
 
 }  // namespace
 
-Result<void> check_matroska(const std::filesystem::path& path) {
-    const std::string file = path.string();
-    ElementReader reader(path);
-    if (!reader.opened()) return input_error(file + ": cannot be read");
+Result<std::uint64_t> check_matroska(ByteSource& bytes, const std::string& file) {
+    ElementReader reader(bytes);
     if (reader.length() == 0) return input_error(file + ": is empty");
     const auto header = reader.at(0);
+    const auto segment = header && header->id == id_ebml && header->size < reader.length()
+                             ? reader.at(header->end())
+                             : std::nullopt;
+    if (reader.failure()) return error_at(file, *reader.failure());
     if (!header || header->id != id_ebml) return input_error(file + ": is not a Matroska file");
-    const auto truncated = [&] {
+    if (!segment)
         return input_error(file + ": is truncated: it ends at byte " + std::to_string(reader.length()));
-    };
-    if (header->size >= reader.length()) return truncated();
-    const auto segment = reader.at(header->end());
-    if (!segment) return truncated();
     if (segment->id != id_segment)
         return input_error(file + ": is damaged: its header is not followed by a segment");
     if (segment->size == unknown_size)
@@ -138,7 +137,10 @@ Result<void> check_matroska(const std::filesystem::path& path) {
         return input_error(file + ": is truncated: it has " +
                            std::to_string(reader.length() - segment->content) + " of " +
                            std::to_string(segment->size) + " bytes");
-    return check_segment(reader, *segment, file);
+    const auto checked = check_segment(reader, *segment, file);
+    if (reader.failure()) return error_at(file, *reader.failure());
+    if (!checked) return checked.error();
+    return segment->end();
 }
 
 }  // namespace touchable

@@ -131,8 +131,7 @@ bool is_npy(std::string_view begin) {
 Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
     char begin[12] = {};
     if (bytes.size() < sizeof begin) return damaged_header(where);
-    if (auto got = bytes.read(0, begin, sizeof begin); !got)
-        return input_error(where + ": " + got.error().message);
+    if (auto got = bytes.read(0, begin, sizeof begin); !got) return error_at(where, got.error());
     if (!is_npy({begin, sizeof begin})) return damaged_header(where);
     const auto byte = [&](int at) { return std::size_t{static_cast<unsigned char>(begin[at])}; };
     if (byte(6) < 1 || byte(6) > 3)
@@ -141,8 +140,7 @@ Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
     const std::size_t length = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
     if (length > 65536 || text_at + length > bytes.size()) return damaged_header(where);
     std::string text(length, '\0');
-    if (auto got = bytes.read(text_at, text.data(), length); !got)
-        return input_error(where + ": " + got.error().message);
+    if (auto got = bytes.read(text_at, text.data(), length); !got) return error_at(where, got.error());
     auto header = header_of_text(text, where);
     if (header) header->data_at = text_at + length;
     return header;

@@ -1,7 +1,6 @@
 #include "engine/media/npy_stack.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <utility>
 #include <vector>
 
@@ -77,8 +76,7 @@ Result<NumberPicture> ImageStack::read(std::int64_t number) {
     for (int first = 0; first < lines; first += together) {
         const int now = std::min(together, lines - first);
         const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
-        if (auto got = bytes_->read(at, block.data(), size); !got)
-            return input_error(where_ + ": " + got.error().message);
+        if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
         if (columns)
             picture.put(first, 0, {block.data(), now, height, line, bytes});
         else
@@ -100,21 +98,15 @@ Result<StoredImage> ImageStack::image(std::int64_t number) {
 Result<ImageStack> open_npy_stack(const std::filesystem::path& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
-    char begin[4] = {};
-    const auto some = std::min<std::uint64_t>((*bytes)->size(), sizeof begin);
-    if (auto got = (*bytes)->read(0, begin, static_cast<std::size_t>(some)); !got)
-        return input_error(file.string() + ": " + got.error().message);
-    if (!is_npz({begin, sizeof begin})) return ImageStack::of(std::move(*bytes), file.string());
+    if (!is_npz(first_bytes(**bytes, 4))) return ImageStack::of(std::move(*bytes), file.string());
     auto member = open_npz(file);
     if (!member) return member.error();
     return ImageStack::of(std::move(member->bytes), member->where);
 }
 
 bool is_npy_file(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    char begin[8] = {};
-    in.read(begin, sizeof begin);
-    const std::string_view kind = picture_kind({begin, static_cast<std::size_t>(in.gcount())});
+    const std::string begin = first_bytes(file, 8);
+    const std::string_view kind = picture_kind(begin);
     return kind == "npy" || kind == "npz";
 }
 

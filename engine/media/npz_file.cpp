@@ -8,12 +8,15 @@
 
 #include "engine/media/npy_header.hpp"
 #include "engine/printable.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
 
 using ZipArchive = std::shared_ptr<zip_t>;
 constexpr zip_int64_t most_members = 4096;
+/// As much as a byte can stand for at most where it is packed by deflate.
+constexpr zip_uint64_t largest_expansion = 1032;
 
 struct CloseMember {
     void operator()(zip_file_t* member) const { zip_fclose(member); }
@@ -43,6 +46,7 @@ public:
 
 private:
     Result<void> take(char* to, std::uint64_t count) {
+        if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while it was unpacked"};
         const zip_int64_t got = zip_fread(member_.get(), to, count);
         if (got < 0) return damage();
         position_ += static_cast<std::uint64_t>(got);
@@ -64,6 +68,7 @@ struct NpzArray {
     zip_uint64_t index;
     std::uint64_t size;
     bool pictures = false;
+    bool is_possible = true;  // that so many bytes are packed in those of the file
 };
 
 std::unique_ptr<UnpackedBytes> unpacked(const ZipArchive& archive, const NpzArray& array) {
@@ -81,6 +86,9 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
             continue;
         NpzArray array{about.name, index, about.size};
         if (!array.name.ends_with(".npy")) continue;
+        constexpr auto needed = ZIP_STAT_COMP_SIZE | ZIP_STAT_COMP_METHOD;
+        const bool is_deflated = (about.valid & needed) == needed && about.comp_method == ZIP_CM_DEFLATE;
+        array.is_possible = !is_deflated || about.size / largest_expansion <= about.comp_size;
         array.name.resize(array.name.size() - 4);
         const auto header = read_npy_header(*unpacked(archive, array), "");
         array.pictures = header.ok() && npy_pictures(*header, "").ok();
@@ -125,7 +133,11 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
                            ": has several arrays, and none is the only one named depth or of height x "
                            "width: " +
                            names_of(arrays));
-    return NpzMember{unpacked(archive, *array), where + ": " + printable(array->name)};
+    const std::string name = where + ": " + printable(array->name);
+    if (!array->is_possible)
+        return input_error(name + ": is damaged: is said to unpack to " + std::to_string(array->size) +
+                           " bytes");
+    return NpzMember{unpacked(archive, *array), name};
 }
 
 Result<NpzMember> open_archive(zip_source_t* source, zip_error_t& error, const std::string& where) {

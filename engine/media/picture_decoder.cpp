@@ -1,18 +1,12 @@
 #include "engine/media/picture_decoder.hpp"
 
-#include <chrono>
-#include <condition_variable>
 #include <cstring>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
-#include "engine/start_thread.hpp"
-#include "engine/stop_request.hpp"
+#include "engine/unless_stopped.hpp"
 
 extern "C" {
 #include <libavutil/imgutils.h>
@@ -142,43 +136,18 @@ bool takes_long(const AVPacket& packet) {
     return png_header(bytes).pixels >= many_pixels || bytes.size() >= large_file;
 }
 
-/// A picture that is decoded on a thread of its own.
-struct Decoding {
-    std::string where;
-    AVCodecID codec;
-    PacketPtr packet;
-    std::optional<LastRow> last_row;
-    std::mutex mutex{};
-    std::condition_variable is_done{};
-    std::optional<Result<FramePtr>> frame{};  // guarded by mutex
-
-    void run() {
-        auto decoded = decode(where, codec, *packet, last_row ? &*last_row : nullptr);
-        const std::lock_guard lock(mutex);
-        frame.emplace(std::move(decoded));
-        is_done.notify_one();
-    }
-};
-
 /// FFmpeg decodes a picture in one go, which takes seconds of the largest. Whoever asks the program to stop
-/// does not wait for them: the thread, which has all that it needs, then comes to its end alone.
+/// does not wait for them.
 Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec, const AVPacket& packet,
                                        std::optional<LastRow> last_row) {
     if (!takes_long(packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
-    const auto decoding =
-        std::shared_ptr<Decoding>(new Decoding{where, codec, PacketPtr(av_packet_clone(&packet)), last_row});
-    if (!decoding->packet) return no_memory();
-    std::thread thread;
-    if (auto started = start_thread(thread, "that decodes a picture", [decoding] { decoding->run(); });
-        !started)
-        return started.error();
-    thread.detach();
-    std::unique_lock lock(decoding->mutex);
-    constexpr std::chrono::milliseconds look_again{50};  // a signal sets a flag and wakes nobody
-    while (!decoding->is_done.wait_for(lock, look_again, [&] { return decoding->frame.has_value(); }))
-        if (stop_requested())
-            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
-    return std::move(*decoding->frame);
+    PacketPtr own(av_packet_clone(&packet));
+    if (!own) return no_memory();
+    auto frame = unless_stopped([where, codec, packet = std::move(own), last_row]() mutable {
+        return decode(where, codec, *packet, last_row ? &*last_row : nullptr);
+    });
+    if (!frame) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    return std::move(*frame);
 }
 
 /// A PNG is decoded once more, over other noise, where its last row is the noise, or was made of what was

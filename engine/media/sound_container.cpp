@@ -1,16 +1,18 @@
 #include "engine/media/sound_container.hpp"
 
+#include <utility>
+
+#include "engine/media/container_end.hpp"
+
 namespace touchable {
 
-ContainerPtr open_sound_container(const std::filesystem::path& file) {
-    constexpr const char* kinds_of_files = "matroska,mov,wav";
-    silence_ffmpeg();
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "format_whitelist", kinds_of_files, 0);
-    AVFormatContext* container = nullptr;
-    const int status = avformat_open_input(&container, file_url(file).c_str(), nullptr, &options);
-    av_dict_free(&options);
-    return ContainerPtr(status < 0 ? nullptr : container);
+InputPtr open_sound_container(const std::filesystem::path& file) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return nullptr;
+    const auto end = end_of_container(**bytes, file.string());
+    if (!end) return nullptr;
+    auto container = open_input(std::move(*bytes), *end, file.string(), {.formats = "matroska,mov,wav"});
+    return container ? std::move(*container) : nullptr;
 }
 
 double begin_of_pictures(AVFormatContext& container, AVPacket& packet) {

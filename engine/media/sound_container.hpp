@@ -1,19 +1,14 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 
-#include "engine/media/ffmpeg.hpp"
+#include "engine/media/ffmpeg_input.hpp"
 
 namespace touchable {
 
-struct ContainerCloser {
-    void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
-};
-using ContainerPtr = std::unique_ptr<AVFormatContext, ContainerCloser>;
-
-/// A file of a kind that may have sound: Matroska, QuickTime and MP4, WAV. Null where it is of another.
-ContainerPtr open_sound_container(const std::filesystem::path& file);
+/// A file of a kind that may have sound: Matroska, QuickTime and MP4, WAV. Null where it is of another, or is
+/// no ordinary file.
+InputPtr open_sound_container(const std::filesystem::path& file);
 
 /// Seconds at which the clip's first frame is shown, which is when its sound begins to count: 0 where there
 /// is none near the file's begin. Goes on through the file.

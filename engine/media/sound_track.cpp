@@ -30,7 +30,7 @@ using ResamplerPtr = std::unique_ptr<SwrContext, ResamplerDeleter>;
 
 class FfmpegSoundTrack final : public SoundTrack {
 public:
-    FfmpegSoundTrack(ContainerPtr container, int stream, CodecPtr decoder, PacketPtr packet, FramePtr frame)
+    FfmpegSoundTrack(InputPtr container, int stream, CodecPtr decoder, PacketPtr packet, FramePtr frame)
         : container_(std::move(container)),
           stream_(*container_->streams[stream]),
           begin_s_(begin_of_pictures(*container_, *packet)),
@@ -160,7 +160,7 @@ private:
         return resampler;
     }
 
-    ContainerPtr container_;
+    InputPtr container_;
     const AVStream& stream_;
     double begin_s_;
     CodecPtr decoder_;
@@ -180,9 +180,7 @@ private:
 
 Result<std::unique_ptr<SoundTrack>> SoundTrack::open(const std::filesystem::path& file) {
     std::unique_ptr<SoundTrack> none;
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) return none;
-    ContainerPtr container = open_sound_container(file);
+    InputPtr container = open_sound_container(file);
     if (!container) return none;
     const AVCodec* codec = nullptr;
     const int stream = av_find_best_stream(container.get(), AVMEDIA_TYPE_AUDIO, -1, -1, &codec, 0);

@@ -1,10 +1,8 @@
 #include "engine/media/stored_image.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <utility>
 
+#include "engine/given_file.hpp"
 #include "engine/media/coded_image.hpp"
 #include "engine/media/exr_image.hpp"
 #include "engine/media/netpbm_image.hpp"
@@ -19,11 +17,8 @@ Error picture_error(const std::filesystem::path& file, const std::string& what) 
     return input_error(file.string() + ": " + what);
 }
 
-constexpr std::size_t largest_file = std::size_t{256} << 20;
-
-Error too_large(const std::string& where) {
-    return input_error(where + ": is larger than 256 MiB: not a picture this program reads");
-}
+/// The values of 8192x8192 pixels as floats, and what stands around them.
+constexpr std::size_t largest_file = std::size_t{257} << 20;
 
 /// P and a letter or digit, and what ends a word.
 bool is_netpbm(std::string_view begin, std::string_view kinds) {
@@ -91,15 +86,8 @@ Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const
 }
 
 Result<std::string> read_picture_bytes(const std::filesystem::path& file) {
-    std::error_code failure;
-    const auto size = std::filesystem::file_size(file, failure);
-    if (failure) return picture_error(file, "cannot be read: " + failure.message());
-    if (size == 0) return picture_error(file, "is empty");
-    if (size > largest_file) return too_large(file.string());
-    std::string bytes(static_cast<std::size_t>(size), '\0');
-    std::ifstream in(file, std::ios::binary);
-    if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
-        return picture_error(file, std::string("cannot be read: ") + std::strerror(errno));
+    auto bytes = read_given_file(file, file.string(), "a picture", largest_file);
+    if (bytes && bytes->empty()) return picture_error(file, "is empty");
     return bytes;
 }
 
@@ -110,7 +98,9 @@ Result<StoredImage> read_stored_image(const std::filesystem::path& file) {
 }
 
 Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where) {
-    if (bytes.size() > largest_file) return too_large(where);
+    if (bytes.size() > largest_file)
+        return input_error(where + ": is larger than " + in_bytes(largest_file) +
+                           ": not a picture this program reads");
     const PictureKind* kind = kind_of(bytes);
     if (!kind) return input_error(where + ": is no picture that is read: " + kinds_text());
     return kind->decode(bytes, where);

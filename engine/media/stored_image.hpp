@@ -26,7 +26,7 @@ struct StoredImage {
     std::vector<float> values;  ///< of a picture of floats: width * height, row by row; also NaN and infinity
 };
 
-/// All of a picture's file, up to 256 MiB.
+/// All of a picture's file, up to 257 MiB: 8192x8192 floats fit.
 Result<std::string> read_picture_bytes(const std::filesystem::path& file);
 
 /// What a picture's first bytes say that it is: "PNG", "PGM" ...; empty for what no reader here knows.

@@ -19,7 +19,7 @@ bool is_storable(const AVCodecParameters& codec) {
 
 class FfmpegStoredSound final : public StoredSound {
 public:
-    FfmpegStoredSound(ContainerPtr container, int stream, double begin_s, const SoundPart& sound)
+    FfmpegStoredSound(InputPtr container, int stream, double begin_s, const SoundPart& sound)
         : container_(std::move(container)),
           stream_(*container_->streams[stream]),
           file_(sound.file.string()) {
@@ -48,10 +48,10 @@ private:
         Packet packet(av_packet_alloc());
         if (!packet) return Error{ErrorKind::internal, "out of memory"};
         const int status = av_read_frame(container_.get(), packet.get());
-        ended_ = status == AVERROR_EOF;
+        ended_ = status == AVERROR_EOF && container_->pb->error >= 0;
         if (ended_) return {};
         if (status < 0)
-            return input_error(file_ + ": its sound cannot be read further: " + ffmpeg_text(status));
+            return error_at(file_ + ": its sound cannot be read further", input_failure(*container_, status));
         if (packet->stream_index != stream_.index || packet->pts == AV_NOPTS_VALUE) return {};
         const double to_ms = 1000 * av_q2d(stream_.time_base);
         const double at_ms = static_cast<double>(packet->pts) * to_ms - begin_ms_;
@@ -65,7 +65,7 @@ private:
         return {};
     }
 
-    ContainerPtr container_;
+    InputPtr container_;
     const AVStream& stream_;
     std::string file_;
     double begin_ms_ = 0, length_ms_ = 0;
@@ -80,9 +80,7 @@ void StoredSound::PacketDeleter::operator()(AVPacket* packet) const {
 }
 
 std::optional<SoundFacts> sound_of(const std::filesystem::path& file) {
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
-    const ContainerPtr container = open_sound_container(file);
+    const InputPtr container = open_sound_container(file);
     const int stream = container ? sound_stream(*container) : -1;
     if (stream < 0) return std::nullopt;
     const AVCodecParameters& codec = *container->streams[stream]->codecpar;
@@ -90,7 +88,7 @@ std::optional<SoundFacts> sound_of(const std::filesystem::path& file) {
 }
 
 Result<std::unique_ptr<StoredSound>> StoredSound::open(const SoundPart& sound) {
-    ContainerPtr container = open_sound_container(sound.file);
+    InputPtr container = open_sound_container(sound.file);
     const int stream = container ? sound_stream(*container) : -1;
     if (stream < 0 || !is_storable(*container->streams[stream]->codecpar))
         return input_error(sound.file.string() + ": has no sound that a clip can hold");

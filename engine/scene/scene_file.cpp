@@ -1,12 +1,12 @@
 #include "engine/scene/scene_file.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/given_file.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "engine/scene/folder_json.hpp"
 #include "engine/scene/scene_words.hpp"
@@ -282,20 +282,10 @@ Result<Scene> parse_scene(std::string_view json, std::string_view where) {
 }
 
 Result<Scene> read_scene_file(const std::filesystem::path& file) {
-    std::error_code failure;
-    const auto kind = std::filesystem::status(file, failure).type();
-    if (kind != std::filesystem::file_type::regular && kind != std::filesystem::file_type::not_found)
-        return input_error(file.string() +
-                           ": cannot be read: is a folder, a pipe or a device; must be a scene file (JSON, "
-                           "docs/scene_file.md)");
-    std::ifstream stream(file, std::ios::binary);
-    std::string text(checked_json::largest_text + 1, '\0');
-    if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (!stream && !stream.eof())
-        return input_error(file.string() +
-                           ": cannot be read: must be a scene file (JSON, docs/scene_file.md)");
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    return parse_scene(text, file.string());
+    const auto text = read_given_file(file, file.string(), "a scene file (JSON, docs/scene_file.md)",
+                                      checked_json::largest_text);
+    if (!text) return text.error();
+    return parse_scene(*text, file.string());
 }
 
 }  // namespace touchable

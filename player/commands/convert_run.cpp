@@ -70,6 +70,19 @@ ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
     return part;
 }
 
+/// What is read back to be compared has no name yet, or is in a hidden folder. Messages name what it is to
+/// be.
+Error as_named(Error error, const ConvertOptions& options, const fs::path& written) {
+    const bool is_file = options.form == ClipForm::archive;
+    const std::string hidden = (is_file ? written : written.parent_path()).string();
+    const fs::path folder = options.out.has_parent_path() ? options.out.parent_path() : fs::path(".");
+    const std::string name = (options.form == ClipForm::still ? folder : options.out).string();
+    for (auto at = error.message.find(hidden); at != std::string::npos;
+         at = error.message.find(hidden, at + name.size()))
+        error.message.replace(at, hidden.size(), name);
+    return error;
+}
+
 class Conversion {
 public:
     explicit Conversion(const ConvertOptions& options) : options_(options) {}
@@ -218,7 +231,7 @@ Result<void> Conversion::run(std::string& at_work) {
     if (auto written = write(); !written.ok()) return written;
     const auto written = writer_->complete();
     if (!written.ok()) return written.error();
-    if (auto checked = check(*written); !checked.ok()) return checked;
+    if (auto checked = check(*written); !checked.ok()) return as_named(checked.error(), options_, *written);
     if (auto named = writer_->finish(); !named.ok()) return named;
     std::cout << report_to_text(options_, done_);
     return {};

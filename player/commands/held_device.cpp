@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <fstream>
 #include <glm/matrix.hpp>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -14,13 +12,14 @@
 
 #include "device/catalog/device_catalog.hpp"
 #include "device/device_group.hpp"
+#include "engine/given_file.hpp"
 #include "haptics_cpu/realtime.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr const char* right_frame =
-    "right would be 16 numbers, row by row, of a rotation and a translation in metres that take points from "
+    "16 numbers, row by row, of a rotation and a translation in metres that take points from "
     "the "
     "camera (x right, y down, z forward) to the world, or a file with them";
 
@@ -49,20 +48,24 @@ bool is_rigid(const glm::dmat4& m) {
 }
 
 Result<glm::dmat4> read_frame(const std::string& words) {
-    std::string text = words;
-    if (std::ifstream file(words); file) text = std::string(std::istreambuf_iterator<char>(file), {});
-    const auto numbers = numbers_of(text);
-    if (!numbers || numbers->size() != 16)
-        return usage_error("--world-from-camera '" + words + "': " + right_frame);
+    constexpr std::size_t largest = 1 << 16;
+    const std::string named = "--world-from-camera '" + words + "'";
+    std::error_code ignored;
+    const bool is_file = std::filesystem::exists(words, ignored);
+    const auto text =
+        is_file ? read_given_file(words, named, right_frame, largest) : Result<std::string>(words);
+    if (!text.ok()) return text.error();
+    const auto numbers = numbers_of(*text);
+    if (!numbers || numbers->size() != 16) return usage_error(named + ": right would be " + right_frame);
     glm::dmat4 frame;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
             frame[column][row] = (*numbers)[static_cast<std::size_t>(4 * row + column)];
     if (!is_rigid(frame))
         return usage_error(
-            "--world-from-camera '" + words +
-            "': is no rotation and translation (its rows are not unit vectors at right angles, or "
-            "the last one is not 0 0 0 1, or it is a kilometre away); " +
+            named +
+            ": is no rotation and translation (its rows are not unit vectors at right angles, or "
+            "the last one is not 0 0 0 1, or it is a kilometre away); right would be " +
             right_frame);
     return frame;
 }

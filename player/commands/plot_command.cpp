@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "engine/given_file.hpp"
 #include "player/commands/file_option.hpp"
 #include "player/commands/outputs.hpp"
 #include "player/commands/picture_options.hpp"
@@ -21,6 +22,18 @@ struct PlotOptions {
     Existing existing = Existing::keep;
 };
 
+/// The script reads them: what would keep it waiting, or fill its memory, is told before.
+Result<void> check_given(const std::vector<NamedFile>& inputs) {
+    constexpr std::uint64_t largest = std::uint64_t{256} << 20;  // as compare has it
+    for (const NamedFile& input : inputs) {
+        const std::string named = input.name + " " + input.path.string();
+        const auto given = GivenFile::open(input.path, named, "a file that touch or export wrote");
+        if (!given.ok()) return given.error();
+        if (given->size() > largest) return input_error(named + ": is larger than " + in_bytes(largest));
+    }
+    return {};
+}
+
 Result<void> plot(const PlotOptions& options) {
     std::vector<NamedFile> inputs{{"the forces file", options.forces}};
     std::vector<std::string> words{options.forces.string()};
@@ -31,6 +44,7 @@ Result<void> plot(const PlotOptions& options) {
     }
     if (auto free = check_outputs({{{"the picture", options.picture}}, options.existing}, inputs); !free.ok())
         return free;
+    if (auto given = check_given(inputs); !given.ok()) return given;
     NewFile file(options.picture, options.existing);
     if (auto usable = file.check(); !usable.ok()) return usable;
     if (auto drawn = run_plot_script(words, file.path()); !drawn.ok()) return drawn;

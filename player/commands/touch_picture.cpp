@@ -5,6 +5,7 @@
 #include <functional>
 #include <sstream>
 
+#include "engine/stop_request.hpp"
 #include "player/session/field_probe.hpp"
 
 namespace touchable {
@@ -95,6 +96,7 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     if (!moment_ || !(reached_ || cut_short))
         return usage_error("--picture: the run ended before " + std::to_string(tick_) +
                            " ms, the moment to draw; --picture-at says another");
+    const WorkAfterStop drawing;  // of a run that a person has ended
     auto reader = setup.clip.open();
     if (!reader.ok()) return reader.error();
     // Frames of the GPU that also draws stay there; others are built here, whole.

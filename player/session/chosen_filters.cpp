@@ -33,7 +33,7 @@ Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const 
     while (!survey.enough()) {
         if (interrupted() || given_up.stop_requested()) return interrupted_error();
         const auto frame = reader->next();
-        if (!frame.ok() && bytes == 0) return frame.error();
+        if (!frame.ok() && (bytes == 0 || frame.error().kind == ErrorKind::interrupted)) return frame.error();
         if (!frame.ok()) damage = frame.error().message;
         if (!frame.ok() || !*frame) break;
         survey.add(**frame);

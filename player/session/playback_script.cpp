@@ -3,10 +3,10 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <fstream>
 #include <optional>
 #include <sstream>
 
+#include "engine/given_file.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -91,13 +91,12 @@ Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const
 }
 
 Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    std::error_code fault;
-    if (!in || !std::filesystem::is_regular_file(file, fault))
-        return usage_error(file.string() + ": cannot be read; --play needs a file of playback commands");
-    return parse_playback(text.str(), file.string());
+    constexpr std::size_t largest = std::size_t{16} << 20;
+    const auto text = read_given_file(file, "--play " + file.string(),
+                                      "a file of playback commands (docs/playback.md)", largest);
+    if (!text.ok() && text.error().kind == ErrorKind::input) return usage_error(text.error().message);
+    if (!text.ok()) return text.error();
+    return parse_playback(*text, file.string());
 }
 
 std::string in_words(const std::vector<PlaybackCommand>& commands) {

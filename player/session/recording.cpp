@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
-#include <fstream>
 
+#include "engine/given_file.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "haptics_cpu/force_hash.hpp"
 
@@ -89,16 +89,6 @@ std::string fault_of(const std::vector<RecordedTick>& ticks) {
     return "";
 }
 
-Result<std::string> read_whole(const std::filesystem::path& file) {
-    std::error_code failure;
-    const auto size = std::filesystem::file_size(file, failure);  // fails for what is not a file
-    std::string bytes(failure ? 0 : static_cast<std::size_t>(size), '\0');
-    std::ifstream in(file, std::ios::binary);
-    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (failure || !in) return input_error("recording " + file.string() + ": cannot be read");
-    return bytes;
-}
-
 /// What stands at the head of a part.
 struct PartHead {
     std::uint64_t version = 0, fingers = 0;
@@ -112,40 +102,69 @@ PartHead head_of(std::string_view bytes) {
 
 /// Where the things of a part are, from the file's beginning.
 struct PartPlace {
-    std::size_t begin = 0, facts = 0, end = 0;
+    std::uint64_t begin = 0, facts = 0, end = 0;
     std::uint64_t ticks = 0, commands = 0;
 };
 
-/// The part that ends where `bytes` do, by the sizes that it ends with; nothing where they cannot be.
-std::optional<PartPlace> last_part(std::string_view bytes, const PartHead& head) {
-    if (bytes.size() < head_size + tail_size) return std::nullopt;
-    Bytes tail(bytes.substr(bytes.size() - tail_size));
+/// A recording's bytes, where they are wanted.
+class RecordingBytes {
+public:
+    explicit RecordingBytes(GivenFile& file) : file_(file) {}
+    std::uint64_t size() const { return file_.size(); }
+    /// Why bytes are missing: those of a stretch that cannot be read are zeros.
+    const std::optional<Error>& failure() const { return failure_; }
+
+    std::string of(std::uint64_t at, std::uint64_t count) {
+        std::string bytes(static_cast<std::size_t>(count), '\0');
+        if (auto read = file_.read(at, bytes.data(), bytes.size()); !read.ok() && !failure_)
+            failure_ = read.error();
+        return bytes;
+    }
+    std::uint64_t hash_of(std::uint64_t at, std::uint64_t count) {
+        constexpr std::uint64_t step = 1 << 20;
+        ByteHash hash;
+        for (; count > 0 && !failure_; count -= std::min(count, step)) {
+            const std::string bytes = of(at, std::min(count, step));
+            hash.add(bytes.data(), bytes.size());
+            at += bytes.size();
+        }
+        return hash.value();
+    }
+
+private:
+    GivenFile& file_;
+    std::optional<Error> failure_;
+};
+
+/// The part that ends at `end`, by the sizes that it ends with; nothing where they cannot be.
+std::optional<PartPlace> last_part(RecordingBytes& bytes, std::uint64_t end, const PartHead& head) {
+    if (end < head_size + tail_size) return std::nullopt;
+    const std::string tail_bytes = bytes.of(end - tail_size, tail_size);
+    Bytes tail(tail_bytes);
     const std::uint64_t facts_size = tail.integer(8), ticks = tail.integer(8);
-    std::uint64_t room = bytes.size() - head_size - tail_size;
+    std::uint64_t room = end - head_size - tail_size;
     const std::uint64_t count_size = head.version == 1 ? 0 : 8;
     if (facts_size > room || count_size > room - facts_size) return std::nullopt;
     room -= facts_size + count_size;
-    const std::size_t facts_at = bytes.size() - tail_size - facts_size;
+    const std::uint64_t facts_at = end - tail_size - facts_size;
     const std::uint64_t commands =
-        head.version == 1 ? 0 : Bytes(bytes.substr(facts_at - count_size)).integer(8);
+        head.version == 1 ? 0 : Bytes(bytes.of(facts_at - count_size, count_size)).integer(8);
     const std::uint64_t tick_bytes = tick_size(head.version) + finger_size * head.fingers;
     if (commands > room / command_size || ticks > (room - commands * command_size) / tick_bytes)
         return std::nullopt;
-    const std::size_t begin = room - commands * command_size - ticks * tick_bytes;
-    return PartPlace{begin, facts_at, bytes.size(), ticks, commands};
+    const std::uint64_t begin = room - commands * command_size - ticks * tick_bytes;
+    return PartPlace{begin, facts_at, end, ticks, commands};
 }
 
 /// The parts in their order; nothing where the bytes are not made of whole ones, each as its hash says.
-std::optional<std::vector<PartPlace>> find_parts(std::string_view bytes, const PartHead& head) {
+std::optional<std::vector<PartPlace>> find_parts(RecordingBytes& bytes, const PartHead& head) {
     std::vector<PartPlace> parts;
-    for (std::size_t end = bytes.size(); end > 0; end = parts.back().begin) {
-        const auto part = last_part(bytes.substr(0, end), head);
+    for (std::uint64_t end = bytes.size(); end > 0; end = parts.back().begin) {
+        const auto part = last_part(bytes, end, head);
         if (!part) return std::nullopt;
-        const std::string_view own = bytes.substr(part->begin, end - part->begin);
-        ByteHash hash;
-        hash.add(own.data(), own.size() - 8);
-        if (!own.starts_with(magic) || head_of(own) != head ||
-            Bytes(own.substr(own.size() - 8)).integer(8) != hash.value())
+        const std::string begin = bytes.of(part->begin, head_size);
+        if (!begin.starts_with(magic) || head_of(begin) != head ||
+            Bytes(bytes.of(end - 8, 8)).integer(8) != bytes.hash_of(part->begin, end - 8 - part->begin))
             return std::nullopt;
         parts.push_back(*part);
     }
@@ -163,14 +182,17 @@ bool is_in_its_place(const nlohmann::ordered_json& facts, std::size_t number, st
 }
 
 /// An error with the reason alone.
-Result<RecordedPart> read_part(std::string_view bytes, const PartHead& head, const PartPlace& place) {
+Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, const PartPlace& place) {
     RecordedPart part;
     part.fingers = static_cast<int>(head.fingers);
-    Bytes body(bytes.substr(place.begin + head_size));
+    const std::string whole = bytes.of(place.begin, place.end - place.begin);
+    if (bytes.failure()) return *bytes.failure();
+    Bytes body(std::string_view(whole).substr(head_size));
     for (std::uint64_t k = 0; k < place.ticks; ++k)
         part.ticks.push_back(read_tick(body, head.version, head.fingers));
     for (std::uint64_t k = 0; k < place.commands; ++k) part.playback.push_back(read_command(body));
-    const std::string_view facts = bytes.substr(place.facts, place.end - tail_size - place.facts);
+    const std::string_view facts =
+        std::string_view(whole).substr(place.facts - place.begin, place.end - tail_size - place.facts);
     try {
         (void)checked_json::parse(facts);
     } catch (const checked_json::Refusal& reason) {
@@ -179,7 +201,7 @@ Result<RecordedPart> read_part(std::string_view bytes, const PartHead& head, con
     part.facts = nlohmann::ordered_json::parse(facts, nullptr, false);
     if (!part.facts.is_object()) return input_error(damaged_words);
     if (const std::string fault = fault_of(part.ticks); !fault.empty()) return input_error(fault);
-    if (auto valid = validate(part.playback); !valid.ok()) return valid.error();
+    if (auto valid = validate(part.playback); !valid.ok()) return input_error(valid.error().message);
     // A loop is run through turn by turn.
     if (!part.playback.empty() && part.ticks.back().time_ns > latest_moment_ns)
         return input_error("its last tick is later than 1e6 s");
@@ -189,19 +211,22 @@ Result<RecordedPart> read_part(std::string_view bytes, const PartHead& head, con
 }  // namespace
 
 Result<Recording> read_recording(const std::filesystem::path& file) {
-    const auto whole = read_whole(file);
-    if (!whole.ok()) return whole.error();
-    const std::string_view bytes = *whole;
     const std::string name = "recording " + file.string();
-    if (bytes.size() < head_size || !bytes.starts_with(magic))
+    auto given = GivenFile::open(file, name, "a file that --record wrote");
+    if (!given.ok()) return given.error();
+    RecordingBytes bytes(*given);
+    const std::string begin = bytes.of(0, std::min<std::uint64_t>(bytes.size(), head_size));
+    if (bytes.failure()) return error_at(name, *bytes.failure());
+    if (begin.size() < head_size || !begin.starts_with(magic))
         return input_error(name + ": is not a recording of a touch");
-    const PartHead head = head_of(bytes);
+    const PartHead head = head_of(begin);
     if (head.version > recording_format_version)
         return input_error(name + ": has format version " + std::to_string(head.version) +
                            "; this program reads up to " + std::to_string(recording_format_version));
     if (head.version < 1 || head.fingers < 1 || head.fingers > most_fingers)
         return input_error(name + ": " + damaged_words);
     const auto places = find_parts(bytes, head);
+    if (bytes.failure()) return error_at(name, *bytes.failure());
     if (!places) return input_error(name + ": " + damaged_words);
 
     Recording recording;
@@ -211,7 +236,7 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
         const std::string part_name =
             name + (places->size() > 1 ? ", part " + std::to_string(number) : std::string());
         auto part = read_part(bytes, head, place);
-        if (!part.ok()) return input_error(part_name + ": " + part.error().message);
+        if (!part.ok()) return error_at(part_name, part.error());
         if (!is_in_its_place(part->facts, number, places->size()))
             return input_error(name + ": " + damaged_words + ": a part is missing");
         const std::int64_t first_ns = part->ticks.front().time_ns, last_ns = part->ticks.back().time_ns;

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 
+#include "engine/given_file.hpp"
 #include "engine/new_file.hpp"
 #include "engine/printable.hpp"
 #include "player/window/panel_facts.hpp"
@@ -114,16 +114,13 @@ std::filesystem::path followed(const std::filesystem::path& file) {
 SettingsFile::SettingsFile(std::filesystem::path file) : file_(std::move(file)) {
     std::error_code failed;
     if (!std::filesystem::exists(file_, failed) && !failed) return;
-    const bool is_small = std::filesystem::is_regular_file(file_, failed) &&
-                          std::filesystem::file_size(file_, failed) <= most_settings_bytes;
-    std::ifstream in;
-    if (is_small) in.open(file_, std::ios::binary);  // of what is no file, reading may have no end
-    if (in.is_open()) {
-        take({std::istreambuf_iterator<char>(in), {}});
+    const auto text = read_given_file(file_, file_.string(), "a file of settings", most_settings_bytes);
+    if (text.ok()) {
+        take(*text);
         return;
     }
     is_foreign_ = true;
-    say(file_.string() + ": cannot be read as settings; it is left alone");
+    say(text.error().message + "; it is left alone");
 }
 
 void SettingsFile::say(const std::string& words) {

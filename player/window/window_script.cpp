@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
+
+#include "engine/given_file.hpp"
 
 namespace touchable {
 namespace {
@@ -91,11 +93,11 @@ double ScriptClock::at(double now_s) {
 }
 
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file) {
-    std::error_code ignored;
-    std::ifstream in;
-    // What is no file may have no end, and nothing to read yet.
-    if (std::filesystem::is_regular_file(file, ignored)) in.open(file);
-    if (!in.is_open()) return input_error("--script " + file.string() + ": cannot be read");
+    constexpr std::size_t largest = std::size_t{16} << 20;
+    auto text =
+        read_given_file(file, "--script " + file.string(), "a file of timed inputs (docs/play.md)", largest);
+    if (!text.ok()) return text.error();
+    std::istringstream in(std::move(*text));
     std::vector<ScriptedInput> inputs;
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
@@ -109,7 +111,6 @@ Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::pat
             return input_error(where + "its time is before that of the line above");
         inputs.push_back(std::move(*input));
     }
-    if (!in.eof()) return input_error("--script " + file.string() + ": cannot be read to its end");
     return inputs;
 }
 

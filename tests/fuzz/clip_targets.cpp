@@ -14,7 +14,9 @@ namespace {
 
 /// Its container alone: what FFmpeg does not look at.
 bool parse_container(std::string_view bytes) {
-    return is_taken(check_matroska(file_of(bytes, "container.mkv")));
+    const auto file = file_of(bytes, "container.mkv");
+    const auto source = bytes_of_file(file);
+    return source.ok() && is_taken(check_matroska(**source, file.string()));
 }
 
 bool parse_clip(std::string_view bytes) {

@@ -63,7 +63,8 @@ TEST(CameraFiles, WithoutACameraAreRefused) {
             << text;
         EXPECT_EQ(camera_file_in(folder.path()), std::nullopt);
     }
-    EXPECT_NE(message(read_camera_file(folder.path())).find("is no file"), std::string::npos);
+    EXPECT_NE(message(read_camera_file(folder.path())).find("is a folder; right would be a camera's file"),
+              std::string::npos);
 }
 
 TEST(CameraFiles, ThatOfDepthIsTakenBeforeOthers) {

@@ -9,7 +9,8 @@ namespace {
 
 std::vector<std::string> names(const PictureFiles& found) {
     std::vector<std::string> all;
-    for (const auto& file : found.files) all.push_back(file.filename().string());
+    for (std::size_t frame = 0; frame < found.count(); ++frame)
+        all.push_back(found.file(frame).filename().string());
     return all;
 }
 

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "engine/media/image_file.hpp"
+#include "engine/media/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"
@@ -55,9 +56,21 @@ TEST(HostileFiles, LargeElementsAreNotReadWhole) {
 
 TEST(HostileFiles, AFileThatBeginsLikeAJpeg) {
     const TemporaryFolder folder;
-    EXPECT_NE(refusal_in(sparse(folder, "\xff\xd8\xff\xe1", 5 * gibibyte), 256).find("larger than 256 MiB"),
+    EXPECT_NE(refusal_in(sparse(folder, "\xff\xd8\xff\xe1", 5 * gibibyte), 256).find("larger than 257 MiB"),
               std::string::npos);
-    EXPECT_NE(message(read_image(folder / "large")).find("larger than 256 MiB"), std::string::npos);
+    EXPECT_NE(message(read_image(folder / "large")).find("larger than 257 MiB"), std::string::npos);
+}
+
+TEST(HostileFiles, LargePicturesAreReadUpToTheSizeThatIsSaid) {
+    const TemporaryFolder folder;
+    const std::string head_of_floats = "Pf\n8192 8192\n-1.0\n";
+    const std::uint64_t values = std::uint64_t{4} * 8192 * 8192;
+    const auto floats = read_picture_bytes(sparse(folder, head_of_floats, head_of_floats.size() + values));
+    EXPECT_EQ(message(floats), "");
+    const std::uint64_t most = std::uint64_t{257} << 20U;
+    EXPECT_EQ(message(read_picture_bytes(sparse(folder, head_of_floats, most))), "");
+    EXPECT_EQ(message(read_picture_bytes(sparse(folder, head_of_floats, most + 1))),
+              (folder / "large").string() + ": is larger than 257 MiB; right would be a picture");
 }
 
 TEST(HostileFiles, ASceneFileIsAFile) {
@@ -65,10 +78,14 @@ TEST(HostileFiles, ASceneFileIsAFile) {
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 1, {})), "");
     ASSERT_EQ(mkfifo((folder / "pipe.json").c_str(), 0600), 0);
     alarm(30);  // a reader waits for ever for a writer
-    for (const auto& file : {folder / "pipe.json", folder.path(), std::filesystem::path("/dev/zero")})
-        EXPECT_NE(message(open_clip(folder / "clip.mkv", file))
-                      .find(file.string() + ": cannot be read: is a folder, a pipe or a device"),
-                  std::string::npos);
+    const std::pair<std::filesystem::path, std::string> kinds[] = {
+        {folder / "pipe.json", "a pipe, no ordinary file"},
+        {folder.path(), "a folder"},
+        {"/dev/zero", "a device, no ordinary file"}};
+    for (const auto& [file, kind] : kinds)
+        EXPECT_EQ(
+            message(open_clip(folder / "clip.mkv", file)),
+            file.string() + ": is " + kind + "; right would be a scene file (JSON, docs/scene_file.md)");
     alarm(0);
 }
 

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "engine/media/image_file.hpp"
 #include "engine/media/npy_stack.hpp"
 #include "engine/media/stored_image.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
@@ -196,6 +198,63 @@ TEST(NpyDamage, ClaimsAreRefusedBeforeAnythingIsAllocated) {
     EXPECT_EQ(refusal("2147483648, 16384, 16384").find("picture: is cut short: has 128 bytes of "), 0U);
     EXPECT_EQ(refusal("16385, 16384"), "picture: is 16384x16385 pixels: must be from 1x1 to 16384x16384");
     EXPECT_EQ(refusal("-1, 5"), "picture: is damaged: its header is not NumPy's");
+}
+
+/// The archive's directory says how long a member is; its packed bytes say what is possible.
+TEST_F(Npy, AMemberThatCannotBeAsLongAsIsSaidIsRefused) {
+    const TemporaryFolder folder;
+    std::string archive = bytes("stack.npz");
+    constexpr std::size_t size_in_entry = 24;
+    const auto entry = archive.rfind("PK\1\2");
+    ASSERT_NE(entry, std::string::npos);
+    archive.replace(entry + size_in_entry, 4, "\xff\xff\xff\x0f");
+    write_bytes(folder / "depth.npz", archive);
+    EXPECT_NE(message(open_npy_stack(folder / "depth.npz"))
+                  .find("depth: is damaged: is said to unpack to 268435455"),
+              std::string::npos);
+}
+
+/// A .npy file of so many pictures of 2x2 bytes, its data a hole.
+std::filesystem::path stack_of(const TemporaryFolder& folder, std::int64_t pictures) {
+    std::string dictionary =
+        "{'descr': '|u1', 'fortran_order': False, 'shape': (" + std::to_string(pictures) + ", 2, 2), }";
+    dictionary.resize(117, ' ');
+    write_bytes(folder / "depth.npy", std::string("\x93NUMPY\1\0\x76\0", 10) + dictionary + '\n');
+    std::filesystem::resize_file(folder / "depth.npy", static_cast<std::uintmax_t>(128 + 4 * pictures));
+    return folder / "depth.npy";
+}
+
+/// Frames cost nothing until they are read, however many there are.
+TEST(NpyStack, AHundredMillionFramesTakeTheMemoryOfOne) {
+    const TemporaryFolder folder;
+    constexpr std::int64_t pictures = 100'000'000;
+    stack_of(folder, pictures);
+    Image still{2, 2, 1, 1, {1, 2, 3, 4}};
+    ASSERT_EQ(message(write_png(folder / "height.png", still.view())), "");
+    Scene scene = small_scene(2, 2);
+    scene.folder = FolderSource{"depth.npy", "", "", "height.png", 0, 0};
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    const LimitedMemory little(64);
+    const auto clip = open_clip(folder.path());
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->frame_count(), pictures);
+    EXPECT_EQ((*clip)->inputs().size(), 3U);
+    ASSERT_EQ(message((*clip)->seek(pictures - 1)), "");
+    const auto last = (*clip)->next();
+    ASSERT_EQ(message(last), "");
+    ASSERT_TRUE(*last);
+    EXPECT_EQ((*last)->number, pictures - 1);
+    EXPECT_EQ((*last)->height.sample(1, 1), 4);
+    EXPECT_FALSE(*(*clip)->next());
+}
+
+TEST(NpyStack, AFileThatIsShorterThanItsFramesIsRefused) {
+    const TemporaryFolder folder;
+    const auto file = stack_of(folder, 1'000'000'000);
+    std::filesystem::resize_file(file, 1000);
+    const LimitedMemory little(64);
+    EXPECT_NE(message(open_npy_stack(file)).find("is cut short: has 1000 bytes of 4000000128"),
+              std::string::npos);
 }
 
 TEST(NpyReal, ARelativeDepthThatANetworkGuessed) {

@@ -285,7 +285,8 @@ TEST_F(PlayedClip, WhatCannotBePlayedIsCode2AndSaysWhatCould) {
         {{"--loop", "1"}, "--loop"},
         {{"--loop", "1", "1.05"}, "--loop must end 0.1 s"},
         {{"--loop", "0", "1"}, "--seconds must say how long"},
-        {{"--play", folder / "none.txt"}, "cannot be read"},
+        {{"--play", folder / "none.txt"},
+         "none.txt: is not there; right would be a file of playback commands"},
         {{"--play", script("0.5 play\n0.4 pause\n")}, "line 2: tick 400 is before 500"}};
     for (const auto& [words, fragment] : wrong) {
         Words all{"touch", clip};

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include "engine/start_thread.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+
+/// What `work` returns; nothing where somebody asks the program to stop before it does. It may take as long
+/// as a disk or a codec does: it is done by a thread of its own, which nobody waits for then and which comes
+/// to its end alone, so `work` owns all that it uses. Where no thread is to be had the caller does it.
+template <class Work>
+std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
+    struct Errand {
+        Work work;
+        std::mutex mutex{};
+        std::condition_variable is_over{};
+        std::optional<std::invoke_result_t<Work&>> outcome{};  // guarded by mutex, as is what follows
+        std::exception_ptr fault{};
+        bool over = false;
+
+        void run() {
+            std::optional<std::invoke_result_t<Work&>> made;
+            std::exception_ptr thrown;
+            try {
+                made.emplace(work());
+            } catch (...) {
+                thrown = std::current_exception();
+            }
+            const std::lock_guard lock(mutex);
+            outcome = std::move(made);
+            fault = std::move(thrown);
+            over = true;
+            is_over.notify_one();
+        }
+    };
+    const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
+    std::thread thread;
+    if (start_thread(thread, "that does what may take long", [errand] { errand->run(); }))
+        thread.detach();
+    else
+        errand->run();
+    std::unique_lock lock(errand->mutex);
+    constexpr std::chrono::milliseconds look_again{20};  // a signal sets a flag and wakes nobody
+    while (!errand->is_over.wait_for(lock, look_again, [&] { return errand->over; }))
+        if (stop_requested()) return std::nullopt;
+    if (errand->fault) std::rethrow_exception(errand->fault);
+    return std::move(errand->outcome);
+}
+
+}  // namespace touchable

@@ -1,0 +1,196 @@
+#include "engine/given_file.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <future>
+#include <thread>
+
+#include "engine/stop_request.hpp"
+#include "engine/unless_stopped.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+namespace {
+
+void write_file(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+}
+
+std::string refusal_of(const std::filesystem::path& file, std::size_t largest = 1 << 20) {
+    const auto read = read_given_file(file, "--list NAME", "a list", largest);
+    return read.ok() ? "" : read.error().message;
+}
+
+TEST(GivenFile, WhatIsNoOrdinaryFileIsToldAtOnce) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+    const int socket_number = socket(AF_UNIX, SOCK_STREAM, 0);
+    sockaddr_un name{};
+    name.sun_family = AF_UNIX;
+    std::strncpy(name.sun_path, (folder / "socket").c_str(), sizeof name.sun_path - 1);
+    ASSERT_EQ(bind(socket_number, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+    close(socket_number);
+    alarm(30);  // who opens a pipe waits for a writer
+    const std::pair<std::filesystem::path, std::string> kinds[] = {
+        {folder.path(), "is a folder"},
+        {folder / "pipe", "is a pipe, no ordinary file"},
+        {folder / "socket", "is a socket, no ordinary file"},
+        {"/dev/zero", "is a device, no ordinary file"},
+        {folder / "absent", "is not there"},
+        {folder / "absent" / "file", "is not there"}};
+    for (const auto& [file, why] : kinds)
+        EXPECT_EQ(refusal_of(file), "--list NAME: " + why + "; right would be a list");
+    alarm(0);
+    EXPECT_EQ(GivenFile::open(folder.path(), "NAME", "a list").error().kind, ErrorKind::input);
+}
+
+TEST(GivenFile, OneThatIsTooLargeIsNotRead) {
+    const TemporaryFolder folder;
+    write_file(folder / "list", "some");
+    EXPECT_EQ(refusal_of(folder / "list", 4), "");
+    EXPECT_EQ(refusal_of(folder / "list", 3), "--list NAME: is larger than 3 bytes; right would be a list");
+    std::filesystem::resize_file(folder / "list", std::uintmax_t{8} << 30U);
+    EXPECT_EQ(refusal_of(folder / "list"), "--list NAME: is larger than 1 MiB; right would be a list");
+    EXPECT_EQ(in_bytes(0) + ", " + in_bytes(1 << 16) + ", " + in_bytes(1025), "0 bytes, 64 KiB, 1025 bytes");
+}
+
+/// Bytes of which each tells where it is, nearly.
+std::string telling_bytes(std::size_t count) {
+    std::string bytes(count, '\0');
+    for (std::size_t k = 0; k < count; ++k) bytes[k] = static_cast<char>(k % 251);
+    return bytes;
+}
+
+std::string stretch(GivenFile& file, std::uint64_t at, std::size_t count) {
+    std::string bytes(count, '\0');
+    const auto read = file.read(at, bytes.data(), count);
+    return read.ok() ? bytes : read.error().message;
+}
+
+TEST(GivenFile, IsReadAnywhereInPiecesOfAnySize) {
+    const TemporaryFolder folder;
+    const std::string bytes = telling_bytes(300'000);
+    write_file(folder / "file", bytes);
+    auto file = GivenFile::open(folder / "file", "NAME", "a file");
+    ASSERT_TRUE(file.ok());
+    EXPECT_EQ(file->size(), bytes.size());
+    for (const auto& [at, count] :
+         {std::pair{0, 3}, {2, 200'000}, {65'530, 12}, {10, 1}, {299'999, 1}, {0, 300'000}, {300'000, 0}})
+        EXPECT_EQ(stretch(*file, static_cast<std::uint64_t>(at), static_cast<std::size_t>(count)),
+                  bytes.substr(static_cast<std::size_t>(at), static_cast<std::size_t>(count)));
+    EXPECT_EQ(stretch(*file, 299'999, 2), "is cut short");
+    EXPECT_EQ(stretch(*file, ~std::uint64_t{0}, 2), "is cut short");
+    EXPECT_EQ(*read_given_file(folder / "file", "NAME", "a file", bytes.size()), bytes);
+}
+
+/// A recorder goes on writing; another program cuts the file.
+TEST(GivenFile, EndsWhereItEndedWhenItWasOpened) {
+    const TemporaryFolder folder;
+    write_file(folder / "file", telling_bytes(100'000));
+    auto file = GivenFile::open(folder / "file", "NAME", "a file");
+    ASSERT_TRUE(file.ok());
+    std::filesystem::resize_file(folder / "file", 200'000);
+    EXPECT_EQ(file->size(), 100'000U);
+    EXPECT_EQ(stretch(*file, 99'999, 2), "is cut short");
+    std::filesystem::resize_file(folder / "file", 70'000);
+    EXPECT_EQ(stretch(*file, 65'536, 10'000), "is cut short");
+}
+
+/// File systems of other machines do not tell what is in memory.
+TEST(GivenFile, IsTheSameFromADiskThatLetsPeopleWait) {
+    const std::string bytes = telling_bytes(200'000);
+    GivenFile file(
+        [&bytes](std::uint64_t at, char* to, std::size_t count, bool may_wait) -> std::ptrdiff_t {
+            if (!may_wait) return at % 2 == 0 ? -EAGAIN : -EOPNOTSUPP;
+            const std::size_t some = std::min(count, std::size_t{1000});
+            std::memcpy(to, bytes.data() + at, some);
+            return static_cast<std::ptrdiff_t>(some);
+        },
+        bytes.size());
+    EXPECT_EQ(stretch(file, 7, 150'000), bytes.substr(7, 150'000));
+}
+
+TEST(GivenFile, AFaultOfTheDiskIsTold) {
+    GivenFile file([](std::uint64_t, char*, std::size_t, bool) -> std::ptrdiff_t { return -EIO; }, 10);
+    EXPECT_EQ(stretch(file, 0, 10), "cannot be read: Input/output error");
+}
+
+/// Ends the process: 0 where it was interrupted.
+[[noreturn]] void end_with(const Result<void>& read) {
+    std::_Exit(!read.ok() && read.error().kind == ErrorKind::interrupted ? 0 : 1);
+}
+
+[[noreturn]] void stop_while_a_disk_is_waited_for() {
+    alarm(60);
+    std::promise<void> never;
+    const auto answer = never.get_future().share();
+    GivenFile file(
+        [answer](std::uint64_t, char*, std::size_t count, bool may_wait) -> std::ptrdiff_t {
+            if (!may_wait) return -EAGAIN;
+            request_stop();
+            answer.wait();
+            return static_cast<std::ptrdiff_t>(count);
+        },
+        10);
+    char bytes[10];
+    end_with(file.read(0, bytes, sizeof bytes));
+}
+
+TEST(GivenFileDeathTest, ADiskThatNeverAnswersIsNotWaitedForOnceSomebodyAsksToStop) {
+    EXPECT_EXIT(stop_while_a_disk_is_waited_for(), ::testing::ExitedWithCode(0), "");
+}
+
+[[noreturn]] void stop_in_the_middle() {
+    int reads = 0;
+    GivenFile file(
+        [&reads](std::uint64_t, char*, std::size_t, bool) -> std::ptrdiff_t {
+            if (++reads == 3) request_stop();
+            return 1;
+        },
+        std::uint64_t{8} << 30U);
+    std::string bytes(1 << 20, '\0');
+    const auto read = file.read(0, bytes.data(), bytes.size());
+    if (reads != 3) std::_Exit(2);
+    end_with(read);
+}
+
+TEST(GivenFileDeathTest, NothingIsReadOnceSomebodyAsksToStop) {
+    EXPECT_EXIT(stop_in_the_middle(), ::testing::ExitedWithCode(0), "");
+}
+
+[[noreturn]] void read_after_a_stop() {
+    GivenFile file(
+        [](std::uint64_t, char*, std::size_t count, bool) { return static_cast<std::ptrdiff_t>(count); }, 10);
+    char bytes[10];
+    request_stop();
+    {
+        const WorkAfterStop outer;
+        { const WorkAfterStop inner; }
+        if (stop_requested() || !file.read(0, bytes, sizeof bytes)) std::_Exit(2);
+        bool elsewhere = false;
+        std::thread([&elsewhere] { elsewhere = stop_requested(); }).join();
+        if (!elsewhere) std::_Exit(3);
+    }
+    std::_Exit(stop_requested() ? 0 : 4);
+}
+
+TEST(GivenFileDeathTest, WhatIsLeftToDoAfterAStopIsReadByTheThreadThatDoesIt) {
+    EXPECT_EXIT(read_after_a_stop(), ::testing::ExitedWithCode(0), "");
+}
+
+TEST(UnlessStopped, GivesWhatWorkGivesOrThrows) {
+    EXPECT_EQ(unless_stopped([] { return 7; }), 7);
+    EXPECT_THROW((void)unless_stopped([]() -> int { throw std::bad_alloc(); }), std::bad_alloc);
+}
+
+}  // namespace
+}  // namespace touchable::test
