@@ -40,8 +40,9 @@ Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesyst
 }
 
 Result<void> DeviceLogFile::write(const TouchTick&) {
-    rows_.clear();
-    const auto add = [this](const DeviceTick& tick) {
+    Result<void> written;
+    const auto add = [this, &written](const DeviceTick& tick) {
+        rows_.clear();
         for (std::size_t finger = 0; finger < tick.places.size(); ++finger) {
             CsvRow row(rows_);
             row << static_cast<double>(tick.tick) / 1000 << static_cast<std::int64_t>(finger);
@@ -57,10 +58,11 @@ Result<void> DeviceLogFile::write(const TouchTick&) {
             row << tick.newtons[finger] << std::int64_t{tick.exerts};
             row.end();
         }
+        if (written.ok()) written = file_->write(rows_);
     };
     while (log_.pop(add)) {
     }
-    return file_->write(rows_);
+    return written;
 }
 
 Result<void> DeviceLogFile::finish() {
