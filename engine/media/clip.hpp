@@ -103,6 +103,8 @@ public:
     virtual ~ClipWriter() = default;
     /// Every frame has the planes of the first one, and the next number. Times come from the scene's rate.
     virtual Result<void> write(const RawFrame& frame) = 0;
+    /// The disk has little more room than it takes to complete the clip. Writing goes on, as far as it goes.
+    virtual bool is_full() const { return false; }
     /// Completes the clip, which has no name yet, and gives where it can be opened until `finish`. May be
     /// left out.
     virtual Result<std::filesystem::path> complete() = 0;

@@ -10,6 +10,7 @@
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/ffmpeg.hpp"
 #include "engine/media/frame_times_text.hpp"
+#include "engine/media/reserved_output.hpp"
 #include "engine/media/stored_sound.hpp"
 #include "engine/media/track_writer.hpp"
 #include "engine/new_file.hpp"
@@ -32,10 +33,7 @@ Shape shape_of(const PlaneView& plane) {
 }
 
 struct MuxerCloser {
-    void operator()(AVFormatContext* muxer) const {
-        avio_closep(&muxer->pb);
-        avformat_free_context(muxer);
-    }
+    void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
 };
 
 class MatroskaWriter final : public ClipWriter {
@@ -49,6 +47,7 @@ public:
         if (auto ended = keep(end()); !ended) return ended.error();
         return output_.path();
     }
+    bool is_full() const override { return room_.is_full(); }
     Result<void> finish() override {
         if (!complete_)
             if (auto ended = keep(end()); !ended) return ended;
@@ -81,6 +80,7 @@ private:
     ClipStorage storage_;
     NewFile output_;
     std::unique_ptr<StoredSound> sound_;  // null: none
+    ReservedOutput room_;
     std::unique_ptr<AVFormatContext, MuxerCloser> muxer_;
     std::vector<TrackWriter> tracks_;  // track k is stream k
     std::array<Shape, all_roles.size()> shapes_;
@@ -109,7 +109,7 @@ Result<void> MatroskaWriter::open() {
     if (status < 0) return Error{ErrorKind::internal, "Matroska muxer: " + ffmpeg_text(status)};
     muxer_.reset(muxer);
     muxer_->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers, no dates: same frames, same bytes
-    status = avio_open(&muxer_->pb, file_url(output_.path()).c_str(), AVIO_FLAG_WRITE);
+    status = room_.open(output_.path(), *muxer_);
     return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
 }
 
@@ -244,7 +244,9 @@ Result<void> MatroskaWriter::write_picture(std::size_t track) {
     if (auto written = write_sound(packet->pts); !written) return written;
     packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);
     av_packet_rescale_ts(packet, {1, 1000}, muxer_->streams[track]->time_base);
-    return check_status(av_write_frame(muxer_.get(), packet));
+    auto written = check_status(av_write_frame(muxer_.get(), packet));
+    room_.end_picture();
+    return written;
 }
 
 /// Pictures in the order of their frames, and of a frame in the order of the tracks; up to one of which it is
@@ -283,7 +285,7 @@ Result<void> MatroskaWriter::end() {
     if (auto written = write_complete(); !written) return written;
     if (auto written = write_sound(time_ms(frames_)); !written) return written;
     if (auto written = check_status(av_write_trailer(muxer_.get())); !written) return written;
-    const int status = avio_closep(&muxer_->pb);
+    const int status = room_.close();
     if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
     over_ = complete_ = true;
     return {};

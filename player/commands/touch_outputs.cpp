@@ -73,9 +73,11 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
         return RecordingFile::create(path, setup.settings.fingers, options.existing, pace);
     };
     if (auto opened = open_if(options.record, out->record_, record); !opened.ok()) return opened.error();
-    if (options.record && setup.film)
+    if (options.record && setup.film) {
+        out->film_ = setup.film;
         if (auto opened = setup.film->open(film_beside(*options.record), options.existing); !opened.ok())
             return opened.error();
+    }
     const auto json = [&](const auto& path) {
         return OutputFile::create("--json", path, options.existing, pace);
     };
@@ -118,14 +120,19 @@ std::vector<std::string> TouchOutputs::new_faults() {
          std::initializer_list<const OutputSink*>{forces_.get(), device_log_.get(), record_.get()})
         if (const auto fault = file ? file->fault() : std::nullopt; fault && told_.insert(file).second)
             faults.push_back(fault->message);
+    if (const auto fault = film_ ? film_->fault() : std::nullopt; fault && told_.insert(film_.get()).second)
+        faults.push_back("the film of --record: " + fault->message);
     return faults;
 }
 
 Result<void> TouchOutputs::finish_record(const std::string& force_hash, const TouchSetup& setup) {
+    if (setup.film) {
+        if (auto done = setup.film->finish(); !done.ok()) return done;
+        if (const auto fault = setup.film->fault())
+            record_->end_with_frame(setup.film->last_frame(), *fault);
+    }
     nlohmann::ordered_json facts = recorded_facts(setup);
     facts["force_hash"] = force_hash;
-    if (setup.film)
-        if (auto done = setup.film->finish(); !done.ok()) return done;
     return record_->finish(facts, setup.settings.playback);
 }
 

@@ -90,6 +90,7 @@ Result<void> CameraFilm::open(const std::filesystem::path& file, Existing existi
         } catch (const std::exception& fault) {
             const std::lock_guard lock(mutex_);
             failure_ = Error{ErrorKind::internal, file_.string() + ": cannot be written: " + fault.what()};
+            is_broken_ = true;
             changed_.notify_all();
         }
     });
@@ -100,7 +101,7 @@ Result<void> CameraFilm::keep(const RawFrame& frame) {
     changed_.wait(lock, [this] {
         return !open_ || waiting_.size() < most_waiting || interrupted_ || failure_.has_value();
     });
-    if (failure_) return *failure_;
+    if (failure_) return {};
     if (interrupted_) return Error{ErrorKind::interrupted, "the camera's film was told to stop"};
     waiting_.push_back(frame);
     frames_.push_back({frame.number, frame.time_ns});
@@ -128,12 +129,26 @@ void CameraFilm::write() {
         frame.number = number;
         frame.time_ns = scene_.rate.time_ns(number);
         auto written = writer_->write(frame);
-        if (written.ok()) continue;
         const std::lock_guard lock(mutex_);
-        failure_ = written.error();
+        if (written.ok()) ++written_;
+        if (written.ok() && !writer_->is_full()) continue;
+        is_broken_ = !written.ok();
+        failure_ = is_broken_ ? written.error() : input_error(file_.string() + ": the disk is full");
+        waiting_.clear();
         changed_.notify_all();
         return;
     }
+}
+
+std::optional<Error> CameraFilm::fault() const {
+    const std::lock_guard lock(mutex_);
+    return failure_;
+}
+
+void CameraFilm::give_up(const Error& why) {
+    const std::lock_guard lock(mutex_);
+    failure_ = why;
+    waiting_.clear();
 }
 
 void CameraFilm::stop() {
@@ -147,7 +162,8 @@ void CameraFilm::stop() {
 
 Result<void> CameraFilm::finish() {
     stop();
-    if (failure_) return *failure_;
+    if (failure_) frames_.resize(is_broken_ ? 0 : written_);
+    if (failure_ && frames_.empty()) return {};
     return writer_ ? writer_->finish() : Result<void>();
 }
 

@@ -24,7 +24,8 @@ struct FilmedFrame {
 using FilmedFrames = std::vector<FilmedFrame>;
 
 /// Keeps what a camera gave as a clip, so that what was felt can be repeated without it: frame n of the clip
-/// is the n-th that was given. Depth keeps every value. It is written by a thread of its own.
+/// is the n-th that was given. Depth keeps every value. It is written by a thread of its own. Where its disk
+/// becomes full it ends there, and what is given after that is not kept.
 class CameraFilm {
 public:
     /// `scene`: the camera's.
@@ -36,16 +37,21 @@ public:
     /// Where it goes, and that of frames that were kept before. Once.
     Result<void> open(const std::filesystem::path& file, Existing existing);
     /// By the thread that reads. Waits while the disk is far behind; the camera's frames meanwhile are lost.
-    /// An error: why it cannot be written.
     Result<void> keep(const RawFrame& frame);
     /// Any thread: `keep` waits no more.
     void interrupt();
-    /// Completes it, once no more is kept.
+    /// Why it gets no more frames; any thread.
+    std::optional<Error> fault() const;
+    /// In place of `open`: nothing is kept.
+    void give_up(const Error& why);
+    /// Completes it, once no more is kept. Where it has a fault there may be none, without any frame.
     Result<void> finish();
 
     const std::filesystem::path& file() const { return file_; }
-    /// All that were kept; not while another thread keeps one.
+    /// All that were kept; once it is finished.
     const FilmedFrames& frames() const { return frames_; }
+    /// Of them the last one's number; -1: there is none.
+    std::int64_t last_frame() const { return frames_.empty() ? -1 : frames_.back().number; }
 
 private:
     void write();
@@ -56,11 +62,13 @@ private:
     FilmedFrames frames_;
     std::unique_ptr<ClipWriter> writer_;
     std::thread thread_;
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::deque<RawFrame> waiting_;  // guarded by mutex_, as are those below
     bool open_ = false, ended_ = false, interrupted_ = false;
     std::optional<Error> failure_;
+    std::size_t written_ = 0;  // frames
+    bool is_broken_ = false;   // by the failure: it cannot be completed
 };
 
 /// Where the film of a recording's first, second ... part is: beside it, "run.rec.mkv", "run.rec.2.mkv".

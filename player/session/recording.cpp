@@ -303,10 +303,34 @@ void RecordingFile::end_part(nlohmann::ordered_json facts, std::vector<PlaybackC
 Result<void> RecordingFile::finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback) {
     Part& part = parts_.back();
     if (!part.has_ended) part = {part.begin, part.ticks, std::move(facts), std::move(playback), true};
+    if (last_frame_) {
+        (void)file_->flush();
+        part.ticks = ticks_up_to(*last_frame_);
+        return keep_whole_ticks(*fault());
+    }
     const auto ended = is_faulty() ? Result<void>() : write_end(false);
     const auto whole = ended.ok() ? file_->flush() : ended;
     if (whole.ok()) return file_->finish();
     return file_->pace() == Pace::own ? whole : keep_whole_ticks(whole.error());
+}
+
+void RecordingFile::end_with_frame(std::int64_t last, const Error& why) {
+    if (!last_frame_) last_frame_ = last;
+    spoil(why);
+}
+
+/// Ticks of the last part before the first that needs a later frame.
+std::uint64_t RecordingFile::ticks_up_to(std::int64_t frame) const {
+    const std::uint64_t first = parts_.back().begin + head_size;
+    std::uint64_t ticks = 0;
+    for (; ticks < parts_.back().ticks; ++ticks) {
+        const std::string bytes = file_->read(first + ticks * tick_bytes(), tick_bytes());
+        if (bytes.empty()) break;
+        Bytes tick(bytes);
+        if (read_tick(tick, recording_format_version, static_cast<std::size_t>(fingers_)).frame_next > frame)
+            break;
+    }
+    return ticks;
 }
 
 /// What stands behind the ticks of a part, but for the hash.

@@ -55,6 +55,9 @@ public:
                                                          Existing existing, Pace pace = Pace::own);
     /// Of the ticks since the last part: the facts, and the clock's commands.
     void end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
+    /// The clip of the last part ends with this frame, for which see `why`: so does the recording, and takes
+    /// no more ticks.
+    void end_with_frame(std::int64_t last, const Error& why);
     /// Ends the last part, and gives the file its name; without this nothing is left behind. An error where
     /// ticks are missing, which says up to where it is kept.
     Result<void> finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
@@ -76,6 +79,7 @@ private:
     };
     std::string tail_of(std::size_t part, std::uint64_t ticks, bool goes_on) const;
     Result<void> keep_whole_ticks(const Error& why);
+    std::uint64_t ticks_up_to(std::int64_t frame) const;
     Result<std::optional<std::int64_t>> end_with(std::size_t part, std::uint64_t ticks);
     std::size_t tick_bytes() const;
 
@@ -83,6 +87,7 @@ private:
     std::vector<Part> parts_;
     std::optional<ByteHash> hash_;  // of what is written of the last one
     std::uint64_t bytes_ = 0;       // all that was written
+    std::optional<std::int64_t> last_frame_;
     std::string tick_;
 };
 

@@ -129,7 +129,27 @@ Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_to
 /// Each part of a recording has a film of its own.
 Result<void> OpenedClip::open_film(TouchSetup& setup) {
     if (!setup.film) return {};
+    if (const auto fault = record_->file->fault()) {
+        setup.film->give_up(*fault);
+        return {};
+    }
     return setup.film->open(film_beside(*options_.record, ++films_), options_.existing);
+}
+
+/// Where it ends early, so does the recording.
+Result<void> OpenedClip::finish_film() {
+    const auto& film = session_->setup().film;
+    if (!film) return {};
+    if (auto done = film->finish(); !done.ok()) return done;
+    if (const auto fault = film->fault()) record_->file->end_with_frame(film->last_frame(), *fault);
+    return {};
+}
+
+std::optional<Error> OpenedClip::record_fault() const {
+    if (!record_) return std::nullopt;
+    const auto& film = session_->setup().film;
+    const auto fault = film ? film->fault() : std::nullopt;
+    return fault ? fault : record_->file->fault();
 }
 
 Result<void> OpenedClip::begin() {
@@ -256,8 +276,7 @@ Result<void> OpenedClip::take(Change change) {
     const WatchedFigures before = figures();
     if (record_) {
         const TouchSetup& setup = session_->setup();
-        if (setup.film)
-            if (auto done = setup.film->finish(); !done.ok()) return done;
+        if (auto done = finish_film(); !done.ok()) return done;
         record_->file->end_part(facts_of_part(), setup.settings.playback);
         if (auto film = open_film(*change.setup); !film.ok()) return film;
     }
@@ -315,8 +334,7 @@ nlohmann::ordered_json OpenedClip::facts_of_part() const {
 Result<void> OpenedClip::finish() {
     end_session();
     if (!record_) return {};
-    if (const auto& film = session_->setup().film)
-        if (auto done = film->finish(); !done.ok()) return done;
+    if (auto done = finish_film(); !done.ok()) return done;
     return record_->file->finish(facts_of_part(), session_->setup().settings.playback);
 }
 

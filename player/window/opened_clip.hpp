@@ -107,7 +107,7 @@ public:
     /// each once it has ended.
     const std::optional<Error>& failure() const { return failure_; }
     /// Why the recording gets no more ticks; nothing where it does, or there is none.
-    std::optional<Error> record_fault() const { return record_ ? record_->file->fault() : std::nullopt; }
+    std::optional<Error> record_fault() const;
 
 private:
     OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);
@@ -123,6 +123,7 @@ private:
     void lead_from(const Change& change, const PlaybackState& to);
     nlohmann::ordered_json facts_of_part() const;
     Result<void> open_film(TouchSetup& setup);
+    Result<void> finish_film();
     MarkSizes sizes_for(double max_newtons) const;
     int fingers_of_hand() const { return options_.hand ? options_.hand->fingers() : PointerFingers::most; }
 

@@ -10,6 +10,7 @@
 #include "player/session/camera_words.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/camera/fake_video.hpp"
+#include "tests/full_disk.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 
@@ -134,6 +135,34 @@ TEST_F(PluggedCamera, ThatIsUnpluggedIsFeltToTheEnd) {
         << warnings;
     EXPECT_NE(warnings.find("its last frame stands still"), std::string::npos) << warnings;
     EXPECT_EQ(touch(replay())["force_hash"], lived["force_hash"]);
+}
+
+/// The camera is felt to the end of the run; film and recording end with the last frame for which there was
+/// room.
+TEST_F(PluggedCamera, AFilmWhoseDiskBecomesFullReplaysUpToThere) {
+    plug_in(good);
+    TouchOptions options = live(1.2);
+    options.json = report;
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    const auto ran = [&] {
+        const FullDisk full(200 * 1024);
+        return run_touch(options);
+    }();
+    said = ::testing::internal::GetCapturedStdout();
+    const std::string warned = ::testing::internal::GetCapturedStderr();
+    EXPECT_EQ(ran.ok() ? ErrorKind::internal : ran.error().kind, ErrorKind::input);
+    EXPECT_NE(message(ran).find("; it is kept, and replays, up to "), std::string::npos) << message(ran);
+    EXPECT_NE(
+        warned.find("touchable: warning: the film of --record: " + film.string() + ": the disk is full"),
+        std::string::npos)
+        << warned;
+    const auto lived = nlohmann::json::parse(file_contents(report), nullptr, false);
+    EXPECT_GE(lived["ticks"].get<int>() + lived["skipped_ticks"].get<int>(), 1200) << "the run goes on";
+    const auto again = touch(replay());
+    EXPECT_GT(again["ticks"], 20);
+    EXPECT_LT(again["ticks"], lived["ticks"]);
+    EXPECT_LE(std::filesystem::file_size(film), 200 * 1024U);
 }
 
 TEST_F(PluggedCamera, AFilmThatIsAnothersOrInTheWayIsRefused) {
