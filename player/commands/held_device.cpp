@@ -140,6 +140,10 @@ std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWor
     return options;
 }
 
+Result<glm::dmat4> read_world_from_camera(const std::string& words) {
+    return read_frame(words);
+}
+
 Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session) {
     const auto& devices = words.devices;
     const bool simulated = std::any_of(devices.begin(), devices.end(), is_simulated);
@@ -158,7 +162,7 @@ Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session)
             return usage_error(
                 "--hand-scale with --world-from-camera: a metre of the world is a metre of the scene; leave "
                 "one out");
-        auto frame = read_frame(*words.world_from_camera);
+        auto frame = read_world_from_camera(*words.world_from_camera);
         if (!frame.ok()) return frame.error();
         session.world_from_camera = *frame;
     }

@@ -22,6 +22,10 @@ struct HeldDeviceWords {
     bool is_looked_for_always = false;             ///< one that is gone, not only for ten seconds
 };
 
+/// What `--world-from-camera` says: a rotation and a translation in metres. An error (ErrorKind::usage) where
+/// it is none.
+Result<glm::dmat4> read_world_from_camera(const std::string& words);
+
 /// --device, --force-on, --world-from-camera, --hand-scale.
 std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
                                                   SessionOptions& session);

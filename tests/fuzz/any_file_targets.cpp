@@ -22,10 +22,17 @@ bool parse_video(std::string_view bytes) {
     return is_clip(open_clip(file_of(bytes, "video.mp4")));
 }
 
-const Registered any_file_target{
-    {.name = "any_file", .parse = parse_any_file, .changes = 100, .most_mebibytes = 2048}};
-const Registered video_target{
-    {.name = "video", .parse = parse_video, .changes = 60, .most_bytes = 8192, .most_mebibytes = 2048}};
+const Registered any_file_target{{.name = "any_file",
+                                  .parse = parse_any_file,
+                                  .changes = 100,
+                                  .most_mebibytes = 2048,
+                                  .most_live_mebibytes = 2048}};
+const Registered video_target{{.name = "video",
+                               .parse = parse_video,
+                               .changes = 60,
+                               .most_bytes = 8192,
+                               .most_mebibytes = 2048,
+                               .most_live_mebibytes = 2048}};
 
 }  // namespace
 }  // namespace touchable::fuzz

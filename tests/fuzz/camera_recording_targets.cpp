@@ -3,6 +3,7 @@
 
 #include "engine/import/bag_clip.hpp"
 #include "engine/import/k4a_calibration.hpp"
+#include "engine/import/open_clip.hpp"
 #include "engine/media/frame_times_text.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
@@ -11,6 +12,15 @@ namespace {
 
 bool parse_bag(std::string_view bytes) {
     return is_clip(open_bag_clip(file_of(bytes, "input.bag"), std::nullopt, {}));
+}
+
+/// An Azure Kinect's file as a whole: as it is, and with a camera that is known, which its own gives way to.
+bool parse_k4a(std::string_view bytes) {
+    const auto file = file_of(bytes, "kinect.mkv");
+    const bool taken = is_clip(open_clip(file));
+    SourceDescription known;
+    known.fov = 75;
+    return is_clip(open_clip(file, std::nullopt, known)) || taken;
 }
 
 void require_camera(const Camera& camera) {
@@ -40,6 +50,13 @@ bool parse_times(std::string_view bytes) {
 }
 
 const Registered bag_target{{.name = "bag", .parse = parse_bag, .changes = 100, .most_bytes = 16384}};
+const Registered k4a_target{{.name = "k4a",
+                             .parse = parse_k4a,
+                             .cuts_are_refused = true,
+                             .changes = 100,
+                             .most_bytes = 6144,
+                             .most_mebibytes = 2048,
+                             .most_live_mebibytes = 2048}};
 const Registered calibration_target{{.name = "k4a_calibration", .parse = parse_calibration}};
 const Registered times_target{{.name = "frame_times", .parse = parse_times, .most_bytes = 512}};
 

@@ -69,7 +69,8 @@ const Registered clip_target{{.name = "clip",
                               .cuts_are_refused = true,
                               .changes = 120,
                               .most_bytes = 12288,
-                              .most_mebibytes = 2048}};
+                              .most_mebibytes = 2048,
+                              .most_live_mebibytes = 2048}};
 const Registered clip_tags_target{{.name = "clip_tags", .parse = parse_clip_tags, .most_bytes = 64}};
 const Registered block_addition_target{
     {.name = "block_addition", .parse = parse_block_addition, .most_bytes = 256}};

@@ -21,7 +21,7 @@ std::string_view in_hand;  // of --cuts: what is being parsed
 
 bool parse(std::string_view bytes) {
     try {
-        return chosen->parse(bytes);
+        return parse_in_memory(*chosen, bytes);
     } catch (const Fault& fault) {
         std::cerr << "fault: " << fault.what << '\n';
         std::abort();

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <iterator>
 
 #include "engine/printable.hpp"
+#include "tests/fuzz/live_memory.hpp"
 
 namespace touchable::fuzz {
 namespace {
@@ -62,6 +64,23 @@ const std::vector<Target>& all_targets() {
         return targets;
     }();
     return sorted;
+}
+
+bool parse_in_memory(const Target& target, std::string_view bytes) {
+    const std::size_t most = static_cast<std::size_t>(target.most_live_mebibytes) << 20U;
+    count_live_memory(most);
+    bool taken = false;
+    std::exception_ptr escaped;
+    try {
+        taken = target.parse(bytes);
+    } catch (...) {
+        escaped = std::current_exception();
+    }
+    if (most_live_memory() > most)  // also where it went wrong because of that
+        throw Fault{std::to_string(bytes.size()) + " bytes took more than " +
+                    std::to_string(target.most_live_mebibytes) + " MiB of memory at a time"};
+    if (escaped) std::rethrow_exception(escaped);
+    return taken;
 }
 
 std::vector<Seed> seeds_of(const Target& target) {

@@ -33,7 +33,13 @@ struct Target {
     /// and find out before they touch them that it has no such table: what is taken stays within the other
     /// limit.
     int most_mebibytes = 512;
+    /// That may be there at a time, all together: of a picture as large as a file of most_bytes can make one,
+    /// and all that is made of it.
+    int most_live_mebibytes = 64;
 };
+
+/// What target.parse gives. Throws Fault also where it had more memory at a time than it may.
+bool parse_in_memory(const Target& target, std::string_view bytes);
 
 /// Makes a target known: a constant of this type is all that a file of one needs.
 struct Registered {

@@ -111,7 +111,8 @@ const Registered depthkit_video_target{{.name = "depthkit_video",
                                         .parse = parse_depthkit_video,
                                         .cuts_are_refused = true,
                                         .changes = 60,
-                                        .most_mebibytes = 2048}};
+                                        .most_mebibytes = 2048,
+                                        .most_live_mebibytes = 2048}};
 const Registered list_target{{.name = "picture_list", .parse = parse_list, .most_bytes = 1024}};
 const Registered pattern_target{{.name = "picture_pattern", .parse = parse_pattern, .most_bytes = 128}};
 

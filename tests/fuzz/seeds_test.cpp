@@ -20,7 +20,7 @@ protected:
     /// Whether the bytes were taken; a test that fails otherwise.
     static bool stands(std::string_view bytes, const std::string& what) {
         try {
-            return GetParam().parse(bytes);
+            return parse_in_memory(GetParam(), bytes);
         } catch (const Fault& fault) {
             ADD_FAILURE() << what << ": " << fault.what;
         } catch (const std::exception& escaped) {
@@ -64,6 +64,21 @@ TEST_P(Parsers, StandChanges) {
         if (trial % 5 == 0 && !changed.empty()) changed.erase(below(changed.size()), below(9));
         (void)stands(changed, seed.name + ", change " + std::to_string(trial));
     }
+}
+
+/// A parser that takes as many times 1 KiB, one after the other, as it is told.
+bool take_kibibytes(std::string_view bytes) {
+    std::vector<std::vector<char>> taken;
+    for (std::size_t k = 0; k < 1024 * bytes.size(); ++k) taken.emplace_back(1024);
+    return !taken.empty();
+}
+
+TEST(MemoryOfAnInput, IsAllThatIsThereAtATimeHoweverSmallItsPieces) {
+    const Target target{.name = "kibibytes", .parse = take_kibibytes, .most_live_mebibytes = 4};
+    for (int again = 0; again < 8; ++again)
+        EXPECT_TRUE(parse_in_memory(target, "abc")) << "what was given back does not count";
+    EXPECT_THROW((void)parse_in_memory(target, "abcde"), Fault);
+    EXPECT_TRUE(parse_in_memory(target, "abc"));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Parsers, ::testing::ValuesIn(all_targets()),
