@@ -75,7 +75,9 @@ bool parse_frame_cameras(std::string_view bytes) {
         if (end == std::string_view::npos) break;
         rest.remove_prefix(end + 3);
     }
-    const auto cameras = read_frame_cameras(files, width, height);
+    PictureFiles named;
+    named.files = files;
+    const auto cameras = read_frame_cameras(named, width, height);
     if (!is_taken(cameras)) return false;
     require(cameras->size() == files.size(), "not a camera for each frame");
     const Camera middle = median_camera(*cameras);
