@@ -52,9 +52,8 @@ struct DrivenFacts {
 /// - a position that cannot be, or leaps, is left out (PlausibleMotion), as if it had not come;
 /// - hardware that fails is let go of, with zero force if it can still be sent, and looked for again:
 ///   positions are not numbers meanwhile, which the force guard takes for a hand that has let go;
-/// - where its thread stands still, the keeper's process makes it limp. Where that is gone, it is let go of
-/// for
-///   good.
+/// - where its thread stands still, the keeper's process makes it limp. Where that process is gone, the
+///   device is let go of for good.
 class DrivenDevice final : public HapticDevice {
 public:
     static constexpr double rise_s = 0.1;

@@ -110,6 +110,7 @@ void HandControl::close_gates() {
 
 void HandControl::come_back(std::int64_t alone_ms) {
     close_gates();
+    pressed_ = ~0U;  // what was pressed meanwhile asks for nothing
     nobody_ticks_ = std::max(nobody_ticks_, alone_ms);
     give_up_forces();
 }

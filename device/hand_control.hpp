@@ -36,8 +36,7 @@ struct HandFigures {
 /// - They are off again once no finger's place was known for a second: whoever takes the device then may be
 ///   another person. (Not where somebody insists.) After a gap in which nobody looked after the hand it is as
 ///   if forces had just been asked for.
-/// - The fingers are held still in the scene while the device is repositioned (clutch): no force, and
-/// afterwards
+/// - The fingers are held still in the scene while the device is repositioned (clutch): no force, and then
 ///   as if forces had just been asked for. A finger that is inside the surface then comes out of it, towards
 ///   the camera, and the others with it: so it is free, and what it presses next is felt.
 /// - Recentring makes the place where the hand is now that of the workspace's centre; likewise.

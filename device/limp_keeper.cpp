@@ -108,14 +108,18 @@ Result<void> LimpKeeper::tell(std::size_t place, const LastWord* word) {
         std::memcpy(CMSG_DATA(header), &word->descriptor, sizeof(int));
     }
     hearts_[place].beat_ns = 0;
+    std::byte done{};
+    while (recv(socket_, &done, 1, MSG_DONTWAIT) == 1) {
+    }  // the answer to an earlier order, which came too late
     ssize_t sent = 0;
     do sent = sendmsg(socket_, &message, MSG_NOSIGNAL);
     while (sent < 0 && errno == EINTR);
     // Once it is done, a socket that was let go of is free for another.
     pollfd answer{socket_, POLLIN, 0};
-    std::byte done{};
-    if (sent == static_cast<ssize_t>(sizeof order) && poll(&answer, 1, longest_wait_ms) == 1 &&
-        recv(socket_, &done, 1, 0) == 1)
+    int answered = 0;
+    do answered = poll(&answer, 1, longest_wait_ms);
+    while (answered < 0 && errno == EINTR);
+    if (sent == static_cast<ssize_t>(sizeof order) && answered == 1 && recv(socket_, &done, 1, 0) == 1)
         return {};
     if (auto lives = health(); !lives.ok()) return lives;
     return Error{ErrorKind::device, "the process that leaves devices limp (limp-keeper, " +

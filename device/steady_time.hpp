@@ -7,8 +7,8 @@
 
 namespace touchable {
 
-/// Of the system's steady clock, ns: never backward, whatever is done to the time of day. A machine that is
-/// suspended leaves it running: what was said before that is old afterwards.
+/// ns by the clock that goes on while the machine is suspended (CLOCK_BOOTTIME), so that what a device said
+/// before that is old afterwards. Never backward, whatever is done to the time of day.
 inline std::int64_t steady_ns() {
     return boot_ns();
 }

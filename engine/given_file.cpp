@@ -92,8 +92,8 @@ Result<GivenFile> GivenFile::open(const std::filesystem::path& file, const std::
 Result<void> GivenFile::fill(std::uint64_t at) {
     if (stop_requested()) return interrupted_reading();
     const auto count = static_cast<std::size_t>(std::min(block_bytes, size_ - at));
-    block_.resize(count);
-    std::ptrdiff_t got = reading_(at, block_.data(), count, false);
+    std::string block(count, '\0');
+    std::ptrdiff_t got = reading_(at, block.data(), count, false);
     if (got < 0) {
         auto came = unless_stopped([reading = reading_, at, count] {
             std::string bytes(count, '\0');
@@ -101,9 +101,10 @@ Result<void> GivenFile::fill(std::uint64_t at) {
             return std::pair(std::move(bytes), here);
         });
         if (!came) return interrupted_reading();
-        std::tie(block_, got) = std::move(*came);
+        std::tie(block, got) = std::move(*came);
     }
-    block_.resize(static_cast<std::size_t>(std::max<std::ptrdiff_t>(got, 0)));
+    block.resize(static_cast<std::size_t>(std::max<std::ptrdiff_t>(got, 0)));
+    block_ = std::move(block);
     block_at_ = at;
     if (got < 0)
         return input_error("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));

@@ -54,9 +54,8 @@ public:
     void end_before(std::int64_t tick) { end_ = tick; }
     /// The clock by which a gap is seen, in place of boot_ns: ns, never backward. Before `start`.
     void see_gaps_by(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
-    /// Begins tick 0 now. At least one frame has been published. A loop runs
-    /// once: what its fingers carry over knows nothing of a pause, and the hand would get a force without a
-    /// ramp. An error then, and where the machine has no thread left.
+    /// Begins tick 0 now. At least one frame has been published. A loop runs once: what its fingers carry over
+    /// knows nothing of a pause, and the hand would get a force without a ramp. An error then, and where the machine has no thread left.
     Result<void> start();
     /// Ends after the tick in progress, with zero force written; does nothing before it started or once it
     /// has ended.

@@ -171,7 +171,7 @@ Result<void> LiveSession::conclude(const HapticLoop& loop, const Result<void>& t
         facts_.failure =
             Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
     if (!taken.ok() && facts_.loop.ticks == 0) return taken;
-    if (!taken.ok()) facts_.failure = taken.error();
+    if (!taken.ok() && !facts_.failure) facts_.failure = taken.error();
     if (facts_.loop.broke_off)
         return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};
     if (facts_.loop.ticks == 0 && facts_.failure) return *facts_.failure;

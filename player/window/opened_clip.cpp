@@ -129,7 +129,9 @@ Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_to
 /// Each part of a recording has a film of its own.
 Result<void> OpenedClip::open_film(TouchSetup& setup) {
     if (!setup.film) return {};
-    if (const auto fault = record_->file->fault()) {
+    const auto fault = record_->file->fault();
+    film_is_given_up_ = fault.has_value();
+    if (fault) {
         setup.film->give_up(*fault);
         return {};
     }
@@ -141,7 +143,8 @@ Result<void> OpenedClip::finish_film() {
     const auto& film = session_->setup().film;
     if (!film) return {};
     if (auto done = film->finish(); !done.ok()) return done;
-    if (const auto fault = film->fault()) record_->file->end_with_frame(film->last_frame(), *fault);
+    const auto fault = film->fault();
+    if (fault && !film_is_given_up_) record_->file->end_with_frame(film->last_frame(), *fault);
     return {};
 }
 

@@ -145,6 +145,7 @@ private:
     std::set<std::int64_t> cuts_;  // frames, of sessions before this one
     std::int64_t frames_ = 0;
     int films_ = 0;  // of a camera that is recorded
+    bool film_is_given_up_ = false;  // the newest: its recording had ended before
     std::shared_ptr<PointerDevice> device_;
     std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go
     HandControl* control_ = nullptr;      // the session's

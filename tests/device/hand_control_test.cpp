@@ -193,6 +193,16 @@ TEST_F(Control, ForcesOfAHandThatWasLeftAloneForASecondAreOffUnlessSomebodyInsis
     EXPECT_TRUE(control.force_is_asked());
 }
 
+TEST_F(Control, WhatIsPressedWhileTheHandIsLeftAloneAsksForNothing) {
+    goal({0, 0, 0}, 0);
+    control.come_back(HandControl::longest_away_ticks + 1);
+    goal({0, 0, 0}, 1);
+    EXPECT_FALSE(control.force_is_asked());
+    goal({0, 0, 0}, 0);
+    goal({0, 0, 0}, 1);
+    EXPECT_TRUE(control.force_is_asked()) << "pressed anew";
+}
+
 TEST_F(Control, TheClutchIsHeldThroughAGap) {
     goal({0, 0, 0}, 0);
     ask();

@@ -108,10 +108,10 @@ public:
 private:
     enum class Way { asks, goes_in, comes_out };
 
-    /// With each answer. So far that at a finer scale, too, it comes in and out, wherever it was when that
-    /// changed.
+    /// With each answer. Where it felt nothing it goes deeper the next time: the script holds the clutch
+    /// while it moves, for as long as the machine likes, and the surface is as much farther away afterwards.
     void go_on() {
-        constexpr double out = 0.15, deepest = -0.15, step = 0.001;
+        constexpr double out = 0.15, step = 0.001;
         constexpr int pressed_for = 30, let_go_for = 30;  // answers
         switch (way_) {
             case Way::asks:
@@ -123,7 +123,8 @@ private:
             case Way::goes_in:
                 place_ -= step;
                 if (newest_ > 0.1) ++touches_;
-                if (newest_ > 0.1 || place_ <= deepest) way_ = Way::comes_out;
+                if (newest_ > 0.1 || place_ <= deepest_) way_ = Way::comes_out;
+                if (place_ <= deepest_) deepest_ -= 0.15;
                 return;
             case Way::comes_out:
                 place_ += step;
@@ -158,7 +159,7 @@ private:
     Way way_ = Way::asks;
     int asked_ = 0;
     std::uint32_t buttons_ = 0;
-    double place_ = 0.15;
+    double place_ = 0.15, deepest_ = -0.15;
     std::atomic<bool> over_{false};
     std::atomic<int> touches_{0}, answered_ms_{0};
     std::atomic<double> newest_{0};
