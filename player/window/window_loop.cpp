@@ -77,10 +77,15 @@ Result<PlayFigures> WindowLoop::run() {
     }
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
     leave_hand_limp();
+    screenshots_.finish();
+    note_screenshots();
     Result<void> kept;
     if (ended.ok() && options_.screenshot && !interrupted()) {
         if (const WatchedMoment* const last = clip_->session().look()) ended = draw(*last);
         if (ended.ok()) kept = keep_picture(*options_.screenshot);
+        screenshots_.finish();
+        for (const auto& written : screenshots_.take())
+            if (!written.ok()) kept = written.error();
     }
     opening_.give_up();
     // Whatever ended it: what was touched until then is kept.
@@ -149,6 +154,7 @@ Result<void> WindowLoop::turn() {
     go_on_opening();
     note_sound();
     note_files();
+    note_screenshots();
     if (!clip_->session().running() && !begun_) quit_ = true;  // there will be no picture
     if (options_.seconds && script_s >= *options_.seconds) quit_ = true;
     return {};
@@ -160,6 +166,11 @@ void WindowLoop::note_sound() {
     if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
     if (figures_.sound_fault.empty()) figures_.sound_fault = fault;
     say(fault, true);
+}
+
+void WindowLoop::note_screenshots() {
+    for (const auto& written : screenshots_.take())
+        written.ok() ? say("kept as " + written->string()) : say(written.error().message, true);
 }
 
 /// What is to be kept and no longer can be: once, as it happens.

@@ -20,6 +20,7 @@
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/pointer_input.hpp"
+#include "player/window/screenshots.hpp"
 #include "player/window/what_is_seen.hpp"
 #include "player/window/window_film.hpp"
 #include "player/window/window_panel.hpp"
@@ -30,7 +31,8 @@ namespace touchable {
 /// The window of `touchable play`: its parts, and the loop that drives them.
 class WindowLoop {
 public:
-    explicit WindowLoop(PlayOptions options) : options_(std::move(options)), asked_for_(Clock::now()) {}
+    explicit WindowLoop(PlayOptions options)
+        : options_(std::move(options)), asked_for_(Clock::now()), screenshots_(options_.existing) {}
     /// Whatever it ends by: the hand is limp before anything is waited for.
     ~WindowLoop() { leave_hand_limp(); }
 
@@ -90,6 +92,7 @@ private:
     void try_again();
     void note_sound();
     void note_files();
+    void note_screenshots();
     KeptSettings to_keep() const;
     Error interruption() const;
     void say(std::string words, bool bad = false);
@@ -119,6 +122,7 @@ private:
     std::unique_ptr<Screen> screen_;
     std::optional<ImGuiLayer> layer_;
     ClipPicture picture_;
+    Screenshots screenshots_;
     std::optional<Clock::time_point> lost_at_;  // when graphics were last
     std::optional<WindowPanel> panel_;
     std::unique_ptr<WindowSound> sound_;
@@ -128,9 +132,9 @@ private:
     std::optional<KioskWatch> kiosk_;
     bool is_inviting_ = false;
     bool hand_is_gone_ = false;
-    glm::dvec3 hand_seen_at_{0.0};     // world, its first finger, when it last was a visit
-    std::set<std::string> told_;       // on the terminal, by a kiosk: once each
-    double tried_again_s_ = 0;         // to open its clip
+    glm::dvec3 hand_seen_at_{0.0};  // world, its first finger, when it last was a visit
+    std::set<std::string> told_;    // on the terminal, by a kiosk: once each
+    double tried_again_s_ = 0;      // to open its clip
     double begun_anew_s_ = 0, shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
     SettingsFile settings_;

@@ -9,19 +9,6 @@
 // What commands do to the window.
 
 namespace touchable {
-namespace {
-
-/// Of a picture that nobody gave a name.
-std::filesystem::path free_name() {
-    for (int number = 1;; ++number) {
-        std::filesystem::path file = "touchable-" + std::to_string(number) + ".png";
-        std::error_code ignored;
-        if (!std::filesystem::exists(file, ignored)) return file;
-    }
-}
-
-}  // namespace
-
 void WindowLoop::take(const WindowCommand& command) {
     last_event_ = Clock::now();
     switch (command.verb) {
@@ -185,15 +172,9 @@ KeptSettings WindowLoop::to_keep() const {
 }
 
 Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {
-    const auto image = picture_.graphics().picture();
+    auto image = picture_.graphics().picture();
     if (!image.ok()) return image.error();
-    const std::filesystem::path file = name.empty() ? free_name() : name;
-    NewFile out(file, options_.existing);
-    if (auto usable = out.check(); !usable.ok()) return usable;
-    if (auto written = write_png(out, image->view()); !written.ok()) return written;
-    if (auto done = out.commit(); !done.ok()) return done;
-    say("kept as " + file.string());
-    return {};
+    return screenshots_.keep(std::move(*image), name);
 }
 
 }  // namespace touchable
