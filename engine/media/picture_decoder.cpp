@@ -1,5 +1,6 @@
 #include "engine/media/picture_decoder.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -25,6 +26,10 @@ Result<PacketPtr> packet_of(std::string_view bytes) {
     if (!packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0) return no_memory();
     std::memcpy(packet->data, bytes.data(), bytes.size());
     return packet;
+}
+
+std::string_view view_of(const AVPacket& packet) {
+    return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
 }
 
 /// PNG or JPEG by its first bytes; AV_CODEC_ID_NONE for anything else.
@@ -107,6 +112,16 @@ private:
     std::uint8_t seed_;
 };
 
+/// That these bytes can hold, whatever they claim: deflate makes at most 1032 bytes of one, and a block of
+/// 8x8 pixels of a JPEG takes at least a bit.
+std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
+    constexpr std::int64_t most = std::int64_t{16384} * 16384;
+    const auto size = static_cast<std::int64_t>(bytes.size());
+    const std::int64_t held =
+        codec == AV_CODEC_ID_PNG ? size * 1032 * 8 / std::max(png_header(bytes).bits, 1) : size * 8 * 64;
+    return std::min(held, most);
+}
+
 Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPacket& packet,
                         LastRow* last_row) {
     const AVCodec* codec = avcodec_find_decoder(codec_id);
@@ -114,13 +129,16 @@ Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPa
     FramePtr frame(av_frame_alloc());
     if (!codec || !decoder || !frame) return no_memory();
     decoder->thread_count = 1;
-    decoder->max_pixels = std::int64_t{16384} * 16384;
+    decoder->max_pixels = held_pixels(codec_id, view_of(packet));
     decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
     if (last_row) last_row->watch(*decoder);
     int status = avcodec_open2(decoder.get(), codec, nullptr);
     if (status >= 0) status = avcodec_send_packet(decoder.get(), &packet);
     if (status >= 0) status = avcodec_send_packet(decoder.get(), nullptr);
     if (status >= 0) status = avcodec_receive_frame(decoder.get(), frame.get());
+    if (status == AVERROR(EINVAL))
+        return input_error(where + ": claims more pixels than its " + std::to_string(packet.size) +
+                           " bytes can hold, or than 16384x16384");
     if (status < 0) return input_error(where + ": is damaged: " + ffmpeg_text(status));
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
         return input_error(where + ": is damaged");
@@ -129,8 +147,7 @@ Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPa
 
 /// A tenth of a second or more.
 bool takes_long(const AVPacket& packet) {
-    const std::string_view bytes(reinterpret_cast<const char*>(packet.data),
-                                 static_cast<std::size_t>(packet.size));
+    const std::string_view bytes = view_of(packet);
     constexpr std::uint64_t many_pixels = 1 << 24;
     constexpr std::size_t large_file = 4 << 20;
     return png_header(bytes).pixels >= many_pixels || bytes.size() >= large_file;
