@@ -32,10 +32,11 @@ void lay(std::span<const StereoSample> samples, AVFrame& to) {
 
 }  // namespace
 
-int FilmSound::open(AVFormatContext& muxer, bool is_exact) {
+int FilmSound::open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact) {
     const AVCodec* const codec = avcodec_find_encoder(is_exact ? AV_CODEC_ID_FLAC : AV_CODEC_ID_AAC);
     if (!codec) return AVERROR_ENCODER_NOT_FOUND;
     muxer_ = &muxer;
+    room_ = &room;
     codec_.reset(avcodec_alloc_context3(codec));
     frame_.reset(av_frame_alloc());
     packet_.reset(av_packet_alloc());
@@ -61,6 +62,7 @@ int FilmSound::encode(const AVFrame* frame) {
         status = avcodec_receive_packet(codec_.get(), packet_.get());
         if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return 0;
         if (status < 0) return status;
+        if (!room_->reserve_for(*packet_)) return AVERROR(ENOSPC);
         packet_->stream_index = stream_->index;
         av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
         status = av_interleaved_write_frame(muxer_, packet_.get());

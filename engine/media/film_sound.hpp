@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/media/ffmpeg.hpp"
+#include "engine/media/reserved_output.hpp"
 #include "engine/media/sound_track.hpp"
 
 namespace touchable {
@@ -14,8 +15,9 @@ namespace touchable {
 /// failed.
 class FilmSound {
 public:
-    /// Adds its stream, before the muxer's header is written: AAC, or FLAC where `is_exact`.
-    int open(AVFormatContext& muxer, bool is_exact);
+    /// Adds its stream, before the muxer's header is written: AAC, or FLAC where `is_exact`. The muxer writes
+    /// to `room`.
+    int open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact);
     /// The sample that comes next.
     std::int64_t next() const { return next_; }
     int add(std::span<const StereoSample> samples);
@@ -29,6 +31,7 @@ private:
     int encode_waiting(int count);
 
     AVFormatContext* muxer_ = nullptr;
+    ReservedOutput* room_ = nullptr;
     AVStream* stream_ = nullptr;
     CodecPtr codec_;
     FramePtr frame_;

@@ -7,6 +7,7 @@
 
 #include "engine/media/ffmpeg.hpp"
 #include "engine/media/film_sound.hpp"
+#include "engine/media/reserved_output.hpp"
 #include "engine/media/track_codecs.hpp"
 #include "engine/media/track_encoder.hpp"
 
@@ -24,18 +25,20 @@ int even(double side) {
 }
 
 struct FilmCloser {
-    void operator()(AVFormatContext* muxer) const {
-        avio_closep(&muxer->pb);
-        avformat_free_context(muxer);
-    }
+    void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
 };
 
 class FfmpegFilm final : public FilmWriter {
 public:
     FfmpegFilm(const std::filesystem::path& file, Existing existing) : output_(file, existing) {}
     Result<void> open(const char* format);
-    Result<void> add(const PlaneView& picture, std::int64_t place) override;
-    Result<void> add_sound(std::int64_t sample, std::span<const StereoSample> samples) override;
+    Result<void> add(const PlaneView& picture, std::int64_t place) override {
+        return keep(show(picture, place));
+    }
+    Result<void> add_sound(std::int64_t sample, std::span<const StereoSample> samples) override {
+        if (!picture_) return refuse("its sound came before its first picture");
+        return keep(sound(sample, samples));
+    }
     Result<void> finish(std::int64_t end) override;
 
 private:
@@ -43,11 +46,16 @@ private:
         return input_error(output_.target().string() + ": the film cannot be written: " + what);
     }
     Result<void> check_status(int status) const;
+    Result<void> keep(Result<void> done);
+    Result<void> show(const PlaneView& picture, std::int64_t place);
+    Result<void> sound(std::int64_t sample, std::span<const StereoSample> samples);
+    Result<void> end_tracks(std::int64_t end);
     Result<void> begin(int width, int height);
     Result<void> repeat_until(std::int64_t end);
     Result<void> fit(const PlaneView& picture);
 
     NewFile output_;
+    ReservedOutput room_;
     std::unique_ptr<AVFormatContext, FilmCloser> muxer_;
     CodecPtr codec_;
     FilmSound sound_;
@@ -55,11 +63,18 @@ private:
     ScalerPtr scaler_;
     int from_width_ = 0, from_height_ = 0;  // of what the scaler takes
     std::int64_t next_ = 0;                 // place that is not encoded yet
+    Result<void> fault_;                    // the first
 };
 
 Result<void> FfmpegFilm::check_status(int status) const {
     if (status >= 0 && muxer_->pb->error < 0) status = muxer_->pb->error;
+    if (status < 0 && room_.is_full()) return refuse("the disk is full");
     return status >= 0 ? Result<void>() : refuse(ffmpeg_text(status));
+}
+
+Result<void> FfmpegFilm::keep(Result<void> done) {
+    if (fault_.ok()) fault_ = std::move(done);
+    return fault_;
 }
 
 Result<void> FfmpegFilm::open(const char* format) {
@@ -69,7 +84,7 @@ Result<void> FfmpegFilm::open(const char* format) {
     if (status < 0) return refuse(ffmpeg_text(status));
     muxer_.reset(muxer);
     muxer_->flags |= AVFMT_FLAG_BITEXACT;
-    status = avio_open(&muxer_->pb, file_url(output_.path()).c_str(), AVIO_FLAG_WRITE);
+    status = room_.open(output_.path(), *muxer_);
     return status < 0 ? refuse(ffmpeg_text(status)) : Result<void>();
 }
 
@@ -90,7 +105,7 @@ Result<void> FfmpegFilm::begin(int width, int height) {
     stream->time_base = codec_->time_base;
     stream->avg_frame_rate = codec_->framerate;
     const bool is_exact = std::strcmp(muxer_->oformat->name, "matroska") == 0;
-    if (auto opened = check_status(sound_.open(*muxer_, is_exact)); !opened.ok()) return opened;
+    if (auto opened = check_status(sound_.open(*muxer_, room_, is_exact)); !opened.ok()) return opened;
     return check_status(avformat_write_header(muxer_.get(), nullptr));
 }
 
@@ -140,6 +155,7 @@ Result<void> FfmpegFilm::repeat_until(std::int64_t end) {
         int status = avcodec_send_frame(codec_.get(), picture_.get());
         if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
         if (status < 0) return refuse(ffmpeg_text(status));
+        if (!room_.reserve_for(*packet)) return check_status(AVERROR(ENOSPC));
         packet->stream_index = 0;
         packet->duration = 1;
         av_packet_rescale_ts(packet.get(), codec_->time_base, muxer_->streams[0]->time_base);
@@ -150,7 +166,8 @@ Result<void> FfmpegFilm::repeat_until(std::int64_t end) {
     return {};
 }
 
-Result<void> FfmpegFilm::add(const PlaneView& picture, std::int64_t place) {
+Result<void> FfmpegFilm::show(const PlaneView& picture, std::int64_t place) {
+    if (!fault_.ok()) return fault_;
     if (picture_) {
         if (auto repeated = repeat_until(place); !repeated.ok()) return repeated;
     } else if (auto begun = begin(even(picture.width), even(picture.height)); !begun.ok()) {
@@ -159,8 +176,8 @@ Result<void> FfmpegFilm::add(const PlaneView& picture, std::int64_t place) {
     return fit(picture);
 }
 
-Result<void> FfmpegFilm::add_sound(std::int64_t sample, std::span<const StereoSample> samples) {
-    if (!picture_) return refuse("its sound came before its first picture");
+Result<void> FfmpegFilm::sound(std::int64_t sample, std::span<const StereoSample> samples) {
+    if (!fault_.ok()) return fault_;
     const std::int64_t late = std::clamp<std::int64_t>(sound_.next() - sample, 0, std::ssize(samples));
     samples = samples.subspan(static_cast<std::size_t>(late));
     if (samples.empty()) return {};
@@ -171,16 +188,24 @@ Result<void> FfmpegFilm::add_sound(std::int64_t sample, std::span<const StereoSa
     return check_status(sound_.add(samples));
 }
 
-Result<void> FfmpegFilm::finish(std::int64_t end) {
-    if (!picture_) return refuse("there was no picture");
+/// Both are as long as each other, and nothing waits.
+Result<void> FfmpegFilm::end_tracks(std::int64_t end) {
     if (auto repeated = repeat_until(std::max(end, next_ + 1)); !repeated.ok()) return repeated;
     if (auto filled = check_status(sound_.fill_until(next_ * samples_per_picture)); !filled.ok())
         return filled;
-    if (auto heard = check_status(sound_.finish()); !heard.ok()) return heard;
-    if (auto written = check_status(av_write_trailer(muxer_.get())); !written.ok()) return written;
-    const int status = avio_closep(&muxer_->pb);
+    return check_status(sound_.finish());
+}
+
+Result<void> FfmpegFilm::finish(std::int64_t end) {
+    if (!picture_) return refuse("there was no picture");
+    if (fault_.ok()) fault_ = end_tracks(end);
+    const bool is_cut = room_.is_full() && next_ > 0;  // there is room for its end
+    if (!fault_.ok() && !is_cut) return fault_;
+    int status = av_write_trailer(muxer_.get());
+    if (status >= 0) status = room_.close();
     if (status < 0) return refuse(ffmpeg_text(status));
-    return output_.commit();
+    if (auto named = output_.commit(); !named.ok() || fault_.ok()) return named;
+    return refuse("the disk is full; it is kept up to there");
 }
 
 }  // namespace

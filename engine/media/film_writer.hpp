@@ -33,7 +33,7 @@ public:
     /// may be what comes two seconds later than its picture. Errors as above.
     virtual Result<void> add_sound(std::int64_t sample, std::span<const StereoSample> samples) = 0;
     /// The last picture stays until before this place. An error where anything could not be written; then
-    /// there is no file.
+    /// there is no file. But where its disk became full, it is kept up to there.
     virtual Result<void> finish(std::int64_t end) = 0;
 };
 

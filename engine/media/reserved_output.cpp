@@ -15,6 +15,8 @@ constexpr int buffer_bytes = 1 << 15;
 // What waits in the buffer, and a muxer's end; of its index what a picture and its sound take in it.
 constexpr std::int64_t least_reserve = 1 << 16, bytes_of_index = 128;
 constexpr std::int64_t pictures_reserved = 4;
+// Around a packet, and in the index.
+constexpr std::int64_t bytes_beside_packet = 48;
 
 }  // namespace
 
@@ -41,8 +43,9 @@ int ReservedOutput::open(const std::filesystem::path& file, AVFormatContext& mux
 }
 
 void ReservedOutput::reserve() {
-    const std::int64_t wanted =
-        end_ + least_reserve + pictures_reserved * largest_picture_ + bytes_of_index * pictures_;
+    const std::int64_t next_pictures =
+        end_ + pictures_reserved * largest_picture_ + bytes_of_index * pictures_;
+    const std::int64_t wanted = std::max(next_pictures, packets_end_) + least_reserve;
     if (!can_reserve_ || is_full_ || wanted <= allocated_) return;
     const std::int64_t target = wanted + least_reserve;  // not anew for every picture
     if (fallocate(file_, 0, allocated_, target - allocated_) == 0)
@@ -82,6 +85,12 @@ void ReservedOutput::end_picture() {
     largest_picture_ = std::max(largest_picture_, end - picture_begin_);
     picture_begin_ = end;
     ++pictures_;
+}
+
+bool ReservedOutput::reserve_for(const AVPacket& packet) {
+    packets_end_ += packet.size + bytes_beside_packet;
+    reserve();
+    return !is_full_;
 }
 
 int ReservedOutput::close() {

@@ -100,7 +100,6 @@ void WindowFilm::encode() {
 
 Result<void> WindowFilm::finish(double seconds) {
     stop();
-    if (!encoded_.ok()) return encoded_.error();
     const auto end = static_cast<std::int64_t>(std::ceil(seconds * FilmWriter::pictures_per_second));
     pictures_ = std::max(end, last_place_ + 1);
     return film_->finish(pictures_);

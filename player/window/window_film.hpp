@@ -40,7 +40,7 @@ public:
     /// In the film, once it is finished.
     std::int64_t pictures() const { return pictures_; }
     /// Completes the file, so long after the first picture. An error where it could not be written; then
-    /// there is none.
+    /// there is none, or, where its disk became full, what there was room for.
     Result<void> finish(double seconds);
 
 private:

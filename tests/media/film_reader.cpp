@@ -37,7 +37,7 @@ std::vector<SeenPicture> seen_in_film(const std::filesystem::path& file) {
             pictures.push_back(seen_in(*frame, demuxer->streams[0]->time_base));
     };
     while (decoder && av_read_frame(demuxer, packet) >= 0) {
-        avcodec_send_packet(decoder, packet);
+        if (packet->stream_index == 0) avcodec_send_packet(decoder, packet);
         av_packet_unref(packet);
         take();
     }

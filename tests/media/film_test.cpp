@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "engine/media/film_writer.hpp"
 #include "engine/media/image_file.hpp"
 #include "engine/media/sound_track.hpp"
+#include "tests/full_disk.hpp"
 #include "tests/media/film_reader.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -74,6 +76,70 @@ TEST(Film, SoundsWhereItsSoundWasPlacedHoweverLatePicturesAre) {
         EXPECT_LT(loudness(**track, 0.72, 5.98), 0.002) << name;
         EXPECT_NEAR(loudness(**track, 6.01, 6.19), 0.354, 0.02) << name;
     }
+}
+
+/// Like no other, so that it takes room.
+Image noisy_picture(int seed) {
+    Image picture = grey(160, 120, 0);
+    auto state = static_cast<std::uint32_t>(seed) * 2654435761U + 1U;
+    for (std::uint8_t& sample : picture.samples) {
+        state = state * 1664525U + 1013904223U;
+        sample = static_cast<std::uint8_t>(state >> 24U);
+    }
+    return picture;
+}
+
+/// A film of pictures and sound that both take room, on a disk with so much of it.
+void expect_plays_up_to_a_full_disk(const std::string& name, rlim_t room) {
+    const TemporaryFolder folder;
+    std::int64_t shown = 0;
+    std::vector<StereoSample> heard(SoundTrack::rate / 4);
+    for (std::size_t k = 0; k < heard.size(); ++k)
+        heard[k].left = heard[k].right = static_cast<float>(k * k % 1009) / 1009.0F;
+    {
+        const FullDisk full(room);
+        auto film = FilmWriter::create(folder / name, Existing::keep);
+        ASSERT_TRUE(film.ok()) << film.error().message;
+        Result<void> done;
+        while (done.ok()) {
+            ASSERT_LT(shown, 1000) << "the disk is larger than it is";
+            done = (*film)->add(noisy_picture(static_cast<int>(shown)).view(), shown);
+            if (done.ok() && shown % 30 == 0) done = (*film)->add_sound(shown * 1600, heard);
+            ++shown;
+        }
+        EXPECT_NE(done.error().message.find("the disk is full"), std::string::npos) << done.error().message;
+        EXPECT_FALSE((*film)->add(noisy_picture(0).view(), shown).ok())
+            << "a picture behind one that is not there";
+        const auto ended = (*film)->finish(shown);
+        ASSERT_FALSE(ended.ok());
+        EXPECT_EQ(ended.error().kind, ErrorKind::input);
+        EXPECT_TRUE(ended.error().message.ends_with("the disk is full; it is kept up to there"))
+            << ended.error().message;
+    }
+    ASSERT_TRUE(std::filesystem::exists(folder / name)) << name << " of " << room;
+    EXPECT_LE(std::filesystem::file_size(folder / name), room);
+    const auto seen = seen_in_film(folder / name);
+    EXPECT_GE(std::ssize(seen) + 3, shown) << name << ": all but those that found no room";
+    EXPECT_LE(std::ssize(seen), shown);
+    auto track = SoundTrack::open(folder / name);
+    EXPECT_TRUE(track.ok() && *track) << name;
+}
+
+TEST(Film, IsKeptUpToWhereItsDiskBecameFull) {
+    // At any byte of a picture, of its sound, of what the muxer holds.
+    for (const char* name : {"film.mp4", "film.mkv"})
+        for (rlim_t room = 400'000; room < 700'000; room += 43'403)
+            expect_plays_up_to_a_full_disk(name, room);
+}
+
+TEST(Film, WithRoomForNoPictureIsNotKept) {
+    const TemporaryFolder folder;
+    const FullDisk full(1000);
+    auto film = FilmWriter::create(folder / "film.mkv", Existing::keep);
+    ASSERT_TRUE(film.ok()) << film.error().message;
+    (void)(*film)->add(noisy_picture(0).view(), 0);
+    EXPECT_FALSE((*film)->finish(3).ok());
+    EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
 }
 
 TEST(Film, IsRefusedUnderOtherNamesAndWhereOneIs) {

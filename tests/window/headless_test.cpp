@@ -275,6 +275,26 @@ TEST(HeadlessWindow, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {
     EXPECT_EQ(samples, wav.size() - 44) << "what the header says is what is there";
 }
 
+TEST(HeadlessWindow, AFilmIsKeptUpToWhereItsDiskBecameFull) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "script") << "0 overlay depth\n0.3 size 640x480\n0.6 overlay normals\n";
+    const std::string film = (folder / "film.mp4").string(), record = (folder / "hand.touch").string();
+    const Outcome played = run_on_full_disk(
+        {"play", globe().string(), "--headless", "--size", "640x480", "--seconds", "1.5", "--painter", "cpu",
+         "--builder", "cpu", "--script", (folder / "script").string(), "--video", film, "--record", record},
+        250);
+    EXPECT_EQ(played.code, 3) << played.err;
+    const std::string full = film + ": the film cannot be written: the disk is full";
+    const std::size_t at_once = played.err.find("touchable: warning: " + full + "\n");
+    const std::size_t in_the_end = played.err.find(full + "; it is kept up to there\n");
+    EXPECT_LT(at_once, in_the_end) << played.err;
+    EXPECT_NE(in_the_end, std::string::npos) << played.err;
+    EXPECT_GE(seen_in_film(film).size(), 2U) << "pictures that were complete";
+    const auto recording = read_recording(record);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    EXPECT_GT(recording->front().ticks.size(), 100U) << "the other output, up to where it is full";
+}
+
 TEST(HeadlessWindow, IsRefusedWhereItCouldNotEnd) {
     const auto endless = run_touchable({"play", globe().string(), "--headless"});
     EXPECT_EQ(endless.code, 2);
