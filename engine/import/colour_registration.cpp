@@ -38,6 +38,9 @@ ColourRegistration::ColourRegistration(const Scene& scene)
     for (std::size_t code = 0; code < depth_of_code_.size(); ++code)
         if (coding_.is_valid(static_cast<std::uint16_t>(code)))
             depth_of_code_[code] = coding_.depth(static_cast<std::uint16_t>(code));
+}
+
+void ColourRegistration::make_room() {
     const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     has_depth_.resize(pixels);
     depth_.resize(pixels);
@@ -148,6 +151,7 @@ void ColourRegistration::fill_unseen(Image& picture) const {
 }
 
 Image ColourRegistration::registered(const PlaneView& depth, const PlaneView& colour) {
+    make_room();
     find_depths(depth);
     place_all();
     find_nearest();

@@ -19,7 +19,8 @@ namespace touchable {
 /// - A pixel without depth is taken to be where the farther of its row's neighbours with depth is.
 class ColourRegistration {
 public:
-    /// Of a scene with a colour_camera, whose depth coding is settled.
+    /// Of a scene with a colour_camera, whose depth coding is settled. What grows with the pictures takes
+    /// memory with the first of them: a scene file can claim any size.
     explicit ColourRegistration(const Scene& scene);
 
     /// `depth` of the scene's size, `colour` RGB of the colour camera's.
@@ -33,6 +34,7 @@ private:
         float x = 0, y = 0;  ///< pixels
         float depth = 0;     ///< along the colour camera's axis; 0: behind it, or unknown
     };
+    void make_room();
     void find_depths(const PlaneView& depth);
     void place_all();
     void find_nearest();

@@ -8,6 +8,7 @@
 #include "engine/import/pinhole_frames.hpp"
 #include "engine/media/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
@@ -83,6 +84,16 @@ TEST(ColourRegistration, WhatIsHiddenHasTheColourOfWhatLiesBehind) {
             }
         }
     EXPECT_NEAR(registration.unseen_share(), (5 + 5) / 60., 1.5 / 60) << "at the picture's edge, and hidden";
+}
+
+TEST(ColourRegistration, TakesNoMemoryForPicturesThatASceneFileClaims) {
+    constexpr int side = 16384;
+    Scene scene = metric_scene(side, side, 100);
+    scene.colour_camera.emplace();
+    scene.colour_camera->camera = scene.camera;
+    scene.colour_camera->width = scene.colour_camera->height = side;
+    const LimitedMemory limited(64);
+    EXPECT_NO_THROW(ColourRegistration{scene});
 }
 
 /// What a plain loop says of a pixel: where its point lies in the colour picture, by arithmetic of its own.
