@@ -14,9 +14,8 @@ namespace {
 
 // A pipe that is ready takes so much at once, and nobody waits (PIPE_BUF).
 constexpr std::size_t at_once = 4096;
-// How often one who waits looks whether the person asked to stop, and how long a live run's end waits for a
-// reader who takes nothing.
-constexpr int look_ms = 50, end_patience_ms = 4000;
+// How often one who waits looks whether the person asked to stop.
+constexpr int look_ms = 50;
 
 bool reader_is_gone() {
     pollfd output{STDOUT_FILENO, POLLOUT, 0};
@@ -77,15 +76,24 @@ Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
 }
 
 Result<void> StandardOutput::give_all() {
-    for (int waited_ms = 0; !rest().empty();) {
+    using Clock = std::chrono::steady_clock;
+    // What a live run has when somebody ends it is still given.
+    const bool was_interrupted = pace_ == Pace::wall_clock && interrupted();
+    std::size_t taken_before = written_;
+    Clock::time_point since = Clock::now();
+    while (!rest().empty()) {
         const auto taken = give(look_ms);
         if (!taken.ok()) return taken.error();
-        waited_ms = *taken == Taken::some ? 0 : waited_ms + look_ms;
-        if (pace_ == Pace::own && waited_ms > 0 && interrupted()) return interrupted_error();
-        if (pace_ == Pace::wall_clock && waited_ms >= end_patience_ms) {
-            lags_ = true;
-            return input_error("whoever reads it takes nothing more, so it is not complete");
+        const bool waits = pace_ == Pace::wall_clock || *taken == Taken::nothing_yet;
+        if (waits && !was_interrupted && interrupted()) return interrupted_error();
+        if (pace_ == Pace::own || rest().empty()) continue;
+        if (written_ - taken_before >= least_taken) {
+            taken_before = written_;
+            since = Clock::now();
         }
+        if (Clock::now() - since < patience_) continue;
+        lags_ = true;
+        return input_error("whoever reads it takes hardly more, so it is not complete");
     }
     return {};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <filesystem>
@@ -20,13 +21,18 @@ Result<void> flush_standard_output();
 
 /// Standard output as a file of a run, for somebody who may read slowly, or not at all. Never waits where
 /// nobody could end that: by the run's own pace until it is read, or the person asks to stop (an error then);
-/// by the wall clock not at all, but at the end for a reader who reads.
+/// by the wall clock not at all, but at the end for a reader who reads, until the person asks to stop.
 class StandardOutput {
 public:
     /// By the wall clock: so many pieces may wait, four seconds of ticks.
     static constexpr std::size_t most_waiting = 4096;
 
-    explicit StandardOutput(Pace pace) : pace_(pace) {}
+    /// Of a live run's end: whoever reads takes a pipe's worth in so long, or what is left.
+    static constexpr std::size_t least_taken = 1 << 16;
+    static constexpr std::chrono::milliseconds end_patience{4000};
+
+    explicit StandardOutput(Pace pace, std::chrono::milliseconds patience = end_patience)
+        : pace_(pace), patience_(patience) {}
     /// Errors (ErrorKind::input): it cannot be written, or the reader lags behind.
     Result<void> write(std::string_view piece);
     /// Until all is read.
@@ -42,6 +48,7 @@ private:
     std::string_view rest() const { return std::string_view(waiting_).substr(given_); }
 
     Pace pace_;
+    std::chrono::milliseconds patience_;
     std::string waiting_;           // with what is given already at its beginning
     std::size_t given_ = 0;         // of it
     std::deque<std::size_t> ends_;  // of the pieces that wait, as numbers of bytes from the run's beginning
