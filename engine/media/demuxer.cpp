@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/media/box_tables.hpp"
 #include "engine/media/byte_source.hpp"
 #include "engine/media/container_end.hpp"
 #include "engine/media/matroska_check.hpp"
@@ -41,7 +42,13 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(const std::filesystem::path
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const std::filesystem::path& file) {
-    return open_whole(file, end_of_boxes, "mov", "QuickTime or MP4");
+    const auto end_of_tables = [](ByteSource& bytes) -> Result<std::optional<std::uint64_t>> {
+        auto end = end_of_boxes(bytes);
+        if (!end || !*end) return end;
+        if (auto checked = check_box_tables(bytes, **end); !checked) return checked.error();
+        return end;
+    };
+    return open_whole(file, end_of_tables, "mov", "QuickTime or MP4");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/media/box_tables.hpp"
 #include "engine/media/container_end.hpp"
 
 namespace touchable {
@@ -10,7 +11,7 @@ InputPtr open_sound_container(const std::filesystem::path& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return nullptr;
     const auto end = end_of_container(**bytes, file.string());
-    if (!end) return nullptr;
+    if (!end || !check_box_tables(**bytes, *end)) return nullptr;
     auto container = open_input(std::move(*bytes), *end, file.string(), {.formats = "matroska,mov,wav"});
     return container ? std::move(*container) : nullptr;
 }

@@ -22,6 +22,9 @@ constexpr std::int64_t tolerance = SoundTrack::rate / 50;
 constexpr int most_faults = 1000;
 constexpr double farthest_s = 1e9;  // a time beyond is none
 constexpr std::int64_t longest_frame = std::int64_t{SoundTrack::rate} * 10;
+/// Of what is recorded anywhere. The tables of a resampler grow with the rate that a file claims, to
+/// gigabytes.
+constexpr int highest_rate = 768'000;
 
 struct ResamplerDeleter {
     void operator()(SwrContext* resampler) const { swr_free(&resampler); }
@@ -150,6 +153,7 @@ private:
         from_rate_ = frame.sample_rate;
         from_format_ = frame.format;
         from_channels_ = frame.ch_layout.nb_channels;
+        if (frame.sample_rate > highest_rate) return {};
         AVChannelLayout stereo = AV_CHANNEL_LAYOUT_STEREO;
         SwrContext* made = nullptr;
         const int status =
@@ -194,6 +198,9 @@ Result<std::unique_ptr<SoundTrack>> SoundTrack::open(const std::filesystem::path
     FramePtr frame(av_frame_alloc());
     if (!decoder || !packet || !frame) return Error{ErrorKind::internal, "out of memory"};
     int status = avcodec_parameters_to_context(decoder.get(), container->streams[stream]->codecpar);
+    if (const int stated = container->streams[stream]->codecpar->sample_rate; stated > highest_rate)
+        return refused("it has " + std::to_string(stated) + " samples a second; must be " +
+                       std::to_string(highest_rate) + " at most");
     decoder->pkt_timebase = container->streams[stream]->time_base;
     if (status >= 0) status = avcodec_open2(decoder.get(), codec, nullptr);
     if (status < 0) return refused(ffmpeg_text(status));

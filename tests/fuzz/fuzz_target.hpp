@@ -29,12 +29,13 @@ struct Target {
     }
     int changes = 300;              ///< how often its seeds are changed in the ordinary tests
     std::size_t most_bytes = 4096;  ///< of an input that libFuzzer makes
-    /// That may be asked for at once. FFmpeg's demuxers ask for tables as long as a file claims, up to 2 GiB,
-    /// and find out before they touch them that it has no such table: what is taken stays within the other
-    /// limit.
+    /// That may be asked for at once. More for what decodes videos: a codec's header may say a picture of
+    /// 16384x16384 pixels (PacketDecoder), of up to 8 bytes each, for which FFmpeg asks before it finds no
+    /// such picture; and an AVI's stream header has private data ("strd") of up to 1 GiB, for which it asks
+    /// before it finds the file's end. It touches neither.
     int most_mebibytes = 512;
-    /// That may be there at a time, all together: of a picture as large as a file of most_bytes can make one,
-    /// and all that is made of it.
+    /// That may be there at a time, all together, touched or not: of a picture as large as a file of
+    /// most_bytes can make one, and all that is made of it. More for what decodes videos, of which see above.
     int most_live_mebibytes = 64;
 };
 

@@ -47,11 +47,8 @@ bool parse_sound(std::string_view bytes) {
     return is_heard && !track.is_damaged();
 }
 
-const Registered sound_target{{.name = "sound",
-                               .parse = parse_sound,
-                               .changes = 150,
-                               .most_mebibytes = 2048,
-                               .most_live_mebibytes = 2048}};
+const Registered sound_target{
+    {.name = "sound", .parse = parse_sound, .changes = 150, .most_live_mebibytes = 512}};
 
 }  // namespace
 }  // namespace touchable::fuzz

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <vector>
 
@@ -103,6 +104,18 @@ TEST_F(Sounding, IsNotThereWhereThereIsNone) {
         ASSERT_EQ(message(track), "") << path;
         EXPECT_EQ(*track, nullptr) << path;
     }
+}
+
+TEST_F(Sounding, OfAnImpossibleRateIsRefusedBeforeItTakesMemory) {
+    std::string wav =
+        read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/sound/s16.wav");
+    const auto with_rate = [&](std::uint32_t rate) {
+        std::memcpy(wav.data() + 24, &rate, sizeof rate);
+        std::ofstream(file(), std::ios::binary) << wav;
+        return message(SoundTrack::open(file()));
+    };
+    EXPECT_EQ(with_rate(768'000), "");
+    EXPECT_NE(with_rate(100'000'007).find("it has 100000007 samples a second"), std::string::npos);
 }
 
 TEST_F(Sounding, ThatIsCutIsSilentFromThere) {
