@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "player/commands/outputs.hpp"
 #include "player/session/recorded_facts.hpp"
@@ -128,8 +129,7 @@ std::vector<std::string> TouchOutputs::new_faults() {
 Result<void> TouchOutputs::finish_record(const std::string& force_hash, const TouchSetup& setup) {
     if (setup.film) {
         if (auto done = setup.film->finish(); !done.ok()) return done;
-        if (const auto fault = setup.film->fault())
-            record_->end_with_frame(setup.film->last_frame(), *fault);
+        if (const auto fault = setup.film->fault()) record_->end_with_frame(setup.film->last_frame(), *fault);
     }
     nlohmann::ordered_json facts = recorded_facts(setup);
     facts["force_hash"] = force_hash;
@@ -145,20 +145,13 @@ Result<void> TouchOutputs::finish_json(const nlohmann::ordered_json& report) {
 
 Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const std::string& force_hash,
                                   const TouchSetup& setup) {
-    std::optional<Error> fault;
-    const auto note = [&fault](const Result<void>& done) {
-        if (done.ok()) return;
-        if (fault)
-            fault->message += "; " + done.error().message;
-        else
-            fault = done.error();
-    };
-    if (forces_) note(forces_->finish());
-    if (device_log_) note(device_log_->finish());
-    if (record_) note(finish_record(force_hash, setup));
-    if (json_) note(finish_json(report));
-    if (picture_ && !is_drawn_) note(picture_->finish(setup, report.value("interrupted", false)));
-    return fault ? Result<void>(*fault) : Result<void>();
+    std::vector<Result<void>> done;
+    if (forces_) done.push_back(forces_->finish());
+    if (device_log_) done.push_back(device_log_->finish());
+    if (record_) done.push_back(finish_record(force_hash, setup));
+    if (json_) done.push_back(finish_json(report));
+    if (picture_ && !is_drawn_) done.push_back(picture_->finish(setup, report.value("interrupted", false)));
+    return all_ok(done);
 }
 
 }  // namespace touchable

@@ -131,6 +131,18 @@ Error OutputFile::failed(int why) const {
     return input_error(name() + ": cannot be written: " + std::generic_category().message(why));
 }
 
+Result<void> all_ok(const std::vector<Result<void>>& finished) {
+    std::optional<Error> fault;
+    for (const Result<void>& done : finished) {
+        if (done.ok()) continue;
+        if (fault)
+            fault->message += "; " + done.error().message;
+        else
+            fault = done.error();
+    }
+    return fault ? Result<void>(*fault) : Result<void>();
+}
+
 Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
     const std::string slow =
         files.empty() ? "this machine was" : files + ": its disk, or whoever reads it, was";

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <ctime>
-#include <initializer_list>
 #include <iostream>
 #include <optional>
 #include <utility>
 
 #include "engine/printable.hpp"
 #include "player/session/interrupt.hpp"
+#include "player/session/output_file.hpp"
 
 namespace touchable {
 
@@ -100,16 +100,7 @@ Result<PlayFigures> WindowLoop::run() {
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
     if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
-    std::optional<Error> fault;
-    for (const auto* done :
-         std::initializer_list<const Result<void>*>{&ended, &recorded, &heard, &filmed, &kept}) {
-        if (done->ok()) continue;
-        if (fault)
-            fault->message += "; " + done->error().message;
-        else
-            fault = done->error();
-    }
-    if (fault) return *fault;
+    if (auto done = all_ok({ended, recorded, heard, filmed, kept}); !done.ok()) return done.error();
     if (interrupted()) return interruption();
     return std::move(figures_);
 }
