@@ -37,12 +37,13 @@ std::vector<std::uint8_t> ball(std::uint32_t number) {
 
 class PluggedCamera : public ::testing::Test {
 protected:
-    void plug_in(std::function<Fate(std::uint32_t)> fate) {
+    FakeNode& plug_in(std::function<Fate(std::uint32_t)> fate) {
         FakeNode& made = add_depth_node(*video, node, width, height);
         made.formats[0].modes[0].intervals = {{1, 200}};
         made.paint = ball;
         made.period_ns = 5'000'000;
         made.fate = std::move(fate);
+        return made;
     }
     static Fate good(std::uint32_t) { return Fate::good; }
     void TearDown() override {
@@ -186,6 +187,39 @@ TEST_F(PluggedCamera, AFilmThatIsAnothersOrInTheWayIsRefused) {
     const auto another = run_touch(replay());
     EXPECT_NE(message(another).find("it is not the film of that recording"), std::string::npos)
         << message(another);
+}
+
+/// A film is given up where its recording has ended before it began: the recording keeps what it has.
+TEST_F(PluggedCamera, InAWindowARecordingThatIsFullKeepsWhatItHas) {
+    plug_in(good).paint = [](std::uint32_t) { return ball(0); };  // which takes no room in the film
+    PlayOptions options;
+    options.record = record;
+    options.session = live(600).session;
+    options.session.builder.name = "cpu";
+    const auto sound = std::move(*WindowSound::create(false, {}, Existing::keep));
+    {
+        const FullDisk full(400 * 1024);
+        auto opened = OpenedClip::open(options, options.session.clip, {}, *sound);
+        ASSERT_EQ(message(opened), "");
+        OpenedClip& clip = **opened;
+        ASSERT_EQ(message(clip.begin()), "");
+        for (int k = 0; k < 20'000 && !clip.record_fault(); ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ASSERT_TRUE(clip.record_fault());
+        ASSERT_FALSE(clip.session().setup().film->fault()) << "the recording is to be full, not its film";
+        FeltSettings felt = clip.felt();
+        ASSERT_EQ(message(felt.set("median", "5")), "");
+        auto change = clip.prepare(felt);
+        ASSERT_EQ(message(change), "");
+        ASSERT_EQ(message(clip.take(std::move(*change))), "");
+        const auto done = clip.finish();
+        EXPECT_NE(message(done).find("; it is kept, and replays, up to "), std::string::npos)
+            << message(done);
+    }
+    const auto recording = read_recording(record);
+    ASSERT_EQ(message(recording), "");
+    EXPECT_GT(recording->front().ticks.size(), 100U);
+    EXPECT_FALSE(std::filesystem::exists(film_beside(record, 2))) << "nothing was to be kept any more";
 }
 
 /// Settings are changed while the camera goes on: it is opened once, and each part has a film of its own.
