@@ -62,7 +62,7 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
     const auto due = static_cast<double>(facts.loop.ticks + facts.loop.skipped);
     // A tick that was skipped never began at all.
     const auto late_ticks = static_cast<double>(ticks.late() + facts.loop.skipped);
-    const Spread read = spread_of(s.feed->read_ms()), build = spread_of(s.feed->build_ms());
+    const Spread read = s.feed->read_ms().spread(), build = s.feed->build_ms().spread();
     figures.push_back({"frames", frames, ""});
     figures.push_back({"late_frames", static_cast<double>(facts.late_frames), ""});
     figures.push_back({"late_frames_pct", percent(static_cast<double>(facts.late_frames), frames), "%"});

@@ -166,9 +166,9 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                          live);
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
-    report["frame_ms"] = to_json(spread_of(setup.feed->build_ms()));
-    report["stages_ms"] = {{"read", spread_of(setup.feed->read_ms()).mean},
-                           {"build", spread_of(setup.feed->build_ms()).p50}};
+    const Spread built = setup.feed->build_ms().spread();
+    report["frame_ms"] = to_json(built);
+    report["stages_ms"] = {{"read", setup.feed->read_ms().spread().mean}, {"build", built.p50}};
     if (painter) {
         const std::string gpu = painter->gpu_name();
         report["painter"] = painter->name();

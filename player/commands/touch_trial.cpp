@@ -75,23 +75,20 @@ Result<void> make_clip(const TouchDemand& demand, const fs::path& file, int fram
     return (*writer)->finish();
 }
 
-/// Those after the first `count`, in which threads are started and memory is fetched.
-std::vector<double> after(std::size_t count, const std::vector<double>& all) {
-    return {all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size())), all.end()};
-}
-
+/// Without those that were there before, in which threads are started and memory is fetched.
 Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures) {
     SurfaceFeed& feed = *setup.feed;
-    const auto before = static_cast<std::size_t>(feed.frames());
+    const auto before = static_cast<int>(feed.frames());
+    feed.forget_times();
     const double cpu_before = cpu_ms();
-    for (int n = static_cast<int>(before); n < frames; ++n) {
+    for (int n = before; n < frames; ++n) {
         if (interrupted()) return interrupted_error();
         if (auto pair = feed.pair_at(setup.scene.rate.time_ns(n - 1)); !pair.ok()) return pair.error();
     }
-    figures.frames = static_cast<int>(feed.frames()) - static_cast<int>(before);
+    figures.frames = static_cast<int>(feed.frames()) - before;
     figures.frame_cpu_ms = (cpu_ms() - cpu_before) / figures.frames;
-    figures.decode_ms = spread_of(after(before, feed.read_ms()));
-    figures.build_ms = spread_of(after(before, feed.build_ms()));
+    figures.decode_ms = feed.read_ms().spread();
+    figures.build_ms = feed.build_ms().spread();
     figures.builder = feed.builder_name();
     return {};
 }

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <vector>
 
 #include "player/session/touch_figures.hpp"
 
@@ -11,8 +9,7 @@ namespace touchable {
 /// What became of a camera's frames in a live run.
 struct CameraFacts {
     std::int64_t frames_shown = 0;  ///< that fingers felt
-    Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made; of a run of
-                                    ///< hours, of the newer ones
+    Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made
 };
 
 /// Finds that out tick by tick.
@@ -27,7 +24,7 @@ public:
 private:
     std::int64_t newest_;  // that was felt
     std::int64_t shown_ = 0;
-    std::vector<double> latency_ms_;  // of the newer ones
+    TimeSpread latency_ms_;
 };
 
 }  // namespace touchable

@@ -99,7 +99,8 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     }
     if (!raw.ok()) return raw.error();
     if (!*raw) return std::optional<FedFrame>();
-    keep(read_ms_, milliseconds_since(start));
+    const double took_ms = milliseconds_since(start);
+    read_ms_.add(took_ms);
     FedFrame frame{std::move(**raw)};
     frame.raw.epoch = place_.epoch;
     const std::int64_t number = frame.raw.number;
@@ -108,7 +109,7 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     place_.next_number = number + 1;
     frame.shown = frame.raw.number >= place_.first_shown;
     const std::lock_guard lock(figures_mutex_);
-    figures_.read_ms = read_ms_.back();
+    figures_.read_ms = took_ms;
     figures_.dropped += std::max<std::int64_t>(dropped, 0);
     return std::optional(std::move(frame));
 }
@@ -123,14 +124,6 @@ void SurfaceFeed::note_dropped(std::int64_t frames) {
         dropped_long_ago_ += old.count;
         return true;
     });
-}
-
-/// Who watches may do so for days: then the newer ones alone.
-void SurfaceFeed::keep(std::vector<double>& times_ms, double newest_ms) const {
-    constexpr std::ptrdiff_t most = 65536;  // 36 minutes at 30 frames a second
-    if (eye_ != SurfaceTimeline::Eye::none && std::ssize(times_ms) == most)
-        times_ms.erase(times_ms.begin(), times_ms.begin() + most / 2);
-    times_ms.push_back(newest_ms);
 }
 
 void SurfaceFeed::note_built(const RawFrame& raw) {
@@ -153,7 +146,8 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     const bool unchanged = !settles_ && newest_ && same_touch_planes(*newest_, raw);
     const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
     if (!done.ok() || !*done) return done;
-    keep(build_ms_, milliseconds_since(start));
+    const double took_ms = milliseconds_since(start);
+    build_ms_.add(took_ms);
     note_built(raw);
     if (!frame.shown) return true;
     any_valid_ = any_valid_ || has_valid_pixel(raw.depth, stored_);
@@ -165,7 +159,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     if (eye_ != SurfaceTimeline::Eye::none) cuts_.look(raw, stored_);
     figures_.builder = builder_->name();
     figures_.frames = frames_;
-    figures_.build_ms = build_ms_.back();
+    figures_.build_ms = took_ms;
     return true;
 }
 

@@ -17,6 +17,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "player/session/planes_hash.hpp"
 #include "player/session/scene_cuts.hpp"
+#include "player/session/time_spread.hpp"
 #include "player/session/watched_colours.hpp"
 
 namespace touchable {
@@ -135,16 +136,16 @@ public:
     const std::vector<DroppedFrames>& dropped() const { return dropped_; }
     bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
-    /// Per frame, milliseconds; where there is an eye, of the newer ones.
-    const std::vector<double>& read_ms() const { return read_ms_; }
-    const std::vector<double>& build_ms() const { return build_ms_; }
+    /// Of a frame, milliseconds: of all that were read or built since `forget_times`.
+    const TimeSpread& read_ms() const { return read_ms_; }
+    const TimeSpread& build_ms() const { return build_ms_; }
+    void forget_times() { read_ms_ = build_ms_ = {}; }
     std::string planes_hash() const { return hash_.hex(); }
     /// From the first frame on: no frame is hashed.
     void leave_out_hash() { hashed_ = false; }
 
 private:
     Result<void> feed_next();
-    void keep(std::vector<double>& times_ms, double newest_ms) const;
     void note_built(const RawFrame& raw);
     void note_dropped(std::int64_t frames);
     Result<bool> build(const FedFrame& frame);
@@ -176,7 +177,7 @@ private:
     std::int64_t frames_ = 0, unchanged_frames_ = 0;
     double skipped_frames_ = 0;  // and parts of frames
     bool any_valid_ = false, ended_ = false;
-    std::vector<double> read_ms_, build_ms_;
+    TimeSpread read_ms_, build_ms_;
 };
 
 }  // namespace touchable

@@ -10,17 +10,17 @@ namespace {
 // A bin is what has the same exponent and the same first bits behind the point: those of a double, which
 // count up with it.
 constexpr int bits_in_bin = 52 - 7;
-constexpr double shortest_us = 0x1p-10, longest_us = 0x1p40;  // a nanosecond, twelve days
+constexpr double shortest = 0x1p-10, longest = 0x1p40;  // of microseconds: a nanosecond, twelve days
 
-constexpr std::uint64_t bin_of_all(double us) {
-    return std::bit_cast<std::uint64_t>(us) >> bits_in_bin;
+constexpr std::uint64_t bin_of_all(double time) {
+    return std::bit_cast<std::uint64_t>(time) >> bits_in_bin;
 }
-constexpr std::uint64_t first_bin = bin_of_all(shortest_us);
-constexpr std::size_t bins = bin_of_all(longest_us) - first_bin + 1;
+constexpr std::uint64_t first_bin = bin_of_all(shortest);
+constexpr std::size_t bins = bin_of_all(longest) - first_bin + 1;
 
-std::size_t bin_of(double us) {
-    if (!(us >= shortest_us)) return 0;  // with the first
-    return us < longest_us ? bin_of_all(us) - first_bin : bins - 1;
+std::size_t bin_of(double time) {
+    if (!(time >= shortest)) return 0;  // with the first
+    return time < longest ? bin_of_all(time) - first_bin : bins - 1;
 }
 
 /// The middle of a bin.
@@ -48,13 +48,13 @@ Spread spread_of(std::vector<double> values) {
             values.back()};
 }
 
-TimeSpread::TimeSpread() : ticks_(bins) {}
+TimeSpread::TimeSpread() : times_(bins) {}
 
-void TimeSpread::add(double us) {
-    ++ticks_[bin_of(us)];
-    least_ = count_ == 0 ? us : std::min(least_, us);
-    most_ = count_ == 0 ? us : std::max(most_, us);
-    sum_ += us;
+void TimeSpread::add(double time) {
+    ++times_[bin_of(time)];
+    least_ = count_ == 0 ? time : std::min(least_, time);
+    most_ = count_ == 0 ? time : std::max(most_, time);
+    sum_ += time;
     ++count_;
 }
 
@@ -62,7 +62,7 @@ double TimeSpread::quantile(double share) const {
     const auto rank = std::min(static_cast<std::int64_t>(share * static_cast<double>(count_)), count_ - 1);
     std::int64_t up_to = 0;
     for (std::size_t bin = 0; bin < bins; ++bin)
-        if ((up_to += ticks_[bin]) > rank)
+        if ((up_to += times_[bin]) > rank)
             return bin + 1 == bins ? most_ : std::clamp(middle_of(bin), least_, most_);
     return most_;
 }

@@ -17,19 +17,20 @@ nlohmann::ordered_json to_json(const Spread& spread);
 
 /// The spread of times of which there may be more than memory has room for: a histogram whose bins grow with
 /// the time, 128 from one power of 2 to the next. Mean and max are exact, the rest is within half a percent
-/// (below 1 ns: within 1 ns). Its memory is the same however many there are.
+/// (below 1/1024 of the unit that times are given in: within that). Its memory is the same however many there
+/// are.
 class TimeSpread {
 public:
     TimeSpread();
-    /// Microseconds, 0 or more.
-    void add(double us);
-    /// Microseconds; all 0 of none.
+    /// In any unit, 0 or more.
+    void add(double time);
+    /// In the same; all 0 of none.
     Spread spread() const;
 
 private:
     double quantile(double share) const;
 
-    std::vector<std::int64_t> ticks_;  // of each bin
+    std::vector<std::int64_t> times_;  // how many, of each bin
     std::int64_t count_ = 0;
     double sum_ = 0, least_ = 0, most_ = 0;
 };

@@ -3,6 +3,7 @@
 #include "player/session/feed_threads.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <array>
 #include <atomic>
@@ -54,7 +55,7 @@ TEST(FeedThreads, MemoryThatIsGoneIsSaidWithoutMoreOfIt) {
 /// Pictures of two pixels, 30 a second, whose number is their depth.
 class Numbered final : public ClipReader {
 public:
-    Numbered() {
+    explicit Numbered(std::int64_t count = frames) : count_(count) {
         scene_.width = 2;
         scene_.height = 1;
         scene_.camera = {1, 1, 1, 0.5};
@@ -64,7 +65,7 @@ public:
     }
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return frames; }
+    std::optional<std::int64_t> frame_count() const override { return count_; }
     const std::vector<std::string>& notes() const override { return notes_; }
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override {
@@ -72,7 +73,7 @@ public:
         return {};
     }
     Result<std::optional<RawFrame>> next() override {
-        if (number_ == frames) return std::optional<RawFrame>();
+        if (number_ == count_) return std::optional<RawFrame>();
         auto pixels = std::make_shared<std::vector<std::uint8_t>>(2, static_cast<std::uint8_t>(number_ + 1));
         RawFrame raw;
         raw.number = number_;
@@ -89,8 +90,28 @@ private:
     Scene scene_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
+    const std::int64_t count_;
     std::int64_t number_ = 0;
 };
+
+TEST(SurfaceFeed, MemoryDoesNotGrowWithTheRun) {
+    constexpr std::int64_t some = 1000, frames = 60'000;  // half an hour
+    auto reader = std::make_unique<Numbered>(frames);
+    const Scene scene = reader->scene();
+    SurfaceFeed feed(std::move(reader), make_reference_builder(scene), scene);
+    feed.leave_out_hash();
+    const auto feed_up_to = [&](std::int64_t end) {
+        for (std::int64_t n = feed.frames(); n < end; ++n)
+            ASSERT_TRUE(feed.pair_at(scene.rate.time_ns(n - 1)).ok());
+    };
+    feed_up_to(some);
+    const auto before = mallinfo2().uordblks;
+    feed_up_to(frames);
+    EXPECT_LT(mallinfo2().uordblks, before + 65536) << "after " << feed.frames() << " frames";
+    EXPECT_GT(feed.read_ms().spread().max, 0);
+    feed.forget_times();
+    EXPECT_EQ(feed.build_ms().spread().max, 0);
+}
 
 /// A hand that the test moves from tick to tick, in a loop of frames 3 to 6.
 class Guided : public testing::Test {
