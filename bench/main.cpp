@@ -12,6 +12,7 @@
 #include "bench/clocks.hpp"
 #include "bench/report.hpp"
 #include "bench/suite.hpp"
+#include "engine/gpu/gpu_device.hpp"
 
 namespace touchable {
 namespace {
@@ -136,14 +137,20 @@ int run_program(int argc, char** argv) {
     return result.ok() ? 0 : fail(result.error());
 }
 
+int run_or_tell(int argc, char** argv) {
+    try {
+        return run_program(argc, argv);
+    } catch (const std::exception& fault) {
+        std::cerr << "touchable-bench: internal fault: " << fault.what() << '\n';
+        return exit_code(ErrorKind::internal);
+    }
+}
+
 }  // namespace
 }  // namespace touchable
 
 int main(int argc, char** argv) {
-    try {
-        return touchable::run_program(argc, argv);
-    } catch (const std::exception& fault) {
-        std::cerr << "touchable-bench: internal fault: " << fault.what() << '\n';
-        return touchable::exit_code(touchable::ErrorKind::internal);
-    }
+    const int code = touchable::run_or_tell(argc, argv);
+    touchable::wait_for_given_up_gpus();
+    return code;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/gpu/gpu_device.hpp"
 #include "engine/printable.hpp"
 #include "player/commands/cameras_command.hpp"
 #include "player/commands/check_command.hpp"
@@ -134,15 +135,21 @@ int run(int argc, char** argv) {
     return told.ok() ? 0 : fail(told.error());
 }
 
+int run_or_tell(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& fault) {
+        std::cerr << "touchable: internal fault: " << fault.what() << '\n';
+        return exit_code(ErrorKind::internal);
+    }
+}
+
 }  // namespace
 }  // namespace touchable
 
 int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away takes no files with it
-    try {
-        return touchable::run(argc, argv);
-    } catch (const std::exception& fault) {
-        std::cerr << "touchable: internal fault: " << fault.what() << '\n';
-        return touchable::exit_code(touchable::ErrorKind::internal);
-    }
+    const int code = touchable::run_or_tell(argc, argv);
+    touchable::wait_for_given_up_gpus();
+    return code;
 }

@@ -78,6 +78,7 @@ struct Remains {
     std::shared_ptr<VulkanDevice> vulkan;
     VkSemaphore timeline;
     std::uint64_t value;
+    std::chrono::nanoseconds patience;
     std::deque<std::unique_ptr<GpuRecording>> in_flight;
 };
 
@@ -89,6 +90,20 @@ struct Abandoned {
 Abandoned& abandoned() {
     static auto* const all = new Abandoned;
     return *all;
+}
+
+std::chrono::nanoseconds default_patience(GpuKind kind) {
+    return std::chrono::seconds(kind == GpuKind::software ? 60 : 10);
+}
+
+VkResult wait_on(const VulkanDevice& gpu, VkSemaphore timeline, std::uint64_t value,
+                 std::chrono::nanoseconds timeout) {
+    VkSemaphoreWaitInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
+    info.semaphoreCount = 1;
+    info.pSemaphores = &timeline;
+    info.pValues = &value;
+    return vkWaitSemaphores(gpu.device, &info, static_cast<std::uint64_t>(timeout.count()));
 }
 
 /// Lets go of what has been finished after all.
@@ -145,7 +160,7 @@ Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
 }
 
 GpuDevice::GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline)
-    : vulkan_(std::move(vulkan)), timeline_(timeline) {}
+    : vulkan_(std::move(vulkan)), timeline_(timeline), patience_(default_patience(vulkan_->facts.kind)) {}
 
 GpuDevice::~GpuDevice() {
     if (!comes_to_rest()) {
@@ -177,7 +192,7 @@ bool GpuDevice::comes_to_rest() {
 /// freed under it. So recordings in flight, all they use and the device itself are left in memory.
 void GpuDevice::abandon() {
     const std::lock_guard lock(abandoned().mutex);
-    abandoned().remains.push_back({vulkan_, timeline_, submitted_, std::move(in_flight_)});
+    abandoned().remains.push_back({vulkan_, timeline_, submitted_, patience_, std::move(in_flight_)});
 }
 
 std::uint64_t GpuDevice::completed() const {
@@ -189,12 +204,7 @@ std::uint64_t GpuDevice::completed() const {
 }
 
 VkResult GpuDevice::wait_for(std::uint64_t value, std::chrono::nanoseconds timeout) const {
-    VkSemaphoreWaitInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
-    info.semaphoreCount = 1;
-    info.pSemaphores = &timeline_;
-    info.pValues = &value;
-    return vkWaitSemaphores(vulkan_->device, &info, static_cast<std::uint64_t>(timeout.count()));
+    return wait_on(*vulkan_, timeline_, value, timeout);
 }
 
 Result<void> GpuDevice::wait(std::uint64_t value) {
@@ -282,6 +292,13 @@ std::vector<GpuTime> GpuDevice::read(const std::vector<GpuTime>& times) {
     collect();
     const std::lock_guard lock(mutex_);
     return times;
+}
+
+void wait_for_given_up_gpus() {
+    const std::lock_guard lock(abandoned().mutex);
+    for (const Remains& left : abandoned().remains)
+        if (left.vulkan->facts.kind == GpuKind::software)
+            wait_on(*left.vulkan, left.timeline, left.value, left.patience);
 }
 
 }  // namespace touchable

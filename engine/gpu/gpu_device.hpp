@@ -56,7 +56,9 @@ public:
     /// Waits for a value that GpuCommands::submit gave. Fails (ErrorKind::gpu) on a lost device, and where
     /// that takes longer than the patience there is: a device that hangs is lost.
     Result<void> wait(std::uint64_t value);
-    /// 10 s where nobody says: a software Vulkan compiles a kernel at its first dispatch.
+    /// 10 s where nobody says; a minute for a software Vulkan, which compiles a kernel at its first dispatch
+    /// and never hangs, but is slow where others want the processor too.
+    std::chrono::nanoseconds patience() const { return patience_; }
     void set_patience(std::chrono::nanoseconds patience) { patience_ = patience; }
 
     /// Whether all that was submitted has completed. Waits for it, as long as `wait` would; for a lost device
@@ -86,12 +88,18 @@ private:
 
     std::shared_ptr<VulkanDevice> vulkan_;
     VkSemaphore timeline_ = VK_NULL_HANDLE;
-    std::atomic<std::chrono::nanoseconds> patience_{std::chrono::seconds(10)};
+    std::atomic<std::chrono::nanoseconds> patience_;
     mutable std::atomic<std::uint64_t> completed_ = 0;  // as last seen
     std::mutex mutex_;
     std::uint64_t submitted_ = 0;
     std::deque<std::unique_ptr<GpuRecording>> in_flight_;
     std::vector<std::unique_ptr<GpuRecording>> idle_;
 };
+
+/// At a program's end, before `main` returns: waits for software Vulkans that were given up at work, for each
+/// as long as its patience. They compute and compile on threads of this process, which must not meet what
+/// `exit` takes from the driver's libraries. A GPU of hardware needs nothing of this process, and is not
+/// waited for.
+void wait_for_given_up_gpus();
 
 }  // namespace touchable

@@ -158,8 +158,8 @@ Result<bool> Swapchain::acquire(std::uint32_t& index) {
     if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
     if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR) return failed("vkAcquireNextImageKHR", result);
     acquiring_ = true;
-    constexpr std::uint64_t long_patience_ns = 10'000'000'000;  // as GpuDevice::wait
-    result = vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE, long_patience_ns);
+    result = vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE,
+                             static_cast<std::uint64_t>(device_->patience().count()));
     if (result == VK_TIMEOUT) device_->lose();
     if (result != VK_SUCCESS) return failed("vkWaitForFences", result);
     acquiring_ = false;

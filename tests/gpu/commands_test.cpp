@@ -301,10 +301,42 @@ TEST_F(Commands, ADeviceThatHangsIsLeftWithAllItIsAtWorkOn) {
     gpu.reset();  // does not hang
     ASSERT_FALSE(alive.expired());
     EXPECT_EQ(words[0], 1U);
+    wait_for_given_up_gpus();  // does not hang either
+    EXPECT_EQ(words[0], 1U);
     blockade.lift();  // and if it goes on after all, it finds everything where it was
     EXPECT_EQ(words[0], 2U);
     must(GpuDevice::open());
     EXPECT_TRUE(alive.expired());
+}
+
+/// Gives a device of this kind up while its queue stands still, asks for it to be waited for, and lets the
+/// queue go on after `standstill`; whether the wait saw the end of its work.
+bool is_waited_for(GpuKind kind, std::chrono::milliseconds standstill) {
+    auto device = must(GpuDevice::open());
+    device->vulkan()->facts.kind = kind;
+    const auto used = must(GpuBuffer::create(*device, "used", 64, GpuMemory::shared));
+    const auto words = used.mapped<std::uint32_t>();
+    words[0] = 1;
+    Blockade blockade(*device);
+    {
+        auto commands = must(GpuCommands::begin(device, "given up"));
+        commands.fill(used, 2);
+        must(std::move(commands).submit());
+    }
+    device->lose();
+    device->set_patience(std::chrono::minutes(5));
+    device.reset();
+    std::jthread later([&] {
+        std::this_thread::sleep_for(standstill);
+        blockade.lift();
+    });
+    wait_for_given_up_gpus();
+    return words[0] == 2;
+}
+
+TEST(GivenUpGpu, OfSoftwareIsWaitedForAtTheEndAndNoOther) {
+    EXPECT_TRUE(is_waited_for(GpuKind::software, std::chrono::milliseconds(50)));
+    EXPECT_FALSE(is_waited_for(GpuKind::discrete, std::chrono::seconds(1)));
 }
 
 TEST_F(Commands, UnsubmittedOnesAreForgotten) {

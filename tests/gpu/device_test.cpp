@@ -32,6 +32,11 @@ TEST_F(Device, OpensAndSaysWhatItIs) {
     EXPECT_GT(facts.limits.min_storage_buffer_alignment, 0U);
 }
 
+TEST(Patience, IsAMinuteWithASoftwareGpu) {
+    const auto gpu = must(GpuDevice::open());
+    EXPECT_EQ(gpu->patience(), std::chrono::seconds(gpu->facts().kind == GpuKind::software ? 60 : 10));
+}
+
 TEST_F(Device, IsListedUnderItsName) {
     const auto gpus = must(list_gpus());
     const auto chosen = choose_gpu(gpus, "auto");

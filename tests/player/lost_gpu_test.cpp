@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -134,6 +135,20 @@ TEST(LostGpu, IsHandedOutToNobodyElse) {
     EXPECT_FALSE((*second)->lost());
     EXPECT_EQ(*gpu.open(), *second);
     EXPECT_EQ(gpu.name(), (*second)->facts().name);
+}
+
+/// A software GPU still compiles then, on a thread of the program.
+TEST(LostGpu, GivenUpAtWorkLetsTheProgramEnd) {
+    const TemporaryFolder folder;
+    make_clip("moving", folder / "clip.mkv", {"--size", "96x64", "--frames", "3"});
+    setenv("LD_PRELOAD", TOUCHABLE_IMPATIENT_GPU, 1);
+    setenv("MESA_SHADER_CACHE_DISABLE", "1", 1);
+    const Outcome run = run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan", "--median", "5",
+                                       "--hand", "wander", "--seconds", "0.001"});
+    unsetenv("LD_PRELOAD");
+    unsetenv("MESA_SHADER_CACHE_DISABLE");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find("is given up; the cpu builder goes on"), std::string::npos) << run.err;
 }
 
 /// `spoil` makes a GPU, which the picture was to be drawn on, one that cannot.
