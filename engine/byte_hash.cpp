@@ -1,5 +1,6 @@
 #include "engine/byte_hash.hpp"
 
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include <array>

@@ -261,8 +261,8 @@ bool is_file_pattern(const std::string& pattern) {
 }
 
 Result<void> check_pattern(const std::string& member, const std::string& pattern) {
-    const bool clean = std::none_of(pattern.begin(), pattern.end(),
-                                    [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; });
+    const bool clean =
+        std::none_of(pattern.begin(), pattern.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
     if (clean && is_file_pattern(pattern)) return {};
     return input_error(
         member + " is " + in_quotes(pattern) +
@@ -349,7 +349,7 @@ Result<void> check_video(const Scene& scene) {
                                        {"video.colour", video.colour},
                                        {"video.haptic", video.haptic},
                                        {"video.height", video.height}}) {
-        const bool clean = std::none_of(name.begin(), name.end(), [](char c) { return c >= 0 && c < 0x20; });
+        const bool clean = std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20; });
         if (!clean || (name.empty() && &name == &video.depth))
             return input_error(std::string(member) + " is " + in_quotes(name) +
                                ": must be the name of a file, without control characters");
