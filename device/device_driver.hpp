@@ -62,6 +62,10 @@ public:
     /// What has come since; waits for it `patience` at most. False: nothing, and `sample` is as it was.
     virtual Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) = 0;
 
+    /// What has come is dropped, and nothing is taken for unanswered: while this process stood still another
+    /// one spoke to the hardware in its place, whose answers nobody asked for.
+    virtual Result<void> forget_what_came() { return {}; }
+
     /// What poll(2) tells of that something has come. -1: there is no such thing, `receive` waits by itself.
     virtual int descriptor() const { return -1; }
     /// For a process that outlives this one, as long as it is connected. Nothing: it has none.

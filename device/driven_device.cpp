@@ -228,7 +228,8 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     if (!came.ok()) return came.error();
     over_.store(driver_->is_over(), std::memory_order_release);
     pass_on_wish();
-    if (!*came) return {};
+    // What waited while this thread stood still is older than it seems.
+    if (!*came || (kept_ && kept_->was_made_limp())) return {};
     heard_.time_ns = settings_.clock() - sample.kept_ns;
     heard_.sample.buttons = sample.buttons;
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
@@ -269,13 +270,15 @@ DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
     return newtons;
 }
 
-/// That this thread is about to speak. Where it was taken for one that stands still, the force begins anew.
+/// That this thread is about to speak. Where it was taken for one that stands still, the force begins anew,
+/// and so does what is asked and answered.
 Result<void> DrivenDevice::beat() {
     if (!kept_) return {};
     const auto beat = kept_->beat();
     if (!beat.ok()) return beat.error();
-    if (!*beat) exerts_since_ns_ = {};
-    return {};
+    if (*beat) return {};
+    exerts_since_ns_ = {};
+    return driver_->forget_what_came();
 }
 
 Result<void> DrivenDevice::speak() {

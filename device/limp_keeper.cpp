@@ -147,6 +147,10 @@ Result<void> LimpKeeper::Kept::say(const LastWord& word) {
     return keeper_->tell(place_, &word);
 }
 
+bool LimpKeeper::Kept::was_made_limp() const {
+    return keeper_->hearts_[place_].silences != silences_;
+}
+
 Result<bool> LimpKeeper::Kept::beat() {
     if (auto lives = keeper_->health(); !lives.ok()) return lives.error();
     Heartbeat& heart = keeper_->hearts_[place_];

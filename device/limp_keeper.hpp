@@ -46,6 +46,8 @@ public:
         /// are expected, `Heartbeat::longest_ns` apart at most. False: the device was made limp since the
         /// last one, so that what it is told now is a beginning. Error (device): LimpKeeper::health's.
         Result<bool> beat();
+        /// Whether the next beat will say so.
+        bool was_made_limp() const;
 
     private:
         friend class LimpKeeper;

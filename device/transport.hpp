@@ -21,6 +21,15 @@ public:
     virtual Result<void> send(std::span<const std::byte> bytes) = 0;
     /// How many bytes came, at most `room`'s; of messages one. Waits for them `patience` at most. 0: none.
     virtual Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) = 0;
+    /// Drops what has come and was not received; into `room`, of the longest message.
+    Result<void> drop_what_came(std::span<std::byte> room) {
+        for (int most = 256; most > 0; --most) {  // whatever babbles must not hold the thread
+            const auto came = receive(room, std::chrono::microseconds(0));
+            if (!came.ok()) return came.error();
+            if (*came == 0) break;
+        }
+        return {};
+    }
     /// What poll(2) tells of that something has come; -1: nothing does.
     virtual int descriptor() const { return -1; }
 };

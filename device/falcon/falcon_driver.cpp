@@ -158,6 +158,17 @@ Result<bool> FalconDriver::receive(DeviceSample& sample, microseconds patience) 
     return false;
 }
 
+/// The last two packets of the other process may still be on their way: so more answers are waited for than
+/// questions will have been asked.
+Result<void> FalconDriver::forget_what_came() {
+    constexpr int packets_at_a_time = 2;
+    if (auto purged = transport_->purge(); !purged.ok()) return purged;
+    reader_.forget();
+    unanswered_ = packets_at_a_time;
+    heard_ns_ = clock_();  // its silence begins now
+    return {};
+}
+
 void FalconDriver::take(const FalconReport& report, DeviceSample& sample) {
     homed_in_a_row_ = report.homed ? std::min(homed_in_a_row_ + 1, homed_reports) : 0;
     sample.buttons = report.buttons;

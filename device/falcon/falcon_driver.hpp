@@ -45,6 +45,7 @@ public:
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+    Result<void> forget_what_came() override;
     std::optional<LastWord> last_word() const override;
     std::string wish() const override;
 

@@ -147,6 +147,12 @@ Result<bool> WoodenHapticsDriver::read_newest(std::chrono::microseconds patience
     return any;
 }
 
+Result<void> WoodenHapticsDriver::forget_what_came() {
+    std::array<std::byte, 65> room;
+    read_ns_ = clock_();  // its silence begins now
+    return transport_->drop_what_came(room);
+}
+
 bool WoodenHapticsDriver::is_at_home() const {
     for (std::size_t joint = 0; joint < 3; ++joint)
         if (std::abs(reading_.encoders[joint] - build_.joints[joint].home_counts) > home_slack) return false;

@@ -215,6 +215,11 @@ Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience
     return any;
 }
 
+Result<void> Inverse3Driver::forget_what_came() {
+    unanswered_ = 0;
+    return transport_->drop_what_came(room_);
+}
+
 Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& sample) {
     const auto arm = std::find_if(message.arms.begin(), message.arms.end(),
                                   [this](const Inverse3Arm& each) { return each.id == id_; });

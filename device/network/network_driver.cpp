@@ -119,6 +119,17 @@ Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseco
     return any;
 }
 
+/// Places that waited are old. Whoever has said meanwhile that it ends has ended.
+Result<void> NetworkDriver::forget_what_came() {
+    DeviceSample old;
+    for (int most = 64; most > 0; --most) {  // whoever sends without end must not hold the thread
+        const auto came = receive(old, std::chrono::microseconds(0));
+        if (!came.ok()) return came.error();
+        if (!*came) break;
+    }
+    return {};
+}
+
 /// What nobody has to be told of a device that only this machine's programs reach.
 std::string NetworkDriver::who_may_touch() const {
     if (from_) return ", from " + settings_.from + " alone";

@@ -50,6 +50,7 @@ public:
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
+    Result<void> forget_what_came() override;
     int descriptor() const override { return socket_->descriptor(); }
     std::optional<LastWord> last_word() const override;
     std::string wish() const override;

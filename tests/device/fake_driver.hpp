@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -41,7 +42,8 @@ public:
 
     bool connected = false;
     glm::dvec3 force{0.0};  ///< of finger 0, that was sent last
-    std::int64_t sent = 0, connections = 0;
+    std::int64_t sent = 0, connections = 0, forgotten = 0;
+    std::function<void()> as_it_is_waited_for;  ///< in a call that waits for what it tells
 
     Error gone() const { return {ErrorKind::device, "fake: gone"}; }
 };
@@ -78,6 +80,7 @@ public:
     }
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds) override {
         using Fault = FakeHardware::Fault;
+        if (hardware_.as_it_is_waited_for) hardware_.as_it_is_waited_for();
         constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
         if (!hardware_.plugged || hardware_.fault == Fault::error) return hardware_.gone();
         if (hardware_.fault == Fault::throws) throw std::runtime_error("bytes that cannot be");
@@ -92,6 +95,10 @@ public:
         if (hardware_.fault == Fault::leap && told_) sample.metres[0].z -= 0.2;
         told_ = told_ || hardware_.fault == Fault::none;
         return hardware_.fault != Fault::leap || told_;
+    }
+    Result<void> forget_what_came() override {
+        ++hardware_.forgotten;
+        return {};
     }
     int descriptor() const override { return hardware_.descriptor; }
     bool is_over() const override { return hardware_.over; }

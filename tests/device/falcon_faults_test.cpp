@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "device/falcon/falcon_driver.hpp"
@@ -45,6 +46,13 @@ public:
         line.went_out(0);
     }
 
+    /// Another process leaves it limp.
+    void hear_another() {
+        Port port(*this);
+        for (int packet = 0; packet < 2; ++packet) ASSERT_TRUE(port.write(bytes_of("<AAAAAAAAAAAABA>")).ok());
+    }
+    const glm::dvec3& place() const { return place_; }
+
 private:
     class Port final : public UsbPort {
     public:
@@ -87,6 +95,53 @@ private:
     std::shared_ptr<FakeFalcon> falcon_;
     glm::dvec3 place_{0.0};
 };
+
+/// A place is answered a millisecond after it was asked for, and the grip goes on moving.
+class SpokenForFalcon : public ::testing::Test {
+protected:
+    void SetUp() override {
+        falcon.time.on_tick = [this] { falcon.live(static_cast<double>(falcon.time.now_ns()) * 7.5e-9); };
+        falcon.time.pass(VirtualTime::ms);
+        ASSERT_TRUE(driver->connect([] { return false; }).ok());
+        for (int turns = 0; turns < 20; ++turns) turn();
+        ASSERT_EQ(driver->wish(), "");
+    }
+    /// How far the place that a turn tells is from where the grip was when it was asked for, metres.
+    double turn() {
+        const glm::dvec3 none(0), asked = falcon.place();
+        EXPECT_TRUE(driver->send(std::span(&none, 1)).ok());
+        DeviceSample sample;
+        const auto came = driver->receive(sample, std::chrono::microseconds(5000));
+        EXPECT_TRUE(came.ok() && *came);
+        return glm::length(sample.metres[0] - asked);
+    }
+    FaultyFalcon falcon;
+    const std::unique_ptr<DeviceDriver> driver = falcon.driver();
+};
+
+TEST_F(SpokenForFalcon, AnswersThatAnotherProcessAskedForShiftNothing) {
+    constexpr double encoder_step = 1e-4, of_a_tick = 0.02 * 7.5e-3;
+    static_assert(of_a_tick > encoder_step);
+    for (const bool goes_on_as_it_speaks : {false, true}) {
+        for (int words = 0; words < 10; ++words) {
+            falcon.hear_another();
+            falcon.time.pass(20 * VirtualTime::ms);
+        }
+        if (goes_on_as_it_speaks) falcon.hear_another();
+        ASSERT_TRUE(driver->forget_what_came().ok());
+        if (goes_on_as_it_speaks) falcon.hear_another();
+        falcon.time.pass(VirtualTime::ms / 2);
+        for (int turns = 0; turns < 5; ++turns)
+            ASSERT_LT(turn(), encoder_step) << "turn " << turns << ", " << goes_on_as_it_speaks;
+    }
+}
+
+TEST_F(SpokenForFalcon, TheTimeInWhichTheProgramStoodStillIsNotItsSilence) {
+    falcon.time.pass(1000 * VirtualTime::ms);
+    ASSERT_TRUE(driver->forget_what_came().ok());
+    DeviceSample sample;
+    EXPECT_TRUE(driver->receive(sample, std::chrono::microseconds(0)).ok());
+}
 
 TEST(FalconFaults, TenThousandAtRandomMoments) {
     FaultyFalcon falcon;

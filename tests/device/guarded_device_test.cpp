@@ -68,6 +68,32 @@ TEST_F(GuardedDevice, ItsForceBeginsAnewAfterItsThreadStoodStill) {
     rise();
 }
 
+/// What it answered to the process that made it limp.
+TEST_F(GuardedDevice, WhatCameWhileItsThreadStoodStillIsForgotten) {
+    rise();
+    const std::int64_t before = hardware.forgotten;
+    char word = 0;
+    ASSERT_EQ(recv(line[0], &word, 1, 0), 1);
+    tick();
+    EXPECT_EQ(hardware.forgotten, before + 1);
+}
+
+/// As a thread that is stopped: most of the time it waits.
+TEST_F(GuardedDevice, WhatComesInACallThatStoodStillIsNoPlace) {
+    rise();
+    const std::int64_t before = device->facts().samples;
+    char word = 0;
+    hardware.as_it_is_waited_for = [&] { ASSERT_EQ(recv(line[0], &word, 1, 0), 1); };
+    tick();
+    EXPECT_EQ(word, 'M');
+    EXPECT_EQ(device->facts().samples, before);
+    hardware.as_it_is_waited_for = {};
+    while (recv(line[0], &word, 1, MSG_DONTWAIT) == 1) {
+    }
+    rise();
+    EXPECT_GT(device->facts().samples, before);
+}
+
 TEST_F(GuardedDevice, HasNoForceBesideNobody) {
     rise();
     kill(keeper->process(), SIGKILL);

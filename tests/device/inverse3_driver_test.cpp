@@ -194,6 +194,25 @@ TEST(Inverse3Driver, OfLateAnswersTheNewestCounts) {
     EXPECT_DOUBLE_EQ(sample.metres[0].x, 0.2);
 }
 
+/// Answers to another process, which spoke to the service while this one stood still.
+TEST(Inverse3Driver, WhatCameWhileNobodyAskedIsForgotten) {
+    Driven driven;
+    ASSERT_TRUE(driven.connect().ok());
+    driven.wire.answers = false;
+    for (int force = 0; force < Inverse3Driver::most_unanswered; ++force)
+        ASSERT_TRUE(driven.push({0, 0, 1}).ok());
+    driven.wire.coming.assign(40, driven.wire.state);
+    driven.wire.now_ns += 1'000'000'000;
+    ASSERT_TRUE(driven.driver.forget_what_came().ok());
+    const std::size_t before = driven.wire.sent.size();
+    ASSERT_TRUE(driven.push({0, 0, 1}).ok());
+    EXPECT_EQ(driven.wire.sent.size(), before + 1) << "nothing is under way";
+    DeviceSample sample;
+    const auto came = driven.driver.receive(sample, no_time);
+    ASSERT_TRUE(came.ok()) << came.error().message;
+    EXPECT_FALSE(*came);
+}
+
 TEST(Inverse3Driver, NonsenseIsLeftOutUntilItIsTooMuch) {
     Driven driven;
     ASSERT_TRUE(driven.connect().ok());

@@ -82,7 +82,9 @@ public:
         }
         return false;
     }
+    /// Once it beats.
     void stop() const {
+        ASSERT_TRUE(hears_of("force"));
         kill(process_, SIGSTOP);
         int status = 0;
         ASSERT_EQ(waitpid(process_, &status, WUNTRACED), process_);

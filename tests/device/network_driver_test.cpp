@@ -172,6 +172,21 @@ TEST(NetworkHandFrom, ThatIsNoAddressIsRefused) {
     EXPECT_FALSE(driver.connect([] { return false; }).ok()) << "and lets nobody touch";
 }
 
+/// While this process stood still.
+TEST_F(NetworkHand, PlacesThatWaitedAreForgottenAndAnswered) {
+    const Peer peer(driver.port());
+    peer.say(1, {0.01, 0, 0});
+    ASSERT_TRUE(hears({0.01, 0, 0}));
+    for (std::uint32_t sequence = 2; sequence < 150; ++sequence) peer.say(sequence, {0.02, 0, 0});
+    ASSERT_TRUE(driver.forget_what_came().ok());
+    EXPECT_TRUE(hears_nothing(0));
+    exert({0, 0, 0});
+    EXPECT_EQ(peer.hear().sequence, 149U);
+    peer.say(150, {0.03, 0, 0}, true);
+    ASSERT_TRUE(driver.forget_what_came().ok());
+    EXPECT_NE(driver.wish(), "") << "it has said that it ends";
+}
+
 TEST_F(NetworkHand, TheNewestCountsWhateverOrderTheyComeIn) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});

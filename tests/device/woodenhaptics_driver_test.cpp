@@ -202,6 +202,20 @@ TEST(WoodenDriver, ABoardThatFallsSilentIsGone) {
     EXPECT_NE(again.error().message.find("14 bytes"), std::string::npos);
 }
 
+/// Answers to another process, which spoke to it while this one stood still.
+TEST(WoodenDriver, WhatCameWhileNobodyAskedIsForgotten) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect().ok());
+    ASSERT_TRUE(bench.turn({0, 0, 0}).ok());
+    bench.board->silent = true;
+    for (int answers = 0; answers < 40; ++answers) bench.wire->lay(bench.board->reading());
+    bench.wire->pass(2 * WoodenHapticsDriver::silent_ns);
+    ASSERT_TRUE(bench.driver->forget_what_came().ok());
+    const auto came = bench.turn({0, 0, 0});
+    ASSERT_TRUE(came.ok()) << came.error().message;
+    EXPECT_FALSE(*came);
+}
+
 TEST(WoodenDriver, ABoardWithoutCommandsIsRefused) {
     Bench bench;
     bench.wire->answer = [](FakeWire& wire, const Bytes&) {
