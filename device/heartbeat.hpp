@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <limits>
@@ -44,6 +45,27 @@ public:
 private:
     std::int64_t heard_ns_ = 0, spoken_ns_ = 0;
     int words_ = 0;
+};
+
+/// How the process that watches hearts is watched itself, by each of those threads. A moment counts only
+/// where the thread looked shortly before: whoever stood still itself, as on a machine that slept, knows
+/// nothing of others meanwhile.
+class KeeperWatch {
+public:
+    static constexpr std::int64_t longest_ns = 1'000'000'000;  ///< long: a busy machine must not end a run
+
+    /// Whether it lives, by the number of its beats at this moment.
+    bool hears(std::uint32_t beats, std::int64_t now) {
+        const std::int64_t watched_ns = std::min(now - looked_ns_, Heartbeat::longest_ns);
+        silent_ns_ = beats == heard_ ? silent_ns_ + watched_ns : 0;
+        heard_ = beats;
+        looked_ns_ = now;
+        return silent_ns_ <= longest_ns;
+    }
+
+private:
+    std::uint32_t heard_ = 0;
+    std::int64_t looked_ns_ = 0, silent_ns_ = 0;
 };
 
 }  // namespace touchable

@@ -8,15 +8,15 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
-#include <memory>
+#include <new>
 #include <utility>
 
 namespace touchable {
 namespace {
 
 constexpr int longest_wait_ms = 1000;
-constexpr std::size_t heart_bytes = LimpKeeper::most_devices * sizeof(Heartbeat);
 
 Error not_started(const char* what) {
     return {ErrorKind::internal, std::string(what) + " that leaves devices limp: " + std::strerror(errno)};
@@ -29,18 +29,26 @@ LimpOrder::Word word_of(const std::vector<std::byte>& bytes) {
     return word;
 }
 
+/// Whether the process at the other end of the socket ends by then: nobody else holds that end.
+bool has_ended(int socket, int patience_ms) {
+    pollfd its_end{socket, 0, 0};
+    int ended = 0;
+    do ended = poll(&its_end, 1, patience_ms);
+    while (ended < 0 && errno == EINTR);
+    return ended == 1;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<LimpKeeper>> LimpKeeper::start() {
     void* const shared =
-        mmap(nullptr, heart_bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        mmap(nullptr, sizeof(LimpHearts), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) return not_started("no memory can be shared with the process");
-    const std::span hearts(static_cast<Heartbeat*>(shared), most_devices);
-    std::uninitialized_default_construct(hearts.begin(), hearts.end());
+    LimpHearts& hearts = *new (shared) LimpHearts;
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
         const Error error = not_started("no socket can be had for the process");
-        munmap(shared, heart_bytes);
+        munmap(shared, sizeof(LimpHearts));
         return error;
     }
     const std::span<char> command_line = own_command_line();
@@ -53,24 +61,31 @@ Result<std::shared_ptr<LimpKeeper>> LimpKeeper::start() {
     close(ends[1]);
     if (process > 0) return std::shared_ptr<LimpKeeper>(new LimpKeeper(ends[0], process, hearts));
     close(ends[0]);
-    munmap(shared, heart_bytes);
+    munmap(shared, sizeof(LimpHearts));
     return error;
 }
 
+/// One that is stopped does not end by itself.
 LimpKeeper::~LimpKeeper() {
-    close(socket_);
-    while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    shutdown(socket_, SHUT_WR);
+    bool ended = has_ended(socket_, stands_still_ ? 0 : longest_wait_ms);
+    if (!ended) {
+        kill(process_, SIGKILL);
+        ended = has_ended(socket_, longest_wait_ms);
     }
-    munmap(hearts_.data(), heart_bytes);
+    close(socket_);
+    while (waitpid(process_, nullptr, ended ? 0 : WNOHANG) < 0 && errno == EINTR) {
+    }
+    munmap(&hearts_, sizeof hearts_);
 }
 
 Result<void> LimpKeeper::health() const {
-    pollfd its_end{socket_, 0, 0};
-    if (poll(&its_end, 1, 0) < 1) return {};
+    const bool is_gone = has_ended(socket_, 0);
+    if (!is_gone && !stands_still_) return {};
     return Error{ErrorKind::device,
                  "the process that leaves devices limp when this program cannot (limp-keeper, " +
-                     std::to_string(process_) +
-                     ") is gone; there is no force without it: start the program again"};
+                     std::to_string(process_) + ") " + (is_gone ? "is gone" : "stands still") +
+                     "; there is no force without it: start the program again"};
 }
 
 Result<LimpKeeper::Kept> LimpKeeper::keep(std::shared_ptr<LimpKeeper> keeper) {
@@ -84,9 +99,25 @@ Result<LimpKeeper::Kept> LimpKeeper::keep(std::shared_ptr<LimpKeeper> keeper) {
     return Kept(std::move(keeper), place);
 }
 
+/// What it says of an earlier order comes too late.
+bool LimpKeeper::is_done(std::uint32_t number) const {
+    const std::int64_t until = boot_ns() + std::int64_t{longest_wait_ms} * 1'000'000;
+    for (;;) {
+        const std::int64_t left_ms = (until - boot_ns()) / 1'000'000;
+        pollfd answer{socket_, POLLIN, 0};
+        const int came = poll(&answer, 1, static_cast<int>(std::max<std::int64_t>(left_ms, 0)));
+        if (came < 0 && errno == EINTR) continue;
+        std::uint32_t done = 0;
+        if (came != 1 || recv(socket_, &done, sizeof done, 0) != sizeof done) return false;
+        if (done == number) return true;
+    }
+}
+
 Result<void> LimpKeeper::tell(std::size_t place, const LastWord* word) {
     const std::lock_guard lock(mutex_);
+    if (auto lives = health(); !lives.ok()) return lives;
     LimpOrder order;
+    order.number = ++orders_;
     order.place = static_cast<std::uint32_t>(place);
     alignas(cmsghdr) char ancillary[CMSG_SPACE(sizeof(int))] = {};
     iovec part{&order, sizeof order};
@@ -107,20 +138,12 @@ Result<void> LimpKeeper::tell(std::size_t place, const LastWord* word) {
         header->cmsg_len = CMSG_LEN(sizeof(int));
         std::memcpy(CMSG_DATA(header), &word->descriptor, sizeof(int));
     }
-    hearts_[place].beat_ns = 0;
-    std::byte done{};
-    while (recv(socket_, &done, 1, MSG_DONTWAIT) == 1) {
-    }  // the answer to an earlier order, which came too late
+    hearts_.devices[place].beat_ns = 0;
     ssize_t sent = 0;
     do sent = sendmsg(socket_, &message, MSG_NOSIGNAL);
     while (sent < 0 && errno == EINTR);
     // Once it is done, a socket that was let go of is free for another.
-    pollfd answer{socket_, POLLIN, 0};
-    int answered = 0;
-    do answered = poll(&answer, 1, longest_wait_ms);
-    while (answered < 0 && errno == EINTR);
-    if (sent == static_cast<ssize_t>(sizeof order) && answered == 1 && recv(socket_, &done, 1, 0) == 1)
-        return {};
+    if (sent == static_cast<ssize_t>(sizeof order) && is_done(order.number)) return {};
     if (auto lives = health(); !lives.ok()) return lives;
     return Error{ErrorKind::device, "the process that leaves devices limp (limp-keeper, " +
                                         std::to_string(process_) + ") does not answer"};
@@ -130,6 +153,7 @@ LimpKeeper::Kept& LimpKeeper::Kept::operator=(Kept&& other) noexcept {
     std::swap(keeper_, other.keeper_);
     std::swap(place_, other.place_);
     std::swap(silences_, other.silences_);
+    std::swap(watch_, other.watch_);
     return *this;
 }
 
@@ -143,18 +167,20 @@ LimpKeeper::Kept::~Kept() {
 /// Told again even where it reads the same: a device that was opened anew has often the number of its old
 /// descriptor, and the keeper would hold the old one.
 Result<void> LimpKeeper::Kept::say(const LastWord& word) {
-    silences_ = keeper_->hearts_[place_].silences;
+    silences_ = keeper_->hearts_.devices[place_].silences;
     return keeper_->tell(place_, &word);
 }
 
 bool LimpKeeper::Kept::was_made_limp() const {
-    return keeper_->hearts_[place_].silences != silences_;
+    return keeper_->hearts_.devices[place_].silences != silences_;
 }
 
 Result<bool> LimpKeeper::Kept::beat() {
+    const std::int64_t now = boot_ns();
+    if (!watch_.hears(keeper_->hearts_.keeper_beats, now)) keeper_->stands_still_ = true;
     if (auto lives = keeper_->health(); !lives.ok()) return lives.error();
-    Heartbeat& heart = keeper_->hearts_[place_];
-    heart.beat_ns = boot_ns();
+    Heartbeat& heart = keeper_->hearts_.devices[place_];
+    heart.beat_ns = now;
     const std::uint32_t silences = heart.silences;
     return std::exchange(silences_, silences) == silences;
 }

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <sys/types.h>
+
+#include <atomic>
 #include <memory>
 #include <mutex>
-#include <span>
 
 #include "device/device_driver.hpp"
 #include "device/limp_process.hpp"
@@ -24,19 +25,23 @@ public:
     /// Forks. Best done early: it keeps a copy of what this process has in memory by then, as long as neither
     /// writes to it. Error (internal): no process can be had.
     static Result<std::shared_ptr<LimpKeeper>> start();
-    ~LimpKeeper();  ///< it ends; what it still keeps gets its last word
+    ~LimpKeeper();  ///< it ends, in two seconds at most; what it still keeps gets its last word
     LimpKeeper(const LimpKeeper&) = delete;
     LimpKeeper& operator=(const LimpKeeper&) = delete;
 
     pid_t process() const { return process_; }
-    /// Error (device): it is gone, which nobody but a person or the system can have done. Any thread.
+    /// Error (device): it is gone or stands still, which nobody but a person or the system can have done.
+    /// From then on it is not relied on any more. Any thread.
     Result<void> health() const;
 
     /// A device in its care, until this is gone.
     class Kept {
     public:
         Kept(Kept&& other) noexcept
-            : keeper_(std::move(other.keeper_)), place_(other.place_), silences_(other.silences_) {}
+            : keeper_(std::move(other.keeper_)),
+              place_(other.place_),
+              silences_(other.silences_),
+              watch_(other.watch_) {}
         Kept& operator=(Kept&& other) noexcept;
         ~Kept();
         /// Another word, or another descriptor, in place of the last. Said anew of hardware that came back:
@@ -56,20 +61,24 @@ public:
         std::shared_ptr<LimpKeeper> keeper_;
         std::size_t place_ = 0;
         std::uint32_t silences_ = 0;  // that are known of
+        KeeperWatch watch_;
     };
     /// Error (device): `most_devices` are kept already.
     static Result<Kept> keep(std::shared_ptr<LimpKeeper> keeper);
 
 private:
-    LimpKeeper(int socket, pid_t process, std::span<Heartbeat> hearts)
+    LimpKeeper(int socket, pid_t process, LimpHearts& hearts)
         : socket_(socket), process_(process), hearts_(hearts) {}
     Result<void> tell(std::size_t place, const LastWord* word);
+    bool is_done(std::uint32_t number) const;
 
     const int socket_;
     const pid_t process_;
-    const std::span<Heartbeat> hearts_;  // of `most_devices`, shared with it
-    std::mutex mutex_;                   // threads of several devices
+    LimpHearts& hearts_;
+    std::atomic<bool> stands_still_{false};
+    std::mutex mutex_;  // threads of several devices
     bool taken_[most_devices] = {};
+    std::uint32_t orders_ = 0;  // that were given
 };
 
 }  // namespace touchable

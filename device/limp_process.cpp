@@ -6,6 +6,7 @@
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -31,6 +32,7 @@ struct Keeping {
     int descriptor = nothing_kept;
     LimpOrder order;
     HeartWatch watch;
+    pid_t speaker = 0;  // a process that speaks, or has spoken; 0: there was none
 };
 
 /// Twice: a receiver may be in the middle of something that a first one ends.
@@ -47,14 +49,41 @@ void speak(const Keeping& kept, const LimpOrder::Word& word) {
     }
 }
 
+bool is_speaking(const Keeping& kept) {
+    return kept.speaker > 0 && waitpid(kept.speaker, nullptr, WNOHANG) == 0;
+}
+
+/// Beside other devices by a process of its own, so that one that takes no bytes keeps no other waiting.
+template <class Speak>
+void speak_beside_others(Keeping& kept, bool is_alone, Speak&& speaks) {
+    if (is_alone) return speaks();
+    kept.speaker = _Fork();
+    if (kept.speaker > 0) return;
+    if (kept.speaker < 0) return speaks();
+    const auto its_own = static_cast<unsigned>(kept.descriptor);
+    close_range(0, its_own - 1, 0);
+    close_range(its_own + 1, ~0U, 0);
+    speaks();
+    _exit(0);
+}
+
+bool is_alone(std::span<const Keeping> kept) {
+    return std::count_if(kept.begin(), kept.end(),
+                         [](const Keeping& each) { return each.descriptor != nothing_kept; }) < 2;
+}
+
 /// The heart is looked at last of all before the word: this process may have been late, and not the other.
-void speak_if_due(Keeping& kept, Heartbeat& heart) {
+void speak_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
     const auto is_due = [&] { return kept.watch.due_ns(heart.beat_ns) <= boot_ns(); };
     if (!is_due()) return;
     ++heart.silences;
     if (!is_due()) return;
     const LimpOrder::Word& meanwhile = kept.order.meanwhile;
-    speak(kept, meanwhile.bytes > 0 ? meanwhile : kept.order.last);
+    // A word that is still on its way counts as this one.
+    if (!is_speaking(kept))
+        speak_beside_others(kept, is_alone, [&] {
+            if (is_due()) speak(kept, meanwhile.bytes > 0 ? meanwhile : kept.order.last);
+        });
     kept.watch.spoke(boot_ns());
 }
 
@@ -82,34 +111,37 @@ bool next_order(int socket, LimpOrder& order, int& descriptor) {
 
 /// Whether there is an order, or an end, before the first word is due. Nobody tells of a heart that begins to
 /// beat, so it is looked for again and again.
-bool waits_for_order(int socket, std::span<Keeping> kept, std::span<Heartbeat> hearts) {
+bool waits_for_order(int socket, std::span<Keeping> kept, LimpHearts& hearts) {
     const std::int64_t now = boot_ns();
     std::int64_t due = now + Heartbeat::longest_ns;
     bool is_any_kept = false;
     for (std::size_t place = 0; place < kept.size(); ++place) {
         if (kept[place].descriptor == nothing_kept) continue;
         is_any_kept = true;
-        due = std::min(due, kept[place].watch.due_ns(hearts[place].beat_ns));
+        due = std::min(due, kept[place].watch.due_ns(hearts.devices[place].beat_ns));
     }
     const timespec patience{0, std::max<std::int64_t>(due - now, 0)};
     pollfd waited_for{socket, POLLIN, 0};
     return ppoll(&waited_for, 1, is_any_kept ? &patience : nullptr, nullptr) == 1;
 }
 
-void keep(int socket, std::span<Keeping> kept, std::span<Heartbeat> hearts) {
+void keep(int socket, std::span<Keeping> kept, LimpHearts& hearts) {
     for (;;) {
+        ++hearts.keeper_beats;
         if (waits_for_order(socket, kept, hearts)) {
             LimpOrder order;
             int descriptor = nothing_kept;
             if (!next_order(socket, order, descriptor)) return;
             Keeping& place = kept[order.place % kept.size()];
+            if (is_speaking(place)) kill(place.speaker, SIGKILL);
             if (place.descriptor != nothing_kept) close(place.descriptor);
-            place = {descriptor, order, {}};
-            const std::byte done{1};
-            [[maybe_unused]] const auto told = send(socket, &done, 1, MSG_NOSIGNAL);
+            place = {descriptor, order, {}, 0};
+            [[maybe_unused]] const auto told = send(socket, &order.number, sizeof order.number, MSG_NOSIGNAL);
         }
+        const bool alone = is_alone(kept);
         for (std::size_t place = 0; place < kept.size(); ++place)
-            if (kept[place].descriptor != nothing_kept) speak_if_due(kept[place], hearts[place]);
+            if (kept[place].descriptor != nothing_kept)
+                speak_if_due(kept[place], hearts.devices[place], alone);
     }
 }
 
@@ -121,7 +153,7 @@ void become_another(std::span<char> command_line) {
     if (!command_line.empty())
         std::copy_n(process_name, std::min(sizeof process_name, command_line.size()) - 1,
                     command_line.begin());
-    for (const int ignored : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+    for (const int ignored : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGCHLD}) {
         struct sigaction action = {};
         action.sa_handler = SIG_IGN;
         sigaction(ignored, &action, nullptr);
@@ -135,7 +167,7 @@ void become_another(std::span<char> command_line) {
 
 }  // namespace
 
-void keep_limp_until_alone(int socket, std::span<Heartbeat> hearts, std::span<char> command_line) {
+void keep_limp_until_alone(int socket, LimpHearts& hearts, std::span<char> command_line) {
     become_another(command_line);
     // What it does not need it must not hold open: a pipe that the other one writes would have no end.
     if (socket != 3) {
@@ -146,8 +178,12 @@ void keep_limp_until_alone(int socket, std::span<Heartbeat> hearts, std::span<ch
     for (const int standard : {0, 1, 2}) close(standard);
     Keeping kept[LimpOrder::most_devices];
     keep(socket, kept, hearts);
-    for (const Keeping& place : kept)
-        if (place.descriptor != nothing_kept) speak(place, place.order.last);
+    const bool alone = is_alone(kept);
+    for (Keeping& place : kept)
+        if (place.descriptor != nothing_kept)
+            speak_beside_others(place, alone, [&place] { speak(place, place.order.last); });
+    while (wait(nullptr) > 0) {  // whoever waits for this process waits for all words
+    }
     _exit(0);
 }
 

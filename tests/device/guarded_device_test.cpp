@@ -114,6 +114,23 @@ TEST_F(GuardedDevice, HasNoForceBesideNobody) {
     EXPECT_EQ(hardware.force, glm::dvec3(0));
 }
 
+TEST_F(GuardedDevice, HasNoForceBesideOneThatStandsStill) {
+    rise();
+    kill(keeper->process(), SIGSTOP);
+    for (int ticks = 0; ticks < 10'000 && goes_on; ++ticks) {
+        usleep(1000);
+        tick();
+    }
+    EXPECT_FALSE(goes_on);
+    EXPECT_EQ(hardware.force, glm::dvec3(0));
+    EXPECT_FALSE(hardware.connected);
+    tick();
+    EXPECT_FALSE(reads) << "it has failed, and is not looked for";
+    EXPECT_NE(device->health().error().message.find(") stands still; there is no force without it"),
+              std::string::npos)
+        << device->health().error().message;
+}
+
 /// What hangs in a call of a driver, as one that loads firmware, may do so where no force is out.
 TEST_F(GuardedDevice, NoBeatIsExpectedBeforeTheFirstTurn) {
     usleep(50'000);

@@ -43,5 +43,30 @@ TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
     EXPECT_EQ(watch.due_ns(0), HeartWatch::never) << "another device in its place";
 }
 
+TEST(KeeperWatch, KnowsAfterASecondThatNothingBeats) {
+    KeeperWatch watch;
+    std::int64_t now = 5'000'000 * beat_ms;
+    EXPECT_TRUE(watch.hears(7, now));
+    int looks = 0;
+    while (watch.hears(7, now += beat_ms)) ASSERT_LT(++looks, 2000);
+    EXPECT_EQ(looks, 1000);
+    EXPECT_TRUE(watch.hears(8, now)) << "it beats again";
+}
+
+TEST(KeeperWatch, OneThatBeatsSeldomLives) {
+    KeeperWatch watch;
+    std::int64_t now = 0;
+    for (std::uint32_t beats = 0xfffffff0; beats != 0x10; ++beats)
+        for (int looks = 0; looks < 900; ++looks) ASSERT_TRUE(watch.hears(beats, now += beat_ms));
+}
+
+/// On a machine that sleeps nobody beats.
+TEST(KeeperWatch, TimeInWhichNobodyLookedDoesNotCount) {
+    KeeperWatch watch;
+    std::int64_t now = 0;
+    watch.hears(7, now);
+    for (int sleeps = 0; sleeps < 40; ++sleeps) ASSERT_TRUE(watch.hears(7, now += 3'600'000 * beat_ms));
+}
+
 }  // namespace
 }  // namespace touchable::test

@@ -16,6 +16,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,8 @@ std::vector<std::byte> word(const std::string& text) {
 class BeatingProgram {
 public:
     enum class Way { beats, aborts };
-    explicit BeatingProgram(Way way = Way::beats, const std::function<void()>& before = {}) {
+    /// `beside`: the descriptor of another device that it holds too; -1: none.
+    explicit BeatingProgram(Way way = Way::beats, const std::function<void()>& before = {}, int beside = -1) {
         int ends[2], told[2];
         EXPECT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
         EXPECT_EQ(pipe(told), 0);
@@ -49,7 +51,7 @@ public:
             setpgid(0, 0);
             for (const int theirs : {ends[0], told[0], 2}) ::close(theirs);
             if (before) before();
-            live(ends[1], told[1], way);
+            live(ends[1], told[1], way, beside);
         }
         for (const int its : {ends[1], told[1]}) ::close(its);
         device_ = ends[0];
@@ -97,16 +99,22 @@ public:
     }
 
 private:
-    [[noreturn]] static void live(int device, int told, Way way) {
+    [[noreturn]] static void live(int device, int told, Way way, int beside) {
         auto keeper = LimpKeeper::start();
         if (!keeper.ok()) _exit(1);
+        std::optional<LimpKeeper::Kept> other;  // which is spoken to first
+        if (beside >= 0) {
+            auto also_kept = LimpKeeper::keep(*keeper);
+            if (!also_kept.ok() || !also_kept->say({beside, word("last"), {}, {}}).ok()) _exit(1);
+            other.emplace(std::move(*also_kept));
+        }
         auto kept = LimpKeeper::keep(*keeper);
         if (!kept.ok() || !kept->say({device, word("last"), {}, word("meanwhile")}).ok()) _exit(1);
         const pid_t guardian = (*keeper)->process();
         if (write(told, &guardian, sizeof guardian) != sizeof guardian) _exit(1);
         for (int force = 0;; ++force) {
             const auto beat = kept->beat();
-            if (!beat.ok()) _exit(2);
+            if (!beat.ok() || (other && !other->beat().ok())) _exit(2);
             ::send(device, *beat ? "force" : "anew", *beat ? 5 : 4, 0);
             if (way == Way::aborts && force == 100) std::abort();
             usleep(1000);
@@ -231,6 +239,34 @@ std::string contents(pid_t process, const char* what) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// The device is in nobody's care then, and must have no force.
+TEST(LimpProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
+    auto keeper = LimpKeeper::start();
+    ASSERT_TRUE(keeper.ok());
+    auto kept = LimpKeeper::keep(*keeper);
+    ASSERT_TRUE(kept.ok());
+    const pid_t process = (*keeper)->process();
+    int ends[2];
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
+    ASSERT_TRUE(kept->say({ends[1], word("zero"), {}, {}}).ok());
+    ::close(ends[1]);
+    kill(process, SIGSTOP);
+    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+    kill(process, SIGCONT);
+    char byte = 0;
+    EXPECT_EQ(recv(ends[0], &byte, 1, 0), 0) << "it obeys, and lets go of what it held";
+    const auto sleeps = [&] {
+        const std::string stat = contents(process, "stat");
+        return stat.compare(stat.rfind(')'), 3, ") S") == 0;
+    };
+    while (!sleeps()) usleep(1000);  // it has answered
+    kill(process, SIGSTOP);
+    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+    kill(process, SIGCONT);
+    EXPECT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it is relied on again";
+    ::close(ends[0]);
+}
+
 /// `pkill -9 touchable` goes by the one, `pkill -f` by the other.
 TEST(LimpProcess, HasANameAndACommandLineOfItsOwn) {
     const BeatingProgram program;
@@ -274,6 +310,41 @@ TEST(LimpProcess, HoldsNothingOpenThatItDoesNotNeed) {
     EXPECT_EQ(held.size(), 2U) << "its socket, and what it keeps";
 }
 
+/// As one whose bus hangs: whoever writes to it waits.
+class DeviceThatTakesNothing {
+public:
+    DeviceThatTakesNothing() {
+        EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends_), 0);
+        const std::vector<char> much(1 << 16);
+        while (send(ends_[1], much.data(), much.size(), MSG_DONTWAIT) > 0) {
+        }
+    }
+    ~DeviceThatTakesNothing() {
+        for (const int end : ends_) ::close(end);
+    }
+    DeviceThatTakesNothing(const DeviceThatTakesNothing&) = delete;
+    DeviceThatTakesNothing& operator=(const DeviceThatTakesNothing&) = delete;
+    int end() const { return ends_[1]; }
+    void let_go_of_its_end() const { ::close(ends_[0]); }
+
+private:
+    int ends_[2] = {-1, -1};
+};
+
+TEST(LimpProcess, ADeviceThatTakesNothingKeepsNoOtherWaiting) {
+    const DeviceThatTakesNothing stuck;
+    const BeatingProgram program(
+        BeatingProgram::Way::beats, [&] { stuck.let_go_of_its_end(); }, stuck.end());
+    program.stop();
+    ASSERT_TRUE(program.hears_of("meanwhile"));
+    for (int words = 1; words < 8; ++words) ASSERT_EQ(program.hears(), "meanwhile");
+    kill(program.process(), SIGCONT);
+    ASSERT_TRUE(program.hears_of("anew")) << "it answers to its program";
+    kill(program.process(), SIGKILL);
+    ASSERT_TRUE(program.hears_of("last"));
+    EXPECT_EQ(program.hears(), "last");
+}
+
 TEST(LimpProcess, SpeaksTwice) {
     const BeatingProgram program;
     kill(program.process(), SIGKILL);
@@ -299,6 +370,48 @@ TEST(LimpProcess, ThatItIsGoneIsKnown) {
         std::string::npos)
         << beat.error().message;
     EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+}
+
+TEST(LimpProcess, ThatItStandsStillIsKnown) {
+    auto keeper = LimpKeeper::start();
+    ASSERT_TRUE(keeper.ok());
+    auto kept = LimpKeeper::keep(*keeper);
+    ASSERT_TRUE(kept.ok());
+    ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok());
+    kill((*keeper)->process(), SIGSTOP);
+    int beats = 0;
+    Result<bool> beat = true;
+    for (; beat.ok() && beats < 10'000; ++beats) {
+        usleep(1000);
+        beat = kept->beat();
+    }
+    ASSERT_FALSE(beat.ok());
+    EXPECT_EQ(beat.error().kind, ErrorKind::device);
+    EXPECT_NE(beat.error().message.find("(limp-keeper, " + std::to_string((*keeper)->process()) +
+                                        ") stands still; there is no force without it"),
+              std::string::npos)
+        << beat.error().message;
+    EXPECT_GE(beats, 50) << "a busy machine may keep it waiting for a while";
+    kill((*keeper)->process(), SIGCONT);
+    EXPECT_FALSE(kept->beat().ok()) << "nobody relies on it again";
+    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+}
+
+/// Whether it was known to be stopped or not. (In a process of its own, which would hang.)
+TEST(LimpProcess, AStoppedOneDoesNotKeepTheProgramFromItsEnd) {
+    const pid_t program = fork();
+    if (program == 0) {
+        alarm(30);
+        auto keeper = LimpKeeper::start();
+        if (!keeper.ok()) _exit(1);
+        const pid_t process = (*keeper)->process();
+        kill(process, SIGSTOP);
+        keeper->reset();
+        _exit(kill(process, 0) < 0 ? 0 : 2);
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(program, &status, 0), program);
+    EXPECT_EQ(status, 0);
 }
 
 }  // namespace
