@@ -1,15 +1,14 @@
 // What the hand is left with while the program is stopped, when it is ended with all that was started with
 // it, when only the process beside it is ended, and when the program waits for somebody. By order, not by
 // time.
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/ioctl.h>
-#include <sys/socket.h>
-#include <sys/time.h>
+#include <pty.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -18,37 +17,25 @@
 #include <optional>
 #include <utility>
 
-#include "device/network/network_packet.hpp"
-#include "device/network/udp_socket.hpp"
+#include "tests/player/network_peer.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {
 namespace {
 
+using std::chrono::milliseconds;
+
 /// A network hand that goes into the globe, and hears packet by packet.
 class GlobeHand {
 public:
-    explicit GlobeHand(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
-        sockaddr_in to{};
-        to.sin_family = AF_INET;
-        to.sin_port = htons(port);
-        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
-    }
-    ~GlobeHand() { ::close(socket_); }
-    GlobeHand(const GlobeHand&) = delete;
-    GlobeHand& operator=(const GlobeHand&) = delete;
+    explicit GlobeHand(std::uint16_t port) : peer_(port) {}
 
     /// One packet out, and what has come by a millisecond later: the newest; nothing.
     std::optional<NetworkPacket> step() {
-        NetworkPacket packet;
-        packet.sequence = ++sequence_;
-        packet.vectors[0] = {0, 0, place_};
-        const auto bytes = encode(packet);
-        [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), 0);
+        peer_.say({0, 0, place_});
         usleep(1000);
         std::optional<NetworkPacket> newest;
-        for (std::optional<NetworkPacket> one; (one = hear(MSG_DONTWAIT));) newest = one;
+        for (std::optional<NetworkPacket> one; (one = peer_.hear(milliseconds(0)));) newest = one;
         return newest;
     }
     /// Comes from the air until it feels something; again where the machine stood still.
@@ -61,24 +48,21 @@ public:
     }
     /// The next packet of that kind; nothing: there is none for a long time.
     std::optional<NetworkPacket> hears(bool NetworkPacket::*flag) {
-        const timeval patience{10, 0};
-        setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
         std::optional<NetworkPacket> packet;
-        while ((packet = hear(0)) && !((*packet).*flag)) {
+        while ((packet = peer_.hear(milliseconds(10'000))) && !((*packet).*flag)) {
         }
         return packet;
     }
 
-private:
-    std::optional<NetworkPacket> hear(int flags) const {
-        std::byte room[1024];
-        const auto came = recv(socket_, room, sizeof room, flags);
-        if (came < 0) return std::nullopt;
-        const auto packet = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
-        return packet.ok() ? std::optional(*packet) : std::nullopt;
+    /// Likewise, while it goes on: of one that falls silent the program parts by itself.
+    std::optional<NetworkPacket> hears_while_it_goes_on(bool NetworkPacket::*flag) {
+        for (int steps = 0; steps < 20'000; ++steps)
+            if (const auto answer = step(); answer && (*answer).*flag) return answer;
+        return std::nullopt;
     }
-    int socket_;
-    std::uint32_t sequence_ = 0;
+
+private:
+    NetworkPeer peer_;
     double place_ = 0.08;
 };
 
@@ -92,17 +76,15 @@ protected:
     void SetUp() override {
         const Outcome made = run_touchable({"make", "globe", clip_, "--size", "64x48", "--frames", "4"});
         ASSERT_EQ(made.code, 0) << made.err;
-        UdpSocket socket;
-        ASSERT_TRUE(socket.bind("127.0.0.1", 0).ok());
-        port_ = socket.port();
     }
     void TearDown() override {
         if (program_ <= 0) return;
         kill(program_, SIGKILL);
         waitpid(program_, nullptr, 0);
     }
-    /// In a group of its own, as a shell starts it, and with forces on.
-    void start(std::vector<std::string> more = {}, int output = -1) {
+    /// In a group of its own, as a shell starts it, and with forces on. `terminal`: for what it says; -1:
+    /// that goes to a file.
+    void start(int terminal = -1) {
         std::vector<std::string> words{TOUCHABLE_PROGRAM,
                                        "touch",
                                        clip_,
@@ -110,14 +92,12 @@ protected:
                                        "--force-on",
                                        "--device",
                                        "network:port=" + std::to_string(port_)};
-        words.insert(words.end(), more.begin(), more.end());
         program_ = fork();
         if (program_ != 0) return;
         setpgid(0, 0);
         const int nowhere = open("/dev/null", O_RDWR);
-        const int errors = open(said_.c_str(), O_WRONLY | O_CREAT, 0600);
-        dup2(nowhere, 0);
-        dup2(output < 0 ? nowhere : output, 1);
+        const int errors = terminal < 0 ? open(said_.c_str(), O_WRONLY | O_CREAT, 0600) : terminal;
+        for (const int stream : {0, 1}) dup2(nowhere, stream);
         dup2(errors, 2);
         std::vector<char*> arguments;
         for (std::string& word : words) arguments.push_back(word.data());
@@ -146,7 +126,7 @@ protected:
 
     const TemporaryFolder folder_;
     const std::string clip_ = folder_ / "globe.mkv", said_ = folder_ / "said";
-    std::uint16_t port_ = 0;
+    const std::uint16_t port_ = free_port();
     pid_t program_ = 0;
 };
 
@@ -191,45 +171,50 @@ TEST_F(LimpHand, TheProcessBesideTheProgramHasAnotherName) {
     EXPECT_EQ(text_of(process / "cmdline").find("touch"), std::string::npos);
 }
 
-TEST_F(LimpHand, WhenTheProcessBesideTheProgramIsEnded) {
+class LimpHandWithoutItsProcess : public LimpHand,
+                                  public ::testing::WithParamInterface<std::pair<int, const char*>> {};
+
+TEST_P(LimpHandWithoutItsProcess, IsLimpAndTheProgramEndsAndSaysWhy) {
+    const auto [signal, what] = GetParam();
     start();
     GlobeHand hand(port_);
     ASSERT_TRUE(hand.feels_something()) << said();
     const pid_t ended = guardian();
     ASSERT_GT(ended, 0);
-    kill(ended, SIGKILL);
-    const auto last = hand.hears(&NetworkPacket::last);
+    kill(ended, signal);
+    const auto last = hand.hears_while_it_goes_on(&NetworkPacket::last);
     ASSERT_TRUE(last);
     EXPECT_EQ(last->vectors[0], glm::dvec3(0));
     EXPECT_EQ(exit_code(), 5);
     EXPECT_NE(said().find("touchable: network hand: the process that leaves devices limp when this program "
                           "cannot (limp-keeper, " +
-                          std::to_string(ended) + ") is gone; there is no force without it"),
+                          std::to_string(ended) + ") " + what + "; there is no force without it"),
               std::string::npos)
         << said();
 }
 
-/// Whoever asks it to stop by Ctrl-C has a limp hand, whatever the program waits for: a reader who reads
-/// nothing.
+INSTANTIATE_TEST_SUITE_P(Signals, LimpHandWithoutItsProcess,
+                         ::testing::Values(std::pair{SIGKILL, "is gone"},
+                                           std::pair{SIGSTOP, "stands still"}));
+
+/// Whoever asks it to stop by Ctrl-C has a limp hand, whatever the program waits for: a terminal that is held
+/// by Ctrl-S takes not even the line that says how it goes, and never answers.
 TEST_F(LimpHand, AtCtrlCBeforeAnythingIsWaitedFor) {
-    int ends[2];
-    ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
-    start({"--forces", "-"}, ends[1]);
-    ::close(ends[1]);
+    int keyboard = -1, terminal = -1;
+    ASSERT_EQ(openpty(&keyboard, &terminal, nullptr, nullptr, nullptr), 0);
+    start(terminal);
     GlobeHand hand(port_);
-    ASSERT_TRUE(hand.feels_something()) << said();
-    // Until the pipe is full, and a while longer: the hand is still answered then.
-    int before = -1, in_pipe = 0;
-    for (int steps = 0; steps < 20'000 && (in_pipe != before || in_pipe == 0); ++steps) {
-        if (steps % 200 == 0) before = in_pipe;
-        hand.step();
-        if (steps % 200 == 199) {
-            ASSERT_EQ(ioctl(ends[0], FIONREAD, &in_pipe), 0);
-        }
-    }
+    EXPECT_TRUE(hand.feels_something());
+    ASSERT_EQ(tcflow(terminal, TCOOFF), 0);
+    for (int answers = 0, steps = 0; answers < 1000 && steps < 20'000; ++steps)
+        answers += hand.step() ? 1 : 0;
+    ASSERT_EQ(waitpid(program_, nullptr, WNOHANG), 0) << "it waits, and the hand does not";
     kill(program_, SIGINT);
-    EXPECT_TRUE(hand.hears(&NetworkPacket::last));
-    ::close(ends[0]);
+    EXPECT_TRUE(hand.hears_while_it_goes_on(&NetworkPacket::last));
+    EXPECT_EQ(waitpid(program_, nullptr, WNOHANG), 0) << "it still waits";
+    ASSERT_EQ(tcflow(terminal, TCOON), 0);
+    EXPECT_EQ(exit_code(), 130);
+    for (const int end : {keyboard, terminal}) ::close(end);
 }
 
 }  // namespace

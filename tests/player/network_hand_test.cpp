@@ -1,10 +1,7 @@
 // A program of somebody else's as the hand: from its datagrams to forces and back. No test depends on a
 // deadline.
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <poll.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,9 +19,9 @@
 #include <thread>
 #include <utility>
 
-#include "device/network/network_packet.hpp"
 #include "device/network/udp_socket.hpp"
 #include "haptics_cpu/force_guard.hpp"
+#include "tests/player/network_peer.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/standstill.hpp"
@@ -34,12 +31,6 @@ namespace touchable::test {
 namespace {
 
 using Words = std::vector<std::string>;
-
-std::uint16_t free_port() {
-    UdpSocket socket;
-    EXPECT_TRUE(socket.bind("127.0.0.1", 0).ok());
-    return socket.port();
-}
 
 /// What a command says on standard output, and its exit code behind it.
 std::string said_by(const std::string& command) {
@@ -62,16 +53,7 @@ int times_in(const std::string& text, const std::string& words) {
 /// back and comes again.
 class PressingHand {
 public:
-    explicit PressingHand(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
-        sockaddr_in to{};
-        to.sin_family = AF_INET;
-        to.sin_port = htons(port);
-        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
-    }
-    ~PressingHand() { ::close(socket_); }
-    PressingHand(const PressingHand&) = delete;
-    PressingHand& operator=(const PressingHand&) = delete;
+    explicit PressingHand(std::uint16_t port) : peer_(port) {}
 
     /// One packet out; the newest answer that has come within a moment.
     NetworkPacket rest_at(double place) {
@@ -80,15 +62,11 @@ public:
         return press();
     }
     NetworkPacket press() {
-        NetworkPacket packet;
-        packet.sequence = ++sequence_;
         if (newest_.kind == NetworkPacket::Kind::forces && glm::length(newest_.vectors[0]) <= 0.1)
             place_ += way_;
         if (place_ < -0.06) way_ = 0.0005;
         if (place_ > 0.1) way_ = -0.0005;
-        packet.vectors[0] = {0, 0, place_};
-        const auto bytes = encode(packet);
-        [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), 0);
+        peer_.say({0, 0, place_});
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         return hear(0);
     }
@@ -105,23 +83,15 @@ public:
         newest_ = {};
     }
     NetworkPacket hear(int patience_ms) {
-        pollfd waited_for{socket_, POLLIN, 0};
-        std::byte room[1024];
-        while (poll(&waited_for, 1, patience_ms) == 1) {
-            const auto came = recv(socket_, room, sizeof room, 0);
-            if (came < 0) break;
-            if (const auto packet =
-                    decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
-                packet.ok())
-                newest_ = *packet;
+        while (const auto packet = peer_.hear(std::chrono::milliseconds(patience_ms))) {
+            newest_ = *packet;
             if (newest_.last) break;
         }
         return newest_;
     }
 
 private:
-    int socket_;
-    std::uint32_t sequence_ = 0;
+    NetworkPeer peer_;
     double place_ = 0.1, way_ = -0.0005;
     NetworkPacket newest_;
 };
