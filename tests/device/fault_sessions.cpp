@@ -9,6 +9,7 @@
 #include "device/driven_device.hpp"
 #include "device/steady_time.hpp"
 #include "tests/sanitizers.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -31,7 +32,7 @@ public:
     ~FaultSessions() { time_.on_tick = {}; }
 
     void run() {
-        while (struck_ < all_faults && violation_.empty()) {
+        while (struck_ < all_faults / static_cast<int>(sweep_step()) && violation_.empty()) {
             session();
             if (testing::Test::HasFatalFailure()) return;
         }

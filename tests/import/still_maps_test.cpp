@@ -10,6 +10,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -408,11 +409,11 @@ TEST_F(StillMapsTest, BombsDoNoHarm) {
     for (int k = 0; k < 300'000; ++k) deep += "</Group>";
     expect_refused("a.x3d", deep, "has no HapticTexturesSurface");
     std::string many;
-    while (many.size() < (15U << 20U)) many += "<a/>x";
+    while (many.size() < (15U << 20U) / sweep_step()) many += "<a/>x";
     expect_refused("a.x3d", "<X3D>" + many + "</X3D>", "has no HapticTexturesSurface");
     expect_refused("a.gltf", "{\"a\": " + std::string(100'000, '['), "nested too deeply");
     std::string list = "{\"a\": [";
-    while (list.size() < (7U << 20U)) list += "{},";
+    while (list.size() < (7U << 20U) / sweep_step()) list += "{},";
     expect_refused("a.gltf", list + "{}]}", "has no material");
     // 16384 x 16384 in a few bytes.
     write_picture(folder / "a.png", {4, 3});

@@ -9,6 +9,7 @@
 #include "engine/scene/terraces.hpp"
 #include "tests/scene/random.hpp"
 #include "tests/scene/scene_texts.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable {
 namespace {
@@ -131,7 +132,7 @@ Scene random_scene(Random& random) {
 
 TEST(SceneFile, RandomScenesComeBackToTheLastBit) {
     Random random(41);
-    for (int k = 0; k < 3000; ++k) {
+    for (std::size_t k = 0; k < 3000; k += test::sweep_step()) {
         const Scene scene = random_scene(random);
         ASSERT_TRUE(validate(scene).ok()) << validate(scene).error().message;
         const std::string json = scene_to_json(scene);
