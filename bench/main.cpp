@@ -10,6 +10,7 @@
 #include <string>
 
 #include "bench/clocks.hpp"
+#include "bench/measured_commit.hpp"
 #include "bench/report.hpp"
 #include "bench/suite.hpp"
 #include "engine/gpu/gpu_device.hpp"
@@ -96,7 +97,9 @@ Result<void> run(const Options& options) {
         if (auto measured = c.measure(done.back().figures); !measured.ok()) return measured;
     }
     const CaseFigures machine{"machine", machine_figures(load_at_start)};
-    std::cout << tables_of({machine}) << '\n' << tables_of(done) << std::flush;
+    std::cout << "commit " << measured_commit << "\n\n"
+              << tables_of({machine}) << '\n'
+              << tables_of(done) << std::flush;
     done.insert(done.begin(), machine);
     if (options.json)
         if (auto written = write_report(*options.json, options.suite, done); !written.ok()) return written;
@@ -117,6 +120,8 @@ int fail(const Error& error) {
 int run_program(int argc, char** argv) {
     CLI::App app{"Measure run time and error.", "touchable-bench"};
     Options options;
+    app.set_version_flag("-V,--version", std::string("touchable-bench of commit ") + measured_commit,
+                         "print the commit it was built from, and end");
     app.add_option("suite", options.suite, "what to measure; without one, the suites are listed");
     app.add_flag("--quick", options.quick, "the same more coarsely, within a minute");
     app.add_option("--json", options.json, "write the figures to this file too");
