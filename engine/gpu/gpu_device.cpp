@@ -295,10 +295,13 @@ std::vector<GpuTime> GpuDevice::read(const std::vector<GpuTime>& times) {
 }
 
 void wait_for_given_up_gpus() {
-    const std::lock_guard lock(abandoned().mutex);
-    for (const Remains& left : abandoned().remains)
-        if (left.vulkan->facts.kind == GpuKind::software)
-            wait_on(*left.vulkan, left.timeline, left.value, left.patience);
+    {
+        const std::lock_guard lock(abandoned().mutex);
+        for (const Remains& left : abandoned().remains)
+            if (left.vulkan->facts.kind == GpuKind::software)
+                wait_on(*left.vulkan, left.timeline, left.value, left.patience);
+    }
+    free_finished_remains();
 }
 
 }  // namespace touchable

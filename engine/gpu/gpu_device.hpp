@@ -99,7 +99,7 @@ private:
 /// At a program's end, before `main` returns: waits for software Vulkans that were given up at work, for each
 /// as long as its patience. They compute and compile on threads of this process, which must not meet what
 /// `exit` takes from the driver's libraries. A GPU of hardware needs nothing of this process, and is not
-/// waited for.
+/// waited for. What has finished is let go.
 void wait_for_given_up_gpus();
 
 }  // namespace touchable
