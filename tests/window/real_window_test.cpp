@@ -105,8 +105,9 @@ xdotool key Escape
 
 TEST(RealWindow, ShowsThePointerWhereNoFingerIs) {
     if (!has_display_programs() ||
-        std::system("command -v python3 >/dev/null && ldconfig -p | grep -q libXfixes.so.3") != 0)
-        GTEST_SKIP() << "Xvfb, xdotool, python3 and libXfixes are not installed";
+        std::system("command -v python3 >/dev/null && ldconfig -p | grep -q libXfixes.so.3 && "
+                    "ldconfig -p | grep -q libXcursor.so.1") != 0)
+        GTEST_SKIP() << "Xvfb, xdotool, python3, libXfixes and libXcursor are not installed";
     const TemporaryFolder folder;
     ASSERT_EQ(
         run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
