@@ -61,7 +61,7 @@ void speak_beside_others(Keeping& kept, bool is_alone, Speak&& speaks) {
     if (kept.speaker > 0) return;
     if (kept.speaker < 0) return speaks();
     const auto its_own = static_cast<unsigned>(kept.descriptor);
-    close_range(0, its_own - 1, 0);
+    if (its_own > 0) close_range(0, its_own - 1, 0);
     close_range(its_own + 1, ~0U, 0);
     speaks();
     _exit(0);

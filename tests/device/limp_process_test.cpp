@@ -345,6 +345,22 @@ TEST(LimpProcess, ADeviceThatTakesNothingKeepsNoOtherWaiting) {
     EXPECT_EQ(program.hears(), "last");
 }
 
+TEST(LimpProcess, LeavesEachOfTwoDevicesLimp) {
+    int ends[2];
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
+    const timeval patience{10, 0};
+    setsockopt(ends[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    const BeatingProgram program(
+        BeatingProgram::Way::beats, [&] { ::close(ends[0]); }, ends[1]);
+    ::close(ends[1]);
+    kill(program.process(), SIGKILL);
+    EXPECT_TRUE(program.hears_of("last"));
+    char room[64];
+    const ssize_t came = recv(ends[0], room, sizeof room, 0);
+    EXPECT_EQ(std::string(room, static_cast<std::size_t>(std::max<ssize_t>(came, 0))), "last");
+    ::close(ends[0]);
+}
+
 TEST(LimpProcess, SpeaksTwice) {
     const BeatingProgram program;
     kill(program.process(), SIGKILL);
