@@ -37,7 +37,7 @@ private:
     Result<Plane> depth(std::int64_t frame);
     Result<Plane> colour(std::int64_t frame);
     Result<void> look_at_all();
-    Result<void> find_far_plane();
+    Result<void> settle_far_plane();
     void describe(PlaneRole role, const StoredImage& first);
 
     BagRecording recording_;
@@ -67,7 +67,7 @@ Result<void> BagReader::open() {
         describe(PlaneRole::colour, *colour);
     }
     if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
-    return scene_.far_from_frames ? find_far_plane() : Result<void>{};
+    return scene_.far_from_frames ? settle_far_plane() : Result<void>{};
 }
 
 void BagReader::describe(PlaneRole role, const StoredImage& first) {
@@ -94,15 +94,11 @@ Result<void> BagReader::look_at_all() {
     return {};
 }
 
-Result<void> BagReader::find_far_plane() {
-    FarPlaneSearch search(scene_.depth);
-    for (std::int64_t frame = 0; frame < recording_.count(); ++frame) {
-        const auto plane = depth(frame);
-        if (!plane) return plane.error();
-        if (auto added = search.add(plane->view); !added) return added;
-    }
-    auto note = search.settle(scene_);
-    if (!note) return input_error(recording_.bag().name() + ": " + note.error().message);
+Result<void> BagReader::settle_far_plane() {
+    const bool with_colour = std::exchange(with_colour_, false);
+    auto note = find_far_plane(*this, scene_);
+    with_colour_ = with_colour;
+    if (!note) return Error{note.error().kind, recording_.bag().name() + ": " + note.error().message};
     notes_.push_back(std::move(*note));
     return {};
 }

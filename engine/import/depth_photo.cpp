@@ -176,9 +176,9 @@ Result<void> DepthPhotoReader::note_what_is_there() {
     if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
     if (auto note = no_depth_note(frame_, scene_.depth)) notes_.push_back(std::move(*note));
     if (!scene_.far_from_frames) return {};
-    FarPlaneSearch search(scene_.depth);
-    if (auto added = search.add(frame_.depth); !added) return added;
-    auto note = search.settle(scene_);
+    FarPlaneEstimator estimator(scene_.depth);
+    estimator.add(frame_.depth);
+    auto note = estimator.settle(scene_);
     if (!note) return refuse(note.error().message);
     notes_.push_back(std::move(*note));
     return {};

@@ -68,7 +68,7 @@ private:
     Result<void> read_cameras(const PictureFiles& depth);
     Result<void> read_first();
     Result<void> look_at_all();
-    Result<void> find_far_plane();
+    Result<void> settle_far_plane();
     Result<StoredImage> read(const Track& track, std::int64_t frame) const;
     Result<Plane> fitted(const Track& track, std::int64_t frame, StoredImage stored) const;
     Result<Plane> plane(const Track& track, std::int64_t frame) const;
@@ -90,7 +90,7 @@ Result<void> ImageFolderReader::open() {
     if (auto read = read_first(); !read) return read;
     if (auto note = default_touch_note(!scene_.folder->haptic.empty(), scene_))
         notes_.push_back(std::move(*note));
-    return scene_.far_from_frames ? find_far_plane() : Result<void>{};
+    return scene_.far_from_frames ? settle_far_plane() : Result<void>{};
 }
 
 /// Every track has every frame, or the first that is missing is named.
@@ -184,15 +184,11 @@ Result<void> ImageFolderReader::look_at_all() {
     return {};
 }
 
-Result<void> ImageFolderReader::find_far_plane() {
-    FarPlaneSearch search(scene_.depth);
-    for (std::int64_t frame = 0; frame < count_; ++frame) {
-        const auto depth = plane(tracks_.front(), frame);
-        if (!depth) return depth.error();
-        if (auto added = search.add(depth->view); !added) return added;
-    }
-    auto note = search.settle(scene_);
-    if (!note) return input_error(name() + ": " + note.error().message);
+Result<void> ImageFolderReader::settle_far_plane() {
+    const bool with_colour = std::exchange(with_colour_, false);
+    auto note = find_far_plane(*this, scene_);
+    with_colour_ = with_colour;
+    if (!note) return Error{note.error().kind, name() + ": " + note.error().message};
     notes_.push_back(std::move(*note));
     return {};
 }

@@ -39,7 +39,7 @@ private:
     Result<void> open_files();
     Result<void> read_first();
     Result<void> settle_relative(const CodeRange& range);
-    Result<void> find_far_plane();
+    Result<void> settle_far_plane();
     void add_notes(const RawFrame& first);
     Result<VideoPicture> picture(VideoFile& video, RgbConverter& converter);
     Result<Plane> depth_of(VideoPicture& picture, std::int64_t frame) const;
@@ -69,7 +69,7 @@ Result<void> VideoReader::open() {
             "not of videos: must be linear, inverse, metric, hue, relative or relative-inverse");
     if (auto opened = open_files(); !opened) return opened;
     if (auto read = read_first(); !read) return read;
-    return scene_.far_from_frames ? find_far_plane() : Result<void>{};
+    return scene_.far_from_frames ? settle_far_plane() : Result<void>{};
 }
 
 Result<void> VideoReader::open_files() {
@@ -167,20 +167,14 @@ Result<void> VideoReader::settle_relative(const CodeRange& range) {
     return {};
 }
 
-Result<void> VideoReader::find_far_plane() {
-    FarPlaneSearch search(scene_.depth);
+Result<void> VideoReader::settle_far_plane() {
     const bool with_colour = std::exchange(with_colour_, false);
-    while (true) {
-        const auto frame = next();
-        if (!frame) return frame.error();
-        if (!*frame) break;
-        if (auto added = search.add((*frame)->depth); !added) return added;
-    }
+    auto note = find_far_plane(*this, scene_);
     with_colour_ = with_colour;
-    auto note = search.settle(scene_);
-    if (!note) return input_error((folder_ / source_.depth).string() + ": " + note.error().message);
+    if (!note)
+        return Error{note.error().kind, (folder_ / source_.depth).string() + ": " + note.error().message};
     notes_.push_back(std::move(*note));
-    return rewind();
+    return {};
 }
 
 Result<Plane> VideoReader::depth_of(VideoPicture& picture, std::int64_t frame) const {

@@ -2,26 +2,38 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
-#include "engine/frame/plane_view.hpp"
+#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 
-/// Finds the far plane of a metric clip that does not give one: the largest valid depth of all frames plus 5
-/// %.
-class FarPlaneSearch {
+/// The frames of a clip that tell what is to be known of all of them: the first ones, and as many more that
+/// are spread over the rest. However long a clip is, to know it takes no longer.
+inline constexpr std::int64_t first_frames = 16, spread_frames = 16;
+/// Their numbers, ascending, in a clip of `count` frames of which each can be read on its own.
+std::vector<std::int64_t> telling_frames(std::int64_t count);
+
+/// The far plane of a metric clip that does not give one: 5 % beyond the depth that at most one valid pixel
+/// in 10 000 exceeds. (A camera's stray pixels say nothing of its scene, and a far plane out there would make
+/// codes coarser for all others.) What lies beyond it is invalid.
+class FarPlaneEstimator {
 public:
-    explicit FarPlaneSearch(const DepthCoding& coding) : coding_(coding) {}
-    /// An error once somebody asked the program to stop: a clip may take long to search.
-    Result<void> add(const PlaneView& depth);
+    explicit FarPlaneEstimator(const DepthCoding& coding) : coding_(coding), pixels_(65536) {}
+    void add(const PlaneView& depth);
     /// Settles the scene's coding; the note says what was found. An error where no depth was valid.
     Result<std::string> settle(Scene& scene) const;
 
 private:
     DepthCoding coding_;
-    int deepest_ = -1;  // code
+    std::vector<std::int64_t> pixels_;  // by code, of valid ones
+    int frames_ = 0;
 };
+
+/// The same of a clip at its beginning, where it is again afterwards. Where it cannot seek, its first frames
+/// tell all. A later frame that is damaged tells nothing; who plays it learns of that then.
+Result<std::string> find_far_plane(ClipReader& clip, Scene& scene);
 
 }  // namespace touchable

@@ -290,17 +290,12 @@ Result<void> MatroskaReader::describe() {
     if (auto note = default_touch_note(has_haptic, scene_)) notes_.push_back(std::move(*note));
     if (!scene_.far_from_frames) return {};
 
-    FarPlaneSearch search(scene_.depth);
-    while (true) {
-        auto frame = next();
-        if (!frame) return frame.error();
-        if (!*frame) break;
-        if (auto added = search.add((*frame)->depth); !added) return added;
-    }
-    auto note = search.settle(scene_);
-    if (!note) return refuse(note.error().message);
+    const bool with_colour = std::exchange(with_colour_, false);
+    auto note = find_far_plane(*this, scene_);
+    with_colour_ = with_colour;
+    if (!note) return Error{note.error().kind, file_ + ": " + note.error().message};
     notes_.push_back(std::move(*note));
-    return rewind();
+    return {};
 }
 
 Result<std::optional<RawFrame>> MatroskaReader::next() {

@@ -1,0 +1,162 @@
+#include "engine/media/far_plane.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace touchable::test {
+namespace {
+
+constexpr int wide_columns = 200, wide_rows = 100;
+
+DepthCoding millimetres() {
+    DepthCoding coding;
+    coding.kind = DepthCodingKind::metric;
+    coding.semantics = DepthSemantics::planar;
+    coding.scale = 0.001;
+    coding.code_max = 65535;
+    coding.far = 65.535;
+    coding.invalid_code_count = 1;  // 0
+    derive_valid_range(coding);
+    return coding;
+}
+
+Scene scene_without_far() {
+    Scene scene;
+    scene.width = wide_columns;
+    scene.height = wide_rows;
+    scene.camera = {150, 150, 100, 50};
+    scene.depth = millimetres();
+    scene.depth_bits = 16;
+    scene.far_from_frames = true;
+    return scene;
+}
+
+/// 1 m to 5 m, and so many pixels at 19.7 m.
+std::vector<std::uint16_t> depth_with_strays(int strays, int deepest = 5000) {
+    std::vector<std::uint16_t> codes(wide_columns * wide_rows);
+    for (std::size_t k = 0; k < codes.size(); ++k)
+        codes[k] = static_cast<std::uint16_t>(1000 + k % static_cast<std::size_t>(deepest - 999));
+    for (int k = 0; k < strays; ++k) codes[static_cast<std::size_t>(k) * 37] = 19700;
+    return codes;
+}
+
+PlaneView wide_view(const std::vector<std::uint16_t>& codes) {
+    return {
+        reinterpret_cast<const std::uint8_t*>(codes.data()), wide_columns * 2, wide_columns, wide_rows, 2, 1};
+}
+
+/// A clip whose frames are made as they are read.
+class MadeClip : public ClipReader {
+public:
+    explicit MadeClip(std::int64_t count) : count_(count) {}
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    std::optional<std::int64_t> frame_count() const override { return count_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override {
+        if (number_ == count_) return std::optional<RawFrame>{};
+        const std::int64_t number = number_++;
+        read_.push_back(number);
+        if (damaged_.contains(number)) return input_error("damaged");
+        codes_ = depth_with_strays(0, deepest_.contains(number) ? deepest_.at(number) : 5000);
+        RawFrame frame;
+        frame.number = number;
+        frame.depth = wide_view(codes_);
+        return std::optional(frame);
+    }
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override {
+        number_ = frame;
+        return {};
+    }
+    std::int64_t access_point(std::int64_t frame) const override { return can_seek_ ? frame : 0; }
+
+    bool can_seek_ = true;
+    std::set<std::int64_t> damaged_;
+    std::map<std::int64_t, int> deepest_;
+    std::vector<std::int64_t> read_;
+    std::int64_t number_ = 0;
+
+private:
+    const std::int64_t count_;
+    Scene scene_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    std::vector<std::uint16_t> codes_;
+};
+
+TEST(FarPlane, IsNotThatOfStrayPixels) {
+    for (const int strays : {0, 1, 2, 3, 40}) {  // of 20 000
+        FarPlaneEstimator estimator(millimetres());
+        const auto codes = depth_with_strays(strays);
+        estimator.add(wide_view(codes));
+        Scene scene = scene_without_far();
+        const auto note = estimator.settle(scene);
+        ASSERT_TRUE(note.ok()) << note.error().message;
+        const bool left_out = strays <= 2;
+        EXPECT_DOUBLE_EQ(scene.depth.far, (left_out ? 5.0 : 19.7) * 1.05) << strays;
+        EXPECT_EQ(scene.depth.is_valid(19700), !left_out) << strays;
+        EXPECT_EQ(note->find("count as holes") != std::string::npos, strays == 1 || strays == 2) << *note;
+        EXPECT_FALSE(scene.far_from_frames);
+    }
+}
+
+TEST(FarPlane, NeedsAValidPixel) {
+    FarPlaneEstimator estimator(millimetres());
+    const std::vector<std::uint16_t> none(wide_columns * wide_rows);
+    estimator.add(wide_view(none));
+    Scene scene = scene_without_far();
+    EXPECT_FALSE(estimator.settle(scene).ok());
+}
+
+TEST(FarPlane, TakesAsManyFramesOfAnHourAsOfASecond) {
+    EXPECT_EQ(telling_frames(0), std::vector<std::int64_t>());
+    EXPECT_EQ(telling_frames(3), (std::vector<std::int64_t>{0, 1, 2}));
+    EXPECT_EQ(telling_frames(18).size(), 18U);
+    for (const std::int64_t count :
+         {std::int64_t{32}, std::int64_t{33}, std::int64_t{1000}, std::int64_t{1} << 40}) {
+        const auto frames = telling_frames(count);
+        EXPECT_EQ(frames.size(), 32U) << count;
+        EXPECT_EQ(frames[15], 15) << count;
+        EXPECT_EQ(frames.back(), count - 1);
+        EXPECT_TRUE(std::is_sorted(frames.begin(), frames.end())) << count;
+    }
+    MadeClip clip(108'000);
+    clip.deepest_ = {{107'999, 9000}, {20'000, 12'000}};
+    Scene scene = scene_without_far();
+    const auto note = find_far_plane(clip, scene);
+    ASSERT_TRUE(note.ok()) << note.error().message;
+    EXPECT_EQ(clip.read_, telling_frames(108'000));
+    EXPECT_EQ(clip.number_, 0);
+    // Of 640 000 pixels 64 may be beyond.
+    EXPECT_NEAR(scene.depth.far, 9.0 * 1.05, 0.1);
+}
+
+TEST(FarPlane, OfAClipThatCannotSeekIsThatOfItsFirstFrames) {
+    MadeClip clip(100);
+    clip.can_seek_ = false;
+    clip.deepest_ = {{15, 7000}, {99, 9000}};
+    Scene scene = scene_without_far();
+    ASSERT_TRUE(find_far_plane(clip, scene).ok());
+    EXPECT_EQ(clip.read_.size(), 16U);
+    EXPECT_NEAR(scene.depth.far, 7.0 * 1.05, 0.1);
+    EXPECT_EQ(clip.number_, 0);
+}
+
+TEST(FarPlane, DamageInALaterFrameIsNoMatter) {
+    MadeClip clip(100);
+    clip.damaged_ = {5, 99};
+    Scene scene = scene_without_far();
+    EXPECT_TRUE(find_far_plane(clip, scene).ok());
+    EXPECT_DOUBLE_EQ(scene.depth.far, 5.0 * 1.05);
+    MadeClip hopeless(100);
+    hopeless.damaged_ = {0};
+    Scene other = scene_without_far();
+    EXPECT_FALSE(find_far_plane(hopeless, other).ok());
+}
+
+}  // namespace
+}  // namespace touchable::test
