@@ -36,7 +36,7 @@ public:
 private:
     Result<Plane> depth(std::int64_t frame);
     Result<Plane> colour(std::int64_t frame);
-    Result<void> look_at_all();
+    Result<void> look_at_some();
     Result<void> settle_far_plane();
     void describe(PlaneRole role, const StoredImage& first);
 
@@ -54,8 +54,8 @@ Result<void> BagReader::open() {
     const auto first = recording_.depth(0);
     if (!first) return first.error();
     describe(PlaneRole::depth, *first);
-    if (values_.needs_all(*first))
-        if (auto looked = look_at_all(); !looked) return looked;
+    if (values_.needs_looks(*first))
+        if (auto looked = look_at_some(); !looked) return looked;
     const auto plane = depth(0);
     if (!plane) return plane.error();
     RawFrame frame;
@@ -79,14 +79,17 @@ void BagReader::describe(PlaneRole role, const StoredImage& first) {
         notes_.push_back(resampling_note(role, image.width, image.height, scene_));
 }
 
-/// Depth that is no codes yet: its range in all frames settles what they will be.
-Result<void> BagReader::look_at_all() {
-    for (std::int64_t frame = 0; frame < recording_.count(); ++frame) {
+/// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
+/// damaged tells nothing.
+Result<void> BagReader::look_at_some() {
+    for (const std::int64_t frame : telling_frames(recording_.count())) {
         if (stop_requested())
             return Error{ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
         const auto stored = recording_.depth(frame);
-        if (!stored) return stored.error();
-        values_.look(*stored);
+        if (stored)
+            values_.look(*stored);
+        else if (frame == 0 || stored.error().kind == ErrorKind::interrupted)
+            return stored.error();
     }
     auto note = values_.settle(scene_);
     if (!note) return input_error(recording_.bag().name() + ": " + note.error().message);

@@ -149,7 +149,7 @@ void DepthPhotoReader::find_camera(const SourceDescription& known) {
 /// Codes of what is stored, where that is not codes already.
 Result<void> DepthPhotoReader::settle_depth() {
     DepthValues values(scene_);
-    if (!values.needs_all(photo_.depth)) {
+    if (!values.needs_looks(photo_.depth)) {
         photo_.depth.image = values.codes(std::move(photo_.depth));
         return {};
     }

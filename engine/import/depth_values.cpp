@@ -79,7 +79,8 @@ Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     const double median = depth.scale * *middle;
     // What is so much farther or nearer than most of it stands for something else.
     const double deepest = std::min(depth.scale * most_, median * most_beyond),
-                 near = std::max({depth.scale * least_, median / most_before, deepest / most_range});
+                 nearest = std::max(median / most_before, deepest / most_range),
+                 near = std::max(depth.scale * least_, nearest);
     const double far =
         scene.far_from_frames || depth.far > deepest * far_margin ? deepest * far_margin : depth.far;
     of_reciprocal_ = median * median * (1 / near - 1 / far) < far - near;
@@ -87,7 +88,7 @@ Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     depth.near_is_high = of_reciprocal_;
     depth.near = near;
     depth.far = far;
-    lower_ = near / depth.scale * (1 - 1e-6);
+    lower_ = nearest / depth.scale * (1 - 1e-6);
     upper_ = far / depth.scale;
     const double from = of_reciprocal_ ? depth.scale / far : near / depth.scale,
                  to = of_reciprocal_ ? depth.scale / near : far / depth.scale;
@@ -150,6 +151,8 @@ Result<std::string> DepthValues::settle(Scene& scene) {
     depth.code_max = code_max_;
     depth.invalid_code_count = 0;
     depth.scale = 0;
+    is_high_near_ = depth.near_is_high;
+    keeps_far_ = stored_.kind == Kind::relative;
     scene.depth_bits = 16;
     scene.stored = {};
     scene.far_from_frames = false;
@@ -169,7 +172,10 @@ Image DepthValues::codes(StoredImage picture) const {
             code = static_cast<std::uint16_t>(value);
         } else if (is_valid(value)) {
             const double place = ((of_reciprocal_ ? 1 / value : value) - first_) * per_value_;
-            if (place > -0.5 && place < code_max_ + 0.5) code = static_cast<std::uint16_t>(place + 0.5);
+            const bool is_far = is_high_near_ ? place <= -0.5 : place >= code_max_ + 0.5;
+            if (!is_far || keeps_far_)
+                code =
+                    static_cast<std::uint16_t>(std::clamp(place, 0.0, static_cast<double>(code_max_)) + 0.5);
         }
         std::memcpy(codes.samples.data() + 2 * k, &code, 2);
     });

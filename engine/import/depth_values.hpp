@@ -13,8 +13,10 @@
 namespace touchable {
 
 /// Makes codes of what depth pictures hold, where those are not codes already: floats, disparities, depth
-/// without a scale, words in another order of bits. All frames are looked at first; then the scene's coding
-/// is settled by what they hold, and codes are made.
+/// without a scale, words in another order of bits. Some frames are looked at first (telling_frames); then
+/// the scene's coding is settled by what they hold, and codes are made of all. What is nearer than all that
+/// they held is at the near plane then; what is farther is no depth, or at the far plane where depth has no
+/// scale.
 ///
 /// Integers keep every value: disparities and depth without a scale become evenly spaced codes of 1 / depth,
 /// or of depth. Floats become 65535 codes, evenly in depth or in 1 / depth, whichever is finer at the median.
@@ -23,8 +25,8 @@ public:
     /// `scene` is as somebody wrote it, and stays until `settle`.
     explicit DepthValues(const Scene& scene) : stored_(scene.stored), coding_(scene.depth) {}
 
-    /// Whether pictures like this one have to be looked at, all of them, before codes are made.
-    bool needs_all(const StoredImage& first) const {
+    /// Whether pictures like this one have to be looked at before codes are made.
+    bool needs_looks(const StoredImage& first) const {
         return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes;
     }
     /// One more.
@@ -52,7 +54,8 @@ private:
     std::int64_t pixels_ = 0;
 
     // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
-    bool is_settled_ = false, of_reciprocal_ = false;
+    bool is_settled_ = false, of_reciprocal_ = false, is_high_near_ = true;
+    bool keeps_far_ = false;  // what is farther than the far plane lies on it
     double lower_ = 0, upper_ = std::numeric_limits<double>::max();  // of lengths
     double first_ = 0, per_value_ = 1;
     std::uint16_t code_max_ = 65534;  // larger ones are not valid

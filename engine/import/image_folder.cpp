@@ -67,7 +67,7 @@ private:
     Result<void> find_files();
     Result<void> read_cameras(const PictureFiles& depth);
     Result<void> read_first();
-    Result<void> look_at_all();
+    Result<void> look_at_some();
     Result<void> settle_far_plane();
     Result<StoredImage> read(const Track& track, std::int64_t frame) const;
     Result<Plane> fitted(const Track& track, std::int64_t frame, StoredImage stored) const;
@@ -154,8 +154,8 @@ Result<void> ImageFolderReader::read_first() {
         if (track.role != PlaneRole::depth && (image.width != scene_.width || image.height != scene_.height))
             notes_.push_back(resampling_note(track.role, image.width, image.height, scene_));
         if (auto note = lossy_note(track.role, stored->codec)) notes_.push_back(std::move(*note));
-        if (track.role == PlaneRole::depth && values_.needs_all(*stored))
-            if (auto looked = look_at_all(); !looked) return looked;
+        if (track.role == PlaneRole::depth && values_.needs_looks(*stored))
+            if (auto looked = look_at_some(); !looked) return looked;
         if (track.role == PlaneRole::haptic && image.channels == 1)
             notes_.push_back(take_grey_haptic(scene_));
         auto fits = fitted(track, 0, std::move(*stored));
@@ -169,14 +169,17 @@ Result<void> ImageFolderReader::read_first() {
     return {};
 }
 
-/// Depth that is no codes yet: its range in all frames settles what they will be.
-Result<void> ImageFolderReader::look_at_all() {
-    for (std::int64_t frame = 0; frame < count_; ++frame) {
+/// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
+/// damaged tells nothing.
+Result<void> ImageFolderReader::look_at_some() {
+    for (const std::int64_t frame : telling_frames(count_)) {
         if (stop_requested())
-            return Error{ErrorKind::internal, "interrupted while the clip's range of depth was searched"};
+            return Error{ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
         const auto stored = read(tracks_.front(), frame);
-        if (!stored) return stored.error();
-        values_.look(*stored);
+        if (stored)
+            values_.look(*stored);
+        else if (frame == 0 || stored.error().kind == ErrorKind::interrupted)
+            return stored.error();
     }
     auto note = values_.settle(scene_);
     if (!note) return input_error(name() + ": " + note.error().message);

@@ -50,7 +50,7 @@ bool parse_depth_values(std::string_view bytes) {
         std::memcpy(picture.image.samples.data(), samples.data(), picture.image.samples.size());
     }
     DepthValues values(scene);
-    if (values.needs_all(picture)) {
+    if (values.needs_looks(picture)) {
         values.look(picture);
         if (!is_taken(values.settle(scene))) return false;
         require(validate(scene).ok(), "a settled scene cannot be");

@@ -54,7 +54,7 @@ TEST(DepthValues, FloatsComeBackWithinHalfACode) {
         std::vector<float> stored;
         for (const float depth : depths) stored.push_back(static_cast<float>(depth / metres));
         DepthValues values(scene);
-        ASSERT_TRUE(values.needs_all(floats(10, stored)));
+        ASSERT_TRUE(values.needs_looks(floats(10, stored)));
         values.look(floats(10, stored));
         const auto said = values.settle(scene);
         ASSERT_EQ(message(said), "");
@@ -124,6 +124,23 @@ TEST(DepthValues, FloatsBeyondTheScenesPlanesAreNoDepth) {
         EXPECT_EQ(depth_at(scene, codes, x), 0) << stored[static_cast<std::size_t>(x)];
     for (const int x : {2, 3, 4})
         EXPECT_NEAR(depth_at(scene, codes, x), stored[static_cast<std::size_t>(x)], 1e-4);
+}
+
+/// Not every frame is looked at before.
+TEST(DepthValues, NearerThanAllThatWasSeenIsAtTheNearPlaneAndFartherIsNoDepth) {
+    Scene scene = scene_of(4, 1);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 1;
+    scene.depth.near = 0;
+    scene.far_from_frames = true;
+    DepthValues values(scene);
+    values.look(floats(4, {1, 2, 3, 4}));
+    ASSERT_EQ(message(values.settle(scene)), "");
+    const Image codes = values.codes(floats(4, {0.5F, 2, 4.1F, 4.3F}));
+    EXPECT_DOUBLE_EQ(depth_at(scene, codes, 0), 1);
+    EXPECT_NEAR(depth_at(scene, codes, 1), 2, 1e-3);
+    EXPECT_NEAR(depth_at(scene, codes, 2), 4.1, 1e-3);
+    EXPECT_EQ(depth_at(scene, codes, 3), 0);
 }
 
 TEST(DepthValues, AllOfSixteenBitsMayBeDepthWithoutAScale) {
