@@ -37,7 +37,6 @@ private:
     Result<Plane> depth(std::int64_t frame);
     Result<Plane> colour(std::int64_t frame);
     Result<void> look_at_some();
-    Result<void> settle_far_plane();
     void describe(PlaneRole role, const StoredImage& first);
 
     BagRecording recording_;
@@ -67,7 +66,7 @@ Result<void> BagReader::open() {
         describe(PlaneRole::colour, *colour);
     }
     if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
-    return scene_.far_from_frames ? settle_far_plane() : Result<void>{};
+    return {};
 }
 
 void BagReader::describe(PlaneRole role, const StoredImage& first) {
@@ -93,15 +92,6 @@ Result<void> BagReader::look_at_some() {
     }
     auto note = values_.settle(scene_);
     if (!note) return input_error(recording_.bag().name() + ": " + note.error().message);
-    notes_.push_back(std::move(*note));
-    return {};
-}
-
-Result<void> BagReader::settle_far_plane() {
-    const bool with_colour = std::exchange(with_colour_, false);
-    auto note = find_far_plane(*this, scene_);
-    with_colour_ = with_colour;
-    if (!note) return Error{note.error().kind, recording_.bag().name() + ": " + note.error().message};
     notes_.push_back(std::move(*note));
     return {};
 }
@@ -260,7 +250,7 @@ Result<GuessedScene> guess_bag(const std::filesystem::path& file, const SourceDe
 
 Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& file,
                                                   const std::optional<Scene>& scene,
-                                                  const SourceDescription& known) {
+                                                  const SourceDescription& known, Colour colour) {
     auto recording = BagRecording::open(file);
     if (!recording) return recording.error();
     GuessedScene described;
@@ -278,7 +268,8 @@ Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& f
     reader->add_input(file);
     if (auto opened = reader->open(); !opened) return opened.error();
     for (const auto& input : described.inputs) reader->add_input(input);
-    return std::unique_ptr<ClipReader>(std::move(reader));
+    if (colour == Colour::left_out) reader->leave_out_colour();
+    return with_far_plane(std::move(reader), file);
 }
 
 }  // namespace touchable

@@ -18,6 +18,7 @@ Result<GuessedScene> guess_bag(const std::filesystem::path& file, const SourceDe
 /// Its depth and colour as a clip: as `scene` describes them, otherwise as it is guessed.
 Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& file,
                                                   const std::optional<Scene>& scene,
-                                                  const SourceDescription& known);
+                                                  const SourceDescription& known,
+                                                  Colour colour = Colour::wanted);
 
 }  // namespace touchable

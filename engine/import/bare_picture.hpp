@@ -12,6 +12,7 @@ namespace touchable {
 
 /// One picture of depth, which `scene` describes; `notes` as for open_image_folder.
 Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::path& file, Scene scene,
-                                                      std::vector<std::string> notes = {});
+                                                      std::vector<std::string> notes = {},
+                                                      Colour colour = Colour::wanted);
 
 }  // namespace touchable

@@ -32,6 +32,11 @@ public:
     ImageFolderReader(std::filesystem::path folder, const Scene& scene, std::vector<std::string> notes)
         : folder_(std::move(folder)), scene_(scene), notes_(std::move(notes)), values_(scene) {}
     Result<void> open();
+    /// The folder, or the one picture that is read.
+    std::string name() const {
+        const auto& files = tracks_.front().files.files;
+        return files.front() == files.back() ? files.front().string() : folder_.string();
+    }
 
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
@@ -59,16 +64,10 @@ private:
         return track.files.file(static_cast<std::size_t>(frame)).string() + " (" +
                std::string(role_name(track.role)) + ", frame " + std::to_string(frame) + ")";
     }
-    /// The folder, or the one picture that is read.
-    std::string name() const {
-        const auto& files = tracks_.front().files.files;
-        return files.front() == files.back() ? files.front().string() : folder_.string();
-    }
     Result<void> find_files();
     Result<void> read_cameras(const PictureFiles& depth);
     Result<void> read_first();
     Result<void> look_at_some();
-    Result<void> settle_far_plane();
     Result<StoredImage> read(const Track& track, std::int64_t frame) const;
     Result<Plane> fitted(const Track& track, std::int64_t frame, StoredImage stored) const;
     Result<Plane> plane(const Track& track, std::int64_t frame) const;
@@ -90,7 +89,7 @@ Result<void> ImageFolderReader::open() {
     if (auto read = read_first(); !read) return read;
     if (auto note = default_touch_note(!scene_.folder->haptic.empty(), scene_))
         notes_.push_back(std::move(*note));
-    return scene_.far_from_frames ? settle_far_plane() : Result<void>{};
+    return {};
 }
 
 /// Every track has every frame, or the first that is missing is named.
@@ -187,15 +186,6 @@ Result<void> ImageFolderReader::look_at_some() {
     return {};
 }
 
-Result<void> ImageFolderReader::settle_far_plane() {
-    const bool with_colour = std::exchange(with_colour_, false);
-    auto note = find_far_plane(*this, scene_);
-    with_colour_ = with_colour;
-    if (!note) return Error{note.error().kind, name() + ": " + note.error().message};
-    notes_.push_back(std::move(*note));
-    return {};
-}
-
 Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t frame) const {
     const auto& file = track.files.file(static_cast<std::size_t>(frame));
     auto stored = track.stack ? track.stack->image(frame) : read_stored_image(file);
@@ -262,7 +252,7 @@ Result<std::optional<RawFrame>> ImageFolderReader::next() {
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
-                                                      std::vector<std::string> notes) {
+                                                      std::vector<std::string> notes, Colour colour) {
     if (!scene.folder)
         return input_error(
             folder.string() +
@@ -275,7 +265,9 @@ Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::pat
     }
     auto reader = std::make_unique<ImageFolderReader>(folder, pictures, std::move(notes));
     if (auto opened = reader->open(); !opened) return opened.error();
-    return with_still_maps(std::unique_ptr<ClipReader>(std::move(reader)), maps);
+    if (colour == Colour::left_out) reader->leave_out_colour();
+    const auto name = reader->name();
+    return with_still_maps(with_far_plane(std::move(reader), name), maps);
 }
 
 }  // namespace touchable

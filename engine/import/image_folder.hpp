@@ -12,6 +12,7 @@ namespace touchable {
 /// Pictures in `folder`, found by the patterns of the scene's FolderSource. `notes`: what a person should
 /// know of how the scene came about, before what the reader has to say.
 Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
-                                                      std::vector<std::string> notes = {});
+                                                      std::vector<std::string> notes = {},
+                                                      Colour colour = Colour::wanted);
 
 }  // namespace touchable

@@ -44,6 +44,7 @@ struct Candidate {
     const std::string begin;            ///< its first bytes
     const std::optional<Scene>& scene;  ///< to replace its own
     const SourceDescription& known;
+    const Colour colour;
 };
 
 bool is_jpeg(const Candidate& candidate) {
@@ -101,14 +102,14 @@ Opened open_video(const Candidate& candidate) {
         auto guessed = is_azure_kinect(candidate) ? guess_k4a(candidate.file, candidate.known)
                                                   : guess_video(candidate.file, candidate.known);
         if (!guessed) return guessed.error();
-        return with_inputs(open_video_clip(folder, guessed->scene), guessed->inputs);
+        return with_inputs(open_video_clip(folder, guessed->scene, candidate.colour), guessed->inputs);
     }
     Scene scene = *candidate.scene;
     scene.folder.reset();
     if (!scene.video) scene.video.emplace().values = usual_values(scene.depth.kind);
     scene.video->depth = candidate.file.filename().string();
     if (is_azure_kinect(candidate) && scene.colour_camera) scene.video->colour = scene.video->depth;
-    return open_video_clip(folder, scene);
+    return open_video_clip(folder, scene, candidate.colour);
 }
 
 /// What `init-scene` and `convert` write beside a picture.
@@ -127,14 +128,16 @@ std::optional<SceneBeside> scene_beside(const std::filesystem::path& picture) {
 }
 
 Opened open_picture(const Candidate& candidate) {
-    if (candidate.scene) return open_bare_picture(candidate.file, *candidate.scene);
+    if (candidate.scene) return open_bare_picture(candidate.file, *candidate.scene, {}, candidate.colour);
     if (auto own = scene_beside(candidate.file); own && candidate.known == SourceDescription())
-        return with_inputs(open_bare_picture(candidate.file, std::move(own->scene),
-                                             {"described by " + own->file.filename().string()}),
-                           {own->file});
+        return with_inputs(
+            open_bare_picture(candidate.file, std::move(own->scene),
+                              {"described by " + own->file.filename().string()}, candidate.colour),
+            {own->file});
     auto guessed = guess_picture(candidate.file, candidate.known);
     if (!guessed) return guessed.error();
-    return with_inputs(open_bare_picture(candidate.file, std::move(guessed->scene)), guessed->inputs);
+    return with_inputs(open_bare_picture(candidate.file, std::move(guessed->scene), {}, candidate.colour),
+                       guessed->inputs);
 }
 
 /// With depth in its metadata, or of depth itself where somebody says what it is.
@@ -153,7 +156,7 @@ struct Format {
 };
 constexpr Format formats[] = {
     {is_matroska,
-     [](const Candidate& c) { return open_matroska_clip(c.file, c.scene); },
+     [](const Candidate& c) { return open_matroska_clip(c.file, c.scene, c.colour); },
      {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
     {is_jpeg,
      open_jpeg,
@@ -166,7 +169,7 @@ constexpr Format formats[] = {
      {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
       "touchable play depth.png --intrinsics 525,525 --depth-unit 0.001"}},
     {is_ros_recording,
-     [](const Candidate& c) { return open_bag_clip(c.file, c.scene, c.known); },
+     [](const Candidate& c) { return open_bag_clip(c.file, c.scene, c.known, c.colour); },
      {"a recording of a RealSense or of ROS 1 (.bag), plain or packed by LZ4 or bzip2",
       "touchable play recording.bag"}},
     {is_depthkit,
@@ -186,8 +189,8 @@ constexpr Format formats[] = {
 constexpr std::size_t telling_bytes = 12;  // that tell what kind of file it is
 
 Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene,
-                 const SourceDescription& known) {
-    const Candidate candidate{file, first_bytes(file, telling_bytes), scene, known};
+                 const SourceDescription& known, Colour colour) {
+    const Candidate candidate{file, first_bytes(file, telling_bytes), scene, known, colour};
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
     if (describes_itself && !(known == SourceDescription()))
@@ -212,23 +215,24 @@ Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& 
 }
 
 Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,
-                                                   const std::filesystem::path& scene_file) {
+                                                   const std::filesystem::path& scene_file, Colour colour) {
     auto scene = read_scene_file(scene_file);
     if (!scene) return scene.error();
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
     const auto video = path / (scene->video ? scene->video->depth : "");
     const bool is_recording = scene->video && is_bag(first_bytes(video, telling_bytes));
-    auto reader = is_file        ? open_file(path, *scene, {})
-                  : is_recording ? open_file(video, *scene, {})
-                  : scene->video ? open_video_clip(path, *scene)
-                                 : open_image_folder(path, *scene);
+    auto reader = is_file        ? open_file(path, *scene, {}, colour)
+                  : is_recording ? open_file(video, *scene, {}, colour)
+                  : scene->video ? open_video_clip(path, *scene, colour)
+                                 : open_image_folder(path, *scene, {}, colour);
     if (reader) (*reader)->add_input(scene_file);
     return reader;
 }
 
 /// A folder that describes itself, or is guessed.
-Opened open_folder(const std::filesystem::path& folder, const std::optional<SourceDescription>& known) {
+Opened open_folder(const std::filesystem::path& folder, const std::optional<SourceDescription>& known,
+                   Colour colour) {
     std::error_code failure;
     const auto own = folder / own_scene_file;
     const bool has_own = std::filesystem::is_regular_file(own, failure);
@@ -236,15 +240,15 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
         return usage_error(
             own.string() +
             ": describes these pictures: leave --intrinsics, --fov, --depth-unit and --preset out");
-    if (has_own) return open_described(folder, own);
+    if (has_own) return open_described(folder, own, colour);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
-    return with_inputs(open_image_folder(folder, guessed->scene), guessed->inputs);
+    return with_inputs(open_image_folder(folder, guessed->scene, {}, colour), guessed->inputs);
 }
 
 /// With the pixels of depth and colour as they are stored.
 Opened open_stored(const std::filesystem::path& path, const std::optional<std::filesystem::path>& scene_file,
-                   const std::optional<SourceDescription>& known) {
+                   const std::optional<SourceDescription>& known, Colour colour) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
@@ -260,11 +264,11 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
             return usage_error(path.string() + ": is a scene file itself: leave " +
                                (scene_file ? "--scene" : "--intrinsics, --fov, --depth-unit and --preset") +
                                " out");
-        return open_described(path.parent_path(), path);
+        return open_described(path.parent_path(), path, colour);
     }
-    if (scene_file) return open_described(path, *scene_file);
-    auto reader = is_folder ? open_folder(path, known)
-                            : open_file(path, std::nullopt, known.value_or(SourceDescription()));
+    if (scene_file) return open_described(path, *scene_file, colour);
+    auto reader = is_folder ? open_folder(path, known, colour)
+                            : open_file(path, std::nullopt, known.value_or(SourceDescription()), colour);
     if (known && !known->file.empty()) return with_inputs(std::move(reader), {known->file});
     return reader;
 }
@@ -279,7 +283,7 @@ Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceD
     if (!std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
     const std::optional<Scene> none;
-    const Candidate candidate{path, first_bytes(path, telling_bytes), none, known};
+    const Candidate candidate{path, first_bytes(path, telling_bytes), none, known, Colour::wanted};
     return is_ros_recording(candidate)  ? guess_bag(path, known)
            : is_azure_kinect(candidate) ? guess_k4a(path, known)
            : is_video(candidate)        ? guess_video(path, known)
@@ -298,8 +302,8 @@ std::vector<ClipFormat> clip_formats() {
 
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,
-                                              const std::optional<SourceDescription>& known) {
-    auto reader = open_stored(path, scene_file, known);
+                                              const std::optional<SourceDescription>& known, Colour colour) {
+    auto reader = open_stored(path, scene_file, known, colour);
     if (reader && (*reader)->scene().camera_from_frames)
         return input_error(
             (scene_file ? *scene_file : path).string() +

@@ -29,9 +29,10 @@ Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceD
 /// Depthkit video with its metadata beside it, any other video of depth, a JPEG with a depth map in its XMP,
 /// or a single picture of depth. With `scene_file` and a clip, the file's description replaces the clip's
 /// own. Folders, pictures and videos without any are described by what is `known` of them, and by guesses,
-/// which the scene's remarks say.
+/// which the scene's remarks say. Colour that is left out need not be decoded.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
-                                              const std::optional<SourceDescription>& known = {});
+                                              const std::optional<SourceDescription>& known = {},
+                                              Colour colour = Colour::wanted);
 
 }  // namespace touchable

@@ -39,7 +39,6 @@ private:
     Result<void> open_files();
     Result<void> read_first();
     Result<void> settle_relative(const CodeRange& range);
-    Result<void> settle_far_plane();
     void add_notes(const RawFrame& first);
     Result<VideoPicture> picture(VideoFile& video, RgbConverter& converter);
     Result<Plane> depth_of(VideoPicture& picture, std::int64_t frame) const;
@@ -69,7 +68,7 @@ Result<void> VideoReader::open() {
             "not of videos: must be linear, inverse, metric, hue, relative or relative-inverse");
     if (auto opened = open_files(); !opened) return opened;
     if (auto read = read_first(); !read) return read;
-    return scene_.far_from_frames ? settle_far_plane() : Result<void>{};
+    return {};
 }
 
 Result<void> VideoReader::open_files() {
@@ -167,16 +166,6 @@ Result<void> VideoReader::settle_relative(const CodeRange& range) {
     return {};
 }
 
-Result<void> VideoReader::settle_far_plane() {
-    const bool with_colour = std::exchange(with_colour_, false);
-    auto note = find_far_plane(*this, scene_);
-    with_colour_ = with_colour;
-    if (!note)
-        return Error{note.error().kind, (folder_ / source_.depth).string() + ": " + note.error().message};
-    notes_.push_back(std::move(*note));
-    return {};
-}
-
 Result<Plane> VideoReader::depth_of(VideoPicture& picture, std::int64_t frame) const {
     const auto part = depth_part(source_.layout, picture.width(), picture.height());
     if (!part)
@@ -248,13 +237,15 @@ bool begins_like_video(std::string_view begin) {
     return std::find(std::begin(boxes), std::end(boxes), box) != std::end(boxes);
 }
 
-Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene) {
+Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
+                                                    Colour colour) {
     auto reader = std::make_unique<VideoReader>(folder, scene);
     if (auto opened = reader->open(); !opened) return opened.error();
     StillMaps maps;
     if (!scene.video->haptic.empty()) maps.haptic = folder / scene.video->haptic;
     if (!scene.video->height.empty()) maps.height = folder / scene.video->height;
-    return with_still_maps(std::unique_ptr<ClipReader>(std::move(reader)), maps);
+    if (colour == Colour::left_out) reader->leave_out_colour();
+    return with_still_maps(with_far_plane(std::move(reader), folder / scene.video->depth), maps);
 }
 
 }  // namespace touchable

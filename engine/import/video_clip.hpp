@@ -17,6 +17,7 @@ namespace touchable {
 bool begins_like_video(std::string_view begin);
 
 /// The video, or the two, that the scene's VideoSource names in `folder`.
-Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene);
+Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
+                                                    Colour colour = Colour::wanted);
 
 }  // namespace touchable

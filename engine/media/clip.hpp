@@ -27,6 +27,9 @@ struct TrackInfo {
     bool lossless = false;      ///< says who wrote it, though the codec need not be
 };
 
+/// Whether anybody looks at a clip's colour (ClipReader::leave_out_colour).
+enum class Colour { wanted, left_out };
+
 /// Reads a touchable clip frame by frame. One thread at a time, but for `interrupt`.
 class ClipReader {
 public:

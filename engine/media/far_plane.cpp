@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
+#include "engine/media/prefetch.hpp"
+#include "engine/media/reader_around.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -12,14 +15,45 @@ namespace {
 constexpr std::int64_t stray_of = 10'000;  // one valid pixel in so many may be stray
 constexpr double margin = 1.05;
 
-/// The next frame's depth, if there is one.
-Result<bool> look(ClipReader& clip, FarPlaneEstimator& estimator) {
+class ClipWithFarPlane final : public ReaderAround {
+public:
+    ClipWithFarPlane(std::unique_ptr<ClipReader> clip, Scene scene, std::string note)
+        : ReaderAround(std::move(clip)), scene_(std::move(scene)), notes_(inner().notes()) {
+        notes_.push_back(std::move(note));
+    }
+    const Scene& scene() const override { return scene_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+
+private:
+    const Scene scene_;
+    std::vector<std::string> notes_;
+};
+
+/// Whether there is such a frame.
+Result<bool> look(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
     if (stop_requested())
         return Error{ErrorKind::interrupted, "interrupted while the clip's far plane was searched"};
-    const auto frame = clip.next();
     if (!frame) return frame.error();
     if (*frame) estimator.add((*frame)->depth);
     return frame->has_value();
+}
+
+Result<void> look_at_clip(Prefetch& ahead, FarPlaneEstimator& estimator) {
+    std::int64_t looked = 0;  // frames in a row
+    for (bool more = true; more && looked < first_frames;) {
+        const auto there = look(ahead.next(), estimator);
+        if (!there && (looked == 0 || there.error().kind == ErrorKind::interrupted)) return there.error();
+        more = there && *there;
+        looked += more ? 1 : 0;
+    }
+    for (const std::int64_t wanted : telling_frames(ahead.clip().frame_count().value_or(0))) {
+        const std::int64_t frame = ahead.clip().access_point(wanted);
+        if (wanted < looked || frame < looked) continue;
+        looked = frame + 1;
+        const auto there = look(ahead.at(frame), estimator);
+        if (!there && there.error().kind == ErrorKind::interrupted) return there.error();
+    }
+    return {};
 }
 
 }  // namespace
@@ -75,27 +109,19 @@ Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
     return note;
 }
 
-Result<std::string> find_far_plane(ClipReader& clip, Scene& scene) {
+Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip,
+                                                   const std::filesystem::path& file) {
+    if (!clip->scene().far_from_frames) return clip;
+    Scene scene = clip->scene();
     FarPlaneEstimator estimator(scene.depth);
-    const auto is_fatal = [](const Error& error) { return error.kind == ErrorKind::interrupted; };
-    std::int64_t looked = 0;  // frames in a row
-    for (bool more = true; more && looked < first_frames;) {
-        const auto there = look(clip, estimator);
-        if (!there && (looked == 0 || is_fatal(there.error()))) return there.error();
-        more = there && *there;
-        looked += more;
-    }
-    for (const std::int64_t wanted : telling_frames(clip.frame_count().value_or(0))) {
-        const std::int64_t frame = clip.access_point(wanted);
-        if (wanted < looked || frame < looked) continue;
-        if (auto sought = clip.seek(frame); !sought) continue;
-        looked = frame + 1;
-        if (const auto there = look(clip, estimator); !there && is_fatal(there.error())) return there.error();
-    }
+    Prefetch ahead(std::move(clip));
+    if (auto looked = look_at_clip(ahead, estimator); !looked) return looked.error();
     auto note = estimator.settle(scene);
-    if (!note) return note;
-    if (auto back = clip.rewind(); !back) return back.error();
-    return note;
+    if (!note) return Error{note.error().kind, file.string() + ": " + note.error().message};
+    auto at_its_beginning = ahead.finish();
+    if (!at_its_beginning) return at_its_beginning.error();
+    return std::unique_ptr<ClipReader>(
+        std::make_unique<ClipWithFarPlane>(std::move(*at_its_beginning), std::move(scene), std::move(*note)));
 }
 
 }  // namespace touchable

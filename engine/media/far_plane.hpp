@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,8 +34,10 @@ private:
     int frames_ = 0;
 };
 
-/// The same of a clip at its beginning, where it is again afterwards. Where it cannot seek, its first frames
-/// tell all. A later frame that is damaged tells nothing; who plays it learns of that then.
-Result<std::string> find_far_plane(ClipReader& clip, Scene& scene);
+/// A clip at its beginning, with its far plane settled and said by a note; unchanged where it gives one.
+/// Where it cannot seek, its first frames tell all. A later frame that is damaged tells nothing; who plays it
+/// learns of that then. Errors name `file`.
+Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip,
+                                                   const std::filesystem::path& file);
 
 }  // namespace touchable

@@ -288,13 +288,6 @@ Result<void> MatroskaReader::describe() {
     }
     if (auto note = no_depth_note(*first_, scene_.depth)) notes_.push_back(std::move(*note));
     if (auto note = default_touch_note(has_haptic, scene_)) notes_.push_back(std::move(*note));
-    if (!scene_.far_from_frames) return {};
-
-    const bool with_colour = std::exchange(with_colour_, false);
-    auto note = find_far_plane(*this, scene_);
-    with_colour_ = with_colour;
-    if (!note) return Error{note.error().kind, file_ + ": " + note.error().message};
-    notes_.push_back(std::move(*note));
     return {};
 }
 
@@ -405,10 +398,11 @@ Result<void> MatroskaReader::check_end(const std::vector<std::string>& present,
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_matroska_clip(const std::filesystem::path& file,
-                                                       const std::optional<Scene>& scene) {
+                                                       const std::optional<Scene>& scene, Colour colour) {
     auto reader = std::make_unique<MatroskaReader>(file);
     if (auto opened = reader->open(scene); !opened) return opened.error();
-    return std::unique_ptr<ClipReader>(std::move(reader));
+    if (colour == Colour::left_out) reader->leave_out_colour();
+    return with_far_plane(std::move(reader), file);
 }
 
 }  // namespace touchable

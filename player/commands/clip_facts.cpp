@@ -54,23 +54,22 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     if (!clip.ok()) return clip.error();
     ClipFacts facts;
     facts.clip = choice.file.string();
-    const auto first = clip->reader->next();
-    if (!first.ok()) return first.error();
-    if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
     facts.scene = clip->scene;
     facts.chosen = clip->chosen;
-    facts.tracks = clip->reader->tracks();
-    facts.frames = clip->reader->frame_count();
-    facts.notes = told_of(*clip->reader);
-    add_first_frame(**first, facts);
     if (facts.chosen) {
         facts.measured = facts.chosen->measured;
     } else {
-        if (auto back = clip->reader->rewind(); !back.ok()) return back.error();
         auto measured = measure_depth(clip->reader, facts.scene);
         if (!measured.ok()) return measured.error();
         facts.measured = std::move(measured->depth);
     }
+    const auto first = clip->reader->next();
+    if (!first.ok()) return first.error();
+    if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
+    facts.tracks = clip->reader->tracks();
+    facts.frames = clip->reader->frame_count();
+    facts.notes = told_of(*clip->reader);
+    add_first_frame(**first, facts);
 
     const Camera& camera = facts.scene.camera;
     facts.fov_x_degrees = field_of_view_degrees(facts.scene.width, camera.cx, camera.fx);

@@ -79,7 +79,7 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
     if (options.session.clip.plugged) {
         inputs.push_back({"the camera", options.session.clip.file});
     } else {
-        const auto reader = options.session.clip.open();
+        const auto reader = options.session.clip.open(Colour::left_out);
         if (!reader.ok()) return reader.error();
         add_inputs(inputs, options.session.clip.file, **reader);
     }

@@ -1,51 +1,29 @@
 #include "player/session/chosen_filters.hpp"
 
-#include <cstddef>
-#include <cstdlib>
 #include <utility>
-#include <vector>
 
+#include "engine/media/prefetch.hpp"
 #include "engine/surface/filter_choice.hpp"
-#include "player/session/frames_in_hand.hpp"
 #include "player/session/interrupt.hpp"
 
 namespace touchable {
-namespace {
-
-/// Frames that were looked at are kept to be played, up to so many bytes: 25 of 1920x1080 with all planes.
-constexpr std::size_t most_bytes_in_hand = std::size_t{512} << 20;
-
-std::size_t bytes_of(const RawFrame& frame) {
-    std::size_t bytes = 0;
-    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
-        bytes += static_cast<std::size_t>(std::abs(plane->stride)) * static_cast<std::size_t>(plane->height);
-    return bytes;
-}
-
-}  // namespace
 
 Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
                                      const std::stop_token& given_up) {
     DepthSurvey survey(scene);
-    std::vector<RawFrame> seen;
-    std::size_t bytes = 0;
+    Prefetch ahead(std::move(reader));
     std::string damage;
-    while (!survey.enough()) {
+    for (bool is_first = true; !survey.enough(); is_first = false) {
         if (interrupted() || given_up.stop_requested()) return interrupted_error();
-        const auto frame = reader->next();
-        if (!frame.ok() && (bytes == 0 || frame.error().kind == ErrorKind::interrupted)) return frame.error();
+        const auto frame = ahead.next();
+        if (!frame.ok() && (is_first || frame.error().kind == ErrorKind::interrupted)) return frame.error();
         if (!frame.ok()) damage = frame.error().message;
         if (!frame.ok() || !*frame) break;
         survey.add(**frame);
-        bytes += bytes_of(**frame);
-        if (bytes <= most_bytes_in_hand) seen.push_back(**frame);
     }
-    if (damage.empty() && bytes <= most_bytes_in_hand) {
-        reader = with_frames_in_hand(std::move(reader), std::move(seen));
-        return MeasuredFrames{survey.measured(), damage};
-    }
-    seen.clear();
-    if (auto back = reader->rewind(); !back.ok()) return back.error();
+    auto clip = ahead.finish();
+    if (!clip.ok()) return clip.error();
+    reader = std::move(*clip);
     return MeasuredFrames{survey.measured(), damage};
 }
 

@@ -59,20 +59,22 @@ void ClipChoice::take(const LiveCamera& of) {
     as_camera = of.delivery;
 }
 
-Result<std::unique_ptr<ClipReader>> ClipChoice::open() const {
-    if (plugged && shared) return with_still_maps(shared->open(*plugged, camera, scene_file), maps);
-    if (plugged) return with_still_maps(open_v4l2_camera(*plugged, camera, scene_file), maps);
-    auto reader = with_still_maps(open_clip(file, scene_file, camera), maps);
+Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
+    auto opened = !plugged ? open_clip(file, scene_file, camera, colour)
+                  : shared ? shared->open(*plugged, camera, scene_file)
+                           : open_v4l2_camera(*plugged, camera, scene_file);
+    auto reader = with_still_maps(std::move(opened), maps);
     if (!reader.ok()) return reader;
+    if (colour == Colour::left_out) (*reader)->leave_out_colour();
+    if (plugged) return reader;
     if (filmed) return make_filmed_camera(std::move(*reader), *filmed, file);
     if (as_camera) return make_replay_camera(std::move(*reader), *as_camera);
     return reader;
 }
 
 Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up) {
-    auto reader = choice.open();
+    auto reader = choice.open(colour);
     if (!reader.ok()) return reader.error();
-    if (colour == Colour::left_out) (*reader)->leave_out_colour();
     auto scene = applied(choice, (*reader)->scene());
     if (!scene.ok()) return scene.error();
     auto chosen = settle_filters(*reader, *scene, choice.measured, given_up);

@@ -53,7 +53,7 @@ struct ClipChoice {
     void take(const LiveCamera& camera);
     bool is_camera() const { return plugged || as_camera; }
     /// The clip, from its beginning.
-    Result<std::unique_ptr<ClipReader>> open() const;
+    Result<std::unique_ptr<ClipReader>> open(Colour colour = Colour::wanted) const;
 };
 
 struct OpenClip {
@@ -61,7 +61,6 @@ struct OpenClip {
     Scene scene;                            ///< as the run applies it
     std::optional<ChosenFilters> chosen{};  ///< nothing: all filters were stated
 };
-enum class Colour { wanted, left_out };
 /// The clip at its beginning; colour that nobody looks at is not decoded. Refused (ErrorKind::usage) where
 /// what is wanted does not go with the clip. Between two frames it looks whether it was `given_up`, an error
 /// of kind interrupted.

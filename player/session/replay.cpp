@@ -31,7 +31,7 @@ bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
     const auto built = built_frames(recording.facts);
     if (!built) return !setup.live && recorded != setup.feed->planes_hash();
     if (*built == setup.feed->built()) return recorded != setup.feed->planes_hash();
-    const auto reader = setup.clip.open();
+    const auto reader = setup.clip.open(Colour::left_out);
     if (!reader.ok()) return true;
     const auto found = planes_hash_of(**reader, *built);
     return !found.ok() || *found != recorded;

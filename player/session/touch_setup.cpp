@@ -264,9 +264,8 @@ Result<OpenClip> open_recorded(TouchSetup& setup, Scene recorded, const std::fil
     if (instead.maps.haptic) setup.clip.maps.haptic = instead.maps.haptic;
     if (instead.maps.height) setup.clip.maps.height = instead.maps.height;
     if (setup.clip.as_camera && !recorded.rate_unstated) setup.clip.as_camera->rate = recorded.rate;
-    auto reader = setup.clip.open();
+    auto reader = setup.clip.open(Colour::left_out);
     if (!reader.ok()) return gone(reader.error(), setup, file, instead);
-    (*reader)->leave_out_colour();
     const Scene& stored = (*reader)->scene();
     if (stored.width != recorded.width || stored.height != recorded.height)
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +

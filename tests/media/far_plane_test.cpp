@@ -51,7 +51,7 @@ PlaneView wide_view(const std::vector<std::uint16_t>& codes) {
 /// A clip whose frames are made as they are read.
 class MadeClip : public ClipReader {
 public:
-    explicit MadeClip(std::int64_t count) : count_(count) {}
+    explicit MadeClip(std::int64_t count) : count_(count), scene_(scene_without_far()) {}
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
     std::optional<std::int64_t> frame_count() const override { return count_; }
@@ -70,17 +70,18 @@ public:
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override {
         number_ = frame;
+        ++seeks_;
         return {};
     }
     std::int64_t access_point(std::int64_t frame) const override { return can_seek_ ? frame : 0; }
 
     bool can_seek_ = true;
+    int seeks_ = 0;
     std::set<std::int64_t> damaged_;
     std::map<std::int64_t, int> deepest_;
     std::vector<std::int64_t> read_;
     std::int64_t number_ = 0;
 
-private:
     const std::int64_t count_;
     Scene scene_;
     std::vector<TrackInfo> tracks_;
@@ -124,38 +125,61 @@ TEST(FarPlane, TakesAsManyFramesOfAnHourAsOfASecond) {
         EXPECT_EQ(frames.back(), count - 1);
         EXPECT_TRUE(std::is_sorted(frames.begin(), frames.end())) << count;
     }
-    MadeClip clip(108'000);
+    auto made = std::make_unique<MadeClip>(108'000);
+    MadeClip& clip = *made;
     clip.deepest_ = {{107'999, 9000}, {20'000, 12'000}};
-    Scene scene = scene_without_far();
-    const auto note = find_far_plane(clip, scene);
-    ASSERT_TRUE(note.ok()) << note.error().message;
+    const auto settled = with_far_plane(std::move(made), "made");
+    ASSERT_TRUE(settled.ok()) << settled.error().message;
     EXPECT_EQ(clip.read_, telling_frames(108'000));
-    EXPECT_EQ(clip.number_, 0);
     // Of 640 000 pixels 64 may be beyond.
-    EXPECT_NEAR(scene.depth.far, 9.0 * 1.05, 0.1);
+    EXPECT_NEAR((*settled)->scene().depth.far, 9.0 * 1.05, 0.1);
+    EXPECT_FALSE((*settled)->scene().far_from_frames);
+    EXPECT_EQ((*settled)->notes().size(), 1U);
+    // Whoever plays it reads none of the first frames again.
+    for (std::int64_t number = 0; number < 20; ++number) {
+        const auto frame = (*settled)->next();
+        ASSERT_TRUE(frame.ok() && *frame);
+        EXPECT_EQ((*frame)->number, number);
+    }
+    EXPECT_EQ(clip.read_.size(), 32U + 4U);
+    EXPECT_EQ(clip.read_.back(), 19);
+    ASSERT_TRUE((*settled)->rewind().ok());
+    EXPECT_EQ((**(*settled)->next()).number, 0);
+}
+
+TEST(FarPlane, ThatIsGivenStays) {
+    auto made = std::make_unique<MadeClip>(100);
+    MadeClip& clip = *made;
+    clip.scene_.far_from_frames = false;
+    const auto settled = with_far_plane(std::move(made), "made");
+    ASSERT_TRUE(settled.ok());
+    EXPECT_EQ(settled->get(), &clip);
+    EXPECT_TRUE(clip.read_.empty());
 }
 
 TEST(FarPlane, OfAClipThatCannotSeekIsThatOfItsFirstFrames) {
-    MadeClip clip(100);
+    auto made = std::make_unique<MadeClip>(100);
+    MadeClip& clip = *made;
     clip.can_seek_ = false;
     clip.deepest_ = {{15, 7000}, {99, 9000}};
-    Scene scene = scene_without_far();
-    ASSERT_TRUE(find_far_plane(clip, scene).ok());
+    const auto settled = with_far_plane(std::move(made), "made");
+    ASSERT_TRUE(settled.ok());
     EXPECT_EQ(clip.read_.size(), 16U);
-    EXPECT_NEAR(scene.depth.far, 7.0 * 1.05, 0.1);
-    EXPECT_EQ(clip.number_, 0);
+    EXPECT_EQ(clip.seeks_, 0);
+    EXPECT_NEAR((*settled)->scene().depth.far, 7.0 * 1.05, 0.1);
 }
 
 TEST(FarPlane, DamageInALaterFrameIsNoMatter) {
-    MadeClip clip(100);
+    auto made = std::make_unique<MadeClip>(100);
+    MadeClip& clip = *made;
     clip.damaged_ = {5, 99};
-    Scene scene = scene_without_far();
-    EXPECT_TRUE(find_far_plane(clip, scene).ok());
-    EXPECT_DOUBLE_EQ(scene.depth.far, 5.0 * 1.05);
-    MadeClip hopeless(100);
-    hopeless.damaged_ = {0};
-    Scene other = scene_without_far();
-    EXPECT_FALSE(find_far_plane(hopeless, other).ok());
+    const auto settled = with_far_plane(std::move(made), "made");
+    ASSERT_TRUE(settled.ok());
+    EXPECT_DOUBLE_EQ((*settled)->scene().depth.far, 5.0 * 1.05);
+    EXPECT_EQ(clip.number_, 0) << "read anew, so that whoever plays it meets the damage";
+    auto hopeless = std::make_unique<MadeClip>(100);
+    hopeless->damaged_ = {0};
+    EXPECT_FALSE(with_far_plane(std::move(hopeless), "hopeless").ok());
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/media/prefetch.hpp"
 #include "engine/media/replay_camera.hpp"
 #include "player/session/camera_words.hpp"
-#include "player/session/frames_in_hand.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/standstill.hpp"
@@ -129,7 +129,7 @@ TEST_F(LiveCamera, FramesThatWereReadAheadAreNotGivenBeforeTheirTime) {
     auto camera = make_replay_camera(std::move(*recording), {.rate = FrameRate{1000, 1}});
     std::vector<RawFrame> ahead;
     for (int n = 0; n < 20; ++n) ahead.push_back(**camera->next());
-    const auto reader = with_frames_in_hand(std::move(camera), std::move(ahead));
+    const auto reader = with_prefetched_frames(std::move(camera), std::move(ahead));
     EXPECT_TRUE(reader->is_live());
     for (int n = 0; n < 2; ++n) EXPECT_EQ((*reader->next())->number, n);
     const auto zero = std::chrono::steady_clock::now();
