@@ -67,7 +67,7 @@ private:
     Result<void> find_files();
     Result<void> read_cameras(const PictureFiles& depth);
     Result<void> read_first();
-    Result<void> look_at_some();
+    Result<void> look_at_some(const StoredImage& first);
     Result<StoredImage> read(const Track& track, std::int64_t frame) const;
     Result<Plane> fitted(const Track& track, std::int64_t frame, StoredImage stored) const;
     Result<Plane> plane(const Track& track, std::int64_t frame) const;
@@ -81,6 +81,7 @@ private:
     std::int64_t count_ = 0;
     std::int64_t number_ = 0;  // of the frame that `next` gives
     bool with_colour_ = true;
+    std::optional<RawFrame> first_;  // read to learn how pictures are stored, not yet given away
     DepthValues values_;
 };
 
@@ -144,6 +145,7 @@ Result<void> ImageFolderReader::read_cameras(const PictureFiles& depth) {
 
 /// How frame 0 is stored stands for all.
 Result<void> ImageFolderReader::read_first() {
+    RawFrame first;
     for (Track& track : tracks_) {
         auto stored = read(track, 0);
         if (!stored) return stored.error();
@@ -154,30 +156,32 @@ Result<void> ImageFolderReader::read_first() {
             notes_.push_back(resampling_note(track.role, image.width, image.height, scene_));
         if (auto note = lossy_note(track.role, stored->codec)) notes_.push_back(std::move(*note));
         if (track.role == PlaneRole::depth && values_.needs_looks(*stored))
-            if (auto looked = look_at_some(); !looked) return looked;
+            if (auto looked = look_at_some(*stored); !looked) return looked;
         if (track.role == PlaneRole::haptic && image.channels == 1)
             notes_.push_back(take_grey_haptic(scene_));
         auto fits = fitted(track, 0, std::move(*stored));
         if (!fits) return fits.error();
         if (track.is_still()) track.still = *fits;
-        if (track.role != PlaneRole::depth) continue;
-        RawFrame frame;
-        add_plane(frame, PlaneRole::depth, std::move(*fits));
-        if (auto note = no_depth_note(frame, scene_.depth)) notes_.push_back(std::move(*note));
+        add_plane(first, track.role, std::move(*fits));
     }
+    first.time_ns = scene_.rate.time_ns(0);
+    if (auto note = no_depth_note(first, scene_.depth)) notes_.push_back(std::move(*note));
+    first_ = std::move(first);
     return {};
 }
 
 /// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
 /// damaged tells nothing.
-Result<void> ImageFolderReader::look_at_some() {
+Result<void> ImageFolderReader::look_at_some(const StoredImage& first) {
+    values_.look(first);
     for (const std::int64_t frame : telling_frames(count_)) {
         if (stop_requested())
             return Error{ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
+        if (frame == 0) continue;
         const auto stored = read(tracks_.front(), frame);
         if (stored)
             values_.look(*stored);
-        else if (frame == 0 || stored.error().kind == ErrorKind::interrupted)
+        else if (stored.error().kind == ErrorKind::interrupted)
             return stored.error();
     }
     auto note = values_.settle(scene_);
@@ -236,6 +240,10 @@ Result<void> ImageFolderReader::seek(std::int64_t frame) {
 
 Result<std::optional<RawFrame>> ImageFolderReader::next() {
     if (number_ == count_) return std::optional<RawFrame>{};
+    if (number_ == 0 && first_) {
+        ++number_;
+        return std::exchange(first_, std::nullopt);
+    }
     RawFrame frame;
     frame.number = number_;
     frame.time_ns = scene_.rate.time_ns(number_);

@@ -57,6 +57,7 @@ private:
     std::int64_t number_ = 0;            // of the frame that `next` gives
     std::int64_t colour_number_ = 0;     // of the colour file, that it gives next
     std::optional<Plane> colour_plane_;  // the last that it gave
+    std::optional<RawFrame> first_;      // read to learn how frames are stored, not yet given away
 };
 
 Result<void> VideoReader::open() {
@@ -114,7 +115,7 @@ Result<void> VideoReader::read_first() {
     if (scene_.stored.kind == StoredDepth::Kind::relative)
         if (auto settled = settle_relative(first->code_range(source_.values)); !settled) return settled;
     if (auto back = rewind(); !back) return back;
-    const auto frame = next();
+    auto frame = next();
     if (!frame) return frame.error();
     const auto add_info = [&](PlaneRole role, const TrackInfo& stored, const PicturePart& part) {
         infos_.push_back(
@@ -129,7 +130,8 @@ Result<void> VideoReader::read_first() {
     else if (has_colour())
         add_info(PlaneRole::colour, depth_->info(), colour_part(source_.layout, width, height));
     add_notes(**frame);
-    return rewind();
+    first_ = std::move(*frame);
+    return {};
 }
 
 void VideoReader::add_notes(const RawFrame& first) {
@@ -196,10 +198,12 @@ Result<Plane> VideoReader::colour_beside(std::int64_t frame) {
 Result<void> VideoReader::seek(std::int64_t frame) {
     if (auto there = depth_->seek(frame); !there) return there;
     number_ = frame;
+    first_.reset();
     return {};
 }
 
 Result<std::optional<RawFrame>> VideoReader::next() {
+    if (first_) return std::exchange(first_, std::nullopt);
     if (number_ == depth_->count()) return std::optional<RawFrame>{};
     RawFrame frame;
     frame.number = number_;

@@ -17,18 +17,23 @@ public:
         return inner().next();
     }
     Result<void> seek(std::int64_t frame) override {
-        frames_.clear();
-        given_ = 0;
-        return inner().seek(frame);
+        const bool is_next = given_ < frames_.size() && frame == static_cast<std::int64_t>(given_);
+        return is_next ? Result<void>{} : leave_for(frame);
     }
     /// Those that were read ahead are of the future then.
     Result<void> begin(std::chrono::steady_clock::time_point zero) override {
         if (given_ < frames_.size())
-            if (auto back = seek(static_cast<std::int64_t>(given_)); !back.ok()) return back;
+            if (auto back = leave_for(static_cast<std::int64_t>(given_)); !back.ok()) return back;
         return inner().begin(zero);
     }
 
 private:
+    Result<void> leave_for(std::int64_t frame) {
+        frames_.clear();
+        given_ = 0;
+        return inner().seek(frame);
+    }
+
     std::vector<RawFrame> frames_;
     std::size_t given_ = 0;
 };
