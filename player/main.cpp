@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/gpu/gpu_device.hpp"
+#include "engine/nearest_word.hpp"
 #include "engine/printable.hpp"
 #include "player/commands/cameras_command.hpp"
 #include "player/commands/check_command.hpp"
@@ -72,16 +73,31 @@ bool is_clip(const CLI::App& app, int argc, char** argv) {
     return word != "help" && (looks_like_a_file || std::filesystem::exists(word, ignored));
 }
 
+/// The options of the chosen command, or all commands where none is.
+std::vector<std::string> known_words(const CLI::App& app) {
+    std::vector<std::string> words;
+    const auto chosen = app.get_subcommands();
+    if (chosen.empty())
+        for (const CLI::App* command : app.get_subcommands({})) words.push_back(command->get_name());
+    for (const CLI::App* command : chosen)
+        for (const CLI::Option* option : command->get_options())
+            for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+    return words;
+}
+
 /// CLI11's words for what is wrong, on one line, with the way to the right ones.
 Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
     std::string message = error.what();
+    const auto chosen = app.get_subcommands();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // which names them from the last to the first
         message = "not expected:";
-        for (const std::string& word : app.remaining(true)) message += ' ' + word;
+        const auto words = app.remaining(true);
+        for (const std::string& word : words) message += ' ' + word;
+        const std::string meant = nearest_word(words.empty() ? "" : words.front(), known_words(app));
+        if (!meant.empty()) message += "; did you mean " + meant + '?';
     }
     for (char& c : message)
         if (c == '\n') c = ' ';
-    const auto chosen = app.get_subcommands();
     return usage_error(message + "; see touchable " +
                        (chosen.empty() ? "-h" : chosen[0]->get_name() + " -h"));
 }

@@ -1,7 +1,6 @@
 #include "device/catalog/device_catalog.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "device/inverse3/inverse3_device.hpp"
 #include "device/network/network_device.hpp"
 #include "device/recorded/recorded_device.hpp"
+#include "engine/nearest_word.hpp"
 #include "engine/printable.hpp"
 
 namespace touchable {
@@ -43,36 +43,15 @@ Error also_unplugged(Error error, std::string_view name) {
     return error;
 }
 
-/// Of two words, as Levenshtein counts: letters that are to be put in, left out or changed.
-std::size_t letters_between(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t corner = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t changed = corner + (a[i] == b[j] ? 0 : 1);
-            corner = row[j + 1];
-            row[j + 1] = std::min({changed, corner + 1, row[j] + 1});
-        }
-    }
-    return row.back();
-}
-
 Error unknown_device(const std::string& name) {
-    constexpr std::size_t most_letters = 3;
     if (name == "mouse")
         return usage_error("--device mouse is the window's, where no device is needed: touchable play CLIP");
-    std::string names, nearest;
-    std::size_t least = std::min(most_letters, name.size() / 2) + 1;
-    const auto list = [&](std::string_view word) {
-        names += (names.empty() ? "" : ", ") + std::string(word);
-        if (const std::size_t letters = letters_between(name.substr(0, 64), word); letters < least) {
-            least = letters;
-            nearest = word;
-        }
-    };
-    for (const DeviceKind& each : kinds) list(each.name);
-    list("simulated");
+    std::vector<std::string> words;
+    for (const DeviceKind& each : kinds) words.emplace_back(each.name);
+    words.emplace_back("simulated");
+    std::string names;
+    for (const std::string& word : words) names += (names.empty() ? "" : ", ") + word;
+    const std::string nearest = nearest_word(name, words);
     return usage_error("unknown device '" + printable(name) + "'" +
                        (nearest.empty() ? "; there are " : "; did you mean " + nearest + "? There are ") +
                        names + "; and mouse, in the window alone (touchable play)");

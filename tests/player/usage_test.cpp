@@ -115,6 +115,13 @@ TEST(Usage, WrongWordsAreCode2AndOneLineThatNamesThem) {
     EXPECT_NE(run_touchable({"paint"}).err.find("paint"), std::string::npos);
 }
 
+TEST(Usage, MistypedWordsNameTheNearest) {
+    EXPECT_NE(run_touchable({"tuoch", "clip.mkv"}).err.find("did you mean touch?"), std::string::npos);
+    EXPECT_NE(run_touchable({"touch", "clip.mkv", "--figners", "3"}).err.find("did you mean --fingers?"),
+              std::string::npos);
+    EXPECT_EQ(run_touchable({"paint"}).err.find("did you mean"), std::string::npos);
+}
+
 TEST(Usage, MissingFileIsCode3AndNamesTheFile) {
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"info", "no-such-clip.mkv"},
