@@ -28,7 +28,7 @@ Json to_json(const FeltSettings& felt) {
 }
 
 Json to_json(const KeptSettings& kept) {
-    Json json{{"panel", kept.panel}, {"fingers", kept.fingers}, {"overlay", kept.overlay}};
+    Json json{{"panel", kept.panel}, {"fingers", kept.fingers}};
     if (kept.width > 0) json["window"] = {kept.width, kept.height};
     json["a"] = to_json(kept.a);
     if (kept.b) json["b"] = to_json(*kept.b);
@@ -76,14 +76,7 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         kept.fingers = *fingers;
         return "";
     }
-    if (name == "overlay") {
-        const std::string word = value.is_string() ? value.get<std::string>() : "";
-        if (word.empty()) return quoted + "must be a name";
-        if (const auto overlay = overlay_after(Overlay::colour, word); !overlay.ok())
-            return overlay.error().message;
-        kept.overlay = word;
-        return "";
-    }
+    if (name == "overlay") return "";  // earlier versions kept it
     if (name == "window") {
         const bool two = value.is_array() && value.size() == 2;
         const auto width =

@@ -13,7 +13,6 @@ namespace touchable {
 struct KeptSettings {
     bool panel = false;  ///< shown
     int fingers = 1;
-    std::string overlay = "colour";
     int width = 0, height = 0;  ///< of the window, as `--size` has it; 0: nobody knows
     FeltSettings a;
     std::optional<FeltSettings> b;

@@ -29,8 +29,6 @@ Result<void> WindowLoop::open() {
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
     clip_->fingers().set_count(kept.fingers);
     panel_->shown = kept.panel;
-    if (const auto overlay = overlay_after(Overlay::colour, kept.overlay); overlay.ok())
-        picture_.set_overlay(*overlay);
     return {};
 }
 

@@ -157,7 +157,6 @@ KeptSettings WindowLoop::to_keep() const {
     KeptSettings kept = settings_.read();
     kept.panel = panel_->shown;
     kept.fingers = clip_->fingers().count();
-    kept.overlay = name_of(picture_.overlay());
     if (!options_.filters_are_stated) {
         const TwoSettings felt = wanted_felt_.value_or(felt_).kept;
         kept.a = felt.a;

@@ -130,6 +130,7 @@ Result<void> WindowLoop::show(std::unique_ptr<OpenedClip> clip) {
     clip_ = std::move(clip);
     clip_->begin_sound();
     picture_.forget();
+    picture_.set_overlay(Overlay::colour);  // whoever opens a clip wants to see it first
     frames_shown_.forget();
     playback_.emplace(*clip_);
     if (kiosk_ && !clip_->session().playback().loops && clip_->seconds() >= 0.1)

@@ -121,6 +121,15 @@ TEST(HeadlessWindow, OverlayColoursTheSurface) {
     EXPECT_GT(differences(colour.image, depth.image, 120, 80, 200, 160), 3000);
 }
 
+TEST(HeadlessWindow, OverlayIsNotCarriedToTheNextClip) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> settings{"--settings", (folder / "play.json").string()};
+    const Shot depth = shot_of(still(), "0 overlay depth\n", "0.5", settings);
+    const Shot next = shot_of(still(), "", "0.5", settings), plain = shot_of(still(), "", "0.5");
+    EXPECT_GT(differences(depth.image, next.image, 120, 80, 200, 160), 3000);
+    EXPECT_EQ(differences(plain.image, next.image, 120, 80, 200, 160), 0);
+}
+
 TEST(HeadlessWindow, TouchThatIsRecordedRepeatsToTheBitWithoutIt) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string();
@@ -183,7 +192,7 @@ TEST(HeadlessWindow, KeepsSettingsWhereItIsToldTo) {
     const std::string kept =
         kept_after("0 median 3\n0 key b\n0 metric pixel\n0 key 2\n0 overlay depth\n0 panel\n");
     for (const char* words : {"\"fingers\": 2", "\"median\": 3", "\"metric\": \"pixel\"",
-                              "\"filters\": \"off\"", "\"overlay\": \"depth\"", "\"panel\": true"})
+                              "\"filters\": \"off\"", "\"panel\": true"})
         EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
     EXPECT_EQ(kept.find("window"), std::string::npos) << "the size was stated";
     EXPECT_EQ(kept_after("0 reset\n").find("median"), std::string::npos);
