@@ -135,7 +135,7 @@ Result<void> run_make(const MakeOptions& options) {
     auto writer = create_clip(options.out, described, options.storage, options.existing);
     if (!writer.ok()) return writer.error();
 
-    Progress progress("making frame", options.frames);
+    Progress progress("making frame", options.frames, Progress::InALog::lines);
     for (std::int64_t n = 0; n < options.frames; ++n) {
         if (interrupted()) return interrupted_error();
         progress.at(n + 1);

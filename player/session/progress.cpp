@@ -25,14 +25,20 @@ void StatusLine::show(const std::string& text) {
     std::fprintf(stderr, "\r%s\033[K", text.c_str());
 }
 
-Progress::Progress(std::string what, std::int64_t total) : what_(std::move(what)), total_(total) {}
+Progress::Progress(std::string what, std::int64_t total, InALog in_a_log)
+    : what_(std::move(what)), total_(total), in_a_log_(in_a_log) {}
 
 void Progress::at(std::int64_t done) {
-    if (!line_.is_due()) return;
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    line_.show(what_ + ' ' + std::to_string(done) +
-               (total_ > 0 ? " of " + std::to_string(total_) : std::string()) +
-               pace_in_words(done, total_, elapsed.count()));
+    if (!line_.is_on_terminal() && in_a_log_ == InALog::nothing) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (line_.is_on_terminal() ? !line_.is_due() : now - logged_ < std::chrono::seconds(10)) return;
+    const std::chrono::duration<double> elapsed = now - start_;
+    const std::string words = what_ + ' ' + std::to_string(done) +
+                              (total_ > 0 ? " of " + std::to_string(total_) : std::string()) +
+                              pace_in_words(done, total_, elapsed.count());
+    if (line_.is_on_terminal()) return line_.show(words);
+    logged_ = now;
+    std::fprintf(stderr, "touchable: %s\n", words.c_str());
 }
 
 std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds) {

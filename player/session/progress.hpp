@@ -16,6 +16,7 @@ public:
 
     /// Whether to `show` something: ten times a second at most.
     bool is_due() const;
+    bool is_on_terminal() const { return terminal_; }
     void show(const std::string& text);
 
 private:
@@ -28,14 +29,17 @@ private:
 /// it takes still.
 class Progress {
 public:
+    /// Where the error stream is no terminal: nothing, or a line of its own every 10 seconds.
+    enum class InALog { nothing, lines };
     /// `what`: "making frame". `total` <= 0: the end is not known.
-    Progress(std::string what, std::int64_t total);
+    Progress(std::string what, std::int64_t total, InALog in_a_log = InALog::nothing);
     void at(std::int64_t done);
 
 private:
     std::string what_;
     std::int64_t total_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    InALog in_a_log_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), logged_ = start_;
     StatusLine line_;
 };
 
