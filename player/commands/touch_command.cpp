@@ -97,7 +97,8 @@ void add_file_options(CLI::App& sub, TouchOptions& o) {
         add_file_option(sub, "--replay", o.replay, "repeat a recorded run and compare every force with it");
     record->excludes(replay);
     add_overwrite_option(sub, o.existing);
-    sub.add_flag("--strict", o.strict, "end with code 6 where the table begins with a warning");
+    sub.add_flag("--verbose", o.verbose, "print the whole table of figures, not the four lines of it");
+    sub.add_flag("--strict", o.strict, "end with code 6 where the first line is a warning");
 }
 
 void add_moment_options(CLI::App& sub, TouchWords& words) {
@@ -186,7 +187,7 @@ void group_options(CLI::App& sub) {
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
           "--world-from-camera", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},
-        {"Files", {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--strict"}},
+        {"Files", {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--verbose", "--strict"}},
         {"A picture", {"--picture", "--picture-at", "--picture-size", "--view", "--show"}},
         {"Expert",
          {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness", "--stiffness-slew",

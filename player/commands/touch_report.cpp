@@ -1,5 +1,6 @@
 #include "player/commands/touch_report.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 
@@ -20,9 +21,9 @@ std::string in_seconds(double seconds) {
     return words;
 }
 
-/// The clip's, what became of it when it ended, and what the hand has to say after the run.
-std::vector<std::string> notes_of(const TouchSetup& setup, const TouchFigures& figures) {
-    std::vector<std::string> notes = setup.notes;
+/// What became of the clip when it ended, and what the hand has to say after the run.
+std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigures& figures) {
+    std::vector<std::string> notes;
     if (!setup.scene.hole_stiffness && figures.force_limited_in_holes())
         notes.push_back(
             "walls of missing depth pushed as hard as the device can; hole_stiffness in the scene file makes "
@@ -98,10 +99,11 @@ std::string energy_words(const Json& report) {
             "be; --stiffness passive takes that away",
             created, smallest, largest);
     else
-        std::snprintf(
-            words, sizeof words,
-            "%.3g mJ, of which a real surface gives none; the 1 ms between ticks explains up to %.3g mJ",
-            created, bound);
+        std::snprintf(words, sizeof words,
+                      "%.3g mJ came out of the surface, where a real one gives none; holding each force for "
+                      "1 ms explains up to "
+                      "%.3g mJ of it",
+                      created, bound);
     return words;
 }
 
@@ -134,14 +136,80 @@ bool was_never_there(const Json& report) {
     return report.contains("placeless_ticks") && report["placeless_ticks"] == report["ticks"];
 }
 
+/// A line of a table.
+std::string labelled(const char* name, const std::string& value) {
+    std::string label = name;
+    label.resize(22, ' ');
+    return "  " + label + value + '\n';
+}
+
+std::string with_number(double value, const char* format) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, format, value);
+    return buffer;
+}
+
+std::string force_words(const Json& report) {
+    return with_number(report["force_n"]["mean"], "%.3f N mean in contact, ") +
+           with_number(report["force_n"]["max"], "%.3f N max") + limited_words(report);
+}
+
+/// Empty: nothing was held back.
+std::string held_back_words(const Json& report) {
+    if (report["held_back_ticks"] == 0) return "";
+    return with_number(1e-3 * report["held_back_ticks"].get<double>(), "%.3f s of contact ") +
+           "with no force or a part of it: forces were off, or the finger had not been free since";
+}
+
+/// Empty: no finger waited.
+std::string waiting_words(const Json& report) {
+    if (report["waiting_ticks"] == 0) return "";
+    return std::to_string(report["waiting_ticks"].get<std::int64_t>()) +
+           " ticks without force, for a finger that had not been free of the surface; --start-buried pushes "
+           "it "
+           "out";
+}
+
+/// How much of the clip nobody has said. Empty: nothing was guessed.
+std::string guesses_in_words(const Json& report) {
+    const auto notes = report.value("notes", std::vector<std::string>());
+    const auto guesses = std::count_if(notes.begin(), notes.end(),
+                                       [](const std::string& note) { return note.starts_with("guessed: "); });
+    if (guesses == 0) return "";
+    return "; " + std::to_string(guesses) + (guesses == 1 ? " thing is" : " things are") +
+           " guessed of the clip (touchable info says which)";
+}
+
+/// What the checks of a run say.
+std::string verdict_words(const Json& report) {
+    std::string faults;
+    const auto count = [&](const char* name, const char* words) {
+        if (report[name] == 0) return;
+        faults += (faults.empty() ? "" : "; ") + std::to_string(report[name].get<std::int64_t>()) + words;
+    };
+    count("nonfinite_ticks", " ticks without a finite force");
+    count("proxy_behind_mesh_ticks", " ticks with a finger behind the surface");
+    count("capped_ticks", " ticks that met more edges than a tick can follow");
+    count("late_ticks", " ticks late by 1 ms or more");
+    const std::string forceless =
+        report.value("device_exerts_force", true) ? "" : "the device exerts no force";
+    for (const std::string& words : {forceless, held_back_words(report), waiting_words(report)})
+        if (!words.empty()) faults += (faults.empty() ? "" : "; ") + words;
+    return faults.empty() ? "sound: every force is finite, and no finger got behind the surface" : faults;
+}
+
 }  // namespace
 
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LiveFacts* live,
                  const SurfacePainter* painter) {
     const std::string cpu = cpu_facts().model;
+    const std::vector<std::string> of_run = notes_of_run(setup, figures);
+    std::vector<std::string> notes = setup.notes;
+    notes.insert(notes.end(), of_run.begin(), of_run.end());
     Json report{{"format", 1},
                 {"clip", setup.clip.file.string()},
-                {"notes", notes_of(setup, figures)},
+                {"notes", notes},
+                {"run_notes", of_run},
                 {"filters", filters_json(setup.scene, setup.filters,
                                          setup.filters ? setup.filters->measured : std::nullopt)},
                 {"hand", setup.hand_words},
@@ -192,6 +260,26 @@ Json join_reports(const std::vector<Json>& parts, const TouchFigures& all) {
     return report;
 }
 
+std::string report_in_short(const Json& report, const std::vector<std::string>& files) {
+    std::string text, written;
+    for (const auto& warning : report["warnings"]) text += labelled("warning", warning.get<std::string>());
+    const auto fingers = report["fingers"].get<int>();
+    text += labelled("touched", report["clip"].get<std::string>() + ", by " + std::to_string(fingers) +
+                                    (fingers == 1 ? " finger" : " fingers") +
+                                    with_number(1e-3 * report["ticks"].get<double>(), " for %.3f s, ") +
+                                    with_number(report["finger_contact_pct"], "%.1f %% of it in contact") +
+                                    guesses_in_words(report));
+    for (const auto& note : report.value("run_notes", std::vector<std::string>()))
+        text += labelled("note", note);
+    text += labelled("force", force_words(report));
+    text += labelled("verdict", verdict_words(report));
+    for (const std::string& file : files) written += (written.empty() ? "" : ", ") + file;
+    text += labelled("figures", written.empty()
+                                    ? "--verbose prints more; --json FILE and --forces FILE write them"
+                                    : written + "; --verbose prints them");
+    return text;
+}
+
 std::string report_to_text(const Json& r) {
     std::string text;
     if (r.contains("parts")) {
@@ -201,16 +289,8 @@ std::string report_to_text(const Json& r) {
                     report_to_text(r["parts"][k]);
         return text;
     }
-    auto line = [&text](const char* name, const std::string& value) {
-        std::string label = name;
-        label.resize(22, ' ');
-        text += "  " + label + value + '\n';
-    };
-    auto number = [](double value, const char* format) {
-        char buffer[64];
-        std::snprintf(buffer, sizeof buffer, format, value);
-        return std::string(buffer);
-    };
+    auto line = [&text](const char* name, const std::string& value) { text += labelled(name, value); };
+    const auto number = with_number;
     auto count = [&r](const char* name) { return std::to_string(r[name].get<std::int64_t>()); };
     auto spread = [&](const Json& s) {
         return number(s["mean"], "%.3g mean") + number(s["p50"], ", %.3g median") +
@@ -241,20 +321,13 @@ std::string report_to_text(const Json& r) {
                          "the hand moves 1 m over %.3g m of the scene"));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
                       number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
-    line("force", number(r["force_n"]["mean"], "%.3f N mean in contact, ") +
-                      number(r["force_n"]["max"], "%.3f N max") + limited_words(r));
+    line("force", force_words(r));
     if (r["hole_contact"]["finger_ticks"] > 0) line("caught in holes", hole_words(r["hole_contact"]));
     if (!was_never_there(r))
         line("guard", count("guarded_ticks") + " ticks changed by it" +
                           (r.value("placeless_ticks", 0) > 0 ? ", those without a position among them" : ""));
-    if (r["held_back_ticks"] > 0)
-        line("held back", number(1e-3 * r["held_back_ticks"].get<double>(), "%.3f s of contact ") +
-                              "with no force or a part of it: forces were off, or the finger had not been "
-                              "free since");
-    if (r["waiting_ticks"] > 0)
-        line("began inside", count("waiting_ticks") +
-                                 " ticks without force, for a finger that had not been free of the surface; "
-                                 "--start-buried pushes it out");
+    if (const auto words = held_back_words(r); !words.empty()) line("held back", words);
+    if (const auto words = waiting_words(r); !words.empty()) line("began inside", words);
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
                           std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");

@@ -19,7 +19,10 @@ nlohmann::ordered_json make_report(const TouchSetup& setup, const TouchFigures& 
 /// Of a replay of several parts: what `all` figures say of them together, and in "parts" the report of each.
 nlohmann::ordered_json join_reports(const std::vector<nlohmann::ordered_json>& parts,
                                     const TouchFigures& all);
-/// The same as lines for a person; of several parts each after the other.
+/// The same as a table for a person; of several parts each after the other.
 std::string report_to_text(const nlohmann::ordered_json& report);
+/// What most people want to know of it: warnings, what was touched, the force, whether it is sound, and where
+/// the figures are. `files`: those that were written.
+std::string report_in_short(const nlohmann::ordered_json& report, const std::vector<std::string>& files);
 
 }  // namespace touchable

@@ -20,6 +20,7 @@ struct TouchOptions {
     std::optional<std::filesystem::path> json, forces, record, replay, device_log;
     std::optional<std::filesystem::path> play;  ///< read into `session.playback` already
     Existing existing = Existing::keep;         ///< what becomes of earlier files of those names
+    bool verbose = false;                       ///< prints the whole table
     bool strict = false;                        ///< what the report warns of is an error of kind check
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick

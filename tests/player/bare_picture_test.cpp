@@ -52,7 +52,11 @@ TEST_F(BarePicture, WithoutACameraIsTouchedByWhatIsGuessedAndSaid) {
     const std::string recording = folder / "run.rec";
     const Outcome touched = run_touchable({"touch", picture(), "--seconds", "0.1", "--record", recording});
     ASSERT_EQ(touched.code, 0) << touched.err;
-    EXPECT_NE(touched.out.find("guessed: the camera sees 60 degrees"), std::string::npos) << touched.out;
+    EXPECT_NE(touched.out.find(" guessed of the clip (touchable info says which)"), std::string::npos)
+        << touched.out;
+    EXPECT_NE(run_touchable({"touch", picture(), "--seconds", "0.1", "--verbose"})
+                  .out.find("guessed: the camera sees 60 degrees"),
+              std::string::npos);
     EXPECT_EQ(run_touchable({"touch", "--replay", recording}).code, 0);
     const Outcome wide = run_touchable({"touch", picture(), "--seconds", "0.1", "--fov", "90", "--preset",
                                         "realsense", "--record", recording, "--overwrite"});

@@ -79,7 +79,7 @@ TEST_F(Filters, AreChosenByTheFirstFramesAndTold) {
     EXPECT_NEAR(sigma, 3.27, 0.3) << "of two uniform numbers from -4 to 4";
     const std::string words = filters["in_words"];
     EXPECT_NE(words.find("(noise 3."), std::string::npos) << words;
-    const Outcome said = run_touchable({"touch", clip(), "--seconds", "0.1"});
+    const Outcome said = run_touchable({"touch", clip(), "--seconds", "0.1", "--verbose"});
     EXPECT_NE(said.out.find("  filters "), std::string::npos) << said.out;
     EXPECT_NE(run_touchable({"info", clip()}).out.find("median 5x5 ("), std::string::npos);
 }

@@ -75,7 +75,7 @@ TEST_F(Holes, TheReportSaysHowLongFingersWereCaughtInThem) {
     EXPECT_DOUBLE_EQ(holes["contact_pct"],
                      100.0 * static_cast<double>(caught) / static_cast<double>(contact));
 
-    Words said = words(scene(), {"--overwrite"});
+    Words said = words(scene(), {"--overwrite", "--verbose"});
     said.insert(said.begin(), "touch");
     const std::string table = run_touchable(said).out;
     EXPECT_NE(table.find("s behind walls of missing depth ("), std::string::npos) << table;

@@ -23,7 +23,7 @@ protected:
     }
     nlohmann::json touch(Words words) const {
         words.insert(words.begin(), "touch");
-        words.insert(words.end(), {"--overwrite", "--json", report});
+        words.insert(words.end(), {"--overwrite", "--verbose", "--json", report});
         nlohmann::json read;
         for (int go = 0; go == 0 || (stood_still(read) && go < most_standstills); ++go) {
             const Outcome outcome = run_touchable(words);

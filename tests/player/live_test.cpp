@@ -237,7 +237,7 @@ TEST_F(Live, AnInterruptCompletesEveryFileAndSaysHowLongItRan) {
          "--picture", picture, "--picture-size", "64x48", "--painter", "cpu", "--builder", "cpu"});
     EXPECT_EQ(outcome.code, 130) << outcome.err;
     EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
-    EXPECT_NE(outcome.out.find("force hash"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("  verdict  "), std::string::npos) << outcome.out;
     const auto report = nlohmann::json::parse(file_contents(json), nullptr, false);
     ASSERT_TRUE(report.is_object());
     EXPECT_EQ(report["interrupted"], true);

@@ -140,7 +140,7 @@ TEST_F(Outputs, StandardOutputGetsWhatAFileWould) {
     EXPECT_EQ(json.code, 0);
     EXPECT_EQ(nlohmann::json::parse(json.out)["ticks"], 100);
     for (const Outcome* outcome : {&forces, &json})
-        EXPECT_NE(outcome->err.find("force hash"), std::string::npos)
+        EXPECT_NE(outcome->err.find("  verdict  "), std::string::npos)
             << "the table stands on the other stream";
     expect_refused(with({"--forces", "-", "--json", "-"}), "one of them can go to standard output");
     expect_refused(with({"--record", "-"}), "--record -");

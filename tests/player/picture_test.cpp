@@ -50,7 +50,7 @@ protected:
 };
 
 TEST_F(Picture, IsDrawnOfTheSizeAskedFor) {
-    const Outcome done = touch({"--picture-size", "96x54"});
+    const Outcome done = touch({"--picture-size", "96x54", "--verbose"});
     EXPECT_EQ(done.code, 0) << done.err;
     EXPECT_EQ(image().width, 96);
     EXPECT_EQ(image().height, 54);
@@ -96,7 +96,7 @@ TEST_F(Picture, IsTheSameOfFramesThatAreOnTheGpuAlready) {
 }
 
 TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
-    const Outcome done = touch({"--painter", "raster", "--gpu", "0"});
+    const Outcome done = touch({"--painter", "raster", "--gpu", "0", "--verbose"});
     EXPECT_EQ(done.code, 0) << done.err;
     const auto gpus = list_gpus();
     ASSERT_TRUE(gpus.ok());

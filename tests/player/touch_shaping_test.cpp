@@ -103,7 +103,7 @@ TEST_F(TouchShaping, TheReportAccountsForEnergy) {
     EXPECT_GT(world["zoh_bound"], 0);
     EXPECT_LE(world["created"], world["zoh_bound"]);
     EXPECT_GT(pixel["created"], 10 * pixel["zoh_bound"].get<double>());
-    const Outcome told = run_touchable({"touch", clip(), "--seconds", "0.3"});
+    const Outcome told = run_touchable({"touch", clip(), "--seconds", "0.3", "--verbose"});
     EXPECT_NE(told.out.find("energy from nowhere"), std::string::npos) << told.out;
 }
 

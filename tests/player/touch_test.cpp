@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <fstream>
@@ -78,9 +79,20 @@ TEST_F(Touch, ReportHasEveryFigureThatPeopleRelyOn) {
     EXPECT_EQ(report["force_hash"].get<std::string>().size(), 16U);
 }
 
+TEST_F(Touch, SaysFourLinesUnlessAskedForMore) {
+    make("globe");
+    const Outcome run = run_touchable({"touch", clip(), "--seconds", "0.5", "--forces", folder / "f.csv"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 5) << run.out;  // a note of the clip's end
+    for (const std::string& fact :
+         {clip() + ", by 1 finger for 0.500 s, ", std::string(" N mean in contact, "),
+          std::string("sound: every force is finite"), (folder / "f.csv").string() + "; --verbose"})
+        EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
+}
+
 TEST_F(Touch, TellsAPersonTheSame) {
     make("globe");
-    const Outcome run = run_touchable({"touch", clip(), "--seconds", "0.5"});
+    const Outcome run = run_touchable({"touch", clip(), "--seconds", "0.5", "--verbose"});
     EXPECT_EQ(run.code, 0);
     for (const std::string& fact :
          {std::string("72x48"), std::string("500 at 1 kHz"), std::string("contact"), std::string(" N mean"),

@@ -34,7 +34,7 @@ protected:
         const Words told = nlohmann::json::parse(file_contents(folder / "r.json"))["warnings"];
         std::string first;
         for (const std::string& warning : told) first += "  warning               " + warning + '\n';
-        EXPECT_TRUE(run.out.starts_with(first + "  clip ")) << run.out;
+        EXPECT_TRUE(run.out.starts_with(first + "  touched ")) << run.out;
         words.emplace_back("--strict");
         const Outcome strict = run_touchable(words);
         EXPECT_EQ(strict.code, told.empty() ? 0 : 6) << strict.err;
