@@ -182,6 +182,9 @@ void keep_limp_until_alone(int socket, LimpHearts& hearts, std::span<char> comma
     for (Keeping& place : kept)
         if (place.descriptor != nothing_kept)
             speak_beside_others(place, alone, [&place] { speak(place, place.order.last); });
+    // A device that takes nothing keeps no other's descriptor from being let go of.
+    for (const Keeping& place : kept)
+        if (place.descriptor != nothing_kept) close(place.descriptor);
     while (wait(nullptr) > 0) {  // whoever waits for this process waits for all words
     }
     _exit(0);

@@ -63,6 +63,8 @@ public:
     std::uint64_t value() const { return value_; }  ///< on the device's timeline
     bool done() const { return device_->completed() >= value_; }
     Result<void> wait() const { return device_->wait(value_); }
+    /// Of a picture that a person waits for.
+    Result<void> wait_for_picture() const { return device_->wait(value_, GpuDevice::longest_picture); }
     /// By mark, in order; empty before it is done.
     std::vector<GpuTime> times() const;
 

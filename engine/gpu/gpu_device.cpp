@@ -1,5 +1,6 @@
 #include "engine/gpu/gpu_device.hpp"
 
+#include <algorithm>
 #include <list>
 #include <utility>
 
@@ -207,9 +208,9 @@ VkResult GpuDevice::wait_for(std::uint64_t value, std::chrono::nanoseconds timeo
     return wait_on(*vulkan_, timeline_, value, timeout);
 }
 
-Result<void> GpuDevice::wait(std::uint64_t value) {
+Result<void> GpuDevice::wait(std::uint64_t value, std::chrono::nanoseconds at_most) {
     if (lost()) return lost_error(*vulkan_);
-    const std::chrono::nanoseconds patience = patience_;
+    const std::chrono::nanoseconds patience = std::min(patience_.load(), at_most);
     const VkResult result = wait_for(value, patience);
     if (result == VK_TIMEOUT) {
         vulkan_->lost = true;

@@ -54,8 +54,11 @@ public:
     std::uint64_t completed() const;
 
     /// Waits for a value that GpuCommands::submit gave. Fails (ErrorKind::gpu) on a lost device, and where
-    /// that takes longer than the patience there is: a device that hangs is lost.
-    Result<void> wait(std::uint64_t value);
+    /// that takes longer than the patience there is, or than `at_most`: a device that hangs is lost.
+    Result<void> wait(std::uint64_t value,
+                      std::chrono::nanoseconds at_most = std::chrono::nanoseconds::max());
+    /// For whoever waits where a person's keys are taken: no longer than this.
+    static constexpr std::chrono::seconds longest_picture{10};
     /// 10 s where nobody says; a minute for a software Vulkan, which compiles a kernel at its first dispatch
     /// and never hangs, but is slow where others want the processor too.
     std::chrono::nanoseconds patience() const { return patience_; }

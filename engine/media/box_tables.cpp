@@ -43,6 +43,7 @@ public:
     Result<void> check_edits() const;
 
 private:
+    Result<bool> hides_a_movie(const Box& box);
     Result<void> box(const Box& box, int depth);
     Result<void> table(const Box& box, const TableKind& kind);
     Result<void> metadata(const Box& box, int depth);
@@ -84,7 +85,22 @@ Result<void> Walk::boxes(std::uint64_t at, std::uint64_t end, int depth) {
     return {};
 }
 
+/// Of a box that may be another one in disguise: FFmpeg takes free space for the movie's box where it begins
+/// so.
+Result<bool> Walk::hides_a_movie(const Box& box) {
+    if ((box.type != "free" && box.type != "hoov") || box.content + 8 > box.end) return false;
+    const auto head = head_at(box.content);
+    if (!head) return head.error();
+    const std::string_view first(reinterpret_cast<const char*>(head->data()) + 4, 4);
+    return first == "mvhd" || first == "cmov";
+}
+
 Result<void> Walk::box(const Box& box, int depth) {
+    const auto hides = hides_a_movie(box);
+    if (!hides) return hides.error();
+    if (*hides && depth < most_nested) return boxes(box.content, box.end, depth + 1);
+    if (box.type == "cmov")
+        return input_error("its tables are compressed (cmov), which nothing has written for twenty years");
     if (has_boxes(box.type) && depth < most_nested) return boxes(box.content, box.end, depth + 1);
     if (box.type == "meta" && depth < most_nested) return metadata(box, depth);
     if (box.type == "stsz" || box.type == "stz2") return sizes(box);

@@ -79,13 +79,8 @@ PngHeader png_header(std::string_view png) {
 class LastRow {
 public:
     explicit LastRow(std::uint8_t seed) : seed_(seed) {}
-    void watch(AVCodecContext& decoder) {
-        decoder.opaque = this;
-        decoder.get_buffer2 = [](AVCodecContext* context, AVFrame* frame, int flags) {
-            const int status = avcodec_default_get_buffer2(context, frame, flags);
-            if (status >= 0) static_cast<const LastRow*>(context->opaque)->lay(*frame);
-            return status;
-        };
+    void lay(AVFrame& frame) const {
+        for (int k = 0; k < row_bytes(frame); ++k) row_of(frame)[k] = noise(k);
     }
     bool untouched(const AVFrame& frame) const {
         const std::uint8_t* row = row_of(frame);
@@ -99,9 +94,6 @@ public:
 
 private:
     std::uint8_t noise(int k) const { return static_cast<std::uint8_t>((k * 157 + seed_) ^ (k >> 3)); }
-    void lay(AVFrame& frame) const {
-        for (int k = 0; k < row_bytes(frame); ++k) row_of(frame)[k] = noise(k);
-    }
     static std::uint8_t* row_of(const AVFrame& frame) {
         return frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * (frame.height - 1);
     }
@@ -112,15 +104,40 @@ private:
     std::uint8_t seed_;
 };
 
-/// That these bytes can hold, whatever they claim: deflate makes at most 1032 bytes of one, and a block of
-/// 8x8 pixels of a JPEG takes at least a bit.
+/// Pixels that these bytes can hold, whatever they claim: deflate makes at most 1032 bytes of one, and a
+/// block of 8x8 pixels of a JPEG takes at least a bit.
 std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
-    constexpr std::int64_t most = std::int64_t{16384} * 16384;
     const auto size = static_cast<std::int64_t>(bytes.size());
-    const std::int64_t held =
-        codec == AV_CODEC_ID_PNG ? size * 1032 * 8 / std::max(png_header(bytes).bits, 1) : size * 8 * 64;
-    return std::min(held, most);
+    if (codec == AV_CODEC_ID_PNG) return size * 1032 * 8 / std::max(png_header(bytes).bits, 1);
+    return size * 8 * 64;
 }
+
+/// Gives a decoder the memory of its picture, unless that is larger than the file can hold.
+class PictureMemory {
+public:
+    PictureMemory(std::int64_t held_pixels, const LastRow* last_row)
+        : held_pixels_(held_pixels), last_row_(last_row) {}
+    void serve(AVCodecContext& decoder) {
+        decoder.opaque = this;
+        decoder.get_buffer2 = [](AVCodecContext* context, AVFrame* frame, int flags) {
+            return static_cast<PictureMemory*>(context->opaque)->give(*context, *frame, flags);
+        };
+    }
+    bool is_refused() const { return is_refused_; }
+
+private:
+    int give(AVCodecContext& context, AVFrame& frame, int flags) {
+        is_refused_ = std::int64_t{context.width} * context.height > held_pixels_;
+        if (is_refused_) return AVERROR(EINVAL);
+        const int status = avcodec_default_get_buffer2(&context, &frame, flags);
+        if (status >= 0 && last_row_) last_row_->lay(frame);
+        return status;
+    }
+
+    const std::int64_t held_pixels_;
+    const LastRow* const last_row_;
+    bool is_refused_ = false;
+};
 
 Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPacket& packet,
                         LastRow* last_row) {
@@ -129,16 +146,17 @@ Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPa
     FramePtr frame(av_frame_alloc());
     if (!codec || !decoder || !frame) return no_memory();
     decoder->thread_count = 1;
-    decoder->max_pixels = held_pixels(codec_id, view_of(packet));
+    decoder->max_pixels = std::int64_t{16384} * 16384;
     decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
-    if (last_row) last_row->watch(*decoder);
+    PictureMemory memory(held_pixels(codec_id, view_of(packet)), last_row);
+    memory.serve(*decoder);
     int status = avcodec_open2(decoder.get(), codec, nullptr);
     if (status >= 0) status = avcodec_send_packet(decoder.get(), &packet);
     if (status >= 0) status = avcodec_send_packet(decoder.get(), nullptr);
     if (status >= 0) status = avcodec_receive_frame(decoder.get(), frame.get());
-    if (status == AVERROR(EINVAL))
+    if (memory.is_refused())
         return input_error(where + ": claims more pixels than its " + std::to_string(packet.size) +
-                           " bytes can hold, or than 16384x16384");
+                           " bytes can hold");
     if (status < 0) return input_error(where + ": is damaged: " + ffmpeg_text(status));
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
         return input_error(where + ": is damaged");

@@ -140,7 +140,7 @@ Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FrameP
     }
     const auto submission = std::move(*commands).submit();
     if (!submission.ok()) return submission.error();
-    if (auto done = submission->wait(); !done.ok()) return done.error();
+    if (auto done = submission->wait_for_picture(); !done.ok()) return done.error();
     return seen;
 }
 

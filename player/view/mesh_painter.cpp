@@ -56,7 +56,7 @@ public:
         record_copy(*commands, *z, *z_back);
         const auto submission = std::move(*commands).submit();
         if (!submission.ok()) return submission.error();
-        if (auto done = submission->wait(); !done.ok()) return done.error();
+        if (auto done = submission->wait_for_picture(); !done.ok()) return done.error();
 
         const auto z_read = z_back->mapped<float>();
         const auto colour_read = colour_back->mapped<PackedColour>();

@@ -46,7 +46,7 @@ public:
         }
         const auto submission = std::move(*commands).submit();
         if (!submission.ok()) return submission.error();
-        if (auto done = submission->wait(); !done.ok()) return done.error();
+        if (auto done = submission->wait_for_picture(); !done.ok()) return done.error();
         return unpacked(seen_.mapped<std::uint64_t>().first(bytes / 8), camera);
     }
 

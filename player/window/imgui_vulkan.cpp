@@ -106,7 +106,7 @@ Result<void> ImGuiVulkan::upload_fonts() {
     ImGui_ImplVulkan_CreateFontsTexture(commands->handle());
     const auto submission = std::move(*commands).submit();
     if (!submission.ok()) return submission.error();
-    if (auto done = submission->wait(); !done.ok()) return done;
+    if (auto done = submission->wait_for_picture(); !done.ok()) return done;
     ImGui_ImplVulkan_DestroyFontUploadObjects();
     return {};
 }

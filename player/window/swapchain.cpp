@@ -158,8 +158,10 @@ Result<bool> Swapchain::acquire(std::uint32_t& index) {
     if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
     if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR) return failed("vkAcquireNextImageKHR", result);
     acquiring_ = true;
-    result = vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE,
-                             static_cast<std::uint64_t>(device_->patience().count()));
+    const std::chrono::nanoseconds patience =
+        std::min<std::chrono::nanoseconds>(device_->patience(), GpuDevice::longest_picture);
+    result =
+        vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE, static_cast<std::uint64_t>(patience.count()));
     if (result == VK_TIMEOUT) device_->lose();
     if (result != VK_SUCCESS) return failed("vkWaitForFences", result);
     acquiring_ = false;

@@ -75,15 +75,11 @@ Result<PlayFigures> WindowLoop::run() {
     }
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
     leave_hand_limp();
-    screenshots_.finish();
-    note_screenshots();
     Result<void> kept;
-    if (ended.ok() && options_.screenshot && !interrupted()) {
+    const bool is_kept = ended.ok() && options_.screenshot && !interrupted();
+    if (is_kept) {
         if (const WatchedMoment* const last = clip_->session().look()) ended = draw(*last);
         if (ended.ok()) kept = keep_picture(*options_.screenshot);
-        screenshots_.finish();
-        for (const auto& written : screenshots_.take())
-            if (!written.ok()) kept = written.error();
     }
     opening_.give_up();
     // Whatever ended it: what was touched until then is kept.
@@ -97,6 +93,15 @@ Result<PlayFigures> WindowLoop::run() {
     const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
+    // Last: their disk may be another one, and not answer.
+    screenshots_.finish();
+    for (const auto& written : screenshots_.take()) {
+        if (written.ok()) continue;
+        if (is_kept)
+            kept = all_ok({kept, written.error()});
+        else
+            std::cerr << "touchable: warning: " << printable(written.error().message, 500) << '\n';
+    }
     if (failure_ && failure_->kind != ErrorKind::interrupted) return *failure_;
     if (auto done = all_ok({ended, recorded, heard, filmed, kept}); !done.ok()) return done.error();
     if (interrupted()) return interruption();

@@ -79,6 +79,13 @@ TEST(BoxTables, AreFoundWhereverTheyAre) {
     EXPECT_NE(tables_refused(track(in_box("sgpd", word(1 << 24) + "sync" + zeros + word(2) + "x"))), "");
     EXPECT_EQ(tables_refused(fragment(in_box("trun", flags_of_sizes + word(1) + zeros))), "");
     EXPECT_NE(tables_refused(fragment(in_box("trun", flags_of_sizes + word(2) + zeros))), "");
+    // Free space that FFmpeg takes for the movie's box, and compressed tables.
+    const std::string first = in_box("mvhd", ""), hostile = in_box("stss", zeros + word(2) + word(1));
+    for (const char* disguise : {"free", "hoov"}) {
+        EXPECT_NE(tables_refused(in_box(disguise, first + hostile)), "") << disguise;
+        EXPECT_EQ(tables_refused(in_box(disguise, hostile)), "") << disguise;
+    }
+    EXPECT_NE(tables_refused(in_box("moov", in_box("cmov", ""))).find("cmov"), std::string::npos);
     // Each edit may play all samples once more.
     const std::string edits = in_box("edts", in_box("elst", std::string(8 + 12 * 100, 0)));
     const auto samples = [&](std::uint32_t count) { return in_box("stsz", zeros + word(1) + word(count)); };

@@ -183,5 +183,22 @@ TEST(ImageWriting, PlacesThatCannotBeWrittenAreNamedAndLeftClean) {
     EXPECT_FALSE(write_png(folder / "a.png", PlaneView{}).ok());
 }
 
+/// Nothing is packed tighter, so these are close to what a file of so many bytes can hold. FFmpeg gives
+/// pictures rows of whole 64 pixels.
+TEST(ImageFile, OfOneValueIsReadWhateverItsWidth) {
+    const TemporaryFolder folder;
+    const struct { int width, height; } sizes[] = {{2000, 2000}, {1800, 1800}, {8, 4096}, {1, 8192}};
+    for (const auto& [width, height] : sizes) {
+        Image image{width, height, 2, 1, {}};
+        image.samples.resize(std::size_t{2} * static_cast<std::size_t>(width) *
+                             static_cast<std::size_t>(height));
+        ASSERT_EQ(message(write_png(folder / "flat.png", image.view())), "");
+        const auto read = read_image(folder / "flat.png");
+        ASSERT_EQ(message(read), "") << width << 'x' << height << " in "
+                                     << std::filesystem::file_size(folder / "flat.png") << " bytes";
+        EXPECT_EQ(read->samples, image.samples);
+    }
+}
+
 }  // namespace
 }  // namespace touchable::test
