@@ -202,13 +202,16 @@ void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& 
         return;
     }
 
+    // A face that holds the projection is longer than its edges. Squares cannot always tell: of a pull a
+    // million times as long as what would be left of it beside the edge they are the same.
     double longest = 0;
     int face = -1, edge = -1;
+    std::array<bool, 6> in_sector{};
     for (std::size_t k = 0; k < 6; ++k) {
-        const bool in_sector = dot(pull, cross(e[k], n[k])) > 0 && dot(pull, cross(n[k], e[(k + 1) % 6])) > 0;
-        if (!in_sector) continue;
         const double vn = dot(pull, n[k]), nn = dot(n[k], n[k]);
-        if (!(nn > 0)) continue;
+        in_sector[k] =
+            nn > 0 && dot(pull, cross(e[k], n[k])) > 0 && dot(pull, cross(n[k], e[(k + 1) % 6])) > 0;
+        if (!in_sector[k]) continue;
         const double length2 = dot(pull, pull) - vn * vn / nn;
         if (length2 > longest) {
             longest = length2;
@@ -217,7 +220,7 @@ void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& 
     }
     for (std::size_t k = 0; k < 6; ++k) {
         const double along = dot(pull, e[k]);
-        if (!(along > 0)) continue;
+        if (!(along > 0) || in_sector[k] || in_sector[(k + 5) % 6]) continue;
         const double length2 = along * along / dot(e[k], e[k]);
         if (length2 > longest) {
             longest = length2;
