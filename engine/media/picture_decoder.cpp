@@ -47,6 +47,11 @@ bool is_cut(AVCodecID codec, std::string_view bytes) {
     return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
 }
 
+/// FFmpeg passes over whatever stands before the header of a PNG, of which nothing is known then.
+bool has_late_header(AVCodecID codec, std::string_view bytes) {
+    return codec == AV_CODEC_ID_PNG && bytes.substr(0, 16).substr(12) != "IHDR";
+}
+
 /// What the header of a PNG says that its decoder keeps to itself.
 struct PngHeader {
     int bits = 8;
@@ -207,6 +212,8 @@ Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string&
     const AVCodecID codec = codec_of(bytes);
     if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
     if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
+    if (has_late_header(codec, bytes))
+        return input_error(where + ": is damaged: a PNG must begin with its header, IHDR");
     const auto packet = packet_of(bytes);
     if (!packet) return packet.error();
     const PngHeader header = png_header(bytes);

@@ -14,7 +14,7 @@ extern "C" {
 namespace touchable {
 namespace {
 
-constexpr int largest_term = 1'000'000'000;
+constexpr int largest_term = 1'000'000'000;  // of a scene's rate
 
 /// Frames that nobody is to see: cut off by an edit list, or VP8's that only serve others.
 bool is_hidden(const AVPacket& packet, AVCodecID codec) {
@@ -60,8 +60,10 @@ MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational ti
         candidates.push_back({rate, 1});
         candidates.push_back({1000 * rate, 1001});
     }
+    const auto is_term = [](int term) { return term > 0 && term <= largest_term; };
     for (const AVRational rate : candidates)
-        if (rate.num > 0 && rate.den > 0 && keeps_to(times, tick, rate)) return {{rate.num, rate.den}, true};
+        if (is_term(rate.num) && is_term(rate.den) && keeps_to(times, tick, rate))
+            return {{rate.num, rate.den}, true};
     const std::int64_t span = times.size() > 1 ? times.back() - times.front() : 0;
     if (span <= 0) return {{30, 1}, times.size() <= 1};
     const auto frames = static_cast<std::int64_t>(times.size()) - 1;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "engine/media/video_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/media/clip_fixture.hpp"
@@ -297,6 +299,13 @@ TEST(VideoClip, TheRateIsTheContainers) {
     const auto frames = read_all(**clip);
     for (int n = 0; n < 5; ++n)
         EXPECT_EQ(frames->at(static_cast<std::size_t>(n)).time_ns, n * n * std::int64_t{10'000'000}) << n;
+}
+
+TEST(VideoClip, ARateWhoseTermsNoSceneHoldsIsNotTaken) {
+    constexpr int most = std::numeric_limits<int>::max();
+    const MeasuredRate measured = rate_of_times({0, 1, 2}, {1, most}, {{most, 1}});
+    EXPECT_LE(measured.rate.num, 1'000'000'000);
+    EXPECT_FALSE(measured.is_kept);
 }
 
 TEST(VideoClip, RelativeDepthGoesByTheCodesOfItsBits) {

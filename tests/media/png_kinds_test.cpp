@@ -88,6 +88,14 @@ std::optional<long> most_memory() {
     return {};
 }
 
+TEST(PngKinds, WhatStandsBeforeTheHeaderIsRefused) {
+    const TemporaryFolder folder;
+    std::string png = raw_png({48, 5, 4}, rows_of(24, 5));
+    constexpr std::size_t signature = 8;
+    png.insert(signature, png_chunk("prVt", std::string(13, '\0')));
+    EXPECT_NE(message(read_png(folder, png)).find("must begin with its header, IHDR"), std::string::npos);
+}
+
 TEST(PngKinds, LargePicturesAreHeldOnce) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "a sanitizer keeps what is freed";
