@@ -6,8 +6,8 @@
 namespace touchable::test {
 
 /// From one place of a long sweep to the next, such as of every byte of a file, or of random cases. 1; or 7,
-/// which shares no factor with what repeats in a file, where TOUCHABLE_SHORT_SWEEPS is set: a run under
-/// sanitizers that has no time for all, beside one that takes all.
+/// which shares no factor with what repeats in a file, where TOUCHABLE_SHORT_SWEEPS is set: `./run test --ci`,
+/// which has no time for all; `--all` takes all.
 inline std::size_t sweep_step() {
     return std::getenv("TOUCHABLE_SHORT_SWEEPS") != nullptr ? 7 : 1;
 }

@@ -143,7 +143,7 @@ TEST_F(SpokenForFalcon, TheTimeInWhichTheProgramStoodStillIsNotItsSilence) {
     EXPECT_TRUE(driver->receive(sample, std::chrono::microseconds(0)).ok());
 }
 
-TEST(FalconFaults, TenThousandAtRandomMoments) {
+TEST(FalconFaults, AtRandomMoments) {
     FaultyFalcon falcon;
     run_fault_sessions(falcon);
 }

@@ -94,7 +94,7 @@ private:
     std::int64_t gone_until_ns_ = 0;
 };
 
-TEST(Inverse3Faults, TenThousandAtRandomMoments) {
+TEST(Inverse3Faults, AtRandomMoments) {
     FaultyInverse3 arm;
     run_fault_sessions(arm);
 }

@@ -102,7 +102,7 @@ private:
     std::optional<FaultyLine::Message> intruders_;
 };
 
-TEST(NetworkFaults, TenThousandAtRandomMoments) {
+TEST(NetworkFaults, AtRandomMoments) {
     FaultyNetwork network;
     run_fault_sessions(network);
 }
