@@ -7,7 +7,8 @@
 #include <thread>
 
 #include "player/session/touch_setup.hpp"
-#include "tests/player/program.hpp"
+#include "tests/player/in_process.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -42,7 +43,8 @@ private:
 TEST(LiveSession, SaysOfTwoFaultsTheOneThatEndedIt) {
     const TemporaryFolder folder;
     const std::string clip = folder / "clip.mkv";
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "32x24", "--frames", "30"}).code, 0);
+    ASSERT_TRUE(
+        write_generated_clip("globe", clip, {.width = 32, .height = 24, .properties = true}, 30).ok());
     SessionOptions options;
     options.clip.file = clip;
     options.live = true;

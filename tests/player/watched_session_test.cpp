@@ -14,7 +14,8 @@
 #include "player/session/recording.hpp"
 #include "player/session/touch_figures.hpp"
 #include "tests/frame/random.hpp"
-#include "tests/player/program.hpp"
+#include "tests/player/in_process.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -91,8 +92,8 @@ private:
 class Watched : public testing::Test {
 protected:
     Watched() {
-        const std::string frames = std::to_string(watched_frames);
-        EXPECT_EQ(run_touchable({"make", "globe", clip, "--size", "32x24", "--frames", frames}).code, 0);
+        const SceneOptions globe{.width = 32, .height = 24, .properties = true};
+        EXPECT_TRUE(write_generated_clip("globe", clip, globe, watched_frames).ok());
     }
     SessionOptions options() const {
         SessionOptions options;
@@ -140,9 +141,8 @@ protected:
         nlohmann::ordered_json facts = recorded_facts(session->setup());
         facts["force_hash"] = figures_->force_hash();
         ASSERT_TRUE(record_->finish(facts, session->setup().settings.playback).ok());
-        const Outcome replay = run_touchable({"touch", "--replay", folder / "run.rec"});
-        EXPECT_EQ(replay.code, 0) << replay.err;
-        EXPECT_NE(replay.out.find("every force is as recorded"), std::string::npos) << replay.out;
+        const auto replayed = replay_in_process(folder / "run.rec");
+        EXPECT_TRUE(replayed.ok()) << replayed.error().message;
     }
 
     TemporaryFolder folder;

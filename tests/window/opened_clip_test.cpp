@@ -8,7 +8,8 @@
 
 #include "engine/scene/scene_file.hpp"
 #include "player/window/opened_clip.hpp"
-#include "tests/player/program.hpp"
+#include "tests/player/in_process.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -17,7 +18,8 @@ class ChangedClip : public ::testing::Test {
 protected:
     void SetUp() override {
         const std::string file = (folder_ / "globe.mkv").string();
-        ASSERT_EQ(run_touchable({"make", "globe", file, "--size", "64x48", "--frames", "60"}).code, 0);
+        const SceneOptions globe{.width = 64, .height = 48, .properties = true};
+        ASSERT_TRUE(write_generated_clip("globe", file, globe, 60).ok());
         choice_.file = file;
         options_.session.builder.name = "cpu";
         auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
@@ -138,7 +140,7 @@ TEST_F(ChangedClip, CountsTheTicksOfAllItsSessions) {
 
 TEST_F(ChangedClip, IsTouchedAtTheScaleThatItWasOpenedWith) {
     const std::string file = (folder_ / "noise.mkv").string();
-    ASSERT_EQ(run_touchable({"make", "noise", file, "--size", "64x48", "--frames", "3"}).code, 0);
+    ASSERT_TRUE(write_generated_clip("noise", file, {.width = 64, .height = 48}, 3).ok());
     Scene scene = open_clip(file).value()->scene();
     scene.device_metres_per_unit.reset();  // so that the first frame decides, as it was filtered
     std::ofstream(folder_ / "scene.json") << scene_to_json(scene);

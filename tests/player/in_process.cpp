@@ -1,0 +1,45 @@
+#include "tests/player/in_process.hpp"
+
+#include "engine/media/clip.hpp"
+#include "player/session/recording.hpp"
+#include "player/session/replay.hpp"
+#include "player/session/touch_figures.hpp"
+#include "player/session/touch_setup.hpp"
+
+namespace touchable::test {
+
+Result<void> write_generated_clip(const std::string& scene, const std::filesystem::path& file,
+                                  const SceneOptions& options, int frames) {
+    const auto source = make_scene(scene, options);
+    if (!source.ok()) return source.error();
+    Scene described = (*source)->scene();
+    described.unstated = all_unstated;
+    auto writer = create_clip(file, described, {}, Existing::replace);
+    if (!writer.ok()) return writer.error();
+    for (int n = 0; n < frames; ++n)
+        if (auto written = (*writer)->write((*source)->frame(n)); !written.ok()) return written;
+    return (*writer)->finish();
+}
+
+Result<void> replay_in_process(const std::filesystem::path& file) {
+    const auto recording = read_recording(file);
+    if (!recording.ok()) return recording.error();
+    std::vector<ReplayedPart> replayed;
+    TouchFigures of_all;
+    for (const RecordedPart& part : *recording) {
+        auto setup = setup_from_recording(part, file, {});
+        if (!setup.ok()) return setup.error();
+        TouchSetup& s = **setup;
+        ReplayCheck check(part);
+        TouchFigures figures;
+        TouchSink* const sinks[] = {&check, &figures, &of_all};
+        const auto ran = TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(sinks);
+        if (!ran.ok()) return ran;
+        of_all.end_part();
+        replayed.push_back(compare_replay(part, check, figures.force_hash(), s));
+    }
+    const auto same = judge_replay(replayed, of_all.force_hash());
+    return same.ok() ? Result<void>() : same.error();
+}
+
+}  // namespace touchable::test

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "engine/content/scenes.hpp"
+#include "engine/result.hpp"
+
+namespace touchable::test {
+
+// What the program does before and after a session, by the rooms of a session alone: so ThreadSanitizer sees
+// its threads without a build of the program.
+
+/// As `touchable make`: a clip of a generated scene, over an earlier one.
+Result<void> write_generated_clip(const std::string& scene, const std::filesystem::path& file,
+                                  const SceneOptions& options, int frames);
+
+/// As `touchable touch --replay`: an error where the recording cannot be read, or a force or a frame is
+/// another than the recorded one.
+Result<void> replay_in_process(const std::filesystem::path& recording);
+
+}  // namespace touchable::test
