@@ -10,7 +10,7 @@
 #include "bench/surface/surface_case.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/import/open_clip.hpp"
-#include "engine/surface/vulkan_builder.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
 #include "player/view/gpu_painters.hpp"
 #include "player/view/scene_picture.hpp"
 #include "player/view/surface_drawing.hpp"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "engine/content/scenes.hpp"
-#include "engine/surface/vulkan_builder.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
 #include "player/session/interrupt.hpp"
 
 namespace touchable {

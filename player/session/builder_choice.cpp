@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "engine/surface/fallback_builder.hpp"
-#include "engine/surface/vulkan_builder.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
 
 namespace touchable {
 namespace {

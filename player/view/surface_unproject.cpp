@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "engine/surface/vulkan_vertices.hpp"
+#include "engine/surface_vulkan/vulkan_vertices.hpp"
 #include "shaders/unproject.h"
 #include "shaders/unproject.spv.h"
 

@@ -11,7 +11,7 @@
 #include "engine/import/open_clip.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/surface/fallback_builder.hpp"
-#include "engine/surface/vulkan_builder.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
 #include "player/commands/picture_options.hpp"
 #include "player/session/field_probe.hpp"
 #include "player/session/touch_figures.hpp"

@@ -1,79 +1,243 @@
-// Which room may use which: the table of docs/architecture.md, held against every #include. (A header that is
-// whole in itself would link from anywhere.)
+// Which room may use which: the table of docs/architecture.md, held against every folder, #include and linked
+// target.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
-using Rooms = std::set<std::string>;
+using Names = std::set<std::string>;
 
-const std::map<std::string, Rooms> may_use{
-    {"engine", {}},
-    {"engine/scene", {"engine"}},
-    {"engine/frame", {"engine", "engine/scene", "shaders"}},
-    {"engine/media", {"engine", "engine/scene", "engine/frame"}},
-    {"engine/import", {"engine", "engine/scene", "engine/frame", "engine/media"}},
-    {"engine/camera", {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import"}},
-    {"engine/surface", {"engine", "engine/scene", "engine/frame", "engine/gpu", "shaders"}},
-    {"engine/content", {"engine", "engine/scene", "engine/frame"}},
-    {"engine/gpu", {"engine"}},
-    {"haptics_cpu", {"engine", "engine/scene", "engine/frame"}},
-    {"device", {"engine"}},
-    {"device/inverse3", {"engine", "device"}},
-    {"device/network", {"engine", "device"}},
-    {"device/falcon", {"engine", "device"}},
-    {"device/recorded", {"engine", "device"}},
-    {"device/catalog",
-     {"engine", "device", "device/falcon", "device/hid", "device/inverse3", "device/network",
-      "device/recorded"}},
-    {"device/hid", {"engine", "engine/scene", "device"}},
-    {"device/measure", {"engine", "device"}},
-    {"shaders", {}},
-    {"player/view",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/surface", "engine/gpu", "haptics_cpu",
-      "shaders"}},
-    {"player/session",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
-      "engine/surface", "engine/gpu", "haptics_cpu", "device"}},
-    {"player/window",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
-      "engine/surface", "engine/gpu", "haptics_cpu", "device", "player/session", "player/view"}},
-    {"player/commands",
-     {"engine", "engine/scene", "engine/frame", "engine/media", "engine/import", "engine/camera",
-      "engine/surface", "engine/content", "engine/gpu", "haptics_cpu", "device", "device/catalog",
-      "device/measure", "shaders", "player/session", "player/view", "player/window"}}};
+struct Room {
+    Names rooms;      ///< that it may use by itself, as folders from the root
+    Names libraries;  ///< of others, as the table calls them
+};
 
-/// The folders of what a file includes from the root.
-Rooms used_by(const fs::path& file) {
-    Rooms rooms;
+fs::path source(const fs::path& file) {
+    return fs::path(TOUCHABLE_SOURCE_DIR) / file;
+}
+
+std::string text_of(const fs::path& file) {
     std::ifstream in(file);
-    const std::string include = "#include \"";
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string trimmed(const std::string& text) {
+    const auto first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    std::istringstream in(text);
+    for (std::string part; std::getline(in, part, separator);) parts.push_back(trimmed(part));
+    return parts;
+}
+
+/// `engine/scene/` in backticks, as the table writes a room; empty: that is no room.
+std::string folder_in(const std::string& cell) {
+    const auto end = cell.find("/`");
+    return cell.starts_with('`') && end != std::string::npos ? cell.substr(1, end - 1) : "";
+}
+
+std::map<std::string, Room> read_table() {
+    std::map<std::string, Room> table;
+    std::ifstream in(source("docs/architecture.md"));
+    for (std::string line; std::getline(in, line);) {
+        const auto cells = parts_of(line, '|');
+        if (cells.size() < 4 || folder_in(cells[1]).empty()) continue;
+        Room& room = table[folder_in(cells[1])];
+        for (const std::string& name : parts_of(cells[3], ',')) {
+            const std::string folder = folder_in(name);
+            if (!name.empty())
+                (folder.empty() ? room.libraries : room.rooms).insert(folder.empty() ? name : folder);
+        }
+    }
+    return table;
+}
+
+const std::map<std::string, Room>& table() {
+    static const auto read = read_table();
+    return read;
+}
+
+/// A room, those that it may use, and those that these may.
+Names reach_of(const std::string& room) {
+    Names reached{room};
+    for (const std::string& used : table().at(room).rooms) reached.merge(reach_of(used));
+    return reached;
+}
+
+std::vector<fs::path> files_of(const std::string& room) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(source(room)))
+        if (entry.is_regular_file()) files.push_back(entry.path());
+    return files;
+}
+
+/// What stands between two marks in the lines that begin with the first one.
+Names included_by(const fs::path& file, const std::string& begin, char end) {
+    Names names;
+    std::ifstream in(file);
     for (std::string line; std::getline(in, line);)
-        if (line.starts_with(include))
-            rooms.insert(fs::path(line.substr(include.size())).parent_path().string());
-    return rooms;
+        if (line.starts_with(begin))
+            names.insert(line.substr(begin.size(), line.find(end, begin.size()) - begin.size()));
+    return names;
+}
+
+/// Whose a header is, by how its name begins; nothing: the machine's, or the language's.
+std::string library_of_header(const std::string& header) {
+    static const std::map<std::string, std::string> libraries{{"CLI/", "CLI11"},
+                                                              {"GLFW/", "GLFW"},
+                                                              {"alsa/", "ALSA"},
+                                                              {"backends/imgui", "Dear ImGui"},
+                                                              {"bzlib.h", "bzip2"},
+                                                              {"cairo.h", "cairo"},
+                                                              {"fontconfig/", "fontconfig"},
+                                                              {"glm/", "GLM"},
+                                                              {"hidapi.h", "hidapi"},
+                                                              {"imgui.h", "Dear ImGui"},
+                                                              {"libav", "FFmpeg"},
+                                                              {"libheif/", "libheif"},
+                                                              {"libsw", "FFmpeg"},
+                                                              {"libusb.h", "libusb"},
+                                                              {"libwebsockets.h", "libwebsockets"},
+                                                              {"lz4frame.h", "LZ4"},
+                                                              {"nlohmann/", "nlohmann/json"},
+                                                              {"openexr.h", "OpenEXR"},
+                                                              {"pugixml.hpp", "pugixml"},
+                                                              {"tiffio.h", "libtiff"},
+                                                              {"vulkan/", "Vulkan"},
+                                                              {"xxhash.h", "xxhash"},
+                                                              {"zip.h", "libzip"},
+                                                              {"zlib.h", "zlib"},
+                                                              {"zstd.h", "zstd"}};
+    for (const auto& [begin, library] : libraries)
+        if (header.starts_with(begin)) return library;
+    return "";
+}
+
+bool is_of_the_machine(const std::string& header) {
+    static const Names files{"dlfcn.h",   "fcntl.h",   "grp.h",    "link.h",     "malloc.h",
+                             "poll.h",    "pthread.h", "pwd.h",    "sched.h",    "spawn.h",
+                             "termios.h", "time.h",    "unistd.h", "emmintrin.h"};
+    const bool is_standard = header.find_first_of("./") == std::string::npos;
+    return is_standard || files.contains(header) || header.starts_with("sys/") ||
+           header.starts_with("linux/") || header.starts_with("arpa/") || header.starts_with("netinet/");
+}
+
+TEST(Rooms, EachFolderIsInTheTable) {
+    for (const std::string part : {"engine", "haptics_cpu", "device", "shaders", "player"})
+        for (const auto& entry : fs::recursive_directory_iterator(source(part))) {
+            const auto extension = entry.path().extension();
+            if (extension != ".cpp" && extension != ".hpp" && extension != ".h") continue;
+            const auto folder = fs::relative(entry.path().parent_path(), source(""));
+            EXPECT_TRUE(table().contains(folder.string()))
+                << entry.path() << ": docs/architecture.md does not know its folder";
+        }
+    EXPECT_GT(table().size(), 20u);
 }
 
 TEST(Rooms, IncludeOnlyWhatTheyMayUse) {
     int includes = 0;
-    for (const auto& [room, allowed] : may_use)
-        for (const auto& entry : fs::directory_iterator(fs::path(TOUCHABLE_SOURCE_DIR) / room)) {
-            if (!entry.is_regular_file()) continue;
-            for (const std::string& used : used_by(entry.path())) {
+    for (const auto& [room, own] : table()) {
+        const Names reach = reach_of(room);
+        for (const fs::path& file : files_of(room))
+            for (const std::string& header : included_by(file, "#include \"", '"')) {
+                const std::string used = fs::path(header).parent_path().string();
                 ++includes;
-                EXPECT_TRUE(used == room || allowed.contains(used)) << entry.path() << " includes " << used;
+                EXPECT_TRUE(reach.contains(used)) << file << " includes " << header;
+            }
+    }
+    EXPECT_GT(includes, 450) << "hardly anything was looked at";
+}
+
+TEST(Rooms, IncludeOnlyTheLibrariesOfTheirLine) {
+    for (const auto& [room, own] : table())
+        for (const fs::path& file : files_of(room))
+            for (const std::string& header : included_by(file, "#include <", '>')) {
+                const std::string library = library_of_header(header);
+                EXPECT_TRUE(library.empty() ? is_of_the_machine(header) : own.libraries.contains(library))
+                    << file << " includes " << header << ", "
+                    << (library.empty() ? "which nobody knows" : library);
+            }
+}
+
+/// The words of each target_link_libraries of a room, behind its own name.
+std::vector<std::string> linked_by(const std::string& cmake) {
+    std::vector<std::string> words;
+    const std::string call = "target_link_libraries(";
+    for (std::size_t at = cmake.find(call); at != std::string::npos; at = cmake.find(call, at + 1)) {
+        std::istringstream in(cmake.substr(at + call.size(), cmake.find(')', at) - at - call.size()));
+        std::string word;
+        in >> word;  // the room's own
+        while (in >> word)
+            if (word != "PUBLIC" && word != "PRIVATE") words.push_back(word);
+    }
+    return words;
+}
+
+// A room that links another one's target compiles with all that is in it.
+TEST(Rooms, LinkOnlyWhatTheyMayUse) {
+    std::map<std::string, std::string> room_of_target;
+    for (const auto& [room, own] : table()) {
+        const std::string cmake = text_of(source(room) / "CMakeLists.txt"), call = "touchable_room(";
+        const auto at = cmake.find(call);
+        if (at == std::string::npos) continue;
+        const auto begin = at + call.size();
+        room_of_target["touchable_" + cmake.substr(begin, cmake.find_first_of(" \n", begin) - begin)] = room;
+    }
+    static const std::map<std::string, std::string> library_of_target{
+        {"BZip2::BZip2", "bzip2"},
+        {"CLI11::CLI11", "CLI11"},
+        {"PkgConfig::ALSA", "ALSA"},
+        {"PkgConfig::CAIRO", "cairo"},
+        {"PkgConfig::FFMPEG", "FFmpeg"},
+        {"PkgConfig::FONTCONFIG", "fontconfig"},
+        {"PkgConfig::HEIF", "libheif"},
+        {"PkgConfig::HIDAPI", "hidapi"},
+        {"PkgConfig::IMGUI", "Dear ImGui"},
+        {"PkgConfig::LIBUSB", "libusb"},
+        {"PkgConfig::LZ4", "LZ4"},
+        {"PkgConfig::OPENEXR", "OpenEXR"},
+        {"PkgConfig::PUGIXML", "pugixml"},
+        {"PkgConfig::TIFF", "libtiff"},
+        {"PkgConfig::WEBSOCKETS", "libwebsockets"},
+        {"PkgConfig::ZIP", "libzip"},
+        {"PkgConfig::ZSTD", "zstd"},
+        {"Vulkan::Vulkan", "Vulkan"},
+        {"ZLIB::ZLIB", "zlib"},
+        {"glfw", "GLFW"},
+        {"glm::glm", "GLM"},
+        {"nlohmann_json::nlohmann_json", "nlohmann/json"}};
+    const Names of_the_machine{"Threads::Threads", "${CMAKE_DL_LIBS}"};
+    std::size_t rooms = 0;
+    for (const auto& [room, own] : table())
+        for (const std::string& target : linked_by(text_of(source(room) / "CMakeLists.txt"))) {
+            if (of_the_machine.contains(target)) continue;
+            const auto used = room_of_target.find(target);
+            const auto library = library_of_target.find(target);
+            if (used != room_of_target.end()) {
+                ++rooms;
+                EXPECT_TRUE(reach_of(room).contains(used->second)) << room << " links " << target;
+            } else {
+                ASSERT_NE(library, library_of_target.end())
+                    << room << " links " << target << ", which nobody knows";
+                EXPECT_TRUE(own.libraries.contains(library->second)) << room << " links " << target;
             }
         }
-    EXPECT_GT(includes, 450) << "hardly anything was looked at";
+    EXPECT_GT(rooms, 20u) << "hardly anything was looked at";
 }
 
 /// The words behind each `std::` or `glm::` of a line of code.
@@ -100,7 +264,7 @@ TEST(Rooms, WhatReachesACodeOrAForceCallsNothingThatALibraryRounds) {
         "log",  "log2",   "log10",  "log1p", "pow",    "cbrt",      "hypot", "erf",
         "erfc", "tgamma", "lgamma", "fma",   "rotate", "angleAxis", "slerp", "perspective"};
     int files = 0;
-    for (const auto& [room, allowed] : may_use) {
+    for (const auto& [room, own] : table()) {
         if (room.starts_with("player") && room != "player/session") continue;
         for (const auto& entry : fs::directory_iterator(fs::path(TOUCHABLE_SOURCE_DIR) / room)) {
             // Which compares forces that were written down, for a person.

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/surface/vulkan_builder.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
 
 namespace touchable::test {
 

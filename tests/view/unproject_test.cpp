@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "engine/surface/vulkan_builder.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
 #include "player/view/gpu_lattice.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/coded_frames.hpp"

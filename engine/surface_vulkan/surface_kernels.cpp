@@ -1,4 +1,4 @@
-#include "engine/surface/surface_kernels.hpp"
+#include "engine/surface_vulkan/surface_kernels.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "engine/surface/stored_plane.hpp"
+#include "engine/surface_vulkan/stored_plane.hpp"
 
 #include <cstring>
 

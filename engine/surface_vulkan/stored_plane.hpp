@@ -4,7 +4,7 @@
 
 #include "engine/frame/plane_view.hpp"
 #include "engine/gpu/gpu_commands.hpp"
-#include "engine/surface/block_list.hpp"
+#include "engine/surface_vulkan/block_list.hpp"
 #include "shaders/surface_codes.h"
 
 namespace touchable {

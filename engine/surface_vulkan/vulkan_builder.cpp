@@ -1,14 +1,14 @@
-#include "engine/surface/vulkan_builder.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
-#include "engine/surface/block_list.hpp"
+#include "engine/surface_vulkan/block_list.hpp"
 #include "engine/surface/raw_check.hpp"
-#include "engine/surface/stored_plane.hpp"
-#include "engine/surface/surface_recording.hpp"
-#include "engine/surface/vulkan_vertices.hpp"
+#include "engine/surface_vulkan/stored_plane.hpp"
+#include "engine/surface_vulkan/surface_recording.hpp"
+#include "engine/surface_vulkan/vulkan_vertices.hpp"
 
 namespace touchable {
 namespace {

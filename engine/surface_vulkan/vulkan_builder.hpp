@@ -6,7 +6,7 @@
 
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "engine/surface/surface_kernels.hpp"
+#include "engine/surface_vulkan/surface_kernels.hpp"
 
 namespace touchable {
 

@@ -1,4 +1,4 @@
-#include "engine/surface/vulkan_vertices.hpp"
+#include "engine/surface_vulkan/vulkan_vertices.hpp"
 
 namespace touchable {
 

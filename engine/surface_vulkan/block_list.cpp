@@ -1,4 +1,4 @@
-#include "engine/surface/block_list.hpp"
+#include "engine/surface_vulkan/block_list.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "engine/surface/surface_recording.hpp"
+#include "engine/surface_vulkan/surface_recording.hpp"
 
 #include <algorithm>
 #include <cstddef>

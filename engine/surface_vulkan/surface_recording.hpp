@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "engine/surface/filter_plan.hpp"
-#include "engine/surface/stored_plane.hpp"
-#include "engine/surface/surface_kernels.hpp"
-#include "engine/surface/vulkan_vertices.hpp"
+#include "engine/surface_vulkan/stored_plane.hpp"
+#include "engine/surface_vulkan/surface_kernels.hpp"
+#include "engine/surface_vulkan/vulkan_vertices.hpp"
 
 namespace touchable {
 
