@@ -21,6 +21,10 @@ bool stop_requested() {
     return requested.load(std::memory_order_relaxed) && !goes_on;
 }
 
+Error interrupted_error() {
+    return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
+}
+
 WorkAfterStop::WorkAfterStop() : before_(std::exchange(goes_on, true)) {}
 
 WorkAfterStop::~WorkAfterStop() {

@@ -18,7 +18,7 @@
 #include "player/commands/vulkan_report.hpp"
 #include "player/commands/whole_option.hpp"
 #include "player/session/interrupt.hpp"
-#include "player/session/memory.hpp"
+#include "player/run/memory.hpp"
 
 namespace touchable {
 namespace {

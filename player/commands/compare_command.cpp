@@ -8,7 +8,7 @@
 
 #include "player/commands/file_option.hpp"
 #include "player/session/force_comparison.hpp"
-#include "player/session/memory.hpp"
+#include "player/run/memory.hpp"
 
 namespace touchable {
 

@@ -13,7 +13,7 @@
 #include "player/commands/convert_report.hpp"
 #include "player/commands/outputs.hpp"
 #include "player/session/interrupt.hpp"
-#include "player/session/memory.hpp"
+#include "player/run/memory.hpp"
 #include "player/session/progress.hpp"
 #include "player/session/standard_stroke.hpp"
 

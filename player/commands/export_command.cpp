@@ -19,10 +19,10 @@
 #include "player/commands/outputs.hpp"
 #include "player/commands/staged_folder.hpp"
 #include "player/commands/typed_numbers.hpp"
-#include "player/session/clip_workspace.hpp"
+#include "player/run/clip_workspace.hpp"
 #include "player/session/filter_words.hpp"
 #include "player/session/interrupt.hpp"
-#include "player/session/memory.hpp"
+#include "player/run/memory.hpp"
 #include "player/session/progress.hpp"
 
 namespace touchable {

@@ -8,7 +8,7 @@
 #include "player/commands/camera_options.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/clip_report.hpp"
-#include "player/session/memory.hpp"
+#include "player/run/memory.hpp"
 
 namespace touchable {
 

@@ -13,7 +13,7 @@
 #include "player/commands/typed_numbers.hpp"
 #include "player/commands/whole_option.hpp"
 #include "player/session/interrupt.hpp"
-#include "player/session/memory.hpp"
+#include "player/run/memory.hpp"
 #include "player/session/progress.hpp"
 
 namespace touchable {

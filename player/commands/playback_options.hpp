@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/result.hpp"
-#include "player/session/playback_clock.hpp"
+#include "player/run/playback_clock.hpp"
 
 namespace touchable {
 

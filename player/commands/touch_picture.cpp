@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "engine/stop_request.hpp"
-#include "player/session/field_probe.hpp"
+#include "player/run/field_probe.hpp"
 
 namespace touchable {
 namespace {

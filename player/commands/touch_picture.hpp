@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "player/commands/picture_options.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "player/session/live_session.hpp"
+#include "player/run/live_session.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
 #include "player/view/surface_painter.hpp"

@@ -13,9 +13,11 @@
 #include "player/commands/force_keys.hpp"
 #include "player/commands/touch_outputs.hpp"
 #include "player/commands/touch_report.hpp"
+#include "player/run/live_session.hpp"
+#include "player/run/memory.hpp"
+#include "player/session/live_line.hpp"
 #include "player/session/live_port.hpp"
-#include "player/session/live_session.hpp"
-#include "player/session/memory.hpp"
+#include "player/session/progress.hpp"
 #include "player/session/replay.hpp"
 #include "player/session/standard_output.hpp"
 #include "player/session/touch_figures.hpp"
@@ -49,6 +51,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
     std::optional<ForceKeys> keys;
+    std::function<std::string()> device;  // what the line says of it
     if (s.control) {
         if (!settings.ticks) {
             settings.ticks = until_it_is_ended;
@@ -56,11 +59,14 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
         }
         keys.emplace(*s.control);
         std::cerr << how_to_begin(*s.held_device, *s.control, keys->listens()) << '\n';
-        settings.control = s.exerting_control();
-        settings.device_in_words = [&s] { return state_of(*s.held_device, *s.control); };
+        device = [&s] { return state_of(*s.held_device, *s.control); };
     }
+    LiveLine line(s.exerting_control(), std::move(device));
+    settings.on_status = [&line](const LiveStatus& status) { line.show(status); };
+    std::vector<TouchSink*> all(sinks.begin(), sinks.end());
+    all.push_back(&line);
     LiveSession session(s.scene, *s.feed, **port, *s.solver, settings);
-    const auto ran = session.run(sinks);
+    const auto ran = session.run(all);
     LiveFacts facts = session.facts();
     if (facts.sinks_fell_behind) return fell_behind(facts.loop.lost);
     if (!ran.ok()) return ran.error();
@@ -71,7 +77,10 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
 Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* const> sinks,
                               const FellBehind& fell_behind) {
     if (live) return run_live(s, sinks, fell_behind);
-    auto ran = TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(sinks);
+    TickProgress progress(s.ticks().value_or(0));
+    std::vector<TouchSink*> all(sinks.begin(), sinks.end());
+    all.push_back(&progress);
+    auto ran = TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(all);
     if (!ran.ok()) return ran.error();
     return LiveFacts{};
 }

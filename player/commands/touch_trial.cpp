@@ -11,7 +11,7 @@
 #include "engine/content/scenes.hpp"
 #include "engine/media/clip.hpp"
 #include "player/session/interrupt.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "player/session/live_session.hpp"
-#include "player/session/surface_feed.hpp"
+#include "player/run/live_session.hpp"
+#include "player/run/surface_feed.hpp"
 
 namespace touchable {
 

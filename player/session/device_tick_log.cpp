@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "player/run/live_session.hpp"
 #include "player/session/csv_row.hpp"
 
 namespace touchable {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "player/session/field_probe.hpp"
+#include "player/run/field_probe.hpp"
 
 namespace touchable {
 

@@ -60,8 +60,4 @@ bool interrupted() {
     return stop_requested();
 }
 
-Error interrupted_error() {
-    return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
-}
-
 }  // namespace touchable

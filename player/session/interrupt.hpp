@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "engine/result.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 
@@ -19,8 +19,5 @@ void catch_interrupts();
 
 /// True once the person asked to stop. Long work looks here between frames.
 bool interrupted();
-
-/// What work that stopped for that reason returns; the program exits with `interrupted_exit_code`.
-Error interrupted_error();
 
 }  // namespace touchable

@@ -22,14 +22,17 @@ Result<void> LiveLine::take(const TouchTick& tick) {
     return {};
 }
 
-void LiveLine::show(std::int64_t frames, const char* what, const std::function<std::string()>& device) {
+void LiveLine::show(const LiveStatus& status) {
     if (!line_.is_due()) return;
+    const char* const what = !status.is_camera  ? "frames late"
+                             : status.has_ended ? "frames felt, and no more come"
+                                                : "frames felt";
     char text[128];
     std::snprintf(text, sizeof text, "live %.1f s, %lld ticks skipped, %lld %s, %.2f N",
                   static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
-                  static_cast<long long>(frames), what, newtons_);
+                  static_cast<long long>(status.frames), what, newtons_);
     std::string words = text;
-    if (device) words += "; " + device();
+    if (device_) words += "; " + device_();
     if (is_kept_back_) words += "; lift the finger off the surface: then it is felt";
     line_.show(words);
 }

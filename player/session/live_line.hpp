@@ -2,10 +2,11 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "device/hand_control.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/progress.hpp"
-#include "player/session/touch_session.hpp"
 
 namespace touchable {
 
@@ -14,14 +15,16 @@ namespace touchable {
 /// and why it is kept back where it is.
 class LiveLine final : public TouchSink {
 public:
-    /// `control`: of that device, which outlives this; nullptr: nobody holds one.
-    explicit LiveLine(const HandControl* control = nullptr) : control_(control) {}
+    /// `control`: of the device that exerts forces on a person, which outlives this; nullptr: none does.
+    /// `device`: what is to be said of it; nothing: nothing.
+    explicit LiveLine(const HandControl* control = nullptr, std::function<std::string()> device = {})
+        : control_(control), device_(std::move(device)) {}
     Result<void> take(const TouchTick& tick) override;
-    /// How many frames came too late, or what else there is to say of them; and of the device.
-    void show(std::int64_t frames, const char* what, const std::function<std::string()>& device);
+    void show(const LiveStatus& status);
 
 private:
     const HandControl* const control_;
+    const std::function<std::string()> device_;
     StatusLine line_;
     std::int64_t ticks_ = 0, next_ = 0;  // taken; the tick after the newest
     double newtons_ = 0;

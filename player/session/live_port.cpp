@@ -1,6 +1,6 @@
 #include "player/session/live_port.hpp"
 
-#include "player/session/device_port.hpp"
+#include "player/run/device_port.hpp"
 #include "player/session/held_port.hpp"
 
 namespace touchable {

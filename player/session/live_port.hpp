@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "haptics_cpu/haptic_port.hpp"
-#include "player/session/live_session.hpp"
+#include "player/run/live_session.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {

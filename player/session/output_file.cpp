@@ -143,11 +143,4 @@ Result<void> all_ok(const std::vector<Result<void>>& finished) {
     return fault ? Result<void>(*fault) : Result<void>();
 }
 
-Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
-    const std::string slow =
-        files.empty() ? "this machine was" : files + ": its disk, or whoever reads it, was";
-    return input_error(slow + " too slow for 1000 ticks a second: " + std::to_string(ticks_missing) +
-                       " ticks are missing, so it is not complete, and no file is kept");
-}
-
 }  // namespace touchable

@@ -73,8 +73,4 @@ private:
 /// Of outputs that are finished each for itself: what went wrong first, and behind it what else did.
 Result<void> all_ok(const std::vector<Result<void>>& finished);
 
-/// Of a live run whose ticks did not wait for a file (OutputFile::name), or, where that is empty, for the
-/// program.
-Error fell_behind_error(const std::string& files, std::int64_t ticks_missing);
-
 }  // namespace touchable

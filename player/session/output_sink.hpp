@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "player/run/touch_session.hpp"
 #include "player/session/output_file.hpp"
-#include "player/session/touch_session.hpp"
 
 namespace touchable {
 

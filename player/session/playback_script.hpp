@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "player/session/playback_clock.hpp"
+#include "player/run/playback_clock.hpp"
 
 namespace touchable {
 

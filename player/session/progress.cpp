@@ -41,6 +41,11 @@ void Progress::at(std::int64_t done) {
     std::fprintf(stderr, "touchable: %s\n", words.c_str());
 }
 
+Result<void> TickProgress::take(const TouchTick& tick) {
+    progress_.at(tick.tick);
+    return {};
+}
+
 std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds) {
     if (done <= 0 || seconds < 1) return "";
     const double per_second = static_cast<double>(done) / seconds;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "player/run/touch_session.hpp"
+
 namespace touchable {
 
 /// One line on the terminal's error stream that is drawn again and again; silent where that is no terminal.
@@ -41,6 +43,17 @@ private:
     InALog in_a_log_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), logged_ = start_;
     StatusLine line_;
+};
+
+/// The ticks of an offline run.
+class TickProgress final : public TouchSink {
+public:
+    /// `total`: as of Progress.
+    explicit TickProgress(std::int64_t total) : progress_("tick", total) {}
+    Result<void> take(const TouchTick& tick) override;
+
+private:
+    Progress progress_;
 };
 
 /// ", 120/s, 3 s left", of work of which so much was done in so many seconds; `total` <= 0: no end is known.

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "engine/byte_hash.hpp"
+#include "player/run/playback_clock.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/output_sink.hpp"
-#include "player/session/playback_clock.hpp"
-#include "player/session/touch_session.hpp"
 
 namespace touchable {
 

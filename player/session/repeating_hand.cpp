@@ -4,7 +4,7 @@
 #include <array>
 
 #include "device/hand_options.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 

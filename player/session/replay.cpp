@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "haptics_cpu/force_rules.hpp"
-#include "player/session/planes_hash.hpp"
+#include "player/run/planes_hash.hpp"
 #include "player/session/recorded_facts.hpp"
 
 namespace touchable {

@@ -15,9 +15,9 @@
 #include "engine/result.hpp"
 #include "haptics_cpu/guard_settings.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "player/run/playback_clock.hpp"
 #include "player/session/builder_choice.hpp"
 #include "player/session/clip_choice.hpp"
-#include "player/session/playback_clock.hpp"
 #include "player/session/run_gpu.hpp"
 
 namespace touchable {

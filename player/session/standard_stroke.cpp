@@ -6,11 +6,12 @@
 #include <utility>
 
 #include "engine/surface/surface_builder.hpp"
+#include "player/run/clip_workspace.hpp"
+#include "player/run/field_probe.hpp"
+#include "player/run/surface_feed.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/chosen_filters.hpp"
-#include "player/session/clip_workspace.hpp"
-#include "player/session/field_probe.hpp"
-#include "player/session/surface_feed.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/session/progress.hpp"
 
 namespace touchable {
 
@@ -73,7 +74,8 @@ Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) 
     const auto solver = TouchSolver::create(scene, settings.touch);
     if (!solver.ok()) return solver.error();
     ForcesInHand forces;
-    std::array<TouchSink*, 1> sinks{&forces};
+    TickProgress progress(standard_stroke_ticks);
+    std::array<TouchSink*, 2> sinks{&forces, &progress};
     if (auto ran = TouchSession(scene, feed, *hand, *solver, settings).run(sinks); !ran.ok())
         return ran.error();
     return Stroke{std::move(forces.table), workspace.metres_per_scene_unit};

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "haptics_cpu/force_hash.hpp"
+#include "player/run/time_spread.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/sent_energy.hpp"
-#include "player/session/time_spread.hpp"
-#include "player/session/touch_session.hpp"
 
 namespace touchable {
 
-/// Counts and sums of a run, in memory that does not grow with it, of forces as they were sent to the hand; but
-/// the hash is of what the guard gave, which is what a replay gives again. Times are wall time on this
+/// Counts and sums of a run, in memory that does not grow with it, of forces as they were sent to the hand;
+/// but the hash is of what the guard gave, which is what a replay gives again. Times are wall time on this
 /// machine; everything else repeats to the bit.
 class TouchFigures final : public TouchSink {
 public:

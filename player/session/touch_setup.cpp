@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "engine/surface/surface_builder.hpp"
+#include "player/run/clip_workspace.hpp"
+#include "player/run/field_probe.hpp"
 #include "player/session/builder_pick.hpp"
-#include "player/session/clip_workspace.hpp"
-#include "player/session/field_probe.hpp"
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
 #include "player/session/repeating_hand.hpp"

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "engine/start_thread.hpp"
+#include "player/run/memory.hpp"
 #include "player/session/live_port.hpp"
-#include "player/session/memory.hpp"
 #include "player/session/playback_script.hpp"
 
 namespace touchable {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "player/session/live_session.hpp"
+#include "player/run/live_session.hpp"
 #include "player/session/touch_setup.hpp"
 #include "player/session/watched_ticks.hpp"
 

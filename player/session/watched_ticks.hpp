@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "player/session/touch_session.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 

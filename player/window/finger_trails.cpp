@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "player/session/field_probe.hpp"
+#include "player/run/field_probe.hpp"
 
 namespace touchable {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "player/session/playback_clock.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/run/playback_clock.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/window/window_sound.hpp"
 
 namespace touchable {

@@ -2,7 +2,7 @@
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
 #include "player/session/recording.hpp"
-#include "player/session/surface_feed.hpp"
+#include "player/run/surface_feed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,6 +1,6 @@
 // The threads of a live session's frames when the machine has nothing more to give, and when commands lead
 // elsewhere than where they had read ahead.
-#include "player/session/feed_threads.hpp"
+#include "player/run/feed_threads.hpp"
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -11,7 +11,7 @@
 #include <new>
 #include <thread>
 
-#include "player/session/playback_board.hpp"
+#include "player/run/playback_board.hpp"
 #include "tests/frame/allocations.hpp"
 
 namespace touchable::test {

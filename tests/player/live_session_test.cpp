@@ -1,4 +1,4 @@
-#include "player/session/live_session.hpp"
+#include "player/run/live_session.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/session/surface_feed.hpp"
+#include "player/run/surface_feed.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "player/session/scene_cuts.hpp"
+#include "player/run/scene_cuts.hpp"
 
 namespace touchable::test {
 namespace {

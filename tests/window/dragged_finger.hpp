@@ -16,7 +16,7 @@
 #include "engine/import/open_clip.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/session/clip_workspace.hpp"
+#include "player/run/clip_workspace.hpp"
 #include "player/view/surface_pick.hpp"
 #include "player/view/view_surface.hpp"
 #include "player/window/pointer_fingers.hpp"

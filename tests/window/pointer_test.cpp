@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "player/session/clip_workspace.hpp"
+#include "player/run/clip_workspace.hpp"
 #include "player/view/surface_pick.hpp"
 #include "player/window/pointer_input.hpp"
 #include "tests/view/shown.hpp"

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "player/session/clip_workspace.hpp"
+#include "player/run/clip_workspace.hpp"
 #include "player/window/pointer_fingers.hpp"
 #include "player/window/touch_listener.hpp"
 #include "player/window/window_view.hpp"

@@ -15,10 +15,10 @@
 #include "engine/media/clip.hpp"
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/session/planes_hash.hpp"
-#include "player/session/scene_cuts.hpp"
-#include "player/session/time_spread.hpp"
-#include "player/session/watched_colours.hpp"
+#include "player/run/planes_hash.hpp"
+#include "player/run/scene_cuts.hpp"
+#include "player/run/time_spread.hpp"
+#include "player/run/watched_colours.hpp"
 
 namespace touchable {
 

@@ -1,4 +1,4 @@
-#include "player/session/planes_hash.hpp"
+#include "player/run/planes_hash.hpp"
 
 namespace touchable {
 

@@ -2,7 +2,8 @@
 
 #include <cstdint>
 
-#include "player/session/touch_figures.hpp"
+#include "player/run/time_spread.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 

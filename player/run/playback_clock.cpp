@@ -1,4 +1,4 @@
-#include "player/session/playback_clock.hpp"
+#include "player/run/playback_clock.hpp"
 
 #include <algorithm>
 #include <string>

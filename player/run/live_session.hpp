@@ -6,11 +6,12 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "haptics_cpu/haptic_loop.hpp"
-#include "player/session/camera_figures.hpp"
-#include "player/session/playback_board.hpp"
-#include "player/session/touch_session.hpp"
+#include "player/run/camera_figures.hpp"
+#include "player/run/playback_board.hpp"
+#include "player/run/touch_session.hpp"
 
 namespace touchable {
 
@@ -26,6 +27,10 @@ struct LiveFacts {
     std::optional<Error>
         failure;  ///< what else ended it too early: the device, or a frame that cannot be read
 };
+
+/// Of a live run whose ticks did not wait for what is written of it (`files`), or, where that is empty, for
+/// the program.
+Error fell_behind_error(const std::string& files, std::int64_t ticks_missing);
 
 /// Touch on the wall clock: decoding, building and the haptic loop each on a thread of its own, the sinks on
 /// the caller's. Which frames a tick found is part of what a recording keeps, so that the session replays
@@ -43,7 +48,8 @@ public:
 
     /// To the end, or until the person asks to stop, which is how most sessions end, or until the device or
     /// the clip fails; where the log is open, the hand outlasts the clip. What was touched until then counts:
-    /// an error only where no tick was run by then, or where ticks were lost. What a sink refuses ends it too.
+    /// an error only where no tick was run by then, or where ticks were lost. What a sink refuses ends it
+    /// too.
     Result<void> run(std::span<TouchSink* const> sinks);
 
     // While it runs, any thread.

@@ -1,8 +1,7 @@
-#include "player/session/touch_session.hpp"
+#include "player/run/touch_session.hpp"
 
-#include "player/session/field_probe.hpp"
-#include "player/session/interrupt.hpp"
-#include "player/session/progress.hpp"
+#include "engine/stop_request.hpp"
+#include "player/run/field_probe.hpp"
 
 namespace touchable {
 
@@ -33,10 +32,8 @@ bool TouchSession::is_over(std::int64_t tick) {
 }
 
 Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
-    Progress progress("tick", settings_.ticks.value_or(hand_.ticks().value_or(0)));
     for (std::int64_t tick = 0; !is_over(tick); ++tick) {
-        if (interrupted()) return interrupted_error();
-        progress.at(tick);
+        if (stop_requested()) return interrupted_error();
         if (auto done = this->tick(tick, sinks); !done.ok()) return done;
     }
     return {};

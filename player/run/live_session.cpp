@@ -1,15 +1,14 @@
-#include "player/session/live_session.hpp"
+#include "player/run/live_session.hpp"
 
 #include <atomic>
 #include <chrono>
+#include <string>
 #include <thread>
 #include <utility>
 
-#include "player/session/feed_threads.hpp"
-#include "player/session/interrupt.hpp"
-#include "player/session/live_line.hpp"
-#include "player/session/output_file.hpp"
-#include "player/session/playback_clock.hpp"
+#include "engine/stop_request.hpp"
+#include "player/run/feed_threads.hpp"
+#include "player/run/playback_clock.hpp"
 
 namespace touchable {
 
@@ -82,7 +81,7 @@ void LiveSession::set_loop(HapticLoop* loop) {
 }
 
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
-    if (interrupted()) return interrupted_error();
+    if (stop_requested()) return interrupted_error();
     TouchStep step(solver_, settings_.guard, settings_.fingers);
     TickLog log(log_ticks, settings_.fingers);
     PlaybackClock clock(scene_.rate, log_);
@@ -113,19 +112,17 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (settings_.ticks) loop.end_before(*settings_.ticks);
 
     Result<void> taken;
-    LiveLine line(settings_.control);
     auto drain = [&] {
         const auto give = [&](const TouchTick& tick) {
             for (TouchSink* sink : sinks)
                 if (taken.ok()) taken = sink->take(tick);
-            if (taken.ok()) taken = line.take(tick);
             if (taken.ok() && live_source) taken = camera.take(tick);
         };
         while (log.pop(give)) {
         }
     };
     const auto is_asked_to_stop = [this] {
-        facts_.interrupted = interrupted();
+        facts_.interrupted = stop_requested();
         return facts_.interrupted || stopping_.load(std::memory_order_relaxed);
     };
     if (!live_source) {
@@ -148,11 +145,11 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
             threads.look_at_commands();
         drain();
         late_frames_.store(threads.late_frames(), std::memory_order_relaxed);
-        if (live_source)
-            line.show(camera.frames_shown(), end ? "frames felt, and no more come" : "frames felt",
-                      settings_.device_in_words);
-        else if (!log_->is_open())  // whoever gives commands sees the picture
-            line.show(threads.late_frames(), "frames late", settings_.device_in_words);
+        // Whoever gives commands sees the picture.
+        if (settings_.on_status && live_source)
+            settings_.on_status({true, camera.frames_shown(), end.has_value()});
+        else if (settings_.on_status && !log_->is_open())
+            settings_.on_status({false, threads.late_frames(), end.has_value()});
         std::this_thread::sleep_for(sink_pause);
     }
     loop.stop();
@@ -162,6 +159,13 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (live_source) facts_.camera = camera.facts();
     facts_.failure = threads.error();
     return conclude(loop, taken);
+}
+
+Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
+    const std::string slow =
+        files.empty() ? "this machine was" : files + ": its disk, or whoever reads it, was";
+    return input_error(slow + " too slow for 1000 ticks a second: " + std::to_string(ticks_missing) +
+                       " ticks are missing, so it is not complete, and no file is kept");
 }
 
 /// How it went.

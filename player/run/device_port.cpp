@@ -1,6 +1,6 @@
-#include "player/session/device_port.hpp"
+#include "player/run/device_port.hpp"
 
-#include "player/session/field_probe.hpp"
+#include "player/run/field_probe.hpp"
 
 namespace touchable {
 

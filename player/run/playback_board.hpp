@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "player/session/playback_clock.hpp"
+#include "player/run/playback_clock.hpp"
 
 namespace touchable {
 

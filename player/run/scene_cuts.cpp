@@ -1,4 +1,4 @@
-#include "player/session/scene_cuts.hpp"
+#include "player/run/scene_cuts.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -11,7 +11,7 @@
 #include "engine/frame/surface_timeline.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
-#include "player/session/playback_log.hpp"
+#include "player/run/playback_log.hpp"
 
 namespace touchable {
 

@@ -1,4 +1,4 @@
-#include "player/session/field_probe.hpp"
+#include "player/run/field_probe.hpp"
 
 #include <algorithm>
 

@@ -5,17 +5,14 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "device/hand.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/session/playback_clock.hpp"
-#include "player/session/surface_feed.hpp"
+#include "player/run/playback_clock.hpp"
+#include "player/run/surface_feed.hpp"
 
 namespace touchable {
-
-class HandControl;
 
 /// Somebody who wants to know of every tick: figures, a file of forces, a recording, a comparison.
 class TouchSink {
@@ -28,6 +25,13 @@ inline constexpr std::int64_t tick_ns = 1'000'000;
 /// A run without a length of its own lasts at least this long; a clip that has ended stands still.
 inline constexpr std::int64_t shortest_run_ns = 3'000'000'000;
 
+/// How a live run goes, while it does.
+struct LiveStatus {
+    bool is_camera = false;
+    std::int64_t frames = 0;  ///< of a clip: that came late; of a camera: that fingers felt
+    bool has_ended = false;   ///< no more frames come
+};
+
 /// Everything about a run but the clip and the hand.
 struct TouchSessionSettings {
     int fingers = 1;
@@ -37,10 +41,9 @@ struct TouchSessionSettings {
     std::optional<std::int64_t> ticks;
     /// What was asked of the clip's clock (PlaybackClock), at which ticks.
     std::vector<PlaybackCommand> playback;
-    /// Of a live run: what is to be said of its device while it goes on; nothing: nothing.
-    std::function<std::string()> device_in_words;
-    /// Likewise: of the device that exerts forces on a person, which outlives the run; nullptr: none does.
-    const HandControl* control = nullptr;
+    /// Of a live run that nobody gives commands: called every few milliseconds, by the thread that gives
+    /// ticks to the sinks. Nothing: nobody looks.
+    std::function<void(const LiveStatus&)> on_status;
     /// Of a live run: whether its hand has nothing more to tell, which ends it; nothing: it never has.
     std::function<bool()> hand_is_over;
     /// Time of a tick; k ms by default. Must not go backward.

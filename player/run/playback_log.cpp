@@ -1,4 +1,4 @@
-#include "player/session/playback_log.hpp"
+#include "player/run/playback_log.hpp"
 
 #include <string>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "player/session/camera_figures.hpp"
+#include "player/run/camera_figures.hpp"
 
 namespace touchable {
 

@@ -1,4 +1,4 @@
-#include "player/session/feed_threads.hpp"
+#include "player/run/feed_threads.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "engine/start_thread.hpp"
-#include "player/session/memory.hpp"
+#include "player/run/memory.hpp"
 
 namespace touchable {
 

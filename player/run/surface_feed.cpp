@@ -1,4 +1,4 @@
-#include "player/session/surface_feed.hpp"
+#include "player/run/surface_feed.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "engine/frame/stored_code.hpp"
+#include "engine/stop_request.hpp"
 #include "engine/surface/filter_plan.hpp"
-#include "player/session/interrupt.hpp"
 
 namespace touchable {
 

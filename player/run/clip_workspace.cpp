@@ -1,4 +1,4 @@
-#include "player/session/clip_workspace.hpp"
+#include "player/run/clip_workspace.hpp"
 
 #include <algorithm>
 #include <vector>

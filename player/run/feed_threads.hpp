@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "player/session/playback_clock.hpp"
-#include "player/session/surface_feed.hpp"
+#include "player/run/playback_clock.hpp"
+#include "player/run/surface_feed.hpp"
 
 namespace touchable {
 

@@ -1,4 +1,4 @@
-#include "player/session/time_spread.hpp"
+#include "player/run/time_spread.hpp"
 
 #include <algorithm>
 #include <bit>
