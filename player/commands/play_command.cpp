@@ -48,8 +48,8 @@ struct PlayWords {
 };
 
 /// No file that is written takes the place of what the window shows or reads, by whatever name, or of one
-/// that is there.
-Result<void> check_files(const PlayOptions& options, const std::optional<std::filesystem::path>& script) {
+/// that is there. A clip that is opened to know what is read stays open for the window.
+Result<void> check_files(PlayOptions& options, const std::optional<std::filesystem::path>& script) {
     Outputs outputs{{}, options.existing};
     if (options.record) outputs.files.push_back({"--record", *options.record});
     if (options.record && options.session.clip.plugged)
@@ -79,9 +79,11 @@ Result<void> check_files(const PlayOptions& options, const std::optional<std::fi
     if (options.session.clip.plugged) {
         inputs.push_back({"the camera", options.session.clip.file});
     } else {
-        const auto reader = options.session.clip.open(Colour::left_out);
+        ClipChoice& clip = options.session.clip;
+        clip.share_clip();
+        const auto reader = clip.open(clip.is_camera() ? Colour::left_out : Colour::wanted);
         if (!reader.ok()) return reader.error();
-        add_inputs(inputs, options.session.clip.file, **reader);
+        add_inputs(inputs, clip.file, **reader);
     }
     if (auto free = check_outputs(kept, inputs); !free.ok()) return free;
     return check_outputs(outputs, inputs);
@@ -227,12 +229,13 @@ void find_settings(PlayOptions& options) {
 
 Result<void> run_play(PlayOptions options) {
     find_settings(options);
-    auto figures = play_in_window(options);
+    const bool is_told_at_once = options.headless || options.kiosk;
+    auto figures = play_in_window(std::move(options));
     if (!figures.ok()) return figures.error();
     print(*figures);
     print_film(*figures);
     // Otherwise it was told when it was met.
-    if (!figures->sound_fault.empty() && !options.headless && !options.kiosk)
+    if (!figures->sound_fault.empty() && !is_told_at_once)
         std::cerr << "touchable: warning: " << printable(figures->sound_fault, 500) << '\n';
     if (!figures->not_kept.empty())
         std::cerr << "touchable: warning: settings are not kept: " << figures->not_kept << '\n';

@@ -59,10 +59,19 @@ void ClipChoice::take(const LiveCamera& of) {
     as_camera = of.delivery;
 }
 
+void ClipChoice::share_clip() {
+    if (!is_camera() && !shared_clip) shared_clip = std::make_shared<SharedClip>();
+}
+
 Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
-    auto opened = !plugged ? open_clip(file, scene_file, camera, colour)
-                  : shared ? shared->open(*plugged, camera, scene_file)
-                           : open_v4l2_camera(*plugged, camera, scene_file);
+    if (!shared_clip) return open_anew(colour);
+    return shared_clip->open([this, colour] { return open_anew(colour); });
+}
+
+Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
+    auto opened = !plugged        ? open_clip(file, scene_file, camera, colour)
+                  : shared_camera ? shared_camera->open(*plugged, camera, scene_file)
+                                  : open_v4l2_camera(*plugged, camera, scene_file);
     auto reader = with_still_maps(std::move(opened), maps);
     if (!reader.ok()) return reader;
     if (colour == Colour::left_out) (*reader)->leave_out_colour();

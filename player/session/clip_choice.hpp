@@ -17,6 +17,7 @@
 #include "player/session/camera_film.hpp"
 #include "player/session/camera_words.hpp"
 #include "player/session/chosen_filters.hpp"
+#include "player/session/shared_clip.hpp"
 
 namespace touchable {
 
@@ -46,14 +47,21 @@ struct ClipChoice {
     std::optional<MeasuredFrames> measured;   ///< what its first frames said before; nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
     std::optional<V4l2Choice> plugged;        ///< the clip is a camera, and `file` its node
-    std::shared_ptr<SharedCamera> shared;  ///< that stays open from run to run; nothing: each opens its own
-    std::optional<FilmedFrames> filmed;    ///< the clip is the film of a camera, which had these frames
+    // What stays open from run to run; nothing: each opens its own.
+    std::shared_ptr<SharedCamera> shared_camera;  ///< of `plugged`
+    std::shared_ptr<SharedClip> shared_clip;      ///< of a clip that is no camera; as it was first opened
+    std::optional<FilmedFrames> filmed;  ///< the clip is the film of a camera, which had these frames
 
     /// What is touched is a camera.
     void take(const LiveCamera& camera);
     bool is_camera() const { return plugged || as_camera; }
+    /// From now on, and for copies of this choice, the clip is opened once; does nothing of a camera.
+    void share_clip();
     /// The clip, from its beginning.
     Result<std::unique_ptr<ClipReader>> open(Colour colour = Colour::wanted) const;
+
+private:
+    Result<std::unique_ptr<ClipReader>> open_anew(Colour colour) const;
 };
 
 struct OpenClip {

@@ -51,7 +51,8 @@ OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, Windo
       sound_(sound),
       device_(std::make_shared<PointerDevice>(PointerFingers::most, glm::dvec3(0.0))),
       held_(std::make_shared<StaysOpen>(device_)) {
-    if (clip_.plugged) clip_.shared = std::make_shared<SharedCamera>();
+    if (clip_.plugged) clip_.shared_camera = std::make_shared<SharedCamera>();
+    clip_.share_clip();
 }
 
 Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip,
@@ -96,7 +97,9 @@ void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
     filters_ = filters_in_words(setup.scene, setup.filters);
     builder_why_ = setup.builder_why;
     notes_ = setup.notes;
-    if (setup.filters) clip_.measured = MeasuredFrames{setup.filters->measured, setup.filters->damage};
+    if (!setup.filters) return;
+    clip_.measured = MeasuredFrames{setup.filters->measured, setup.filters->damage};
+    if (clip_.shared_clip) clip_.shared_clip->forget_first_frames();
 }
 
 Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_token& given_up) {

@@ -144,7 +144,7 @@ private:
     std::vector<std::string> notes_;
     std::set<std::int64_t> cuts_;  // frames, of sessions before this one
     std::int64_t frames_ = 0;
-    int films_ = 0;  // of a camera that is recorded
+    int films_ = 0;                  // of a camera that is recorded
     bool film_is_given_up_ = false;  // the newest: its recording had ended before
     std::shared_ptr<PointerDevice> device_;
     std::shared_ptr<HapticDevice> held_;  // the same, for sessions that come and go
@@ -161,7 +161,7 @@ private:
     std::unique_ptr<TouchSetup> ready_;  // until it is begun
     WatchedFigures ended_;               // of the sessions before
     std::optional<Error> failure_;
-    std::int64_t reading_ns_ = 60'000'000;     // of the clip's first frames after a change, as far as known
+    std::int64_t reading_ns_ = 30'000'000;     // of the clip's first frames after a change, as far as known
     std::unique_ptr<WatchedSession> session_;  // ends before what it works on
 };
 

@@ -78,6 +78,6 @@ struct PlayFigures {
 };
 
 /// Shows a clip in a window and lets it be touched, until the person closes it. By the main thread.
-Result<PlayFigures> play_in_window(const PlayOptions& options);
+Result<PlayFigures> play_in_window(PlayOptions options);
 
 }  // namespace touchable

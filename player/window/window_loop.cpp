@@ -24,7 +24,9 @@ Result<void> WindowLoop::open() {
     if (!sound.ok()) return sound.error();
     sound_ = std::move(*sound);
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
-    ask_for_clip(options_.session.clip);
+    ClipChoice first = options_.session.clip;
+    options_.session.clip.shared_clip.reset();  // whoever opens the same clip later opens it anew
+    ask_for_clip(std::move(first));
     if (auto opened = open_parts(); !opened.ok()) return opened;
     if (auto opened = wait_for_clip(); !opened.ok() || !clip_) return opened;
     clip_->fingers().set_count(kept.fingers);
@@ -281,9 +283,9 @@ void share_memory_among_threads() {
 
 }  // namespace
 
-Result<PlayFigures> play_in_window(const PlayOptions& options) {
+Result<PlayFigures> play_in_window(PlayOptions options) {
     share_memory_among_threads();
-    WindowLoop window(options);
+    WindowLoop window(std::move(options));
     if (auto opened = window.open(); !opened.ok()) return opened.error();
     return window.run();
 }

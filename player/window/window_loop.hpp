@@ -75,7 +75,7 @@ private:
         WindowFelt felt;       // to be in effect then
         std::string remark{};  // that something is not as it was wanted
     };
-    void ask_for_clip(const ClipChoice& choice);
+    void ask_for_clip(ClipChoice choice);
     void ask_for_change(const WindowFelt& wanted);
     Result<void> wait_for_clip();
     void go_on_opening();

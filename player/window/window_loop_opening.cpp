@@ -20,7 +20,8 @@ constexpr std::chrono::seconds renew_pause(20);
 }  // namespace
 
 /// Settings that do not go with the clip are not in effect then; they stay kept for another one.
-void WindowLoop::ask_for_clip(const ClipChoice& choice) {
+void WindowLoop::ask_for_clip(ClipChoice choice) {
+    choice.share_clip();
     std::string name = choice.file.filename().string();
     if (name.empty()) name = choice.file.string();
     opening_.ask("opening " + name,

@@ -1,11 +1,15 @@
 // The window without a window: what it shows, and what is felt in it, by the program as a person starts it.
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -255,6 +259,48 @@ TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
     const auto hand = RepeatingHand::read("rec:" + record);
     ASSERT_TRUE(hand.ok()) << hand.error().message;
     EXPECT_EQ((*hand)->ticks(), ms) << "all parts one after the other";
+}
+
+/// How often each file of a folder was opened since.
+class OpenedFiles {
+public:
+    explicit OpenedFiles(const std::filesystem::path& folder) : watch_(inotify_init1(IN_NONBLOCK)) {
+        EXPECT_GE(inotify_add_watch(watch_, folder.c_str(), IN_OPEN), 0);
+    }
+    ~OpenedFiles() { close(watch_); }
+    OpenedFiles(const OpenedFiles&) = delete;
+    OpenedFiles& operator=(const OpenedFiles&) = delete;
+    std::map<std::string, int> times() const {
+        std::map<std::string, int> times;
+        alignas(inotify_event) std::array<char, 65536> events{};
+        for (ssize_t size; (size = read(watch_, events.data(), events.size())) > 0;)
+            for (ssize_t at = 0; at < size;) {
+                const auto* const event = reinterpret_cast<const inotify_event*>(events.data() + at);
+                if (event->len > 0) ++times[event->name];
+                at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+            }
+        return times;
+    }
+
+private:
+    const int watch_;
+};
+
+/// Neither to know which files may be written, nor for other settings; kept ones are refused here at first.
+TEST(HeadlessWindow, OpensEachFrameOnceWhateverIsWrittenAndFelt) {
+    const TemporaryFolder folder;
+    const std::string pictures = (folder / "pictures").string();
+    ASSERT_EQ(run_touchable({"convert", globe().string(), pictures + "/"}).code, 0);
+    std::ofstream(folder / "play.json") << R"({"a": {"temporal": "on"}})";
+    const OpenedFiles opened(pictures);
+    shot_of(pictures, "0 speed 0.25\n0.3 median 5\n0.8 metric pixel\n1.3 filters auto\n", "2",
+            {"--record", (folder / "hand.touch").string(), "--settings", (folder / "play.json").string()});
+    const auto times = opened.times();
+    EXPECT_TRUE(times.contains("scene.json") && times.contains("depth_000003.png"));
+    for (const auto& [file, count] : times) EXPECT_EQ(count, 1) << file;
+    const auto recording = read_recording(folder / "hand.touch");
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    EXPECT_GT(recording->size(), 1U) << "nothing was changed";
 }
 
 TEST(HeadlessWindow, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {

@@ -3,9 +3,13 @@
 #include <chrono>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <map>
 #include <memory>
 #include <thread>
+#include <tuple>
 
+#include "engine/import/open_clip.hpp"
+#include "engine/media/reader_around.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/player/in_process.hpp"
@@ -161,6 +165,136 @@ TEST_F(ChangedClip, IsTouchedAtTheScaleThatItWasOpenedWith) {
     const auto changed = (*opened)->prepare(smooth);
     ASSERT_TRUE(changed.ok()) << changed.error().message;
     EXPECT_EQ(scale(*changed->setup), first);
+}
+
+/// How often each frame of a clip was read, and how often the clip was opened.
+struct ReadClip {
+    std::map<std::int64_t, int> times;
+    int opened = 0;
+};
+
+class CountedReader final : public ReaderAround {
+public:
+    CountedReader(std::unique_ptr<ClipReader> clip, std::shared_ptr<ReadClip> read)
+        : ReaderAround(std::move(clip)), read_(std::move(read)) {}
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = inner().next();
+        if (frame.ok() && *frame) ++read_->times[(*frame)->number];
+        return frame;
+    }
+
+private:
+    const std::shared_ptr<ReadClip> read_;
+};
+
+/// With a filter that remembers, its noise stated, so that all settings go with the clip.
+class CountedClip : public ChangedClip {
+protected:
+    void open(const std::filesystem::path& record = {}) {
+        Scene scene = open_clip(choice_.file).value()->scene();
+        scene.filter.temporal_noise = {5, 0};
+        std::ofstream(folder_ / "scene.json") << scene_to_json(scene);
+        choice_.scene_file = folder_ / "scene.json";
+        if (!record.empty()) options_.record = record;
+        choice_.share_clip();
+        const auto opened = choice_.shared_clip->open([this]() -> Result<std::unique_ptr<ClipReader>> {
+            auto clip = open_clip(choice_.file, choice_.scene_file);
+            if (!clip.ok()) return clip;
+            ++read_->opened;
+            return std::unique_ptr<ClipReader>(std::make_unique<CountedReader>(std::move(*clip), read_));
+        });
+        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        auto made = OpenedClip::open(options_, choice_, {}, *sound_);
+        ASSERT_TRUE(made.ok()) << made.error().message;
+        clip_ = std::move(*made);
+        ASSERT_TRUE(clip_->begin().ok());
+    }
+
+    const std::shared_ptr<ReadClip> read_ = std::make_shared<ReadClip>();
+};
+
+TEST_F(CountedClip, AnotherSettingOpensNothingAndReadsNoFrameAgain) {
+    ASSERT_NO_FATAL_FAILURE(open());
+    // What would be opened is not there.
+    std::filesystem::remove(choice_.file);
+    std::filesystem::remove(*choice_.scene_file);
+    ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, 200).ok());  // 60 frames are 10 s
+    ASSERT_TRUE(comes_true([this] { return now().moment.time_ns > 200'000'000; }));
+    for (const auto& [name, value] : {std::pair("median", "5"),
+                                      {"temporal", "on"},
+                                      {"fill-holes", "2"},
+                                      {"metric", "pixel"},
+                                      {"filters", "auto"},
+                                      {"interpolation", "hold"}}) {
+        const auto changed = change(name, value);
+        ASSERT_TRUE(changed.ok()) << name << ": " << changed.error().message;
+        const std::int64_t frame = clip_->scene().rate.frame_at(now().moment.time_ns);
+        ASSERT_TRUE(comes_true([this] { return clip_->session().figures().feed.frames > 2; })) << name;
+        EXPECT_LT(frame, 55) << "nothing is tested where the clip has ended";
+    }
+    EXPECT_EQ(read_->opened, 1);
+    for (const auto& [frame, times] : read_->times) EXPECT_EQ(times, 1) << "frame " << frame;
+    EXPECT_GT(read_->times.size(), 10U);
+}
+
+/// In frames and in the clip's time: what it takes on a machine is the filters' time for so many.
+TEST_F(CountedClip, AnotherSettingIsFeltWithinATenthOfASecondAfterAFewFramesAreFiltered) {
+    ASSERT_NO_FATAL_FAILURE(open(folder_ / "hand.touch"));
+    ASSERT_TRUE(clip_->session().ask(PlaybackVerb::seek, 900'000'000).ok());
+    ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, 200).ok());
+    ASSERT_TRUE(comes_true([this] { return now().rate == 200 && now().moment.time_ns > 900'000'000; }));
+    for (const auto& [name, value, most_frames] :
+         {std::tuple("median", "5", 3), {"temporal", "on", temporal_warm_up_frames + 3}}) {
+        FeltSettings felt = clip_->felt();
+        ASSERT_TRUE(felt.set(name, value).ok());
+        const auto change = clip_->prepare(felt);
+        ASSERT_TRUE(change.ok()) << change.error().message;
+        int filtered = 0;
+        for (const FrameRun& run : change->setup->feed->built()) filtered += static_cast<int>(run.count);
+        EXPECT_GE(filtered, 2);
+        EXPECT_LE(filtered, most_frames) << name;
+        EXPECT_LE(change->begin_ns - change->state.moment.time_ns, 100'000'000) << name;
+    }
+}
+
+/// Of the fingers' forces, tick by tick, at every change.
+TEST_F(CountedClip, TheForceOnAFingerThatIsPressedInBeginsAtZeroAndRisesByTheGuardsRamp) {
+    const std::filesystem::path record = folder_ / "hand.touch";
+    ASSERT_NO_FATAL_FAILURE(open(record));
+    ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause).ok());
+    ASSERT_TRUE(comes_true([this] { return clip_->session().look() != nullptr; }));
+    const HeightField field(clip_->scene(), clip_->session().look()->held.pair);
+    clip_->fingers().set_pointer(glm::dvec2(32, 24));
+    clip_->fingers().press(true);
+    clip_->fingers().intend(field, clip_->view().camera(64, 48));
+    const auto presses = [this] {
+        const WatchedMoment* const moment = clip_->session().look();
+        return moment && moment->felt.tick > 300 && glm::length(moment->felt.fingers[0].force.force) > 0.1;
+    };
+    ASSERT_TRUE(comes_true(presses));
+    for (const char* value : {"5", "3", "0"}) {
+        ASSERT_TRUE(change("median", value).ok());
+        ASSERT_TRUE(comes_true(presses)) << value;
+    }
+    ASSERT_TRUE(clip_->finish().ok());
+    const auto recording = read_recording(record);
+    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_EQ(recording->size(), 4U);
+    double most = 0;
+    for (const RecordedPart& part : *recording)
+        for (const RecordedTick& tick : part.ticks) most = std::max(most, glm::length(tick.forces[0]));
+    for (const RecordedPart& part : *recording) {
+        const int ramp = GuardSettings().ramp_in_ticks;
+        double before = 0;
+        for (std::size_t k = 0; k < part.ticks.size(); ++k) {
+            const double force = glm::length(part.ticks[k].forces[0]);
+            const double ticks_in = static_cast<double>(part.ticks[k].time_ns) * 1e-6 + 1;
+            EXPECT_LE(force, most * std::min(1.0, ticks_in / ramp) * 1.001) << part.name << ", tick " << k;
+            if (ticks_in > ramp) break;
+            before = force;
+        }
+        EXPECT_TRUE(before > 0 || &part == &recording->front()) << part.name << ": nothing is tested";
+    }
 }
 
 TEST_F(ChangedClip, KeepsItsSessionWhereItDoesNotGoWithTheSettings) {

@@ -1,0 +1,124 @@
+#include "player/session/shared_clip.hpp"
+
+#include <span>
+#include <string>
+#include <utility>
+
+#include "engine/surface/depth_survey.hpp"
+
+namespace touchable {
+namespace {
+
+// Of the newest frames: those that a run holds itself, ahead of the hand and in its timeline, cost nothing
+// more. Beyond them there are the ones before its beginning that a filter with a memory sees.
+constexpr std::size_t least_kept = 12, most_kept = 32;
+constexpr std::size_t most_kept_bytes = std::size_t{128} << 20;  // of the newest, and of the first
+
+std::size_t kept_bytes_of(const RawFrame& frame) {
+    std::size_t bytes = 0;
+    for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
+        bytes += static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height) *
+                 static_cast<std::size_t>(plane->channels * plane->bytes_per_sample);
+    return bytes;
+}
+
+}  // namespace
+
+/// What describes the clip stays as it is once the clip is open, so that no reader waits for another there.
+class SharedClip::Reader final : public ClipReader {
+public:
+    explicit Reader(std::shared_ptr<SharedClip> shared) : shared_(std::move(shared)) {
+        for (const auto& input : clip().inputs()) add_input(input);
+    }
+    const Scene& scene() const override { return clip().scene(); }
+    const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
+    std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
+    const std::vector<std::string>& notes() const override { return clip().notes(); }
+    std::span<const Camera> frame_cameras() const override { return clip().frame_cameras(); }
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = shared_->frame(next_number_, is_from_the_beginning_);
+        if (frame.ok() && *frame) next_number_ = (*frame)->number + 1;
+        return frame;
+    }
+    Result<void> rewind() override { return seek(0); }
+    /// The clip itself is led there only when a frame is wanted that nobody has read.
+    Result<void> seek(std::int64_t frame) override {
+        const auto count = frame_count();
+        if (frame < 0 || (count && frame > *count))
+            return usage_error("frame " + std::to_string(frame) + ": must be 0 to the clip's last" +
+                               (count ? ", " + std::to_string(*count - 1) : std::string()));
+        next_number_ = frame;
+        is_from_the_beginning_ = false;
+        return {};
+    }
+    std::int64_t access_point(std::int64_t frame) const override {
+        const std::lock_guard lock(shared_->mutex_);
+        return clip().access_point(frame);
+    }
+
+private:
+    ClipReader& clip() const { return *shared_->clip_; }
+
+    std::shared_ptr<SharedClip> shared_;
+    std::int64_t next_number_ = 0;
+    bool is_from_the_beginning_ = true;
+};
+
+Result<std::unique_ptr<ClipReader>> SharedClip::open(const Open& open_clip) {
+    if (!clip_) {
+        auto opened = open_clip();
+        if (!opened.ok()) return opened;
+        clip_ = std::move(*opened);
+        position_ = 0;
+    }
+    return std::unique_ptr<ClipReader>(std::make_unique<Reader>(shared_from_this()));
+}
+
+void SharedClip::forget_first_frames() {
+    const std::lock_guard lock(mutex_);
+    keeps_first_ = false;
+    first_.clear();
+}
+
+Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_from_the_beginning) {
+    const std::lock_guard lock(mutex_);
+    if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
+    // Not known where reading fails.
+    if (std::exchange(position_, std::nullopt) != number)
+        if (auto sought = clip_->seek(number); !sought.ok()) return sought.error();
+    auto frame = clip_->next();
+    if (!frame.ok()) return frame;
+    position_ = *frame ? (*frame)->number + 1 : number;
+    if (*frame) keep(**frame);
+    return frame;
+}
+
+/// The first frames are for whoever looks at no others, as a survey does: behind them reading on would mean
+/// to seek.
+const RawFrame* SharedClip::kept(std::int64_t number, bool is_from_the_beginning) const {
+    for (const RawFrame& frame : newest_)
+        if (frame.number == number) return &frame;
+    const auto index = static_cast<std::size_t>(number);
+    return is_from_the_beginning && index < first_.size() ? &first_[index] : nullptr;
+}
+
+void SharedClip::keep(const RawFrame& frame) {
+    const std::size_t bytes = kept_bytes_of(frame);
+    newest_.push_back(frame);
+    newest_bytes_ += bytes;
+    while (newest_.size() > least_kept && (newest_.size() > most_kept || newest_bytes_ > most_kept_bytes)) {
+        newest_bytes_ -= kept_bytes_of(newest_.front());
+        newest_.pop_front();
+    }
+    if (!keeps_first_ || first_.size() == DepthSurvey::frames ||
+        frame.number != static_cast<std::int64_t>(first_.size()))
+        return;
+    first_.push_back(frame);
+    first_bytes_ += bytes;
+    if (first_bytes_ > most_kept_bytes) {
+        keeps_first_ = false;
+        first_.clear();
+    }
+}
+
+}  // namespace touchable
