@@ -7,14 +7,17 @@ namespace touchable {
 TickLog::TickLog(int ticks, int fingers) : ring_(slots_for(ticks, fingers)) {}
 
 std::vector<TickLog::Slot> TickLog::slots_for(int ticks, int fingers) {
-    std::vector<Slot> slots(static_cast<std::size_t>(ticks));
     const auto count = static_cast<std::size_t>(fingers);
-    for (Slot& slot : slots) {
-        slot.goals.resize(count);
-        slot.contacts.resize(count);
-        slot.forces.resize(count);
-        slot.shares.resize(count);
-    }
+    std::vector<Slot> slots(static_cast<std::size_t>(ticks));
+    const auto share_out = [&](auto& all, auto part) {
+        all.resize(slots.size() * count);
+        for (std::size_t k = 0; k < slots.size(); ++k)
+            slots[k].*part = std::span(all).subspan(k * count, count);
+    };
+    share_out(goals_, &Slot::goals);
+    share_out(contacts_, &Slot::contacts);
+    share_out(forces_, &Slot::forces);
+    share_out(shares_, &Slot::shares);
     return slots;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "haptics_cpu/spsc_ring.hpp"
@@ -21,16 +22,22 @@ public:
     }
 
 private:
-    /// A tick with memory of its own, to which its spans refer.
+    /// A tick, and its part of the log's memory, to which its spans refer.
     struct Slot {
         TouchTick tick;
-        std::vector<glm::dvec3> goals;
-        std::vector<Contact> contacts;
-        std::vector<GuardedForce> forces;
-        std::vector<double> shares;
+        std::span<glm::dvec3> goals;
+        std::span<Contact> contacts;
+        std::span<GuardedForce> forces;
+        std::span<double> shares;
     };
-    static std::vector<Slot> slots_for(int ticks, int fingers);
+    std::vector<Slot> slots_for(int ticks, int fingers);
 
+    // Of all slots, one after the other: a log is made between two sessions of a hand, and each piece of
+    // memory takes its time.
+    std::vector<glm::dvec3> goals_;
+    std::vector<Contact> contacts_;
+    std::vector<GuardedForce> forces_;
+    std::vector<double> shares_;
     SpscRing<Slot> ring_;
 };
 

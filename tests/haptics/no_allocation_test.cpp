@@ -5,6 +5,7 @@
 #include "engine/content/strokes.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/tick_log.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/haptics/touch_rig.hpp"
 
@@ -69,6 +70,13 @@ TEST(NoAllocation, TheCounterCounts) {
     std::vector<int> grown(100);
     grown.resize(1000);
     EXPECT_EQ(allocations() - before, 2U);
+}
+
+/// Not one for each tick that it has room for: it is made between two sessions of a hand.
+TEST(NoAllocation, OfALogOfTicksButAFew) {
+    const std::size_t before = allocations();
+    const TickLog log(4096, 5);
+    EXPECT_LE(allocations() - before, 8U);
 }
 
 }  // namespace
