@@ -113,7 +113,11 @@ protected:
         auto started = WatchedSession::start(std::move(*setup), {record_.get(), &figures_.emplace(), &steps});
         ASSERT_TRUE(started.ok()) << started.error().message;
         session = std::move(*started);
-        ASSERT_TRUE(comes_true([this] { return session->look() != nullptr; }));
+        // What is felt comes by the session's own thread, a little later than what is held.
+        ASSERT_TRUE(comes_true([this] {
+            const WatchedMoment* const seen = session->look();
+            return seen && !seen->felt.fingers.empty();
+        }));
     }
     void press() {
         // The middle of the picture, and 4 mm further.
