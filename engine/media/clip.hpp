@@ -98,6 +98,7 @@ std::vector<std::string> told_of(const ClipReader& clip);
 struct ClipStorage {
     Archive archive = Archive::fast;
     bool exact_colour = false;  ///< otherwise colour is as good as the eye can tell
+    bool gives_colour = false;  ///< whoever writes asks for ClipWriter::stored_colour; costs decoding it
 };
 
 /// Writes a touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON.
@@ -106,6 +107,9 @@ public:
     virtual ~ClipWriter() = default;
     /// Every frame has the planes of the first one, and the next number. Times come from the scene's rate.
     virtual Result<void> write(const RawFrame& frame) = 0;
+    /// The colour of the frame that was written last as readers will be given it, where its coding changes
+    /// values and ClipStorage::gives_colour asked for it; empty otherwise. Until the next `write`.
+    virtual PlaneView stored_colour() const { return {}; }
     /// The disk has little more room than it takes to complete the clip. Writing goes on, as far as it goes.
     virtual bool is_full() const { return false; }
     /// Completes the clip, which has no name yet, and gives where it can be opened until `finish`. May be

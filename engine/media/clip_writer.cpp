@@ -43,6 +43,11 @@ public:
         : scene_(std::move(scene)), storage_(storage), output_(path, existing), sound_(std::move(sound)) {}
     Result<void> open();
     Result<void> write(const RawFrame& frame) override { return keep(write_frame(frame)); }
+    PlaneView stored_colour() const override {
+        for (const TrackWriter& track : tracks_)
+            if (track.role() == PlaneRole::colour) return track.as_read();
+        return {};
+    }
     Result<std::filesystem::path> complete() override {
         if (auto ended = keep(end()); !ended) return ended.error();
         return output_.path();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/media/clip.hpp"
+#include "engine/media/track_decoder.hpp"
 #include "engine/media/track_encoder.hpp"
 
 namespace touchable {
@@ -34,6 +35,9 @@ public:
     PlaneRole role() const { return role_; }
     /// The plane of the next frame.
     Result<void> add(const PlaneView& plane);
+    /// That plane as readers will be given it, where the coding changes values and ClipStorage::gives_colour
+    /// asked for it; empty otherwise.
+    PlaneView as_read() const { return as_read_.view; }
     /// No frame comes any more.
     void end();
 
@@ -56,6 +60,7 @@ private:
     };
     TrackWriter() = default;
     bool stays(const PlaneView& plane);
+    Result<void> read_along(const AVPacket& packet);
     void decide();
 
     PlaneRole role_ = PlaneRole::depth;
@@ -63,6 +68,8 @@ private:
     std::vector<std::uint8_t> newest_;  // samples of the picture before
     std::int64_t frames_ = 0;
     bool ended_ = false;
+    std::unique_ptr<TrackDecoder> reader_;  // of what is stored; null: nobody asked
+    Plane as_read_;                         // the newest that it gave
 };
 
 }  // namespace touchable

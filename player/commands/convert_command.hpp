@@ -46,7 +46,8 @@ struct ConvertOptions {
 };
 
 /// Writes a clip in another form, or a part of it. Depth, haptic and height keep every value: what is written
-/// is read again and compared before it gets its name; colour too, and what it loses is told. What would lose
+/// is read again and compared before it gets its name; colour too, and what it loses is told. The clip itself
+/// is read once. What would lose
 /// more is refused (ErrorKind::usage) unless that is allowed, and then what is lost is told.
 Result<void> run_convert(const ConvertOptions& options);
 

@@ -1,17 +1,22 @@
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/byte_hash.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/media/image_folder_writer.hpp"
+#include "engine/media/plane_role.hpp"
 #include "engine/media/resized_frame.hpp"
 #include "engine/media/stored_sound.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/convert_report.hpp"
 #include "player/commands/outputs.hpp"
+#include "player/commands/plane_loss.hpp"
 #include "player/session/interrupt.hpp"
 #include "player/run/memory.hpp"
 #include "player/session/progress.hpp"
@@ -83,6 +88,28 @@ Error as_named(Error error, const ConvertOptions& options, const fs::path& writt
     return error;
 }
 
+/// What the planes of a frame are, in so few bytes that this is kept of every frame. By PlaneRole.
+using FrameMark = std::array<std::uint64_t, all_roles.size()>;
+
+/// 0 of a plane that is not there.
+std::uint64_t mark_of(const PlaneView& plane) {
+    if (plane.empty()) return 0;
+    ByteHash hash;
+    for (const int part : {plane.width, plane.height, plane.bytes_per_sample, plane.channels})
+        hash.add(&part, sizeof part);
+    const auto row_bytes = static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels) *
+                           static_cast<std::size_t>(plane.bytes_per_sample);
+    for (int y = 0; y < plane.height; ++y) hash.add(plane.row(y), row_bytes);
+    return hash.value();
+}
+
+FrameMark mark_of(const RawFrame& frame) {
+    FrameMark mark{};
+    for (const PlaneRole role : all_roles)
+        mark[static_cast<std::size_t>(role)] = mark_of(plane_of(frame, role));
+    return mark;
+}
+
 class Conversion {
 public:
     explicit Conversion(const ConvertOptions& options) : options_(options) {}
@@ -90,11 +117,15 @@ public:
     Result<void> run(std::string& at_work);
 
 private:
-    Result<std::unique_ptr<ClipReader>> open_source() const;
+    class Source;
+
+    bool is_resized() const;
     Result<void> check_loss() const;
     Result<void> open_writer();
     std::optional<SoundPart> chosen_sound();
     RawFrame as_written(const RawFrame& frame) const;
+    Result<std::optional<RawFrame>> next();
+    Result<void> write_frame(const RawFrame& frame);
     Result<void> write();
     Result<void> compare(ClipReader& written);
     Result<void> check(const fs::path& written);
@@ -104,21 +135,41 @@ private:
     std::int64_t from_ns_ = 0;  // where it begins, of the whole clip's time
     std::unique_ptr<ClipReader> source_;
     std::unique_ptr<ClipWriter> writer_;
+    std::optional<Progress> progress_;
+    std::vector<FrameMark> marks_;  // of what is to be read of the frames that were written
+    std::optional<Stroke> stroke_;  // over the source, where its size changes
     Converted done_;
 };
 
-Result<std::unique_ptr<ClipReader>> Conversion::open_source() const {
-    auto clip = options_.clip.open();
-    if (!clip.ok()) return clip;
-    return part_of_clip(std::move(*clip), part_);
+/// The source for whoever looks at it before it is written: each frame that is read is written as well, and
+/// so the source is read once.
+class Conversion::Source final : public ClipReader {
+public:
+    explicit Source(Conversion& conversion) : conversion_(conversion) {}
+    const Scene& scene() const override { return clip().scene(); }
+    const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
+    std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
+    const std::vector<std::string>& notes() const override { return clip().notes(); }
+    Result<std::optional<RawFrame>> next() override { return conversion_.next(); }
+    Result<void> rewind() override { return clip().rewind(); }
+
+private:
+    ClipReader& clip() const { return *conversion_.source_; }
+
+    Conversion& conversion_;
+};
+
+bool Conversion::is_resized() const {
+    const Scene& scene = source_->scene();
+    const auto& size = options_.size;
+    return size && (size->width != scene.width || size->height != scene.height);
 }
 
 /// Samples of another size are others; where that is wanted it has to be said.
 Result<void> Conversion::check_loss() const {
+    if (!is_resized() || options_.allow_lossy) return {};
     const Scene& scene = source_->scene();
     const auto& size = options_.size;
-    if (!size || options_.allow_lossy || (size->width == scene.width && size->height == scene.height))
-        return {};
     return usage_error("--size " + std::to_string(size->width) + "x" + std::to_string(size->height) +
                        " changes what is touched: the pictures are " + std::to_string(scene.width) + "x" +
                        std::to_string(scene.height) +
@@ -153,7 +204,9 @@ Result<void> Conversion::open_writer() {
             case ClipForm::archive:
                 break;
         }
-        return create_clip(options_.out, done_.scene, options_.storage, options_.existing, sound);
+        ClipStorage storage = options_.storage;
+        storage.gives_colour = true;
+        return create_clip(options_.out, done_.scene, storage, options_.existing, sound);
     }();
     if (!writer.ok()) return writer.error();
     writer_ = std::move(*writer);
@@ -164,33 +217,55 @@ RawFrame Conversion::as_written(const RawFrame& frame) const {
     return options_.size ? resized_frame(frame, options_.size->width, options_.size->height) : frame;
 }
 
-Result<void> Conversion::write() {
-    Progress progress("converting frame", source_->frame_count().value_or(0));
-    while (true) {
-        if (interrupted()) return interrupted_error();
-        const auto frame = source_->next();
-        if (!frame.ok()) return frame.error();
-        if (!*frame) return {};
-        progress.at(++done_.frames);
-        if (auto written = writer_->write(as_written(**frame)); !written.ok()) return written;
-    }
+/// The source's next frame, which is written if it was not yet.
+Result<std::optional<RawFrame>> Conversion::next() {
+    if (interrupted()) return interrupted_error();
+    auto frame = source_->next();
+    if (!frame.ok() || !*frame) return frame;
+    if ((*frame)->number == done_.frames)
+        if (auto written = write_frame(**frame); !written.ok()) return written.error();
+    return frame;
 }
 
-/// What was written against what was read. Where nothing was to be lost, nothing is.
+/// What readers will be given of it is known now: what its coding makes of colour, and all else as it is.
+Result<void> Conversion::write_frame(const RawFrame& frame) {
+    progress_->at(++done_.frames);
+    RawFrame stored = as_written(frame);
+    if (auto written = writer_->write(stored); !written.ok()) return written;
+    if (const PlaneView colour = writer_->stored_colour(); !colour.empty()) stored.colour = colour;
+    add_loss(frame, stored, done_.scene, done_.losses);
+    marks_.push_back(mark_of(stored));
+    return {};
+}
+
+Result<void> Conversion::write() {
+    progress_.emplace("converting frame", source_->frame_count().value_or(0));
+    if (is_resized()) {
+        auto stroke = standard_stroke(std::make_unique<Source>(*this));
+        if (!stroke.ok()) return stroke.error();
+        stroke_ = std::move(*stroke);
+    }
+    while (true) {
+        const auto frame = next();
+        if (!frame.ok()) return frame.error();
+        if (!*frame) break;
+    }
+    progress_.reset();
+    return {};
+}
+
+/// What was written against what was to be.
 Result<void> Conversion::compare(ClipReader& written) {
-    if (auto back = source_->rewind(); !back.ok()) return back;
     Progress progress("comparing frame", done_.frames);
     for (std::int64_t number = 0; number < done_.frames; ++number) {
         if (interrupted()) return interrupted_error();
         progress.at(number + 1);
-        const auto before = source_->next(), now = written.next();
-        if (!before.ok()) return before.error();
+        const auto now = written.next();
         if (!now.ok()) return now.error();
-        if (!*before || !*now || !same_touch_planes(as_written(**before), **now))
+        if (!*now || mark_of(**now) != marks_[static_cast<std::size_t>(number)])
             return Error{ErrorKind::internal, options_.out.string() + ": not written: frame " +
                                                   std::to_string(number) +
                                                   " comes back otherwise than it was"};
-        add_loss(**before, **now, done_.scene, done_.losses);
     }
     return {};
 }
@@ -205,11 +280,8 @@ Result<void> Conversion::check(const fs::path& written) {
         return done_.losses[static_cast<std::size_t>(role)].changed > 0;
     };
     if (!lost(PlaneRole::depth) && !lost(PlaneRole::haptic) && !lost(PlaneRole::height)) return {};
-    auto before = open_source();
-    auto now = open_clip(written);
-    if (!before.ok()) return before.error();
-    if (!now.ok()) return now.error();
-    auto forces = compare_by_stroke(std::move(*before), std::move(*now));
+    if (auto back = (*reader)->rewind(); !back.ok()) return back;
+    auto forces = compare_by_stroke(*stroke_, std::move(*reader));
     if (!forces.ok()) return forces.error();
     done_.forces = std::move(*forces);
     return {};

@@ -41,11 +41,6 @@ public:
     ForceTable table{1, {}};
 };
 
-struct Stroke {
-    ForceTable forces;
-    double metres_per_scene_unit = 0;
-};
-
 /// Wanders, or repeats what was done `before`.
 Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) {
     reader->leave_out_colour();
@@ -83,12 +78,14 @@ Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) 
 
 }  // namespace
 
-Result<ForceComparison> compare_by_stroke(std::unique_ptr<ClipReader> a, std::unique_ptr<ClipReader> b) {
-    const auto of_a = stroke(std::move(a), nullptr);
-    if (!of_a.ok()) return of_a.error();
-    const auto of_b = stroke(std::move(b), &*of_a);
-    if (!of_b.ok()) return of_b.error();
-    return compare_forces(of_a->forces, of_b->forces);
+Result<Stroke> standard_stroke(std::unique_ptr<ClipReader> clip) {
+    return stroke(std::move(clip), nullptr);
+}
+
+Result<ForceComparison> compare_by_stroke(const Stroke& first, std::unique_ptr<ClipReader> second) {
+    const auto repeated = stroke(std::move(second), &first);
+    if (!repeated.ok()) return repeated.error();
+    return compare_forces(first.forces, repeated->forces);
 }
 
 }  // namespace touchable

@@ -16,6 +16,7 @@
 #include "player/commands/convert_command.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
+#include "tests/opened_files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
@@ -305,6 +306,20 @@ TEST_F(Convert, OtherSizesAreRefusedUnlessAllowedAndThenSayWhatTheyDoToTheForce)
     // What is no change needs no leave.
     convert({at("clip.mkv"), at("out/whole.mkv"), "--size", "64x48"});
     EXPECT_EQ(hash_of(at("out/whole.mkv")), hash_of(at("clip.mkv")));
+}
+
+TEST_F(Convert, ReadsItsSourceOnceWhateverItSaysOfLosses) {
+    make("globe");
+    convert({at("clip.mkv"), at("folder")});
+    for (const std::vector<std::string>& how :
+         {std::vector<std::string>{}, {"--exact-colour"}, {"--size", "32x24", "--allow-lossy"}}) {
+        OpenedFiles opened(at("folder"));
+        std::vector<std::string> words{at("folder"), at("again.mkv"), "--overwrite"};
+        words.insert(words.end(), how.begin(), how.end());
+        EXPECT_TRUE(says(convert(words), "  colour  "));
+        EXPECT_EQ(opened.counts().size(), 25U);  // 6 of each of four planes, and the scene
+        for (const auto& [name, count] : opened.counts()) EXPECT_EQ(count, 1) << name;
+    }
 }
 
 TEST_F(Convert, TakesThePartThatIsAskedFor) {
