@@ -126,15 +126,36 @@ Result<void> GivenFile::read(std::uint64_t at, char* to, std::size_t count) {
     return {};
 }
 
-Result<std::string> read_given_file(const std::filesystem::path& file, const std::string& named,
-                                    const std::string& right, std::size_t largest) {
-    auto given = GivenFile::open(file, named, right);
+namespace {
+
+Result<std::string> all_of(Result<GivenFile> given, const std::string& named, const std::string& right,
+                           std::size_t largest) {
     if (!given) return given.error();
     if (given->size() > largest)
         return input_error(named + ": is larger than " + in_bytes(largest) + "; right would be " + right);
     std::string bytes(static_cast<std::size_t>(given->size()), '\0');
     if (auto read = given->read(0, bytes.data(), bytes.size()); !read) return error_at(named, read.error());
     return bytes;
+}
+
+}  // namespace
+
+Result<std::string> read_given_file(const std::filesystem::path& file, const std::string& named,
+                                    const std::string& right, std::size_t largest) {
+    return all_of(GivenFile::open(file, named, right), named, right, largest);
+}
+
+Result<GivenFile> SourceFile::open(const std::string& right) const {
+    if (!opened_->file) {
+        auto given = GivenFile::open(path(), string(), right);
+        if (!given) return given.error();
+        opened_->file = std::make_unique<const GivenFile>(std::move(*given));
+    }
+    return *opened_->file;
+}
+
+Result<std::string> SourceFile::read(const std::string& right, std::size_t largest) const {
+    return all_of(open(right), string(), right, largest);
 }
 
 std::string in_bytes(std::uint64_t bytes) {

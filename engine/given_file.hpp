@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "engine/result.hpp"
@@ -44,6 +46,30 @@ private:
     std::uint64_t size_;
     std::uint64_t block_at_ = 0;
     std::string block_;  // what was read last, from there on
+};
+
+/// A file that several read, such as those who find out what it is and the one who plays it: the first of
+/// them opens it, and nobody does again as long as a copy of this is there. One thread at a time.
+class SourceFile {
+public:
+    template <class Path>
+    requires std::is_convertible_v<Path, std::filesystem::path> SourceFile(Path&& path)
+        : opened_(std::make_shared<Opened>(std::filesystem::path(std::forward<Path>(path)))) {}
+
+    const std::filesystem::path& path() const { return opened_->path; }
+    std::string string() const { return path().string(); }
+    /// As GivenFile::open, of what was there when it was opened first.
+    Result<GivenFile> open(const std::string& right) const;
+    /// All of it, as read_given_file.
+    Result<std::string> read(const std::string& right, std::size_t largest) const;
+
+private:
+    struct Opened {
+        explicit Opened(std::filesystem::path of) : path(std::move(of)) {}
+        const std::filesystem::path path;
+        std::unique_ptr<const GivenFile> file;  // null: nobody did yet
+    };
+    std::shared_ptr<Opened> opened_;
 };
 
 /// All of such a file; of more than `largest` bytes nothing.

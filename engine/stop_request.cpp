@@ -10,6 +10,7 @@ std::atomic<bool> requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing that locks");
 
 thread_local bool goes_on = false;
+thread_local const WorkUntil* innermost = nullptr;
 
 }  // namespace
 
@@ -18,7 +19,23 @@ void request_stop() {
 }
 
 bool stop_requested() {
-    return requested.load(std::memory_order_relaxed) && !goes_on;
+    if (requested.load(std::memory_order_relaxed) && !goes_on) return true;
+    for (const WorkUntil* work = innermost; work != nullptr; work = work->around_)
+        if (work->given_up_.stop_requested()) return true;
+    return false;
+}
+
+WorkUntil::WorkUntil(std::stop_token given_up)
+    : given_up_(std::move(given_up)), around_(std::exchange(innermost, this)) {}
+
+WorkUntil::~WorkUntil() {
+    innermost = around_;
+}
+
+WorkForAll::WorkForAll() : around_(std::exchange(innermost, nullptr)) {}
+
+WorkForAll::~WorkForAll() {
+    innermost = around_;
 }
 
 Error interrupted_error() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <stop_token>
+
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -7,11 +9,40 @@ namespace touchable {
 /// Asks this program to stop. For signal handlers too.
 void request_stop();
 
-/// Whether somebody did. Work that takes long looks here between its steps, and gives up with an error.
+/// Whether somebody did, or gave up what this thread works for (WorkUntil). Work that takes long looks here
+/// between its steps, and gives up with an error.
 bool stop_requested();
 
 /// What work that stopped for that reason returns.
 Error interrupted_error();
+
+/// As long as it lives, its thread works for somebody who may give that up, such as whoever opens a clip:
+/// once they do, `stop_requested` says so to this thread, and with it every read and every wait. Scopes may
+/// lie within each other, and each counts.
+class WorkUntil {
+public:
+    explicit WorkUntil(std::stop_token given_up);
+    ~WorkUntil();
+    WorkUntil(const WorkUntil&) = delete;
+    WorkUntil& operator=(const WorkUntil&) = delete;
+
+private:
+    friend bool stop_requested();
+    const std::stop_token given_up_;
+    const WorkUntil* const around_;
+};
+
+/// As long as it lives, its thread does what others wait for, too: giving up its own work does not end that.
+class WorkForAll {
+public:
+    WorkForAll();
+    ~WorkForAll();
+    WorkForAll(const WorkForAll&) = delete;
+    WorkForAll& operator=(const WorkForAll&) = delete;
+
+private:
+    const WorkUntil* const around_;
+};
 
 /// As long as it lives, its thread does what is left to do once a person has ended a run, such as reading the
 /// frame that is to be drawn: for this thread nobody asked it to stop. (Who asks again ends the program.)

@@ -21,14 +21,14 @@ public:
         if (number_ < 0 || inotify_add_watch(number_, folder.c_str(), IN_OPEN | IN_ACCESS | IN_CLOSE) < 0)
             throw std::runtime_error("no watch over " + folder.string() + ": " + std::strerror(errno));
     }
-    ~OpenedFiles() { close(number_); }
+    ~OpenedFiles() { ::close(number_); }
     OpenedFiles(const OpenedFiles&) = delete;
     OpenedFiles& operator=(const OpenedFiles&) = delete;
 
     /// By name, and those never opened not at all.
     const std::map<std::string, int>& counts() {
         alignas(inotify_event) std::array<char, 1 << 16> events{};
-        for (ssize_t got; (got = read(number_, events.data(), events.size())) > 0;)
+        for (ssize_t got; (got = ::read(number_, events.data(), events.size())) > 0;)
             for (const char* at = events.data(); at < events.data() + got;) {
                 const auto* event = reinterpret_cast<const inotify_event*>(at);
                 at += sizeof(inotify_event) + event->len;

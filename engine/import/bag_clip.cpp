@@ -1,5 +1,6 @@
 #include "engine/import/bag_clip.hpp"
 
+#include <optional>
 #include <utility>
 
 #include "engine/import/bag_recording.hpp"
@@ -34,8 +35,8 @@ public:
     void leave_out_colour() override { with_colour_ = false; }
 
 private:
-    Result<Plane> depth(std::int64_t frame);
-    Result<Plane> colour(std::int64_t frame);
+    Result<Plane> depth_plane(StoredImage stored, std::int64_t frame);
+    Result<Plane> colour_plane(StoredImage stored, std::int64_t frame);
     Result<void> look_at_some();
     void describe(PlaneRole role, const StoredImage& first);
 
@@ -46,25 +47,31 @@ private:
     std::int64_t number_ = 0;  // of the frame that `next` gives
     bool with_colour_ = true;
     DepthValues values_;
+    std::optional<RawFrame> first_;  // read to learn how pictures are stored, not yet given away
 };
 
 /// How frame 0 is stored stands for all.
 Result<void> BagReader::open() {
-    const auto first = recording_.depth(0);
+    auto first = recording_.depth(0);
     if (!first) return first.error();
     describe(PlaneRole::depth, *first);
     if (values_.needs_looks(*first))
         if (auto looked = look_at_some(); !looked) return looked;
-    const auto plane = depth(0);
-    if (!plane) return plane.error();
     RawFrame frame;
-    add_plane(frame, PlaneRole::depth, *plane);
+    frame.time_ns = scene_.rate.time_ns(0);
+    auto plane = depth_plane(std::move(*first), 0);
+    if (!plane) return plane.error();
+    add_plane(frame, PlaneRole::depth, std::move(*plane));
     if (auto note = no_depth_note(frame, scene_.depth)) notes_.push_back(std::move(*note));
     if (recording_.has_colour()) {
-        const auto colour = recording_.colour(0);
+        auto colour = recording_.colour(0);
         if (!colour) return colour.error();
         describe(PlaneRole::colour, *colour);
+        auto fits = colour_plane(std::move(*colour), 0);
+        if (!fits) return fits.error();
+        add_plane(frame, PlaneRole::colour, std::move(*fits));
     }
+    first_ = std::move(frame);
     if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
     return {};
 }
@@ -96,25 +103,21 @@ Result<void> BagReader::look_at_some() {
     return {};
 }
 
-Result<Plane> BagReader::depth(std::int64_t frame) {
-    auto stored = recording_.depth(frame);
-    if (!stored) return stored.error();
+Result<Plane> BagReader::depth_plane(StoredImage stored, std::int64_t frame) {
     const std::string where = recording_.where(recording_.streams().depth, frame);
-    if (stored->pixel_format != infos_.front().pixel_format)
-        return input_error(where + ": is " + stored->pixel_format + ", but frame 0 is " +
+    if (stored.pixel_format != infos_.front().pixel_format)
+        return input_error(where + ": is " + stored.pixel_format + ", but frame 0 is " +
                            infos_.front().pixel_format);
     const bool makes_codes = values_.makes_codes();
-    const int bits = makes_codes ? 16 : stored->bits;
-    Image image = makes_codes ? values_.codes(std::move(*stored)) : std::move(stored->image);
+    const int bits = makes_codes ? 16 : stored.bits;
+    Image image = makes_codes ? values_.codes(std::move(stored)) : std::move(stored.image);
     return fit_plane(PlaneRole::depth, plane_from(std::move(image), bits), scene_, where);
 }
 
-Result<Plane> BagReader::colour(std::int64_t frame) {
-    auto stored = recording_.colour(frame);
-    if (!stored) return stored.error();
+Result<Plane> BagReader::colour_plane(StoredImage stored, std::int64_t frame) {
     const std::string where = recording_.where(*recording_.streams().colour, frame);
-    if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
-    return fit_plane(PlaneRole::colour, plane_from(std::move(stored->image), stored->bits), scene_, where);
+    if (!stored.values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
+    return fit_plane(PlaneRole::colour, plane_from(std::move(stored.image), stored.bits), scene_, where);
 }
 
 Result<void> BagReader::seek(std::int64_t frame) {
@@ -127,16 +130,24 @@ Result<void> BagReader::seek(std::int64_t frame) {
 
 Result<std::optional<RawFrame>> BagReader::next() {
     if (number_ == recording_.count()) return std::optional<RawFrame>{};
+    if (number_ == 0 && first_) {
+        ++number_;
+        return std::exchange(first_, std::nullopt);
+    }
     RawFrame frame;
     frame.number = number_;
     frame.time_ns = scene_.rate.time_ns(number_);
-    auto plane = depth(number_);
+    auto depth = recording_.depth(number_);
+    if (!depth) return depth.error();
+    auto plane = depth_plane(std::move(*depth), number_);
     if (!plane) return plane.error();
     add_plane(frame, PlaneRole::depth, std::move(*plane));
     if (with_colour_ && recording_.has_colour()) {
-        auto read = colour(number_);
-        if (!read) return read.error();
-        add_plane(frame, PlaneRole::colour, std::move(*read));
+        auto colour = recording_.colour(number_);
+        if (!colour) return colour.error();
+        auto fits = colour_plane(std::move(*colour), number_);
+        if (!fits) return fits.error();
+        add_plane(frame, PlaneRole::colour, std::move(*fits));
     }
     ++number_;
     return std::optional(std::move(frame));
@@ -242,14 +253,13 @@ Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path&
 
 }  // namespace
 
-Result<GuessedScene> guess_bag(const std::filesystem::path& file, const SourceDescription& known) {
+Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& known) {
     auto recording = BagRecording::open(file);
     if (!recording) return recording.error();
-    return guess(*recording, file, known);
+    return guess(*recording, file.path(), known);
 }
 
-Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& file,
-                                                  const std::optional<Scene>& scene,
+Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file, const std::optional<Scene>& scene,
                                                   const SourceDescription& known, Colour colour) {
     auto recording = BagRecording::open(file);
     if (!recording) return recording.error();
@@ -260,16 +270,16 @@ Result<std::unique_ptr<ClipReader>> open_bag_clip(const std::filesystem::path& f
             described.scene.rate = rate_of_seconds(recording->times()).value_or(scene->rate);
         say_streams(recording->streams(), described.scene.remarks);
     } else {
-        auto guessed = guess(*recording, file, known);
+        auto guessed = guess(*recording, file.path(), known);
         if (!guessed) return guessed.error();
         described = std::move(*guessed);
     }
     auto reader = std::make_unique<BagReader>(std::move(*recording), described.scene);
-    reader->add_input(file);
+    reader->add_input(file.path());
     if (auto opened = reader->open(); !opened) return opened.error();
     for (const auto& input : described.inputs) reader->add_input(input);
     if (colour == Colour::left_out) reader->leave_out_colour();
-    return with_far_plane(std::move(reader), file);
+    return with_far_plane(std::move(reader), file.path());
 }
 
 }  // namespace touchable

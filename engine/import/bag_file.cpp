@@ -36,7 +36,7 @@ Error BagFile::unread(const Error& why) const {
     return why.kind == ErrorKind::input ? damaged(why.message) : error_at(name_, why);
 }
 
-Result<std::unique_ptr<BagFile>> BagFile::open(const std::filesystem::path& file) {
+Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
     std::unique_ptr<BagFile> bag(new BagFile(file.string()));
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();

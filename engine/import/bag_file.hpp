@@ -36,7 +36,7 @@ struct BagMessage {
 class BagFile {
 public:
     /// Refuses one without its index, as a recording that was cut is, and one that is encrypted.
-    static Result<std::unique_ptr<BagFile>> open(const std::filesystem::path& file);
+    static Result<std::unique_ptr<BagFile>> open(const SourceFile& file);
 
     const std::vector<BagConnection>& connections() const { return connections_; }
     /// All messages of these connections, in the order in which they were recorded.

@@ -56,7 +56,7 @@ bool tell_times(const std::vector<Stamped>& depth, const std::vector<Stamped>& c
 
 }  // namespace
 
-Result<BagRecording> BagRecording::open(const std::filesystem::path& file) {
+Result<BagRecording> BagRecording::open(const SourceFile& file) {
     BagRecording recording;
     auto bag = BagFile::open(file);
     if (!bag) return bag.error();

@@ -16,7 +16,7 @@ namespace touchable {
 /// The depth of a recording of ROS 1, and the colour that goes with it, picture by picture.
 class BagRecording {
 public:
-    static Result<BagRecording> open(const std::filesystem::path& file);
+    static Result<BagRecording> open(const SourceFile& file);
 
     BagFile& bag() { return *bag_; }
     const BagStreams& streams() const { return streams_; }

@@ -7,7 +7,8 @@
 namespace touchable {
 
 Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::path& file, Scene scene,
-                                                      std::vector<std::string> notes, Colour colour) {
+                                                      std::vector<std::string> notes, Colour colour,
+                                                      std::shared_ptr<ReadPictures> pictures) {
     const std::string name = file.filename().string();
     if (!is_still(name))
         return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
@@ -15,7 +16,7 @@ Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::pat
         scene.folder.emplace();
         scene.folder->depth = name;
     }
-    return open_image_folder(file.parent_path(), scene, std::move(notes), colour);
+    return open_image_folder(file.parent_path(), scene, std::move(notes), colour, std::move(pictures));
 }
 
 }  // namespace touchable

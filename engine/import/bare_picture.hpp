@@ -4,15 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "engine/import/read_pictures.hpp"
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 
-/// One picture of depth, which `scene` describes; `notes` as for open_image_folder.
+/// One picture of depth, which `scene` describes; `notes` and `pictures` as for
+/// open_image_folder.
 Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::path& file, Scene scene,
                                                       std::vector<std::string> notes = {},
-                                                      Colour colour = Colour::wanted);
+                                                      Colour colour = Colour::wanted,
+                                                      std::shared_ptr<ReadPictures> pictures = nullptr);
 
 }  // namespace touchable

@@ -1,5 +1,6 @@
 #include "engine/import/depthkit_clip.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -19,8 +20,8 @@ namespace {
 
 class DepthkitReader final : public ClipReader {
 public:
-    explicit DepthkitReader(const std::filesystem::path& video) : path_(video), file_(video.string()) {
-        add_input(video);
+    explicit DepthkitReader(const SourceFile& video) : source_(video), file_(video.string()) {
+        add_input(video.path());
     }
     Result<void> open(const std::filesystem::path& metadata, const std::optional<Scene>& replacement);
 
@@ -30,21 +31,26 @@ public:
     const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override;
     Result<void> rewind() override;
+    Result<void> seek(std::int64_t frame) override;
+    std::int64_t access_point(std::int64_t frame) const override { return is_all_keys_ ? frame : 0; }
 
 private:
     Result<FrameRate> read_rate();
+    bool begin_at(std::int64_t frame);
+    double ticks_of(std::int64_t frame) const;
     Result<RawFrame> halves(TrackDecoder::Picture picture) const;
     Result<void> check_time(const TrackDecoder::Picture& picture);
     const AVStream& stream() const { return *demuxer_->container().streams[stream_]; }
     std::string where() const { return file_ + ": frame " + std::to_string(number_); }
 
-    std::filesystem::path path_;
+    SourceFile source_;
     std::string file_;
     Scene scene_;
     FrameRate recorded_rate_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::int64_t promised_ = 0;
+    bool is_all_keys_ = false;  // so that decoding can begin with any frame
 
     // Where the reading is; `rewind` makes it anew.
     std::unique_ptr<Demuxer> demuxer_;
@@ -61,6 +67,7 @@ Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
     auto rate = read_rate();
     if (!rate) return rate.error();
     recorded_rate_ = *rate;
+    is_all_keys_ = demuxer_->is_all_keys(stream_);
     if (replacement) {
         scene_ = *replacement;
         if (std::exchange(scene_.rate_unstated, false)) scene_.rate = recorded_rate_;
@@ -69,7 +76,7 @@ Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
         auto scene = read_depthkit_metadata(metadata);
         if (!scene) return scene.error();
         scene_ = std::move(*scene);
-        scene_.name = path_.stem().string();
+        scene_.name = source_.path().stem().string();
         scene_.rate = recorded_rate_;
     }
     const auto first = next();
@@ -85,7 +92,7 @@ Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
 }
 
 Result<void> DepthkitReader::rewind() {
-    auto demuxer = Demuxer::open_quicktime(path_);
+    auto demuxer = Demuxer::open_quicktime(source_);
     if (!demuxer) return demuxer.error();
     decoder_.reset();
     demuxer_ = std::move(*demuxer);
@@ -101,6 +108,41 @@ Result<void> DepthkitReader::rewind() {
     demuxer_->select(stream_);
     number_ = 0;
     return {};
+}
+
+/// After frame 0, in the stream's time base.
+double DepthkitReader::ticks_of(std::int64_t frame) const {
+    const AVRational base = stream().time_base;
+    return static_cast<double>(frame) * static_cast<double>(recorded_rate_.den) /
+           static_cast<double>(recorded_rate_.num) * base.den / base.num;
+}
+
+Result<void> DepthkitReader::seek(std::int64_t frame) {
+    if (frame < 0 || frame > promised_)
+        return usage_error(file_ + ": has no frame " + std::to_string(frame) + ": must be from 0 to " +
+                           std::to_string(promised_ - 1));
+    if (frame == number_) return {};
+    const bool is_led = is_all_keys_ && frame > 0 && begin_at(std::min(frame, promised_ - 1));
+    if (!is_led && (is_all_keys_ || frame < number_))
+        if (auto back = rewind(); !back) return back;
+    while (number_ < frame) {
+        const auto passed = next();
+        if (!passed) return passed.error();
+        if (!*passed) break;
+    }
+    return {};
+}
+
+/// False where the index does not lead there: then the reading may be anywhere.
+bool DepthkitReader::begin_at(std::int64_t frame) {
+    const double time = static_cast<double>(origin_) + ticks_of(frame);
+    const bool is_somewhere = demuxer_->seek(stream_, std::llround(time));
+    const auto packet = is_somewhere ? demuxer_->peek(stream_) : Result<const AVPacket*>(nullptr);
+    const double nearest = std::min(1.0, ticks_of(1) / 2);
+    if (!packet || !*packet || std::fabs(static_cast<double>((*packet)->pts) - time) > nearest) return false;
+    decoder_->restart(frame);
+    number_ = frame;
+    return true;
 }
 
 /// Frames by their duration, which is exact where all last equally long; `check_time` finds where not.
@@ -166,9 +208,7 @@ Result<RawFrame> DepthkitReader::halves(TrackDecoder::Picture picture) const {
 /// At the frame number's time, up to one tick of the stream's clock.
 Result<void> DepthkitReader::check_time(const TrackDecoder::Picture& picture) {
     if (number_ == 0) origin_ = picture.timestamp;
-    const AVRational base = stream().time_base;
-    const double expected = static_cast<double>(number_) * static_cast<double>(recorded_rate_.den) /
-                            static_cast<double>(recorded_rate_.num) * base.den / base.num;
+    const double expected = ticks_of(number_);
     const double actual = static_cast<double>(picture.timestamp) - static_cast<double>(origin_);
     if (picture.timestamp != AV_NOPTS_VALUE && std::fabs(actual - expected) <= 1.0) return {};
     return input_error(where() + ": is not at its time: must be evenly spaced frames, " +
@@ -188,7 +228,7 @@ std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem:
     return metadata;
 }
 
-Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const std::filesystem::path& video,
+Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const SourceFile& video,
                                                        const std::filesystem::path& metadata,
                                                        const std::optional<Scene>& scene) {
     auto reader = std::make_unique<DepthkitReader>(video);

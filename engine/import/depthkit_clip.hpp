@@ -16,7 +16,7 @@ std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem:
 /// A Depthkit video, QuickTime or MP4: colour in the upper half of each picture, depth as hue in the lower.
 /// `metadata` is the Unity asset that describes it, of one perspective, uncropped. `scene` replaces the scene
 /// made from it.
-Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const std::filesystem::path& video,
+Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const SourceFile& video,
                                                        const std::filesystem::path& metadata,
                                                        const std::optional<Scene>& scene);
 

@@ -13,7 +13,6 @@
 #include "engine/import/presets.hpp"
 #include "engine/import/value_survey.hpp"
 #include "engine/media/image_file.hpp"
-#include "engine/media/npy_stack.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -35,7 +34,7 @@ public:
 
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
                           const DepthCoding* coding = nullptr);
-    GuessedScene made() { return {std::move(scene_), std::move(inputs_)}; }
+    GuessedScene made() { return {std::move(scene_), std::move(inputs_), {}, {}}; }
     Scene& scene() { return scene_; }
     void say(std::string guess, std::string otherwise = {}) {
         add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise)});
@@ -255,52 +254,49 @@ Result<const Preset*> known_preset(const SourceDescription& known) {
     return usage_error("--preset " + known.preset + " is not known: must be one of " + names);
 }
 
-/// The picture, or the first of a stack; colour that is grey everywhere as grey.
-Result<StoredImage> first_picture(const fs::path& file) {
-    Result<StoredImage> stored = Error{};
-    if (is_npy_file(file)) {
-        auto stack = open_npy_stack(file);
-        stored = stack ? stack->image(0) : stack.error();
-    } else {
-        stored = read_stored_image(file);
-    }
-    if (stored && stored->values.empty() && stored->image.channels == 3)
-        if (auto grey = as_grey(stored->image)) stored->image = std::move(*grey);
-    return stored;
-}
-
-Result<StoredImage> read_depth(const fs::path& file) {
-    auto stored = first_picture(file);
-    if (stored && stored->values.empty() && stored->image.channels != 1)
+/// Of a picture, or the first of a stack; colour that is grey everywhere as grey.
+Result<StoredImage> depth_in(const fs::path& file, ReadPictures& pictures) {
+    const auto looked = pictures.look(file);
+    if (!looked) return looked.error();
+    StoredImage stored = **looked;
+    if (stored.values.empty() && stored.image.channels == 3)
+        if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
+    if (stored.values.empty() && stored.image.channels != 1)
         return input_error(file.string() +
                            ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
     return stored;
 }
 
 /// How well a group goes as depth: 0 not at all.
-int depth_mark(const PictureGroup& group) {
+int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
     if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height"})) return 0;
-    const auto first = first_picture(group.first);
-    if (!first) return 0;
-    const bool is_grey = !first->values.empty() || first->image.channels == 1;
-    if (!is_grey) return 0;
-    const bool is_deep = !first->values.empty() || first->image.bytes_per_sample == 2;
+    const auto looked = pictures.look(group.first);
+    if (!looked) return 0;
+    const StoredImage& first = **looked;
+    if (first.values.empty() && !is_grey(first.image)) return 0;
+    const bool is_deep = !first.values.empty() || first.image.bytes_per_sample == 2;
     return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
 }
 
-bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth) {
+bool is_in_colour(const StoredImage& picture) {
+    return picture.values.empty() && picture.image.channels == 3 && picture.image.bytes_per_sample == 1;
+}
+
+bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPictures& pictures) {
     if (group.pattern == depth.pattern ||
         has_word(group.pattern,
                  {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp", "ultrawide"}))
         return false;
-    const auto first = read_stored_image(group.first);
-    if (!first || !first->values.empty() || first->image.bytes_per_sample != 1) return false;
-    return first->image.channels == 3 ||
+    const auto looked = pictures.look(group.first);
+    if (!looked) return false;
+    const StoredImage& first = **looked;
+    if (!first.values.empty() || first.image.bytes_per_sample != 1) return false;
+    return is_in_colour(first) ||
            has_word(group.pattern, {"rgb", "color", "colour", "image", "grey", "gray"});
 }
 
 /// The picture of the same name in another form, or with another word for depth in it.
-std::optional<fs::path> colour_beside(const fs::path& depth) {
+std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictures) {
     const std::string stem = depth.stem().string();
     std::vector<std::string> stems{stem};
     for (const char* of_depth : {"depth", "Depth", "disp0", "disparity"})
@@ -312,10 +308,7 @@ std::optional<fs::path> colour_beside(const fs::path& depth) {
             const fs::path file = depth.parent_path() / (other + extension);
             std::error_code ignored;
             if (file == depth || !fs::is_regular_file(file, ignored)) continue;
-            const auto picture = read_stored_image(file);
-            if (picture && picture->values.empty() && picture->image.channels == 3 &&
-                picture->image.bytes_per_sample == 1)
-                return file;
+            if (const auto picture = pictures.look(file); picture && is_in_colour(**picture)) return file;
         }
     return {};
 }
@@ -327,36 +320,39 @@ std::string found_there(const std::vector<PictureGroup>& groups) {
     return words.empty() ? "no pictures" : words + (groups.size() > 4 ? ", ..." : "");
 }
 
+Error interrupted_looking(const fs::path& folder) {
+    return {ErrorKind::interrupted, "interrupted while " + folder.string() + " was looked through"};
+}
+
 /// All that there are; of pictures that call themselves depth the first can be read.
-Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder) {
+Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPictures& pictures) {
     std::vector<PictureGroup> groups = picture_groups(folder);
     constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
     if (groups.size() > most_groups) groups.resize(most_groups);
     for (const PictureGroup& group : groups) {
-        if (stop_requested())
-            return Error{ErrorKind::interrupted,
-                         "interrupted while " + folder.string() + " was looked through"};
+        if (stop_requested()) return interrupted_looking(folder);
         if (!has_word(group.pattern, {"depth"})) continue;
-        if (const auto first = first_picture(group.first); !first) return first.error();
+        if (const auto first = pictures.look(group.first); !first) return first.error();
     }
     return groups;
 }
 
 /// Null: none goes as depth.
-const PictureGroup* depth_among(const std::vector<PictureGroup>& groups) {
+const PictureGroup* depth_among(const std::vector<PictureGroup>& groups, ReadPictures& pictures) {
     const PictureGroup* depth = nullptr;
     int best = 0;
     for (const PictureGroup& group : groups)
-        if (const int mark = depth_mark(group); mark > best) {
+        if (const int mark = depth_mark(group, pictures); mark > best) {
             best = mark;
             depth = &group;
         }
     return depth;
 }
 
-const PictureGroup* colour_among(const std::vector<PictureGroup>& groups, const PictureGroup& depth) {
+const PictureGroup* colour_among(const std::vector<PictureGroup>& groups, const PictureGroup& depth,
+                                 ReadPictures& pictures) {
     for (const PictureGroup& group : groups)
-        if (goes_as_colour(group, depth) && (group.count == 1) == (depth.count == 1)) return &group;
+        if (goes_as_colour(group, depth, pictures) && (group.count == 1) == (depth.count == 1)) return &group;
     return nullptr;
 }
 
@@ -365,14 +361,17 @@ const PictureGroup* colour_among(const std::vector<PictureGroup>& groups, const 
 Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
     const auto preset = known_preset(known);
     if (!preset) return preset.error();
-    const auto groups = readable_groups(folder);
+    const auto pictures = std::make_shared<ReadPictures>();
+    const auto groups = readable_groups(folder, *pictures);
     if (!groups) return groups.error();
-    const PictureGroup* depth = depth_among(*groups);
+    const PictureGroup* depth = depth_among(*groups, *pictures);
+    if (depth == nullptr && stop_requested()) return interrupted_looking(folder);
     if (depth == nullptr)
         return input_error(folder.string() + ": no pictures of depth were found (there are " +
                            found_there(*groups) + "): describe them with --scene FILE (docs/scene_file.md)");
-    const PictureGroup* colour = colour_among(*groups, *depth);
-    const auto stored = read_depth(depth->first);
+    const PictureGroup* colour = colour_among(*groups, *depth, *pictures);
+    if (stop_requested()) return interrupted_looking(folder);  // so it may not be that there is none
+    const auto stored = depth_in(depth->first, *pictures);
     if (!stored) return stored.error();
     std::optional<GuessedCameras> cameras;
     if (!known.intrinsics && !known.fov) {
@@ -403,7 +402,10 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
               (colour != nullptr ? ", colour is " + colour->pattern : ", there is no colour"));
     if (depth->count > 1)
         if (auto timed = guess.find_rate(folder); !timed) return timed.error();
-    return guess.made();
+    GuessedScene made = guess.made();
+    pictures->keep_only({depth->first, colour != nullptr ? colour->first : fs::path()});
+    made.pictures = pictures;
+    return made;
 }
 
 Result<GuessedScene> guess_scene(const fs::path& folder, const StoredImage& depth,
@@ -415,13 +417,15 @@ Result<GuessedScene> guess_scene(const fs::path& folder, const StoredImage& dept
     return guess.made();
 }
 
-Result<GuessedScene> guess_picture(const fs::path& file, const SourceDescription& known) {
+Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescription& known) {
+    const fs::path& file = source.path();
     const auto preset = known_preset(known);
     if (!preset) return preset.error();
     const std::string name = file.filename().string();
     if (!is_still(name))
         return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
-    const auto stored = read_depth(file);
+    const auto pictures = std::make_shared<ReadPictures>(source);
+    const auto stored = depth_in(file, *pictures);
     if (!stored) return stored.error();
     Guess guess(known, *preset);
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
@@ -429,11 +433,13 @@ Result<GuessedScene> guess_picture(const fs::path& file, const SourceDescription
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;
-    if (const auto colour = colour_beside(file)) {
+    if (const auto colour = colour_beside(file, *pictures)) {
         guess.scene().folder->colour = colour->filename().string();
         guess.say("colour is " + guess.scene().folder->colour);
     }
-    return guess.made();
+    GuessedScene made = guess.made();
+    made.pictures = pictures;
+    return made;
 }
 
 }  // namespace touchable

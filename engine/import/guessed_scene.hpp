@@ -1,11 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "engine/import/read_pictures.hpp"
 #include "engine/import/source_description.hpp"
 #include "engine/media/stored_image.hpp"
+#include "engine/media/video_file.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -16,6 +19,9 @@ namespace touchable {
 struct GuessedScene {
     Scene scene;
     std::vector<std::filesystem::path> inputs;  ///< files that were read for it, beside pictures
+    // What was opened for it, for whoever opens the clip.
+    std::shared_ptr<ReadPictures> pictures{};  ///< of a folder or a picture
+    std::shared_ptr<VideoFile> video{};        ///< of a video: its depth
 };
 
 /// Of a folder: which pictures are depth and which are colour, by their names, kinds and lists; then as for a
@@ -29,6 +35,6 @@ Result<GuessedScene> guess_scene(const std::filesystem::path& folder, const Stor
 
 /// Of a single picture of depth. Camera: as said, by preset, by a camera's file beside it, or 60 degrees
 /// wide. Unit: as said, by preset, or by the size of its values. `scene.folder` names it.
-Result<GuessedScene> guess_picture(const std::filesystem::path& file, const SourceDescription& known);
+Result<GuessedScene> guess_picture(const SourceFile& file, const SourceDescription& known);
 
 }  // namespace touchable

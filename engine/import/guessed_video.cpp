@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr const char* otherwise = "a scene file's video.layout and values say otherwise";
 
 /// What Record3D writes behind the pictures of its MP4: {"intrinsicMatrix": [nine numbers], ...}.
-std::optional<Intrinsics> record3d_camera(const fs::path& file) {
+std::optional<Intrinsics> record3d_camera(const SourceFile& file) {
     constexpr std::uint64_t longest = 1 << 16;
     const auto bytes = bytes_of_file(file);
     const std::uint64_t length = bytes ? (*bytes)->size() : 0;
@@ -112,7 +112,7 @@ DepthCoding record3d_coding() {
 
 class VideoGuess {
 public:
-    VideoGuess(const fs::path& file, const SourceDescription& known) : file_(file), known_(known) {}
+    VideoGuess(const SourceFile& file, const SourceDescription& known) : file_(file), known_(known) {}
     Result<GuessedScene> make();
 
 private:
@@ -121,13 +121,13 @@ private:
     Result<GuessedScene> described(const StoredImage& depth, const DepthCoding* coding = nullptr) const;
     Error refuse(const std::string& what) const { return input_error(file_.string() + ": " + what); }
 
-    const fs::path& file_;
+    const SourceFile& file_;
     SourceDescription known_;
     VideoSource source_;
 };
 
 Result<GuessedScene> VideoGuess::described(const StoredImage& depth, const DepthCoding* coding) const {
-    auto guessed = guess_scene(file_.parent_path(), depth, known_, coding);
+    auto guessed = guess_scene(file_.path().parent_path(), depth, known_, coding);
     if (!guessed) return Error{guessed.error().kind, file_.string() + ": " + guessed.error().message};
     return guessed;
 }
@@ -194,10 +194,10 @@ Result<GuessedScene> VideoGuess::make() {
             "x" + std::to_string(picture.height()) +
             ", has no grey half and is no map of hues; a scene file with \"video\" says where depth "
             "is (docs/scene_file.md), then: touchable play SCENE.json; a Depthkit video needs " +
-            depthkit_metadata_name(file_).string() + " beside it");
+            depthkit_metadata_name(file_.path()).string() + " beside it");
     const auto part = depth_part(found->layout, picture.width(), picture.height());
     if (!part) return refuse("is of odd width: Record3D's have two halves");
-    source_ = {file_.filename().string(), "", found->layout,
+    source_ = {file_.path().filename().string(), "", found->layout,
                found->is_hue ? VideoValues::hue : VideoValues::grey};
     if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
     constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
@@ -206,7 +206,7 @@ Result<GuessedScene> VideoGuess::make() {
                        : of_grey(picture, *part);
     if (!guessed) return guessed;
     Scene& scene = guessed->scene;
-    scene.name = file_.stem().string();
+    scene.name = file_.path().stem().string();
     scene.rate = (*video)->rate();
     scene.video = source_;
     scene.remarks = joined_remarks({{found->what, true, otherwise}}, scene.remarks);
@@ -214,12 +214,13 @@ Result<GuessedScene> VideoGuess::make() {
         add_remark(scene.remarks, {"red is 0.5 m and the whole circle of hues goes to 1.5 m", true,
                                    "a scene file's depth.near and far say otherwise, touchable init-scene "
                                    "writes one to begin with"});
+    guessed->video = std::move(*video);
     return guessed;
 }
 
 }  // namespace
 
-Result<GuessedScene> guess_video(const fs::path& file, const SourceDescription& known) {
+Result<GuessedScene> guess_video(const SourceFile& file, const SourceDescription& known) {
     return VideoGuess(file, known).make();
 }
 

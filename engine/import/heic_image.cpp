@@ -232,8 +232,7 @@ bool is_heif(std::string_view begin) {
            std::find(std::begin(brands), std::end(brands), begin.substr(8, 4)) != std::end(brands);
 }
 
-Result<std::unique_ptr<ClipReader>> open_heic_image(const std::filesystem::path& file,
-                                                    const std::optional<Scene>& scene,
+Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file, const std::optional<Scene>& scene,
                                                     const SourceDescription& known) {
     auto bytes = read_picture_bytes(file);
     if (!bytes) return bytes.error();
@@ -244,7 +243,7 @@ Result<std::unique_ptr<ClipReader>> open_heic_image(const std::filesystem::path&
         photo = input_error(file.string() + ": is damaged, or needs more memory than there is");
     }
     if (!photo) return photo.error();
-    return open_depth_photo(file, std::move(*photo), scene, known);
+    return open_depth_photo(file.path(), std::move(*photo), scene, known);
 }
 
 }  // namespace touchable

@@ -19,18 +19,15 @@
 namespace touchable {
 namespace {
 
-/// Of a single file that holds a stack of pictures; null of others.
-Result<std::shared_ptr<ImageStack>> stack_in(const std::vector<std::filesystem::path>& files) {
-    if (files.size() != 1 || !is_npy_file(files.front())) return std::shared_ptr<ImageStack>();
-    auto stack = open_npy_stack(files.front());
-    if (!stack) return stack.error();
-    return std::make_shared<ImageStack>(std::move(*stack));
-}
-
 class ImageFolderReader final : public ClipReader {
 public:
-    ImageFolderReader(std::filesystem::path folder, const Scene& scene, std::vector<std::string> notes)
-        : folder_(std::move(folder)), scene_(scene), notes_(std::move(notes)), values_(scene) {}
+    ImageFolderReader(std::filesystem::path folder, const Scene& scene, std::vector<std::string> notes,
+                      std::shared_ptr<ReadPictures> pictures)
+        : folder_(std::move(folder)),
+          scene_(scene),
+          notes_(std::move(notes)),
+          pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()),
+          values_(scene) {}
     Result<void> open();
     /// The folder, or the one picture that is read.
     std::string name() const {
@@ -81,7 +78,8 @@ private:
     std::int64_t count_ = 0;
     std::int64_t number_ = 0;  // of the frame that `next` gives
     bool with_colour_ = true;
-    std::optional<RawFrame> first_;  // read to learn how pictures are stored, not yet given away
+    std::shared_ptr<ReadPictures> pictures_;  // not null
+    std::optional<RawFrame> first_;           // read to learn how pictures are stored, not yet given away
     DepthValues values_;
 };
 
@@ -99,7 +97,9 @@ Result<void> ImageFolderReader::find_files() {
     auto depth = depth_files(folder_, source);
     if (!depth) return depth.error();
     if (!depth->remark.empty()) notes_.push_back(depth->remark);
-    auto stack = stack_in(depth->files);
+    // Of a single file that holds a stack of pictures.
+    auto stack = depth->files.size() == 1 ? pictures_->stack_in(depth->files.front())
+                                          : Result<std::shared_ptr<ImageStack>>(nullptr);
     if (!stack) return stack.error();
     if (*stack) depth->frames = static_cast<std::size_t>((*stack)->count());
     for (const PlaneRole role : all_roles) {
@@ -178,11 +178,12 @@ Result<void> ImageFolderReader::look_at_some(const StoredImage& first) {
         if (stop_requested())
             return Error{ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
         if (frame == 0) continue;
-        const auto stored = read(tracks_.front(), frame);
-        if (stored)
-            values_.look(*stored);
-        else if (stored.error().kind == ErrorKind::interrupted)
-            return stored.error();
+        auto stored = read(tracks_.front(), frame);
+        if (!stored && stored.error().kind == ErrorKind::interrupted) return stored.error();
+        if (!stored) continue;
+        values_.look(*stored);
+        if (frame < first_frames && !tracks_.front().stack)
+            pictures_->keep(tracks_.front().files.file(static_cast<std::size_t>(frame)), std::move(*stored));
     }
     auto note = values_.settle(scene_);
     if (!note) return input_error(name() + ": " + note.error().message);
@@ -192,7 +193,7 @@ Result<void> ImageFolderReader::look_at_some(const StoredImage& first) {
 
 Result<StoredImage> ImageFolderReader::read(const Track& track, std::int64_t frame) const {
     const auto& file = track.files.file(static_cast<std::size_t>(frame));
-    auto stored = track.stack ? track.stack->image(frame) : read_stored_image(file);
+    auto stored = track.stack ? track.stack->image(frame) : pictures_->take(file);
     if (!stored)
         return Error{stored.error().kind, stored.error().message + " (" + std::string(role_name(track.role)) +
                                               ", frame " + std::to_string(frame) + ")"};
@@ -260,7 +261,8 @@ Result<std::optional<RawFrame>> ImageFolderReader::next() {
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
-                                                      std::vector<std::string> notes, Colour colour) {
+                                                      std::vector<std::string> notes, Colour colour,
+                                                      std::shared_ptr<ReadPictures> opened) {
     if (!scene.folder)
         return input_error(
             folder.string() +
@@ -271,7 +273,7 @@ Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::pat
         maps.haptic = folder / scene.folder->haptic;
         pictures.folder->haptic.clear();
     }
-    auto reader = std::make_unique<ImageFolderReader>(folder, pictures, std::move(notes));
+    auto reader = std::make_unique<ImageFolderReader>(folder, pictures, std::move(notes), std::move(opened));
     if (auto opened = reader->open(); !opened) return opened.error();
     if (colour == Colour::left_out) reader->leave_out_colour();
     const auto name = reader->name();

@@ -5,14 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "engine/import/read_pictures.hpp"
 #include "engine/media/clip.hpp"
 
 namespace touchable {
 
 /// Pictures in `folder`, found by the patterns of the scene's FolderSource. `notes`: what a person should
-/// know of how the scene came about, before what the reader has to say.
+/// know of how the scene came about, before what the reader has to say; `pictures`: those of them that were
+/// read before.
 Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
                                                       std::vector<std::string> notes = {},
-                                                      Colour colour = Colour::wanted);
+                                                      Colour colour = Colour::wanted,
+                                                      std::shared_ptr<ReadPictures> pictures = nullptr);
 
 }  // namespace touchable

@@ -164,21 +164,20 @@ void JpegDepth::orient() {
 
 }  // namespace
 
-bool has_jpeg_depth(const std::filesystem::path& file) {
+bool has_jpeg_depth(const SourceFile& file) {
     const auto bytes = read_picture_bytes(file);
     if (!bytes) return false;
     const auto xmp = read_jpeg_xmp(*bytes, file.string());
     return xmp && (xmp->contains("GDepth:Data") || has_dynamic_depth(*xmp));
 }
 
-Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const std::filesystem::path& file,
-                                                    const std::optional<Scene>& scene,
+Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const SourceFile& file, const std::optional<Scene>& scene,
                                                     const SourceDescription& known) {
     auto bytes = read_picture_bytes(file);
     if (!bytes) return bytes.error();
     auto photo = JpegDepth(std::move(*bytes), file.string()).read(!scene);
     if (!photo) return photo.error();
-    return open_depth_photo(file, std::move(*photo), scene, known);
+    return open_depth_photo(file.path(), std::move(*photo), scene, known);
 }
 
 }  // namespace touchable

@@ -48,13 +48,13 @@ Result<StoredImage> first_depth(VideoFile& video) {
 
 }  // namespace
 
-bool is_k4a_recording(const std::filesystem::path& file) {
+bool is_k4a_recording(const SourceFile& file) {
     const auto opened = Demuxer::open_matroska(file);
     return opened && ((*opened)->tag("K4A_DEPTH_MODE") || (*opened)->attachment(calibration_file)) &&
            size_of_track((*opened)->container(), "DEPTH");
 }
 
-Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDescription& known) {
+Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& known) {
     const auto demuxer = Demuxer::open_matroska(file);
     if (!demuxer) return demuxer.error();
     const auto depth_size = size_of_track((*demuxer)->container(), "DEPTH"),
@@ -82,12 +82,12 @@ Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDe
         said.intrinsics = Intrinsics{camera.fx, camera.fy, camera.cx, camera.cy};
         add_remark(remarks, {"the cameras are those of the recording's calibration.json"});
     }
-    auto guessed = guess_scene(file.parent_path(), *first, said);
+    auto guessed = guess_scene(file.path().parent_path(), *first, said);
     if (!guessed) return Error{guessed.error().kind, file.string() + ": " + guessed.error().message};
     Scene& scene = guessed->scene;
-    scene.name = file.stem().string();
+    scene.name = file.path().stem().string();
     scene.rate = (*video)->rate();
-    scene.video.emplace().depth = file.filename().string();
+    scene.video.emplace().depth = file.path().filename().string();
     if (colour_size) scene.video->colour = scene.video->depth;
     if (cameras) {
         scene.lens = cameras->depth_lens;
@@ -99,6 +99,7 @@ Result<GuessedScene> guess_k4a(const std::filesystem::path& file, const SourceDe
     if (auto valid = validate(scene); !valid)
         return input_error(file.string() + ": its " + calibration_file + ": " + valid.error().message);
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
+    guessed->video = std::move(*video);
     return guessed;
 }
 

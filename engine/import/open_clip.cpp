@@ -23,6 +23,7 @@
 #include "engine/media/matroska_reader.hpp"
 #include "engine/media/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/stop_request.hpp"
 
 namespace touchable {
 namespace {
@@ -38,13 +39,18 @@ bool is_scene_file(const std::filesystem::path& path) {
 
 using Opened = Result<std::unique_ptr<ClipReader>>;
 
+constexpr std::size_t telling_bytes = 12;  // that tell what kind of file it is
+
 /// A file that may be a clip.
 struct Candidate {
-    const std::filesystem::path& file;
-    const std::string begin;            ///< its first bytes
+    const SourceFile& source;
     const std::optional<Scene>& scene;  ///< to replace its own
     const SourceDescription& known;
     const Colour colour;
+    const std::filesystem::path& file = source.path();
+    const std::string begin = first_bytes(source, telling_bytes);
+    /// Whether it is Matroska without anything that makes a clip of ours of it; nothing: nobody asked yet.
+    mutable std::optional<bool> is_foreign{};
 };
 
 bool is_jpeg(const Candidate& candidate) {
@@ -57,7 +63,7 @@ bool is_heic(const Candidate& candidate) {
     return is_heif(candidate.begin);
 }
 /// Without anything that makes a clip of ours of it.
-bool is_foreign_matroska(const std::filesystem::path& file) {
+bool is_foreign_matroska(const SourceFile& file) {
     const auto opened = Demuxer::open_matroska(file);
     if (!opened || (*opened)->tag(clip_tags::version_tag) || (*opened)->attachment(clip_tags::scene_file))
         return false;
@@ -69,7 +75,9 @@ bool is_foreign_matroska(const std::filesystem::path& file) {
 /// Also one that is cut, even to nearly nothing, of which its reader tells best what is wrong.
 bool is_matroska(const Candidate& candidate) {
     if (candidate.begin.size() < 4) return true;
-    return candidate.begin.starts_with("\x1a\x45\xdf\xa3") && !is_foreign_matroska(candidate.file);
+    if (!candidate.begin.starts_with("\x1a\x45\xdf\xa3")) return false;
+    if (!candidate.is_foreign) candidate.is_foreign = is_foreign_matroska(candidate.source);
+    return !*candidate.is_foreign;
 }
 bool is_depthkit(const Candidate& candidate) {
     return depthkit_metadata_of(candidate.file).has_value();
@@ -85,7 +93,7 @@ bool is_video(const Candidate& candidate) {
 }
 
 bool is_azure_kinect(const Candidate& candidate) {
-    return candidate.begin.starts_with("\x1a\x45\xdf\xa3") && is_k4a_recording(candidate.file);
+    return candidate.begin.starts_with("\x1a\x45\xdf\xa3") && is_k4a_recording(candidate.source);
 }
 
 /// What was read to guess is not to be written over.
@@ -95,21 +103,30 @@ Opened with_inputs(Opened reader, const std::vector<std::filesystem::path>& inpu
     return reader;
 }
 
+/// As a scene in `folder` describes it, whose depth is in this file.
+Opened open_described_video(const std::filesystem::path& folder, const SourceFile& depth, const Scene& scene,
+                            Colour colour) {
+    auto opened = VideoFile::open(depth, PlaneRole::depth);
+    if (!opened) return opened.error();
+    return open_video_clip(folder, scene, colour, std::move(*opened));
+}
+
 /// A scene stands for what is in it, also where it speaks of another file.
 Opened open_video(const Candidate& candidate) {
     const auto folder = candidate.file.parent_path();
     if (!candidate.scene) {
-        auto guessed = is_azure_kinect(candidate) ? guess_k4a(candidate.file, candidate.known)
-                                                  : guess_video(candidate.file, candidate.known);
+        auto guessed = is_azure_kinect(candidate) ? guess_k4a(candidate.source, candidate.known)
+                                                  : guess_video(candidate.source, candidate.known);
         if (!guessed) return guessed.error();
-        return with_inputs(open_video_clip(folder, guessed->scene, candidate.colour), guessed->inputs);
+        return with_inputs(open_video_clip(folder, guessed->scene, candidate.colour, guessed->video),
+                           guessed->inputs);
     }
     Scene scene = *candidate.scene;
     scene.folder.reset();
     if (!scene.video) scene.video.emplace().values = usual_values(scene.depth.kind);
     scene.video->depth = candidate.file.filename().string();
     if (is_azure_kinect(candidate) && scene.colour_camera) scene.video->colour = scene.video->depth;
-    return open_video_clip(folder, scene, candidate.colour);
+    return open_described_video(folder, candidate.source, scene, candidate.colour);
 }
 
 /// What `init-scene` and `convert` write beside a picture.
@@ -128,24 +145,27 @@ std::optional<SceneBeside> scene_beside(const std::filesystem::path& picture) {
 }
 
 Opened open_picture(const Candidate& candidate) {
-    if (candidate.scene) return open_bare_picture(candidate.file, *candidate.scene, {}, candidate.colour);
+    const auto opened = std::make_shared<ReadPictures>(candidate.source);
+    if (candidate.scene)
+        return open_bare_picture(candidate.file, *candidate.scene, {}, candidate.colour, opened);
     if (auto own = scene_beside(candidate.file); own && candidate.known == SourceDescription())
         return with_inputs(
             open_bare_picture(candidate.file, std::move(own->scene),
-                              {"described by " + own->file.filename().string()}, candidate.colour),
+                              {"described by " + own->file.filename().string()}, candidate.colour, opened),
             {own->file});
-    auto guessed = guess_picture(candidate.file, candidate.known);
+    auto guessed = guess_picture(candidate.source, candidate.known);
     if (!guessed) return guessed.error();
-    return with_inputs(open_bare_picture(candidate.file, std::move(guessed->scene), {}, candidate.colour),
-                       guessed->inputs);
+    return with_inputs(
+        open_bare_picture(candidate.file, std::move(guessed->scene), {}, candidate.colour, guessed->pictures),
+        guessed->inputs);
 }
 
 /// With depth in its metadata, or of depth itself where somebody says what it is.
 Opened open_jpeg(const Candidate& candidate) {
     const bool is_described = !(candidate.known == SourceDescription());
-    return is_described && !has_jpeg_depth(candidate.file)
+    return is_described && !has_jpeg_depth(candidate.source)
                ? open_picture(candidate)
-               : open_jpeg_depth(candidate.file, candidate.scene, candidate.known);
+               : open_jpeg_depth(candidate.source, candidate.scene, candidate.known);
 }
 
 /// The first that recognises a file opens it.
@@ -156,24 +176,24 @@ struct Format {
 };
 constexpr Format formats[] = {
     {is_matroska,
-     [](const Candidate& c) { return open_matroska_clip(c.file, c.scene, c.colour); },
+     [](const Candidate& c) { return open_matroska_clip(c.source, c.scene, c.colour); },
      {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
     {is_jpeg,
      open_jpeg,
      {"a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"}},
     {is_heic,
-     [](const Candidate& c) { return open_heic_image(c.file, c.scene, c.known); },
+     [](const Candidate& c) { return open_heic_image(c.source, c.scene, c.known); },
      {"a phone's HEIC, HEIF or AVIF with depth (portraits)", "touchable play portrait.heic"}},
     {is_picture,
      open_picture,
      {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
       "touchable play depth.png --intrinsics 525,525 --depth-unit 0.001"}},
     {is_ros_recording,
-     [](const Candidate& c) { return open_bag_clip(c.file, c.scene, c.known, c.colour); },
+     [](const Candidate& c) { return open_bag_clip(c.source, c.scene, c.known, c.colour); },
      {"a recording of a RealSense or of ROS 1 (.bag), plain or packed by LZ4 or bzip2",
       "touchable play recording.bag"}},
     {is_depthkit,
-     [](const Candidate& c) { return open_depthkit_clip(c.file, *depthkit_metadata_of(c.file), c.scene); },
+     [](const Candidate& c) { return open_depthkit_clip(c.source, *depthkit_metadata_of(c.file), c.scene); },
      {"a Depthkit video with its metadata beside it", "touchable play Take.mp4"}},
     {is_azure_kinect,
      open_video,
@@ -186,11 +206,10 @@ constexpr Format formats[] = {
       "touchable play depth.webm"}},
 };
 
-constexpr std::size_t telling_bytes = 12;  // that tell what kind of file it is
-
-Opened open_file(const std::filesystem::path& file, const std::optional<Scene>& scene,
-                 const SourceDescription& known, Colour colour) {
-    const Candidate candidate{file, first_bytes(file, telling_bytes), scene, known, colour};
+Opened open_file(const SourceFile& source, const std::optional<Scene>& scene, const SourceDescription& known,
+                 Colour colour) {
+    const Candidate candidate{source, scene, known, colour};
+    const std::filesystem::path& file = candidate.file;
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
     if (describes_itself && !(known == SourceDescription()))
@@ -220,11 +239,11 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     if (!scene) return scene.error();
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
-    const auto video = path / (scene->video ? scene->video->depth : "");
+    const SourceFile video(path / (scene->video ? scene->video->depth : ""));
     const bool is_recording = scene->video && is_bag(first_bytes(video, telling_bytes));
     auto reader = is_file        ? open_file(path, *scene, {}, colour)
                   : is_recording ? open_file(video, *scene, {}, colour)
-                  : scene->video ? open_video_clip(path, *scene, colour)
+                  : scene->video ? open_described_video(path, video, *scene, colour)
                                  : open_image_folder(path, *scene, {}, colour);
     if (reader) (*reader)->add_input(scene_file);
     return reader;
@@ -243,7 +262,8 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
     if (has_own) return open_described(folder, own, colour);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
-    return with_inputs(open_image_folder(folder, guessed->scene, {}, colour), guessed->inputs);
+    return with_inputs(open_image_folder(folder, guessed->scene, {}, colour, guessed->pictures),
+                       guessed->inputs);
 }
 
 /// With the pixels of depth and colour as they are stored.
@@ -273,9 +293,7 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
     return reader;
 }
 
-}  // namespace
-
-Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known) {
+Result<GuessedScene> guess_stored(const std::filesystem::path& path, const SourceDescription& known) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
     if (!std::filesystem::exists(status)) return input_error(path.string() + ": does not exist");
@@ -283,11 +301,28 @@ Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceD
     if (!std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
     const std::optional<Scene> none;
-    const Candidate candidate{path, first_bytes(path, telling_bytes), none, known, Colour::wanted};
-    return is_ros_recording(candidate)  ? guess_bag(path, known)
-           : is_azure_kinect(candidate) ? guess_k4a(path, known)
-           : is_video(candidate)        ? guess_video(path, known)
-                                        : guess_picture(path, known);
+    const SourceFile source(path);
+    const Candidate candidate{source, none, known, Colour::wanted};
+    return is_ros_recording(candidate)  ? guess_bag(source, known)
+           : is_azure_kinect(candidate) ? guess_k4a(source, known)
+           : is_video(candidate)        ? guess_video(source, known)
+                                        : guess_picture(source, known);
+}
+
+/// What was made of files that were read no further, because somebody gave up, may be wrong.
+template <class Made>
+Result<Made> unless_given_up(Result<Made> made, const std::filesystem::path& path) {
+    const bool is_told = !made && made.error().kind == ErrorKind::interrupted;
+    if (is_told || !stop_requested()) return made;
+    return Error{ErrorKind::interrupted, path.string() + ": interrupted while it was opened"};
+}
+
+}  // namespace
+
+Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known,
+                                std::stop_token given_up) {
+    const WorkUntil until(std::move(given_up));
+    return unless_given_up(guess_stored(path, known), path);
 }
 
 std::vector<ClipFormat> clip_formats() {
@@ -302,13 +337,15 @@ std::vector<ClipFormat> clip_formats() {
 
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file,
-                                              const std::optional<SourceDescription>& known, Colour colour) {
+                                              const std::optional<SourceDescription>& known, Colour colour,
+                                              std::stop_token given_up) {
+    const WorkUntil until(std::move(given_up));
     auto reader = open_stored(path, scene_file, known, colour);
     if (reader && (*reader)->scene().camera_from_frames)
         return input_error(
             (scene_file ? *scene_file : path).string() +
             ": camera is missing: must be given, as folder.cameras are of the pictures of its folder alone");
-    return reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader);
+    return unless_given_up(reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader), path);
 }
 
 }  // namespace touchable

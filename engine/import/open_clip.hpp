@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "engine/import/guessed_scene.hpp"
@@ -21,8 +22,9 @@ struct ClipFormat {
 std::vector<ClipFormat> clip_formats();
 
 /// The scene of what has no scene file of its own: a folder of pictures, a picture or video of depth, a
-/// recording.
-Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known);
+/// recording. An error of kind interrupted soon after it was `given_up`, here and below.
+Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known,
+                                std::stop_token given_up = {});
 
 /// Opens a touchable Matroska clip (scene attached), a folder of images (`scene_file`, or a scene.json in
 /// it), a scene file that describes a folder (patterns relative to the scene file), a recording of ROS 1, a
@@ -33,6 +35,6 @@ Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceD
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
                                               const std::optional<SourceDescription>& known = {},
-                                              Colour colour = Colour::wanted);
+                                              Colour colour = Colour::wanted, std::stop_token given_up = {});
 
 }  // namespace touchable

@@ -10,7 +10,6 @@
 #include "engine/media/clip_tags.hpp"
 #include "engine/media/codecs.hpp"
 #include "engine/media/far_plane.hpp"
-#include "engine/media/video_file.hpp"
 
 namespace touchable {
 namespace {
@@ -21,8 +20,8 @@ std::string size_text(int width, int height) {
 
 class VideoReader final : public ClipReader {
 public:
-    VideoReader(std::filesystem::path folder, const Scene& scene)
-        : folder_(std::move(folder)), scene_(scene), source_(*scene.video) {}
+    VideoReader(std::filesystem::path folder, const Scene& scene, std::shared_ptr<VideoFile> depth)
+        : folder_(std::move(folder)), scene_(scene), source_(*scene.video), depth_(std::move(depth)) {}
     Result<void> open();
 
     const Scene& scene() const override { return scene_; }
@@ -50,7 +49,7 @@ private:
     const VideoSource source_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
-    std::unique_ptr<VideoFile> depth_, colour_;  // colour_: where it is a file of its own
+    std::shared_ptr<VideoFile> depth_, colour_;  // colour_: where it is a track of its own
     RgbConverter depth_converter_, colour_converter_;
     double colour_late_ = 0;  // seconds from colour's first frame to depth's, where one file has both
     bool with_colour_ = true;
@@ -73,13 +72,14 @@ Result<void> VideoReader::open() {
 }
 
 Result<void> VideoReader::open_files() {
-    const auto open = [&](const std::string& name, PlaneRole role) {
-        add_input(folder_ / name);
-        return VideoFile::open(folder_ / name, role);
-    };
-    auto depth = open(source_.depth, PlaneRole::depth);
-    if (!depth) return depth.error();
-    depth_ = std::move(*depth);
+    add_input(folder_ / source_.depth);
+    if (!depth_) {
+        auto depth = VideoFile::open(folder_ / source_.depth, PlaneRole::depth);
+        if (!depth) return depth.error();
+        depth_ = std::move(*depth);
+    } else if (auto begun = depth_->seek(0); !begun) {
+        return begun;
+    }
     if (depth_->note()) notes_.push_back(*depth_->note());
     if (scene_.rate_unstated)
         scene_.rate = depth_->rate();
@@ -87,10 +87,13 @@ Result<void> VideoReader::open_files() {
         notes_.push_back(std::move(*note));
     scene_.rate_unstated = false;
     if (source_.colour.empty()) return {};
-    auto colour = open(source_.colour, PlaneRole::colour);
+    const bool is_one_file = source_.colour == source_.depth;
+    add_input(folder_ / source_.colour);
+    auto colour = VideoFile::open(is_one_file ? depth_->file() : SourceFile(folder_ / source_.colour),
+                                  PlaneRole::colour);
     if (!colour) return colour.error();
     colour_ = std::move(*colour);
-    if (source_.colour == source_.depth) colour_late_ = depth_->start() - colour_->start();
+    if (is_one_file) colour_late_ = depth_->start() - colour_->start();
     if (colour_->note()) notes_.push_back(*colour_->note());
     if (!clip_tags::same_rate(colour_->rate(), depth_->rate()) || colour_->count() != depth_->count())
         notes_.push_back("colour has " + std::to_string(colour_->count()) + " frames at " +
@@ -242,8 +245,8 @@ bool begins_like_video(std::string_view begin) {
 }
 
 Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
-                                                    Colour colour) {
-    auto reader = std::make_unique<VideoReader>(folder, scene);
+                                                    Colour colour, std::shared_ptr<VideoFile> depth) {
+    auto reader = std::make_unique<VideoReader>(folder, scene, std::move(depth));
     if (auto opened = reader->open(); !opened) return opened.error();
     StillMaps maps;
     if (!scene.video->haptic.empty()) maps.haptic = folder / scene.video->haptic;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/media/clip.hpp"
+#include "engine/media/video_file.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -16,8 +17,10 @@ namespace touchable {
 /// AVI.
 bool begins_like_video(std::string_view begin);
 
-/// The video, or the two, that the scene's VideoSource names in `folder`.
+/// The video, or the two, that the scene's VideoSource names in `folder`; `depth`: the first of them, where
+/// it was opened already.
 Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
-                                                    Colour colour = Colour::wanted);
+                                                    Colour colour = Colour::wanted,
+                                                    std::shared_ptr<VideoFile> depth = nullptr);
 
 }  // namespace touchable

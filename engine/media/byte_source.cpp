@@ -39,8 +39,8 @@ std::unique_ptr<ByteSource> bytes_in_memory(std::string_view bytes) {
     return std::make_unique<MemoryBytes>(bytes);
 }
 
-Result<std::unique_ptr<ByteSource>> bytes_of_file(const std::filesystem::path& file) {
-    auto given = GivenFile::open(file, file.string(), "an ordinary file");
+Result<std::unique_ptr<ByteSource>> bytes_of_file(const SourceFile& file) {
+    auto given = file.open("an ordinary file");
     if (!given) return given.error();
     return std::unique_ptr<ByteSource>(std::make_unique<FileBytes>(std::move(*given)));
 }
@@ -51,7 +51,7 @@ std::string first_bytes(ByteSource& bytes, std::size_t count) {
     return begin;
 }
 
-std::string first_bytes(const std::filesystem::path& file, std::size_t count) {
+std::string first_bytes(const SourceFile& file, std::size_t count) {
     const auto bytes = bytes_of_file(file);
     return bytes ? first_bytes(**bytes, count) : std::string();
 }

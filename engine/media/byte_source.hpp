@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,11 +22,11 @@ public:
 
 /// Bytes that outlive it.
 std::unique_ptr<ByteSource> bytes_in_memory(std::string_view bytes);
-/// Of an ordinary file, as long as it is now (GivenFile).
-Result<std::unique_ptr<ByteSource>> bytes_of_file(const std::filesystem::path& file);
+/// Of an ordinary file, as long as it was when it was opened (GivenFile).
+Result<std::unique_ptr<ByteSource>> bytes_of_file(const SourceFile& file);
 
 /// What a source begins with, `count` bytes or all that there are; nothing where it cannot be read.
 std::string first_bytes(ByteSource& bytes, std::size_t count);
-std::string first_bytes(const std::filesystem::path& file, std::size_t count);
+std::string first_bytes(const SourceFile& file, std::size_t count);
 
 }  // namespace touchable

@@ -23,7 +23,7 @@ std::optional<std::string> entry(const AVDictionary* dictionary, const char* nam
 
 }  // namespace
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const std::filesystem::path& file) {
+Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const SourceFile& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
     const auto end = check_matroska(**bytes, file.string());
@@ -31,8 +31,8 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const std::filesystem::p
     return open(std::move(*bytes), *end, file.string(), "matroska", "Matroska");
 }
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(const std::filesystem::path& file, EndOf end_of,
-                                                     const char* format, const std::string& name) {
+Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(const SourceFile& file, EndOf end_of, const char* format,
+                                                     const std::string& name) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
     const auto end = end_of(**bytes);
@@ -41,7 +41,7 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(const std::filesystem::path
     return open(std::move(*bytes), **end, file.string(), format, name);
 }
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const std::filesystem::path& file) {
+Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const SourceFile& file) {
     const auto end_of_tables = [](ByteSource& bytes) -> Result<std::optional<std::uint64_t>> {
         auto end = end_of_boxes(bytes);
         if (!end || !*end) return end;
@@ -51,7 +51,7 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const std::filesystem::
     return open_whole(file, end_of_tables, "mov", "QuickTime or MP4");
 }
 
-Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const std::filesystem::path& file) {
+Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const SourceFile& file) {
     const std::string begin = first_bytes(file, 4);
     if (begin == "\x1a\x45\xdf\xa3") return open_matroska(file);
     return begin == "RIFF" ? open_whole(file, end_of_riff, "avi", "AVI") : open_quicktime(file);
@@ -157,6 +157,14 @@ std::optional<std::int64_t> Demuxer::key_before(int stream, std::int64_t timesta
         avformat_index_get_entry_from_timestamp(container_->streams[stream], timestamp, AVSEEK_FLAG_BACKWARD);
     if (!entry) return std::nullopt;
     return entry->timestamp;
+}
+
+bool Demuxer::is_all_keys(int stream) const {
+    AVStream* const of = container_->streams[stream];
+    const int entries = avformat_index_get_entries_count(of);
+    for (int k = 0; k < entries; ++k)
+        if ((avformat_index_get_entry(of, k)->flags & AVINDEX_KEYFRAME) == 0) return false;
+    return entries > 0;
 }
 
 }  // namespace touchable

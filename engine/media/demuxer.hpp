@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,12 +15,12 @@ namespace touchable {
 /// Takes a video file apart into packets, stream by stream. Interleaved streams wait in short queues.
 class Demuxer {
 public:
-    static Result<std::unique_ptr<Demuxer>> open_matroska(const std::filesystem::path& file);
+    static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file);
     /// QuickTime, and MP4, which is made of the same boxes.
-    static Result<std::unique_ptr<Demuxer>> open_quicktime(const std::filesystem::path& file);
+    static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
 
     /// Any of these, or AVI, as its first bytes tell.
-    static Result<std::unique_ptr<Demuxer>> open_video(const std::filesystem::path& file);
+    static Result<std::unique_ptr<Demuxer>> open_video(const SourceFile& file);
 
     /// Of bytes that end at `end`; `format` as FFmpeg calls it, `name` as people do.
     static Result<std::unique_ptr<Demuxer>> open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
@@ -47,13 +46,15 @@ public:
     /// Once there was a `seek`: when the index has a packet of `stream` that decoding can begin with, at
     /// `timestamp` or the last before; nothing where it has none.
     std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
+    /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
+    bool is_all_keys(int stream) const;
     /// The packet that `next` gives; null at the end.
     Result<const AVPacket*> peek(int stream);
 
 private:
     /// Where a kind of container ends; nothing where it is cut.
     using EndOf = Result<std::optional<std::uint64_t>> (*)(ByteSource&);
-    static Result<std::unique_ptr<Demuxer>> open_whole(const std::filesystem::path& file, EndOf end_of,
+    static Result<std::unique_ptr<Demuxer>> open_whole(const SourceFile& file, EndOf end_of,
                                                        const char* format, const std::string& name);
     Result<bool> read_one();
 

@@ -21,8 +21,8 @@ constexpr double ns_per_second = 1e9, latest_seconds = 4e9;
 
 class MatroskaReader final : public ClipReader {
 public:
-    explicit MatroskaReader(const std::filesystem::path& path) : path_(path), file_(path.string()) {
-        add_input(path);
+    explicit MatroskaReader(const SourceFile& source) : source_(source), file_(source.string()) {
+        add_input(source.path());
     }
     Result<void> open(const std::optional<Scene>& replacement);
 
@@ -67,7 +67,7 @@ private:
     Result<void> check_end(const std::vector<std::string>& present,
                            const std::vector<std::string>& ended) const;
 
-    std::filesystem::path path_;
+    SourceFile source_;
     std::string file_;
     Scene scene_;
     FrameRate recorded_rate_;
@@ -160,7 +160,7 @@ Result<bool> MatroskaReader::begin_at(std::int64_t frame) {
 }
 
 Result<void> MatroskaReader::open_file() {
-    auto demuxer = Demuxer::open_matroska(path_);
+    auto demuxer = Demuxer::open_matroska(source_);
     if (!demuxer) return demuxer.error();
     tracks_.clear();
     demuxer_ = std::move(*demuxer);
@@ -356,7 +356,7 @@ double MatroskaReader::longest_gap() const {
 
 /// By going through the whole file once more; as many as can be read.
 std::int64_t MatroskaReader::pictures_of_depth() const {
-    const auto file = Demuxer::open_matroska(file_);
+    const auto file = Demuxer::open_matroska(source_);
     if (!file) return 0;
     const int stream = tracks_.front().pictures->stream();
     (*file)->select(stream);
@@ -397,12 +397,12 @@ Result<void> MatroskaReader::check_end(const std::vector<std::string>& present,
 
 }  // namespace
 
-Result<std::unique_ptr<ClipReader>> open_matroska_clip(const std::filesystem::path& file,
+Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
                                                        const std::optional<Scene>& scene, Colour colour) {
     auto reader = std::make_unique<MatroskaReader>(file);
     if (auto opened = reader->open(scene); !opened) return opened.error();
     if (colour == Colour::left_out) reader->leave_out_colour();
-    return with_far_plane(std::move(reader), file);
+    return with_far_plane(std::move(reader), file.path());
 }
 
 }  // namespace touchable

@@ -4,12 +4,13 @@
 #include <memory>
 #include <optional>
 
+#include "engine/given_file.hpp"
 #include "engine/media/clip.hpp"
 
 namespace touchable {
 
 /// A touchable Matroska clip; `scene` replaces the one attached to it.
-Result<std::unique_ptr<ClipReader>> open_matroska_clip(const std::filesystem::path& file,
+Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
                                                        const std::optional<Scene>& scene,
                                                        Colour colour = Colour::wanted);
 

@@ -95,16 +95,16 @@ Result<StoredImage> ImageStack::image(std::int64_t number) {
     return std::move(*picture).finish("npy", floats_);
 }
 
-Result<ImageStack> open_npy_stack(const std::filesystem::path& file) {
+Result<ImageStack> open_npy_stack(const SourceFile& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return bytes.error();
     if (!is_npz(first_bytes(**bytes, 4))) return ImageStack::of(std::move(*bytes), file.string());
-    auto member = open_npz(file);
+    auto member = open_npz(std::move(*bytes), file.string());
     if (!member) return member.error();
     return ImageStack::of(std::move(member->bytes), member->where);
 }
 
-bool is_npy_file(const std::filesystem::path& file) {
+bool is_npy_file(const SourceFile& file) {
     const std::string begin = first_bytes(file, 8);
     const std::string_view kind = picture_kind(begin);
     return kind == "npy" || kind == "npz";

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -40,10 +39,10 @@ private:
 
 /// Of a .npy file, or of the member of a .npz file that holds depth, which is found out by its bytes. An
 /// array of one picture is a stack of one.
-Result<ImageStack> open_npy_stack(const std::filesystem::path& file);
+Result<ImageStack> open_npy_stack(const SourceFile& file);
 
 /// Whether a file begins as such a one.
-bool is_npy_file(const std::filesystem::path& file);
+bool is_npy_file(const SourceFile& file);
 
 /// The one picture of a .npy file.
 Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where);

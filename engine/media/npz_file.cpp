@@ -3,6 +3,7 @@
 #include <zip.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,77 @@ constexpr zip_uint64_t largest_expansion = 1032;
 struct CloseMember {
     void operator()(zip_file_t* member) const { zip_fclose(member); }
 };
+
+/// An archive's own bytes, as libzip calls for them.
+class ArchiveBytes {
+public:
+    explicit ArchiveBytes(std::unique_ptr<ByteSource> bytes) : bytes_(std::move(bytes)) {
+        zip_error_init(&error_);
+    }
+    ~ArchiveBytes() { zip_error_fini(&error_); }
+    ArchiveBytes(const ArchiveBytes&) = delete;
+    ArchiveBytes& operator=(const ArchiveBytes&) = delete;
+
+    static zip_int64_t answer(void* own, void* data, zip_uint64_t length, zip_source_cmd_t command) {
+        auto* const archive = static_cast<ArchiveBytes*>(own);
+        if (command != ZIP_SOURCE_FREE) return archive->answer(data, length, command);
+        delete archive;
+        return 0;
+    }
+
+private:
+    zip_int64_t answer(void* data, zip_uint64_t length, zip_source_cmd_t command) {
+        switch (command) {
+            case ZIP_SOURCE_OPEN:
+                at_ = 0;
+                return 0;
+            case ZIP_SOURCE_READ:
+                return read(static_cast<char*>(data), length);
+            case ZIP_SOURCE_CLOSE:
+                return 0;
+            case ZIP_SOURCE_STAT: {
+                auto* const about = static_cast<zip_stat_t*>(data);
+                zip_stat_init(about);
+                about->valid = ZIP_STAT_SIZE;
+                about->size = bytes_->size();
+                return sizeof *about;
+            }
+            case ZIP_SOURCE_ERROR:
+                return zip_error_to_data(&error_, data, length);
+            case ZIP_SOURCE_SEEK: {
+                const zip_int64_t to =
+                    zip_source_seek_compute_offset(at_, bytes_->size(), data, length, &error_);
+                if (to < 0) return -1;
+                at_ = static_cast<zip_uint64_t>(to);
+                return 0;
+            }
+            case ZIP_SOURCE_TELL:
+                return static_cast<zip_int64_t>(at_);
+            case ZIP_SOURCE_SUPPORTS:
+                return ZIP_SOURCE_SUPPORTS_SEEKABLE;
+            default:
+                zip_error_set(&error_, ZIP_ER_OPNOTSUPP, 0);
+                return -1;
+        }
+    }
+    zip_int64_t read(char* to, zip_uint64_t length) {
+        const zip_uint64_t count = std::min<zip_uint64_t>(length, bytes_->size() - at_);
+        if (!bytes_->read(at_, to, static_cast<std::size_t>(count))) {
+            zip_error_set(&error_, ZIP_ER_READ, EIO);
+            return -1;
+        }
+        at_ += count;
+        return static_cast<zip_int64_t>(count);
+    }
+
+    std::unique_ptr<ByteSource> bytes_;
+    zip_uint64_t at_ = 0;
+    zip_error_t error_;
+};
+
+Error interrupted_unpacking() {
+    return {ErrorKind::interrupted, "interrupted while it was unpacked"};
+}
 
 /// What an archive's member unpacks to. A step back begins again.
 class UnpackedBytes final : public ByteSource {
@@ -46,13 +118,14 @@ public:
 
 private:
     Result<void> take(char* to, std::uint64_t count) {
-        if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while it was unpacked"};
+        if (stop_requested()) return interrupted_unpacking();
         const zip_int64_t got = zip_fread(member_.get(), to, count);
         if (got < 0) return damage();
         position_ += static_cast<std::uint64_t>(got);
         return static_cast<std::uint64_t>(got) == count ? Result<void>{} : input_error("is cut short");
     }
     Result<void> damage() {
+        if (stop_requested()) return interrupted_unpacking();  // which is why its bytes did not come
         return input_error(std::string("is damaged: ") + zip_file_strerror(member_.get()));
     }
 
@@ -144,6 +217,7 @@ Result<NpzMember> open_archive(zip_source_t* source, zip_error_t& error, const s
     zip_t* archive = source ? zip_open_from_source(source, ZIP_RDONLY, &error) : nullptr;
     if (archive) return depth_member_of(ZipArchive(archive, zip_discard), where);
     if (source) zip_source_free(source);
+    if (stop_requested()) return error_at(where, interrupted_unpacking());
     return input_error(where + ": is damaged: " + zip_error_strerror(&error));
 }
 
@@ -162,10 +236,12 @@ bool is_npz(std::string_view begin) {
     return begin.starts_with("PK\x03\x04");
 }
 
-Result<NpzMember> open_npz(const std::filesystem::path& file) {
+Result<NpzMember> open_npz(std::unique_ptr<ByteSource> archive, const std::string& where) {
     ZipError failure;
-    zip_source_t* source = zip_source_file_create(file.c_str(), 0, 0, &failure.error);
-    return open_archive(source, failure.error, file.string());
+    auto bytes = std::make_unique<ArchiveBytes>(std::move(archive));
+    zip_source_t* source = zip_source_function_create(ArchiveBytes::answer, bytes.get(), &failure.error);
+    if (source) (void)bytes.release();
+    return open_archive(source, failure.error, where);
 }
 
 Result<NpzMember> depth_member(std::string_view archive, const std::string& where) {

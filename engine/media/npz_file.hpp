@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -19,8 +18,8 @@ struct NpzMember {
 bool is_npz(std::string_view begin);
 
 /// The array that depth is read from: the only one; else the one that is named depth, or the only one whose
-/// name begins so; else the only one of pictures. Otherwise the error names all.
-Result<NpzMember> open_npz(const std::filesystem::path& file);
+/// name begins so; else the only one of pictures. Otherwise the error names all. Messages begin with `where`.
+Result<NpzMember> open_npz(std::unique_ptr<ByteSource> archive, const std::string& where);
 /// The same of an archive in memory, which outlives it.
 Result<NpzMember> depth_member(std::string_view archive, const std::string& where);
 

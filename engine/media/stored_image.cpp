@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "engine/given_file.hpp"
 #include "engine/media/coded_image.hpp"
 #include "engine/media/exr_image.hpp"
 #include "engine/media/netpbm_image.hpp"
@@ -85,13 +84,13 @@ Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const
                        std::to_string(unpacked));
 }
 
-Result<std::string> read_picture_bytes(const std::filesystem::path& file) {
-    auto bytes = read_given_file(file, file.string(), "a picture", largest_file);
-    if (bytes && bytes->empty()) return picture_error(file, "is empty");
+Result<std::string> read_picture_bytes(const SourceFile& file) {
+    auto bytes = file.read("a picture", largest_file);
+    if (bytes && bytes->empty()) return picture_error(file.path(), "is empty");
     return bytes;
 }
 
-Result<StoredImage> read_stored_image(const std::filesystem::path& file) {
+Result<StoredImage> read_stored_image(const SourceFile& file) {
     const auto bytes = read_picture_bytes(file);
     if (!bytes) return bytes.error();
     return decode_stored_image(*bytes, file.string());

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/given_file.hpp"
 #include "engine/media/image_file.hpp"
 #include "engine/result.hpp"
 
@@ -27,13 +27,13 @@ struct StoredImage {
 };
 
 /// All of a picture's file, up to 257 MiB: 8192x8192 floats fit.
-Result<std::string> read_picture_bytes(const std::filesystem::path& file);
+Result<std::string> read_picture_bytes(const SourceFile& file);
 
 /// What a picture's first bytes say that it is: "PNG", "PGM" ...; empty for what no reader here knows.
 std::string_view picture_kind(std::string_view begin);
 
 /// A picture of any kind that its first bytes tell.
-Result<StoredImage> read_stored_image(const std::filesystem::path& file);
+Result<StoredImage> read_stored_image(const SourceFile& file);
 /// The same of a file's bytes; messages begin with `where`.
 Result<StoredImage> decode_stored_image(std::string_view bytes, const std::string& where);
 

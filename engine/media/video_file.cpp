@@ -77,9 +77,9 @@ MeasuredRate rate_of_times(const std::vector<std::int64_t>& times, AVRational ti
     return {has_mean ? FrameRate{mean.num, mean.den} : FrameRate{}, false};
 }
 
-Result<std::unique_ptr<VideoFile>> VideoFile::open(const std::filesystem::path& file, PlaneRole role) {
+Result<std::unique_ptr<VideoFile>> VideoFile::open(const SourceFile& file, PlaneRole role) {
     std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored))
+    if (!std::filesystem::is_regular_file(file.path(), ignored))
         return input_error(file.string() + ": is no file: must be a video");
     std::unique_ptr<VideoFile> video(new VideoFile(file, role));
     if (auto opened = video->rewind(); !opened) return opened.error();
@@ -89,7 +89,7 @@ Result<std::unique_ptr<VideoFile>> VideoFile::open(const std::filesystem::path& 
 }
 
 Result<void> VideoFile::rewind() {
-    auto demuxer = Demuxer::open_video(path_);
+    auto demuxer = Demuxer::open_video(file_);
     if (!demuxer) return demuxer.error();
     decoder_.reset();
     demuxer_ = std::move(*demuxer);
@@ -107,8 +107,8 @@ Result<void> VideoFile::rewind() {
             stream_ = k;
             break;
         }
-    if (stream_ == streams) return input_error(path_.string() + ": has no video track");
-    auto decoder = TrackDecoder::open(*container.streams[stream_], role_, path_.string());
+    if (stream_ == streams) return input_error(file_.string() + ": has no video track");
+    auto decoder = TrackDecoder::open(*container.streams[stream_], role_, file_.string());
     if (!decoder) return decoder.error();
     decoder_ = std::move(*decoder);
     demuxer_->select(stream_);
@@ -132,7 +132,7 @@ Result<void> VideoFile::read_times() {
                                ": has no time: must have one in the container");
         frames.emplace_back(time, (read.flags & AV_PKT_FLAG_KEY) != 0);
     }
-    if (frames.empty()) return input_error(path_.string() + ": has no frames");
+    if (frames.empty()) return input_error(file_.string() + ": has no frames");
     std::sort(frames.begin(), frames.end());
     for (const auto& [time, is_key] : frames) {
         if (is_key) keys_.push_back(count());
@@ -140,7 +140,7 @@ Result<void> VideoFile::read_times() {
     }
     rate_ = rate_of_times(times_, stream.time_base, {stream.avg_frame_rate, stream.r_frame_rate});
     if (!rate_.is_kept)
-        note_ = path_.string() +
+        note_ = file_.string() +
                 ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +
                 clip_tags::rate_text(rate_.rate) + " a second";
     return {};
@@ -216,7 +216,7 @@ Result<bool> VideoFile::begin_at(std::int64_t key) {
 
 Result<void> VideoFile::seek(std::int64_t frame) {
     if (frame < 0 || frame > count())
-        return usage_error(path_.string() + ": has no frame " + std::to_string(frame) +
+        return usage_error(file_.string() + ": has no frame " + std::to_string(frame) +
                            ": must be from 0 to " + std::to_string(count() - 1));
     const std::int64_t key = access_point(frame);
     if (number_ > frame || number_ < key) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,7 +33,9 @@ class VideoFile {
 public:
     /// Reads the file once from end to end, without decoding, for the times of its frames. `role` is how
     /// messages call the track.
-    static Result<std::unique_ptr<VideoFile>> open(const std::filesystem::path& file, PlaneRole role);
+    static Result<std::unique_ptr<VideoFile>> open(const SourceFile& file, PlaneRole role);
+
+    const SourceFile& file() const { return file_; }
 
     const FrameRate& rate() const { return rate_.rate; }
     std::int64_t count() const { return static_cast<std::int64_t>(times_.size()); }
@@ -61,13 +62,13 @@ public:
     std::int64_t access_point(std::int64_t frame) const;
 
 private:
-    VideoFile(std::filesystem::path file, PlaneRole role) : path_(std::move(file)), role_(role) {}
+    VideoFile(SourceFile file, PlaneRole role) : file_(std::move(file)), role_(role) {}
     Result<void> rewind();
     Result<void> read_times();
     Result<bool> begin_at(std::int64_t key);
     Result<std::optional<TrackDecoder::Decoded>> decode();
 
-    std::filesystem::path path_;
+    SourceFile file_;
     PlaneRole role_;
     MeasuredRate rate_;
     std::optional<std::string> note_;

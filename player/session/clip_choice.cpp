@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "engine/stop_request.hpp"
+
 namespace touchable {
 
 namespace {
@@ -82,6 +84,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
 }
 
 Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up) {
+    const WorkUntil until(given_up);
     auto reader = choice.open(colour);
     if (!reader.ok()) return reader.error();
     auto scene = applied(choice, (*reader)->scene());

@@ -70,8 +70,8 @@ struct OpenClip {
     std::optional<ChosenFilters> chosen{};  ///< nothing: all filters were stated
 };
 /// The clip at its beginning; colour that nobody looks at is not decoded. Refused (ErrorKind::usage) where
-/// what is wanted does not go with the clip. Between two frames it looks whether it was `given_up`, an error
-/// of kind interrupted.
+/// what is wanted does not go with the clip. An error of kind interrupted soon after it was `given_up`,
+/// whatever is read or waited for.
 Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std::stop_token& given_up = {});
 
 }  // namespace touchable

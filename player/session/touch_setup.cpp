@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/stop_request.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/run/clip_workspace.hpp"
 #include "player/run/field_probe.hpp"
@@ -199,6 +200,7 @@ Result<void> make_solver(TouchSetup& setup) {
 }  // namespace
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options) {
+    const WorkUntil until(options.given_up);
     if (auto valid = validate(options); !valid.ok()) return valid.error();
     auto setup = std::make_unique<TouchSetup>();
     setup->clip = options.clip;

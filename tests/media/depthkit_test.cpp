@@ -108,6 +108,36 @@ TEST(Depthkit, UpperHalfIsColourAndLowerHalfIsDepth) {
     }
 }
 
+TEST(Depthkit, IsSoughtByItsIndexWhereEveryFrameIsAKey) {
+    for (const FrameRate& rate : {FrameRate{24, 1}, FrameRate{30000, 1001}}) {
+        const TemporaryFolder folder;
+        const auto pictures = noise(7);
+        write_depthkit(folder, pictures, metadata, rate);
+        auto clip = open_clip(folder / "Clip.mov");
+        ASSERT_EQ(message(clip), "");
+        for (const std::int64_t frame : {5, 2, 2, 6, 0, 3}) {
+            EXPECT_EQ((*clip)->access_point(frame), frame);
+            ASSERT_EQ(message((*clip)->seek(frame)), "");
+            for (std::int64_t n = frame; n < 7; ++n) {
+                const auto read = (*clip)->next();
+                ASSERT_EQ(message(read), "");
+                ASSERT_TRUE(*read);
+                EXPECT_EQ((*read)->number, n);
+                PlaneView upper = pictures[static_cast<std::size_t>(n)].view();
+                upper.height = height;
+                EXPECT_TRUE(same_plane((*read)->colour, upper)) << n;
+                if (frame == 2) break;  // and on from there
+            }
+        }
+        ASSERT_EQ(message((*clip)->seek(7)), "");
+        const auto end = (*clip)->next();
+        ASSERT_EQ(message(end), "");
+        EXPECT_FALSE(*end);
+        EXPECT_NE(message((*clip)->seek(8)), "");
+        EXPECT_NE(message((*clip)->seek(-1)), "");
+    }
+}
+
 TEST(Depthkit, ASceneFileReplacesTheDescription) {
     const TemporaryFolder folder;
     write_depthkit(folder, noise(2));
