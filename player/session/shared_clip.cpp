@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/stop_request.hpp"
 #include "engine/surface/depth_survey.hpp"
 
 namespace touchable {
@@ -83,6 +84,8 @@ void SharedClip::forget_first_frames() {
 Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_from_the_beginning) {
     const std::lock_guard lock(mutex_);
     if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
+    // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows nothing.
+    const WorkForAll work;
     // Not known where reading fails.
     if (std::exchange(position_, std::nullopt) != number)
         if (auto sought = clip_->seek(number); !sought.ok()) return sought.error();

@@ -5,9 +5,11 @@
 
 #include <map>
 #include <memory>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
+#include "engine/stop_request.hpp"
 #include "engine/surface/depth_survey.hpp"
 #include "tests/frame/random.hpp"
 
@@ -50,6 +52,7 @@ public:
     }
     Result<std::optional<RawFrame>> next() override {
         if (number_ == shared_frames) return std::optional<RawFrame>();
+        if (stop_requested()) return interrupted_error();
         if (number_ == read_.fails_at) {
             number_ = -1;  // nobody knows where
             return input_error("frame " + std::to_string(read_.fails_at) + " is damaged");
@@ -111,6 +114,15 @@ TEST_F(Shared, ARunThatBeginsWhereAnotherOneIsReadsNothingAgain) {
     expect_frames(*next, 0, 20);
     EXPECT_FALSE(next->seek(shared_frames + 1).ok());
     EXPECT_FALSE(next->seek(-1).ok());
+}
+
+// What a run reads is the other's too: a clip that was left in the middle of a frame would be damaged for both.
+TEST_F(Shared, AFrameIsReadToItsEndThoughItsRunIsGivenUp) {
+    auto run = reader();
+    std::stop_source given_up;
+    given_up.request_stop();
+    const WorkUntil until(given_up.get_token());
+    expect_frames(*run, 0, 5);
 }
 
 TEST_F(Shared, EachRunHasItsFramesWhereverTheOtherReads) {
