@@ -24,8 +24,8 @@ struct DeviceSample {
     std::int64_t kept_ns = 0;  ///< for how long the driver has had it, waiting for a newer one
 };
 
-/// Bytes that leave a device without force, and where another process can write them (LimpKeeper).
-struct LastWord {
+/// Bytes that leave a device without force, and where another process can write them (SafetyWatchdog).
+struct ZeroForcePacket {
     int descriptor = -1;  ///< of an open file, socket or USB device
     std::vector<std::byte> bytes{};
     std::optional<std::uint8_t> usb_endpoint{};  ///< of a usbfs descriptor; nothing: written by write(2)
@@ -69,7 +69,7 @@ public:
     /// What poll(2) tells of that something has come. -1: there is no such thing, `receive` waits by itself.
     virtual int descriptor() const { return -1; }
     /// For a process that outlives this one, as long as it is connected. Nothing: it has none.
-    virtual std::optional<LastWord> last_word() const { return std::nullopt; }
+    virtual std::optional<ZeroForcePacket> zero_force_packet() const { return std::nullopt; }
     /// Reports that came and were left out, so far: damaged, too short, not newer. -1: it does not count
     /// them.
     virtual std::int64_t left_out() const { return -1; }

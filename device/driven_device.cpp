@@ -161,9 +161,9 @@ bool DrivenDevice::given_up() const {
 /// Whoever was held before is new: nothing that was heard of it counts.
 Result<void> DrivenDevice::take_hold() {
     auto held = answer_of(name_, [this] { return driver_->connect([this] { return given_up(); }); });
-    const auto word = held.ok() && settings_.keeper ? driver_->last_word() : std::nullopt;
+    const auto word = held.ok() && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
     if (word && !kept_) {
-        auto kept = LimpKeeper::keep(settings_.keeper);
+        auto kept = SafetyWatchdog::keep(settings_.watchdog);
         if (!kept.ok()) return kept.error();
         kept_.emplace(std::move(*kept));
     }
@@ -190,7 +190,7 @@ bool DrivenDevice::turn() {
     const auto served = answer_of(name_, [this] { return serve(); });
     if (served.ok()) return true;
     let_go(served.error());
-    const auto kept = settings_.keeper ? settings_.keeper->health() : Result<void>{};
+    const auto kept = settings_.watchdog ? settings_.watchdog->health() : Result<void>{};
     if (kept.ok()) return true;
     set_words(Error{kept.error().kind, name_ + ": " + kept.error().message}, {});
     lost_.store(true, std::memory_order_release);
@@ -229,7 +229,7 @@ Result<void> DrivenDevice::hear(microseconds patience) {
     over_.store(driver_->is_over(), std::memory_order_release);
     pass_on_wish();
     // What waited while this thread stood still is older than it seems.
-    if (!*came || (kept_ && kept_->was_made_limp())) return {};
+    if (!*came || (kept_ && kept_->was_made_unpowered())) return {};
     heard_.time_ns = settings_.clock() - sample.kept_ns;
     heard_.sample.buttons = sample.buttons;
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {

@@ -11,9 +11,9 @@
 #include <thread>
 
 #include "device/device_driver.hpp"
-#include "device/limp_keeper.hpp"
 #include "device/newest_value.hpp"
 #include "device/plausible_motion.hpp"
+#include "device/safety_watchdog.hpp"
 
 namespace touchable {
 
@@ -24,9 +24,9 @@ struct DrivenSettings {
     double look_again_s = 0.5;  ///< from one look to the next
     /// Called by the device's thread before all else; it may want to be real-time.
     std::function<void()> as_thread_begins{};
-    /// Leaves it limp when this process is gone or stands still, and without it there is no force; nothing:
-    /// nobody does.
-    std::shared_ptr<LimpKeeper> keeper{};
+    /// Leaves it unpowered when this process is gone or stands still, and without it there is no force;
+    /// nothing: nobody does.
+    std::shared_ptr<SafetyWatchdog> watchdog{};
     std::function<std::int64_t()> clock{};  ///< ns, never backward, never 0; nothing: the system's steady one
     /// Called by the device's thread with the moment (ns) at which a position had come, and at which a force
     /// had gone out; they may not wait.
@@ -52,7 +52,8 @@ struct DrivenFacts {
 /// - a position that cannot be, or leaps, is left out (PlausibleMotion), as if it had not come;
 /// - hardware that fails is let go of, with zero force if it can still be sent, and looked for again:
 ///   positions are not numbers meanwhile, which the force guard takes for a hand that has let go;
-/// - where its thread stands still, the keeper's process makes it limp. Where that process is gone, the
+/// - where its thread stands still, the watchdog's process makes it unpowered. Where that process is gone,
+/// the
 ///   device is let go of for good.
 class DrivenDevice final : public HapticDevice {
 public:
@@ -137,7 +138,7 @@ private:
     bool held_ = false;  // otherwise it is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;
     Error lost_why_;  // while it is looked for
-    std::optional<LimpKeeper::Kept> kept_;
+    std::optional<SafetyWatchdog::Kept> kept_;
     // The haptic thread's.
     std::uint32_t buttons_ = 0;
     std::int64_t told_ns_ = 0;

@@ -35,10 +35,10 @@ struct DeviceCapabilities {
 /// - A force longer than `limits().max_force` is shortened to it, keeping its direction.
 /// - Zero force follows `close`, destruction, any failed call, a force that is not finite, and `silence_s`
 /// without
-///   a `write_forces`: a caller that hangs or dies leaves a limp device. Where the hardware has a watchdog of
-///   its own, the backend arms it as well.
-/// - After a failure the device stays limp, and `health` names the reason, until it is opened again. One that
-/// looks for its hardware by itself (DrivenDevice) is away until then: its positions are not numbers.
+///   a `write_forces`: a caller that hangs or dies leaves an unpowered device. Where the hardware has a
+///   watchdog of its own, the backend arms it as well.
+/// - After a failure the device stays unpowered, and `health` names the reason, until it is opened again. One
+/// that looks for its hardware by itself (DrivenDevice) is away until then: its positions are not numbers.
 /// - A position older than `oldest_s` is never given: what is read in its place is not a number.
 class HapticDevice {
 public:
@@ -80,8 +80,8 @@ public:
         const std::string waits = wish();
         return "the " + name() + " never told a position" + (waits.empty() ? "" : ": " + waits);
     }
-    /// Nothing wrong, or why the device is limp (ErrorKind::device). May allocate: ask from another thread,
-    /// or once a call has returned false.
+    /// Nothing wrong, or why the device is unpowered (ErrorKind::device). May allocate: ask from another
+    /// thread, or once a call has returned false.
     virtual Result<void> health() const = 0;
 };
 

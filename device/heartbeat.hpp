@@ -10,13 +10,15 @@
 namespace touchable {
 
 /// Of the thread that speaks with a device, in memory that it shares with the process that leaves the device
-/// limp. Both sides write their own member first and read the other's afterwards: where a word and a beat
-/// meet, one of the two knows of the other.
+/// unpowered. Both sides write their own member first and read the other's afterwards: where a word and a
+/// beat meet, one of the two knows of the other.
 struct Heartbeat {
-    static constexpr std::int64_t longest_ns = 20'000'000;  ///< without a beat; then the device is made limp
+    static constexpr std::int64_t longest_ns =
+        20'000'000;  ///< without a beat; then the device is made unpowered
 
-    std::atomic<std::int64_t> beat_ns{0};    ///< the newest, `boot_ns`; 0: none is expected yet
-    std::atomic<std::uint32_t> silences{0};  ///< how often the device was made limp in the thread's place
+    std::atomic<std::int64_t> beat_ns{0};  ///< the newest, `boot_ns`; 0: none is expected yet
+    std::atomic<std::uint32_t> silences{
+        0};  ///< how often the device was made unpowered in the thread's place
 };
 static_assert(std::atomic<std::int64_t>::is_always_lock_free, "two processes share it");
 
@@ -50,7 +52,7 @@ private:
 /// How the process that watches hearts is watched itself, by each of those threads. A moment counts only
 /// where the thread looked shortly before: whoever stood still itself, as on a machine that slept, knows
 /// nothing of others meanwhile.
-class KeeperWatch {
+class WatchdogMonitor {
 public:
     static constexpr std::int64_t longest_ns = 1'000'000'000;  ///< long: a busy machine must not end a run
 

@@ -29,7 +29,7 @@ bool ScriptedHand::hops(const Finger& finger) const {
 ScriptedHand::ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script,
                            const SurfaceProbe& probe)
     : settings_(settings),
-      footing_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit, settings.box),
+      local_relief_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit, settings.box),
       script_(std::move(script)) {
     centre_depth_ = start_depth(probe, script_->pixel());
     look_at_ground(probe);
@@ -91,16 +91,16 @@ ScriptedHand::Stance ScriptedHand::stance(Finger& finger, const glm::dvec2& pixe
     const std::optional<double> under = probe.depth_under(pixel.x, pixel.y);
     finger.depth = under.value_or(finger.depth);
     if (!script_->moves()) return {finger.depth, under.has_value()};
-    const Footing footing = footing_.about(pixel, finger.depth, probe);
-    if (!under || footing.kind == Footing::Kind::broken) {
+    const LocalRelief local_relief = local_relief_.about(pixel, finger.depth, probe);
+    if (!under || local_relief.kind == LocalRelief::Kind::broken) {
         finger.ridge.reset();
-        return {footing.highest, false};
+        return {local_relief.highest, false};
     }
-    if (footing.kind == Footing::Kind::rough && !finger.ridge) {
-        finger.ridge = footing.highest;
+    if (local_relief.kind == LocalRelief::Kind::rough && !finger.ridge) {
+        finger.ridge = local_relief.highest;
         finger.glided = 0;
     }
-    if (finger.ridge) finger.ridge = std::min(*finger.ridge, footing.highest);
+    if (finger.ridge) finger.ridge = std::min(*finger.ridge, local_relief.highest);
     return hops(finger) ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
 }
 

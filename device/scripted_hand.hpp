@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "device/footing.hpp"
 #include "device/hand.hpp"
 #include "device/hand_script.hpp"
+#include "device/local_relief.hpp"
 
 namespace touchable {
 
@@ -55,7 +55,7 @@ private:
     double start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel) const;
 
     Settings settings_;
-    FootingSearch footing_;
+    LocalReliefSearch local_relief_;
     std::unique_ptr<HandScript> script_;
     Ground ground_{};
     double centre_depth_;  // planar, scene units: where pixels are measured

@@ -40,14 +40,14 @@ SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits, const HandleD
 }
 
 Result<void> SimulatedDevice::open() {
-    go_limp();
+    power_off();
     fault_ = nullptr;
     open_ = true;
     return {};
 }
 
 void SimulatedDevice::close() {
-    go_limp();
+    power_off();
     open_ = false;
 }
 
@@ -95,7 +95,7 @@ void SimulatedDevice::pass_tick() {
     for (std::size_t finger = 0; finger < handles_.size(); ++finger)
         handles_[finger].advance(exerted_[finger]);
     ++silent_ticks_;
-    if (silent_ticks_ * period_s > silence_s) go_limp();
+    if (silent_ticks_ * period_s > silence_s) power_off();
     if (ticks_to_unplugging_ && --*ticks_to_unplugging_ <= 0) {
         ticks_to_unplugging_.reset();
         fail("was unplugged");
@@ -103,11 +103,11 @@ void SimulatedDevice::pass_tick() {
 }
 
 void SimulatedDevice::fail(const char* reason) {
-    go_limp();
+    power_off();
     fault_ = reason;
 }
 
-void SimulatedDevice::go_limp() {
+void SimulatedDevice::power_off() {
     std::fill(exerted_.begin(), exerted_.end(), glm::dvec3(0));
 }
 

@@ -36,13 +36,13 @@ public:
     void pass_tick();
     /// Fails by itself once so many ticks have passed from now on.
     void unplug_after(std::int64_t ticks) { ticks_to_unplugging_ = ticks; }
-    /// Fails as if the hardware had gone: limp at once, until opened again.
+    /// Fails as if the hardware had gone: unpowered at once, until opened again.
     void fail(const char* reason);
     /// What each finger feels now, newtons.
     std::span<const glm::dvec3> exerted() const { return exerted_; }
 
 private:
-    void go_limp();
+    void power_off();
 
     DeviceLimits limits_;
     std::vector<HeldHandle> handles_;

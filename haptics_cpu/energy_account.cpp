@@ -51,7 +51,7 @@ void EnergyAccount::move(const Contact& contact, const std::optional<double>& ca
     step_ = metres_per_unit_ * (contact.goal - goal_);
     work_of_tick_ = dot(held_, step_);
     figures_.work += work_of_tick_;
-    const double by_the_jump = dot(calmed_, step_);
+    const double by_the_jump = dot(blended_, step_);
     figures_.surface += by_the_jump;
     const double bound = std::max(0.0, dot(spring_force_ - fresh, step_));
     figures_.bound += bound;
@@ -77,7 +77,7 @@ void EnergyAccount::store(double stiffness) {
 void EnergyAccount::lose_goal() {
     figures_.surface -= figures_.stored;
     figures_.stored = 0;
-    held_ = calmed_ = spring_force_ = dvec3(0.0);
+    held_ = blended_ = spring_force_ = dvec3(0.0);
 }
 
 }  // namespace touchable

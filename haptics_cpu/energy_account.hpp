@@ -49,9 +49,9 @@ public:
     void store(double stiffness);
     /// The force that is held until the next tick, newtons. `calmed`: what of it is not the spring's because
     /// the surface jumped; its work is the surface's.
-    void hold(const glm::dvec3& force, const glm::dvec3& calmed = glm::dvec3(0.0)) {
+    void hold(const glm::dvec3& force, const glm::dvec3& blended = glm::dvec3(0.0)) {
         held_ = force;
-        calmed_ = calmed;
+        blended_ = blended;
     }
     /// The spring's force at the stiffness in effect, as the device renders it.
     const glm::dvec3& spring_force() const { return spring_force_; }
@@ -80,7 +80,7 @@ private:
     bool started_ = false;
     glm::dvec3 goal_{0.0};          // scene units, of the last tick
     glm::dvec3 held_{0.0};          // N
-    glm::dvec3 calmed_{0.0};        // the part of it that is a jump's cancellation
+    glm::dvec3 blended_{0.0};       // the part of it that is a jump's cancellation
     glm::dvec3 spring_force_{0.0};  // the part of it that was the spring's
     glm::dvec3 step_{0.0}, x_{0.0}, stretched_{0.0};
     double ramp_ = 1, x2_ = 0;

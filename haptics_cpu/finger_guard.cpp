@@ -3,10 +3,10 @@
 namespace touchable {
 
 GuardedForce FingerGuard::guard(const Contact& contact) {
-    const CalmedForce calmed = jump_.calm(contact);
-    GuardedForce out = calmed.active ? guard_.guard_calmed(contact, calmed) : guard_.guard(contact);
+    const BlendedForce blended = jump_.calm(contact);
+    GuardedForce out = blended.active ? guard_.guard_blended(contact, blended) : guard_.guard(contact);
     if ((out.reasons & guard_fault) && guard_.has_begun_anew()) jump_.reset();
-    if (calmed.waiting) out.reasons |= guard_waiting;
+    if (blended.waiting) out.reasons |= guard_waiting;
     return out;
 }
 

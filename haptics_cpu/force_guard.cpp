@@ -20,9 +20,9 @@ constexpr double hair = 0x1p-49;
 constexpr double closely = 1 - 0x1p-40;
 
 /// How much of a force a calmed one is, 0 to 1.
-double share_of(const glm::dvec3& calmed, const glm::dvec3& force) {
+double share_of(const glm::dvec3& blended, const glm::dvec3& force) {
     const double squared = glm::dot(force, force);
-    return squared > 0 ? std::clamp(glm::dot(calmed, force) / squared, 0.0, 1.0) : 1.0;
+    return squared > 0 ? std::clamp(glm::dot(blended, force) / squared, 0.0, 1.0) : 1.0;
 }
 
 /// The farthest place in scene units; -1 where no guard can be made of it.
@@ -47,9 +47,9 @@ int ForceGuard::ramp_out_ticks() const {
     return std::max(1, settings_.ramp_out_ticks);
 }
 
-bool ForceGuard::is_sound(const Contact& contact, const CalmedForce& calmed) const {
+bool ForceGuard::is_sound(const Contact& contact, const BlendedForce& blended) const {
     return farthest_ >= 0 && has_sound_forces(contact) && has_sound_places(contact, farthest_) &&
-           is_within(calmed.force, most_newtons) && calmed.presence >= 0 && calmed.presence <= 1;
+           is_within(blended.force, most_newtons) && blended.presence >= 0 && blended.presence <= 1;
 }
 
 /// A step towards no force. Whoever comes back before that finds the ramp at the share that was left.
@@ -98,21 +98,21 @@ void ForceGuard::limit(GuardedForce& out) const {
 }
 
 /// Adds the damper and the passivity controller's brake, as far as the contact is to be felt.
-void ForceGuard::brake(const Contact& contact, const CalmedForce& calmed, double stiffness, int ticks,
+void ForceGuard::brake(const Contact& contact, const BlendedForce& blended, double stiffness, int ticks,
                        GuardedForce& out) {
     const bool damped = settings_.damping > 0, controlled = settings_.passivity > 0;
     if (damped || controlled) velocity_ = filtered_velocity(velocity_, account_.step(), ticks);
     if (damped) {
         const double spring = std::min(stiffness, settings_.max_stiffness);
         const glm::dvec3 damper =
-            calmed.presence *
-            damping_.force(account_, spring * share_of(calmed.force, contact.force), velocity_, ticks);
+            blended.presence *
+            damping_.force(account_, spring * share_of(blended.force, contact.force), velocity_, ticks);
         out.force += damper;
         if (damper != glm::dvec3(0.0)) out.reasons |= guard_damping;
     }
     limit(out);
     if (!controlled || !contact.touching) return;
-    const glm::dvec3 brake = calmed.presence * passivity_.force(account_.excess(), velocity_);
+    const glm::dvec3 brake = blended.presence * passivity_.force(account_.excess(), velocity_);
     out.force += brake;
     if (brake != glm::dvec3(0.0)) out.reasons |= guard_passivity;
     limit(out);
@@ -131,9 +131,9 @@ GuardedForce ForceGuard::begin_anew() {
     return {glm::dvec3(0.0), guard_fault, {}};
 }
 
-GuardedForce ForceGuard::guard(const Contact& contact, const CalmedForce& calmed, bool is_calmed) {
+GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blended, bool is_blended) {
     ticks_held_ = std::min(ticks_held_ + std::clamp(contact.ticks, 1, longest_ticks), longest_ticks);
-    if (contact.goal_held || !is_sound(contact, calmed)) return ramp_out();
+    if (contact.goal_held || !is_sound(contact, blended)) return ramp_out();
     ticks_faulty_ = 0;
     const int ticks = std::exchange(ticks_held_, 0);
     const bool ramping = ticks_in_ < settings_.ramp_in_ticks;
@@ -143,16 +143,16 @@ GuardedForce ForceGuard::guard(const Contact& contact, const CalmedForce& calmed
     const double stiffness = stiffness_.in_effect(contact, account_);
     account_.store(stiffness);
     GuardedForce out;
-    out.force = spring(contact, calmed.force, stiffness, out.reasons);
+    out.force = spring(contact, blended.force, stiffness, out.reasons);
     GuardedForce alone = out;  // before anything is added
-    brake(contact, calmed, stiffness, ticks, out);
+    brake(contact, blended, stiffness, ticks, out);
     if (ramping) {
         out.force *= ramp_;
         out.reasons |= guard_ramp;
         ticks_in_ += 1;
     }
     glm::dvec3 by_the_jump(0.0);
-    if (is_calmed) {
+    if (is_blended) {
         limit(alone);
         by_the_jump = ramp_ * alone.force - account_.spring_force();
         out.reasons |= guard_jump;

@@ -46,8 +46,8 @@ public:
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);
     GuardedForce guard(const Contact& contact) { return guard(contact, {contact.force}, false); }
     /// After a jump of the surface: `calmed` takes the place of the contact's force.
-    GuardedForce guard_calmed(const Contact& contact, const CalmedForce& calmed) {
-        return guard(contact, calmed, true);
+    GuardedForce guard_blended(const Contact& contact, const BlendedForce& blended) {
+        return guard(contact, blended, true);
     }
     /// Goals have been missing for so long that no force is left: what comes next is a new beginning.
     bool has_let_go() const { return ticks_faulty_ >= ramp_out_ticks(); }
@@ -59,12 +59,12 @@ public:
 
 private:
     int ramp_out_ticks() const;
-    bool is_sound(const Contact& contact, const CalmedForce& calmed) const;
+    bool is_sound(const Contact& contact, const BlendedForce& blended) const;
     GuardedForce ramp_out();
-    GuardedForce guard(const Contact& contact, const CalmedForce& calmed, bool is_calmed);
+    GuardedForce guard(const Contact& contact, const BlendedForce& blended, bool is_blended);
     glm::dvec3 spring(const Contact& contact, const glm::dvec3& force, double stiffness,
                       std::uint32_t& reasons) const;
-    void brake(const Contact& contact, const CalmedForce& calmed, double stiffness, int ticks,
+    void brake(const Contact& contact, const BlendedForce& blended, double stiffness, int ticks,
                GuardedForce& out);
     void limit(GuardedForce& out) const;
     bool can_go_out(const GuardedForce& out) const;

@@ -107,7 +107,7 @@ void JumpCancellation::begin(const dvec3& jumped_force) {
     jump_ = (rest + added) / fade(ticks_);
 }
 
-CalmedForce JumpCancellation::calm(const Contact& contact) {
+BlendedForce JumpCancellation::calm(const Contact& contact) {
     if (!has_sound_forces(contact)) return {contact.force};
     follow_hole(contact);
     const double share = felt_share(contact.properties.stiffness);
@@ -128,7 +128,7 @@ CalmedForce JumpCancellation::calm(const Contact& contact) {
     } else if (contact.jumped && !waiting_) {
         begin(felt_jump(contact));
     }
-    CalmedForce out;
+    BlendedForce out;
     out.presence = presence_;
     out.waiting = waiting_ && contact.touching;
     wanted_ = is_silent() ? dvec3(0.0) : felt;

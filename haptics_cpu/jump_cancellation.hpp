@@ -8,7 +8,7 @@
 namespace touchable {
 
 /// A force after a jump of the surface.
-struct CalmedForce {
+struct BlendedForce {
     glm::dvec3 force{0.0};       ///< N; never longer than the solver's, never against it
     glm::dvec3 difference{0.0};  ///< force less the solver's: what the jump's cancellation does to the hand
     bool active = false;         ///< the difference is not 0
@@ -38,7 +38,7 @@ public:
     static constexpr int fade_ticks = 100;
 
     explicit JumpCancellation(const GuardSettings& device) : device_(device) { reset(); }
-    CalmedForce calm(const Contact& contact);
+    BlendedForce calm(const Contact& contact);
     /// The next contact is with a surface that is new to the finger; the first one is (the guard's ramp is
     /// its fade where nothing waits).
     void surface_is_new() { surface_is_new_ = true; }
@@ -62,8 +62,8 @@ private:
     double presence_ = 1;
     glm::dvec3 jump_{0.0};       // J, at w = 1
     double ticks_ = fade_ticks;  // since w was 1, of the coming tick
-    // As the device gives them (`felt_share`), of the tick before: what the hand would have got without J, and
-    // what it got.
+    // As the device gives them (`felt_share`), of the tick before: what the hand would have got without J,
+    // and what it got.
     glm::dvec3 wanted_{0.0}, given_{0.0};
     double stiffness_ = 0;    // N/m as the device gives it, of the tick before; 0 out of contact
     bool near_hole_ = false;  // part of it was that of holes

@@ -2,16 +2,16 @@
 
 #include <optional>
 
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/filter_choice.hpp"
 
 namespace touchable {
 namespace {
 
 std::optional<MeasuredDepth> measured(const std::vector<RawFrame>& first, const Scene& scene) {
-    DepthSurvey survey(scene);
-    for (std::size_t n = 0; n < first.size() && !survey.enough(); ++n) survey.add(first[n]);
-    return survey.measured();
+    DepthEstimator estimator(scene);
+    for (std::size_t n = 0; n < first.size() && !estimator.enough(); ++n) estimator.add(first[n]);
+    return estimator.measured();
 }
 
 template <int median, bool temporal, bool terraces>

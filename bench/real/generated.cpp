@@ -5,7 +5,7 @@
 #include "bench/real/built_frames.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/frame/stored_code.hpp"
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
 namespace {
@@ -25,7 +25,7 @@ Result<void> measure_generated(const FilterChoice& choice, Figures& figures) {
         const auto made = make_scene(name, {.width = 320, .height = 240});
         if (!made.ok()) return made.error();
         std::vector<RawFrame> raws;
-        for (int n = 0; n < DepthSurvey::frames; ++n) raws.push_back((*made)->frame(n));
+        for (int n = 0; n < DepthEstimator::frames; ++n) raws.push_back((*made)->frame(n));
         const Scene scene = choice.of(raws, (*made)->scene());
         const auto frames = built(scene, raws);
         if (!frames.ok()) return frames.error();

@@ -183,10 +183,10 @@ void FalconDriver::take(const FalconReport& report, DeviceSample& sample) {
     if (pose_) sample.metres.front() = pose_->place;
 }
 
-std::optional<LastWord> FalconDriver::last_word() const {
+std::optional<ZeroForcePacket> FalconDriver::zero_force_packet() const {
     if (!transport_ || !runs_ || transport_->usbfs() < 0) return std::nullopt;
     const auto packet = encode(FalconCommand{});
-    return LastWord{transport_->usbfs(), {packet.begin(), packet.end()}, usb_endpoint_out, {}};
+    return ZeroForcePacket{transport_->usbfs(), {packet.begin(), packet.end()}, usb_endpoint_out, {}};
 }
 
 std::string FalconDriver::wish() const {

@@ -76,8 +76,9 @@ Result<void> WoodenHapticsDriver::await_reading(const GivenUp& given_up,
 void WoodenHapticsDriver::disconnect() noexcept {
     if (!transport_) return;
     try {
-        const auto limp = encode_wooden_currents({});
-        for (int again = 0; again < 2; ++again) [[maybe_unused]] const auto sent = transport_->send(limp);
+        const auto unpowered = encode_wooden_currents({});
+        for (int again = 0; again < 2; ++again)
+            [[maybe_unused]] const auto sent = transport_->send(unpowered);
     } catch (...) {
     }
     transport_.reset();
@@ -163,10 +164,10 @@ glm::dvec3 WoodenHapticsDriver::angles() const {
     return wooden_angles(build_, {reading_.encoders[0], reading_.encoders[1], reading_.encoders[2]});
 }
 
-std::optional<LastWord> WoodenHapticsDriver::last_word() const {
+std::optional<ZeroForcePacket> WoodenHapticsDriver::zero_force_packet() const {
     if (!transport_ || transport_->spare_descriptor() < 0) return std::nullopt;
-    const auto limp = encode_wooden_currents({});
-    return LastWord{transport_->spare_descriptor(), {limp.begin(), limp.end()}, {}, {}};
+    const auto unpowered = encode_wooden_currents({});
+    return ZeroForcePacket{transport_->spare_descriptor(), {unpowered.begin(), unpowered.end()}, {}, {}};
 }
 
 std::string WoodenHapticsDriver::wish() const {

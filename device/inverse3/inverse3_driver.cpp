@@ -66,9 +66,10 @@ Result<void> Inverse3Driver::connect(const GivenUp& given_up) {
     const auto inventory = await([](const Inverse3Message&) { return true; }, given_up);
     if (!inventory.ok()) return inventory.error();
     if (auto chosen = choose(inventory->arms); !chosen.ok()) return chosen;
-    if (auto limp = say(zero()); !limp.ok()) return limp;
-    const auto limp = await([](const Inverse3Message& message) { return !message.arms.empty(); }, given_up);
-    return limp.ok() ? Result<void>{} : limp.error();
+    if (auto unpowered = say(zero()); !unpowered.ok()) return unpowered;
+    const auto unpowered =
+        await([](const Inverse3Message& message) { return !message.arms.empty(); }, given_up);
+    return unpowered.ok() ? Result<void>{} : unpowered.error();
 }
 
 /// A force scale belongs to 3.5 and later, and a service that does not tell of it is none the worse.
@@ -241,9 +242,9 @@ std::string Inverse3Driver::zero() const {
     return encode_inverse3_force(dialect_, id_, glm::dvec3(0));
 }
 
-std::optional<LastWord> Inverse3Driver::last_word() const {
+std::optional<ZeroForcePacket> Inverse3Driver::zero_force_packet() const {
     if (!transport_ || id_.empty() || transport_->descriptor() < 0) return std::nullopt;
-    return LastWord{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}, {}};
+    return ZeroForcePacket{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}, {}};
 }
 
 std::string Inverse3Driver::wish() const {

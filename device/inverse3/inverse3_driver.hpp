@@ -47,7 +47,7 @@ public:
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override;
-    std::optional<LastWord> last_word() const override;
+    std::optional<ZeroForcePacket> zero_force_packet() const override;
     std::string wish() const override;
 
     /// What the service said of itself when it was connected: its version, the arm, the settings that change

@@ -81,7 +81,7 @@ Result<void> SpringTrial::push(const glm::dvec3& newtons) {
     return {};
 }
 
-void SpringTrial::leave_limp() {
+void SpringTrial::power_off() {
     newtons_[0] = glm::dvec3(0);
     device_.write_forces(newtons_);
 }
@@ -117,7 +117,7 @@ Result<HandleRest> SpringTrial::wait_for_rest() {
 
 Result<SpringTrial::Verdict> SpringTrial::try_spring(double stiffness, const HandleRest& rest) {
     auto verdict = feel(stiffness, rest);
-    leave_limp();
+    power_off();
     return verdict;
 }
 

@@ -31,7 +31,7 @@ public:
 
     /// `most_force` (N): of spring and nudge together; a third of it nudges. All of these outlive the trial.
     SpringTrial(HapticDevice& device, const TickPace& pace, double most_force);
-    ~SpringTrial() { leave_limp(); }
+    ~SpringTrial() { power_off(); }
     SpringTrial(const SpringTrial&) = delete;
     SpringTrial& operator=(const SpringTrial&) = delete;
 
@@ -44,7 +44,7 @@ public:
 private:
     Result<glm::dvec3> read();
     Result<void> push(const glm::dvec3& newtons);
-    void leave_limp();
+    void power_off();
     Result<Verdict> feel(double stiffness, const HandleRest& rest);
 
     HapticDevice& device_;

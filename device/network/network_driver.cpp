@@ -198,12 +198,12 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
     return true;
 }
 
-std::optional<LastWord> NetworkDriver::last_word() const {
+std::optional<ZeroForcePacket> NetworkDriver::zero_force_packet() const {
     NetworkPacket last, meanwhile;
     last.kind = meanwhile.kind = NetworkPacket::Kind::forces;
     last.fingers = meanwhile.fingers = settings_.fingers;
     last.last = meanwhile.stands_still = true;
-    return LastWord{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
+    return ZeroForcePacket{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
 }
 
 std::string NetworkDriver::wish() const {

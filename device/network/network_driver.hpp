@@ -52,7 +52,7 @@ public:
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override;
     int descriptor() const override { return socket_->descriptor(); }
-    std::optional<LastWord> last_word() const override;
+    std::optional<ZeroForcePacket> zero_force_packet() const override;
     std::string wish() const override;
     std::string absence() const override;
 

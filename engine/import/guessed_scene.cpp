@@ -11,7 +11,7 @@
 #include "engine/import/picture_files.hpp"
 #include "engine/import/picture_groups.hpp"
 #include "engine/import/presets.hpp"
-#include "engine/import/value_survey.hpp"
+#include "engine/import/value_estimator.hpp"
 #include "engine/media/image_file.hpp"
 #include "engine/stop_request.hpp"
 
@@ -46,8 +46,8 @@ private:
     Result<void> find_camera(const fs::path& folder);
     void take(const Intrinsics& intrinsics, const std::string& whose);
     void take_fov(double degrees);
-    Result<void> find_unit(const SurveyedValues& values);
-    void guess_unit(const SurveyedValues& values);
+    Result<void> find_unit(const EstimatedValues& values);
+    void guess_unit(const EstimatedValues& values);
     void set_metric(double metres_per_code);
     void set_invalid(const StoredImage& depth);
     void set_relative(bool near_is_high, bool is_inverse);
@@ -130,7 +130,7 @@ void Guess::set_relative(bool near_is_high, bool is_inverse) {
 }
 
 /// By the size of what is there.
-Result<void> Guess::find_unit(const SurveyedValues& values) {
+Result<void> Guess::find_unit(const EstimatedValues& values) {
     if (!values.any) return input_error("has no depth: all values are 0, or none is finite");
     if (known_.metres_per_code) {
         set_metric(*known_.metres_per_code);
@@ -174,7 +174,7 @@ Result<void> Guess::find_unit(const SurveyedValues& values) {
     return {};
 }
 
-void Guess::guess_unit(const SurveyedValues& values) {
+void Guess::guess_unit(const EstimatedValues& values) {
     const std::string otherwise = "--depth-unit METRES says otherwise";
     const bool is_signed = values.negative > 0.01;
     if (values.bits == 8 || values.is_normalised || is_signed) {
@@ -222,7 +222,7 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
     if (coding) {
         scene_.depth = *coding;
     } else {
-        if (auto found = find_unit(survey_values(depth)); !found) return found;
+        if (auto found = find_unit(estimate_values(depth)); !found) return found;
         set_invalid(depth);
     }
     derive_valid_range(scene_.depth);

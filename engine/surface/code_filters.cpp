@@ -20,7 +20,7 @@ struct FilterStack {
 
     void add(const FlyingPixels& filter) {
         assert(lines);
-        lines = std::make_unique<FlyingPixelLander>(std::move(lines), filter, stored, unit);
+        lines = std::make_unique<FlyingPixelFilter>(std::move(lines), filter, stored, unit);
     }
     void add(const HoleFilling& filling) {
         assert(lines);

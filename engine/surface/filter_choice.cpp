@@ -33,7 +33,7 @@ constexpr double flying_to_land = 1e-4, flat_per_noise = 3;
 /// About in proportion to depth, which a DepthLength can say around the median only.
 DepthLength flat_within(const MeasuredDepth& measured) {
     const double length =
-        std::max(measured.median / NoiseSurvey::flat_share, flat_per_noise * measured.noise_at_median());
+        std::max(measured.median / NoiseEstimator::flat_share, flat_per_noise * measured.noise_at_median());
     return DepthLength{1, 1 / (measured.median * measured.median)}.times(0.5 * length);
 }
 

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "engine/scene/scene.hpp"
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
 

@@ -76,11 +76,11 @@ struct RowSuspicion {
 
 }  // namespace
 
-FlyingPixelLander::FlyingPixelLander(std::unique_ptr<LineSource> lines, const FlyingPixels& filter,
+FlyingPixelFilter::FlyingPixelFilter(std::unique_ptr<LineSource> lines, const FlyingPixels& filter,
                                      const DepthCoding& coding, VectorUnit unit)
     : before_landing_(std::move(lines)), filter_(filter), zero_is_code_(coding.is_valid(0)), unit_(unit) {}
 
-void FlyingPixelLander::begin(const RawFrame& raw, RowBands& bands) {
+void FlyingPixelFilter::begin(const RawFrame& raw, RowBands& bands) {
     before_landing_.make_all(raw, bands, before_);
     picture_.width = before_.width;
     picture_.height = before_.height;
@@ -92,7 +92,7 @@ void FlyingPixelLander::begin(const RawFrame& raw, RowBands& bands) {
     bands.for_each_band(before_.height, TileGrid::cells, [&](const RowBand& band) { land_rows(band); });
 }
 
-void FlyingPixelLander::land_rows(const RowBand& band) {
+void FlyingPixelFilter::land_rows(const RowBand& band) {
     std::vector<std::uint32_t>& suspects = suspects_[static_cast<std::size_t>(band.thread)];
     const auto row = [&](int y) { return before_.codes.data() + before_.index(0, y); };
     for (int y = band.first; y < band.last; ++y) {
@@ -112,7 +112,7 @@ void FlyingPixelLander::land_rows(const RowBand& band) {
     }
 }
 
-void FlyingPixelLander::land(int x, int y) {
+void FlyingPixelFilter::land(int x, int y) {
     const auto at = [&](int dx, int dy) {
         const int tx = x + dx, ty = y + dy;
         if (tx < 0 || tx >= before_.width || ty < 0 || ty >= before_.height || !before_.is_valid(tx, ty))

@@ -36,9 +36,9 @@ std::uint16_t landed(const At& at, int gate) {
 }
 
 /// Each pixel is judged by what the picture was before.
-class FlyingPixelLander final : public LineSource {
+class FlyingPixelFilter final : public LineSource {
 public:
-    FlyingPixelLander(std::unique_ptr<LineSource> lines, const FlyingPixels& filter,
+    FlyingPixelFilter(std::unique_ptr<LineSource> lines, const FlyingPixels& filter,
                       const DepthCoding& coding, VectorUnit unit);
     void begin(const RawFrame& raw, RowBands& bands) override;
     void load(int y, CodeLine& line) const override { line.copy(picture_, y); }

@@ -48,11 +48,11 @@ Result<MeasuredDevice> take_device(const std::string& words) {
     if (words.substr(0, words.find(':')) == "simulated")
         return usage_error("--device simulated is computed, so there is nothing to measure");
     ignore_stop_keys();
-    auto keeper = LimpKeeper::start();
-    if (!keeper.ok()) return keeper.error();
+    auto watchdog = SafetyWatchdog::start();
+    if (!watchdog.ok()) return watchdog.error();
     MeasuredDevice measured;
     DrivenSettings driven;
-    driven.keeper = *keeper;
+    driven.watchdog = *watchdog;
     driven.as_thread_begins = [] { become_fifo(); };
     driven.as_it_hears = [times = measured.times](std::int64_t moment) { times->heard(moment); };
     driven.as_it_speaks = [times = measured.times](std::int64_t moment) { times->spoken(moment); };

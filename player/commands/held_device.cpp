@@ -90,10 +90,10 @@ std::vector<CLI::Option*> add_mapping_options(CLI::App& sub, HeldDeviceWords& wo
 
 /// All of them as one.
 Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
-    auto keeper = LimpKeeper::start();
-    if (!keeper.ok()) return keeper.error();
+    auto watchdog = SafetyWatchdog::start();
+    if (!watchdog.ok()) return watchdog.error();
     DrivenSettings driven;
-    driven.keeper = *keeper;
+    driven.watchdog = *watchdog;
     driven.as_thread_begins = [] { become_fifo(); };
     std::vector<std::unique_ptr<HapticDevice>> devices;
     if (words.is_looked_for_always) driven.away_s = std::numeric_limits<double>::infinity();

@@ -37,8 +37,8 @@ std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWor
 /// Files that they are read from.
 std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words);
 
-/// Makes the devices, not opened yet, and the process that leaves them limp; a simulated one is the hand's.
-/// Best called before there is much in memory. Refuses (ErrorKind::usage) what is none.
+/// Makes the devices, not opened yet, and the process that leaves them unpowered; a simulated one is the
+/// hand's. Best called before there is much in memory. Refuses (ErrorKind::usage) what is none.
 Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session);
 
 /// From now on neither Ctrl-Z nor a terminal stops the program: it would stop with a force on.

@@ -53,9 +53,9 @@ private:
     std::unique_ptr<RecordingFile> record_;
     std::unique_ptr<OutputFile> json_;
     std::optional<TouchPicture> picture_;
-    bool is_drawn_ = false;             // the picture
-    std::shared_ptr<CameraFilm> film_;  // beside the recording
-    std::set<const void*> told_;        // of whose fault was told
+    bool is_drawn_ = false;                // the picture
+    std::shared_ptr<CameraCapture> film_;  // beside the recording
+    std::set<const void*> told_;           // of whose fault was told
 };
 
 }  // namespace touchable

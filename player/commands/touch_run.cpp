@@ -91,10 +91,10 @@ Result<Recording> read_replayed(const TouchOptions& options) {
 }
 
 /// Gives the ticks of a later part on as those of one run with the parts before, and knows who takes longest.
-class OneRun final : public TouchSink {
+class ConcatenatingSink final : public TouchSink {
 public:
     /// `outputs`: what they can no longer write is said at once; nullptr: in the end.
-    OneRun(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs* outputs)
+    ConcatenatingSink(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs* outputs)
         : before_(ticks_before), sinks_(std::move(sinks)), took_(sinks_.size()), outputs_(outputs) {}
     Result<void> take(const TouchTick& tick) override {
         TouchTick later = tick;
@@ -162,7 +162,7 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     std::vector<TouchSink*> of_all = outputs.sinks();
     of_all.push_back(&told.all);
     const bool live = runs_live(s, options);
-    OneRun one_run(told.ticks, std::move(of_all), live ? &outputs : nullptr);
+    ConcatenatingSink one_run(told.ticks, std::move(of_all), live ? &outputs : nullptr);
     std::vector<TouchSink*> sinks{&one_run};
     std::optional<ReplayCheck> check;
     if (part) sinks.push_back(&check.emplace(*part));

@@ -53,8 +53,8 @@ public:
     Result<void> run(std::span<TouchSink* const> sinks);
 
     // While it runs, any thread.
-    /// The hand is limp after the tick in progress, whatever a sink is at; then `run` returns as soon as that
-    /// is done.
+    /// The hand is unpowered after the tick in progress, whatever a sink is at; then `run` returns as soon as
+    /// that is done.
     void stop();
     /// What the clip's clock is doing, as of the newest tick.
     PlaybackState playback() const { return board_.read(); }

@@ -10,21 +10,21 @@ namespace touchable {
 
 Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
                                      const std::stop_token& given_up) {
-    DepthSurvey survey(scene);
+    DepthEstimator estimator(scene);
     Prefetch ahead(std::move(reader));
     std::string damage;
-    for (bool is_first = true; !survey.enough(); is_first = false) {
+    for (bool is_first = true; !estimator.enough(); is_first = false) {
         if (interrupted() || given_up.stop_requested()) return interrupted_error();
         const auto frame = ahead.next();
         if (!frame.ok() && (is_first || frame.error().kind == ErrorKind::interrupted)) return frame.error();
         if (!frame.ok()) damage = frame.error().message;
         if (!frame.ok() || !*frame) break;
-        survey.add(**frame);
+        estimator.add(**frame);
     }
     auto clip = ahead.finish();
     if (!clip.ok()) return clip.error();
     reader = std::move(*clip);
-    return MeasuredFrames{survey.measured(), damage};
+    return MeasuredFrames{estimator.measured(), damage};
 }
 
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene,

@@ -8,7 +8,7 @@
 #include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
 

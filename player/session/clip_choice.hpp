@@ -14,7 +14,7 @@
 #include "engine/media/replay_camera.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
-#include "player/session/camera_film.hpp"
+#include "player/session/camera_capture.hpp"
 #include "player/session/camera_words.hpp"
 #include "player/session/chosen_filters.hpp"
 #include "player/session/shared_clip.hpp"
@@ -50,7 +50,7 @@ struct ClipChoice {
     // What stays open from run to run; nothing: each opens its own.
     std::shared_ptr<SharedCamera> shared_camera;  ///< of `plugged`
     std::shared_ptr<SharedClip> shared_clip;      ///< of a clip that is no camera; as it was first opened
-    std::optional<FilmedFrames> filmed;  ///< the clip is the film of a camera, which had these frames
+    std::optional<CapturedFrames> filmed;  ///< the clip is the film of a camera, which had these frames
 
     /// What is touched is a camera.
     void take(const LiveCamera& camera);

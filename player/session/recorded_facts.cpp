@@ -56,7 +56,7 @@ Json recorded_facts(const TouchSetup& setup) {
     }
     if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
     if (setup.film)
-        for (const FilmedFrame& frame : setup.film->frames())
+        for (const CapturedFrame& frame : setup.film->frames())
             facts["filmed"].push_back({frame.number, frame.time_ns});
     if (!setup.device_words.empty()) facts["device"] = setup.device_words;
     if (!setup.settings.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
@@ -160,12 +160,12 @@ std::vector<DroppedFrames> dropped_frames(const Json& facts) {
 }
 
 /// Of a camera: its frames, in the order of its film.
-FilmedFrames filmed_frames(const Json& facts) {
+CapturedFrames filmed_frames(const Json& facts) {
     constexpr const char* kind = "pairs of a frame's number and time, each later than the one before";
     const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(facts, "filmed", kind);
-    FilmedFrames frames;
+    CapturedFrames frames;
     for (const auto& [number, time_ns] : pairs) {
-        const FilmedFrame before = frames.empty() ? FilmedFrame{-1, -1} : frames.back();
+        const CapturedFrame before = frames.empty() ? CapturedFrame{-1, -1} : frames.back();
         if (number <= before.number || time_ns <= before.time_ns || number > most_frames)
             throw std::out_of_range(std::string("filmed must be ") + kind);
         frames.push_back({number, time_ns});

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/stop_request.hpp"
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
 namespace {
@@ -84,7 +84,8 @@ void SharedClip::forget_first_frames() {
 Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_from_the_beginning) {
     const std::lock_guard lock(mutex_);
     if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
-    // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows nothing.
+    // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows
+    // nothing.
     const WorkForAll work;
     // Not known where reading fails.
     if (std::exchange(position_, std::nullopt) != number)
@@ -113,7 +114,7 @@ void SharedClip::keep(const RawFrame& frame) {
         newest_bytes_ -= kept_bytes_of(newest_.front());
         newest_.pop_front();
     }
-    if (!keeps_first_ || first_.size() == DepthSurvey::frames ||
+    if (!keeps_first_ || first_.size() == DepthEstimator::frames ||
         frame.number != static_cast<std::int64_t>(first_.size()))
         return;
     first_.push_back(frame);

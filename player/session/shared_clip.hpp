@@ -26,7 +26,7 @@ public:
     /// be a live source, by `open_clip`; later ones do so only where that failed. One call at a time. Several
     /// readers may read at once, each on a thread.
     Result<std::unique_ptr<ClipReader>> open(const Open& open_clip);
-    /// What the first frames can tell (DepthSurvey) is known: they are kept no longer than others.
+    /// What the first frames can tell (DepthEstimator) is known: they are kept no longer than others.
     void forget_first_frames();
 
 private:

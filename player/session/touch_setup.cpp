@@ -221,7 +221,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
         open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out, options.given_up);
     if (!clip.ok()) return clip.error();
     if (options.recorded && options.clip.plugged) {
-        setup->film = std::make_shared<CameraFilm>(clip->reader->scene());
+        setup->film = std::make_shared<CameraCapture>(clip->reader->scene());
         clip->reader = with_film(std::move(clip->reader), setup->film);
     }
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();

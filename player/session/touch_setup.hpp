@@ -30,7 +30,7 @@ struct TouchSetup {
     std::string hand_words;                     ///< as on the command line
     std::unique_ptr<Hand> hand;                 ///< nothing: a person holds `held_device`
     std::string camera_words;                   ///< as on the command line; empty: no camera
-    std::shared_ptr<CameraFilm> film;           ///< of a camera that is plugged in and recorded; else nothing
+    std::shared_ptr<CameraCapture> film;        ///< of a camera that is plugged in and recorded; else nothing
     std::string device_words;                   ///< as on the command line; empty: no device
     std::unique_ptr<SimulatedDevice> device;    ///< that the hand holds
     std::shared_ptr<HapticDevice> held_device;  ///< that a person holds

@@ -13,14 +13,14 @@ namespace touchable {
 namespace {
 
 /// GLFW's last words about what went wrong.
-std::string last_words() {
+std::string zero_force_packets() {
     const char* words = nullptr;
     glfwGetError(&words);
     return words ? words : "no reason given";
 }
 
 Error no_display() {
-    return {ErrorKind::gpu, "there is no display to open a window on (" + last_words() +
+    return {ErrorKind::gpu, "there is no display to open a window on (" + zero_force_packets() +
                                 "); run it in a desktop session, or with --headless"};
 }
 

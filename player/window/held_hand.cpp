@@ -50,8 +50,8 @@ bool HeldHand::read_positions(std::span<glm::dvec3> device_metres) {
 
 bool HeldHand::write_forces(std::span<const glm::dvec3> newtons) {
     if (state() == State::closed) return false;
-    const bool is_limp = is_limp_.load(std::memory_order_acquire);
-    if (state() == State::open && !device_->write_forces(is_limp ? zeros_ : newtons))
+    const bool is_unpowered = is_unpowered_.load(std::memory_order_acquire);
+    if (state() == State::open && !device_->write_forces(is_unpowered ? zeros_ : newtons))
         state_.store(State::gone, std::memory_order_release);
     return true;
 }

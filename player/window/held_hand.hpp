@@ -41,7 +41,7 @@ public:
     void look_again();
     /// No force reaches the device from the session's next tick on, whoever asks for it. Waits for nobody,
     /// and is for good.
-    void leave_limp() { is_limp_.store(true, std::memory_order_release); }
+    void power_off() { is_unpowered_.store(true, std::memory_order_release); }
 
 private:
     enum class State { closed, open, gone, looked_for };
@@ -51,7 +51,7 @@ private:
     // While it is `open` the session's haptic thread has the device; while it is not, whoever opens it.
     std::atomic<State> state_{State::closed};
     std::atomic<double> age_s_;
-    std::atomic<bool> is_limp_{false};
+    std::atomic<bool> is_unpowered_{false};
     const std::vector<glm::dvec3> zeros_;
     std::thread looking_;
 };

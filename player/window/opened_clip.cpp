@@ -187,7 +187,7 @@ std::vector<double> OpenedClip::cuts() const {
     return moments;
 }
 
-bool OpenedClip::is_worn() const {
+bool OpenedClip::is_nearly_full() const {
     return session_->commands() > WatchedSession::most_commands * 15 / 16;
 }
 

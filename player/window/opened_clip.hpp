@@ -36,7 +36,7 @@ public:
     /// more.
     Result<void> begin();
     /// Whether the session will soon take no more commands: a change to the same settings begins another one.
-    bool is_worn() const;
+    bool is_nearly_full() const;
     /// Once no other clip is heard any more.
     void begin_sound();
 

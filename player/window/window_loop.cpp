@@ -76,7 +76,7 @@ Result<PlayFigures> WindowLoop::run() {
         return std::move(figures_);
     }
     while (ended.ok() && !quit_ && !interrupted()) ended = turn();
-    leave_hand_limp();
+    power_hand_off();
     Result<void> kept;
     const bool is_kept = ended.ok() && options_.screenshot && !interrupted();
     if (is_kept) {

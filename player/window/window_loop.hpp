@@ -33,8 +33,8 @@ class WindowLoop {
 public:
     explicit WindowLoop(PlayOptions options)
         : options_(std::move(options)), asked_for_(Clock::now()), screenshots_(options_.existing) {}
-    /// Whatever it ends by: the hand is limp before anything is waited for.
-    ~WindowLoop() { leave_hand_limp(); }
+    /// Whatever it ends by: the hand is unpowered before anything is waited for.
+    ~WindowLoop() { power_hand_off(); }
 
     Result<void> open();
     Result<PlayFigures> run();
@@ -58,7 +58,7 @@ private:
     void take_of_hand(const WindowCommand& command);
     void change_scale(double times);
     void look_after_hand(const WatchedMoment* moment);
-    void leave_hand_limp();
+    void power_hand_off();
     void set_overlay(const std::string& name);
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);

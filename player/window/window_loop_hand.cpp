@@ -26,9 +26,9 @@ void WindowLoop::look_after_hand(const WatchedMoment* moment) {
 
 /// Nobody sees any more what is asked for. It is asked for no longer, too, so that what is recorded of the
 /// session's last ticks is what the hand had.
-void WindowLoop::leave_hand_limp() {
+void WindowLoop::power_hand_off() {
     if (!options_.hand) return;
-    options_.hand->leave_limp();
+    options_.hand->power_off();
     if (clip_) clip_->set_force(false);
 }
 

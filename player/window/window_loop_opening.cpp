@@ -75,7 +75,7 @@ void WindowLoop::go_on_opening() {
         say(take(ready));
     }
     const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
-    if (!wanted_felt_ && Clock::now() > renew_after_ && clip_->is_worn() && was_seen && !ready_ &&
+    if (!wanted_felt_ && Clock::now() > renew_after_ && clip_->is_nearly_full() && was_seen && !ready_ &&
         !opening_.is_busy()) {
         renew_after_ = Clock::now() + renew_pause;
         return ask_for_change(felt_);

@@ -34,7 +34,7 @@ public:
     glm::dvec3 place{0.0};
     std::uint32_t buttons = 0;
     std::string wish;
-    std::optional<LastWord> last_word;
+    std::optional<ZeroForcePacket> zero_force_packet;
     std::string not_opened_because;  ///< what it says when it is connected without being plugged; empty: gone
     std::int64_t kept_ns = 0;        ///< for how long it has had what it tells
     int descriptor = -1;             ///< of hardware that speaks by itself
@@ -103,7 +103,7 @@ public:
     int descriptor() const override { return hardware_.descriptor; }
     bool is_over() const override { return hardware_.over; }
     std::string wish() const override { return hardware_.wish; }
-    std::optional<LastWord> last_word() const override { return hardware_.last_word; }
+    std::optional<ZeroForcePacket> zero_force_packet() const override { return hardware_.zero_force_packet; }
 
 private:
     FakeHardware& hardware_;

@@ -21,8 +21,8 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-const std::string limp_packet = "<AAAAAAAAAAAABA>";
-const std::string limp = limp_packet + limp_packet;
+const std::string zero_force_packet = "<AAAAAAAAAAAABA>";
+const std::string unpowered = zero_force_packet + zero_force_packet;
 
 std::string some_image(std::size_t bytes) {
     std::mt19937 random(3);
@@ -322,7 +322,7 @@ TEST_F(Falcon, ATurnWithFaultsGivesNoPlaceThatIsNotTheGrips) {
     EXPECT_GT(none, 100);
     EXPECT_GT(driver->left_out(), 100);
     driver->disconnect();
-    EXPECT_EQ(falcon->last_bytes(32), limp);
+    EXPECT_EQ(falcon->last_bytes(32), unpowered);
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
 }
 
@@ -334,7 +334,7 @@ TEST_F(Falcon, ItsLastBytesAreZeroForce) {
     for (int go = 0; go < 3; ++go) ASSERT_TRUE(turn(*driver, {8, 0, 0}).ok());
     EXPECT_NE(falcon->motors, (std::array<int, 3>{}));
     driver->disconnect();
-    EXPECT_EQ(falcon->last_bytes(32), limp);
+    EXPECT_EQ(falcon->last_bytes(32), unpowered);
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
     const std::size_t written = falcon->written.size();
     driver->disconnect();
@@ -383,7 +383,7 @@ TEST_F(Falcon, OneThatBabblesHoldsNobodyAndIsTakenForGone) {
     for (int go = 0; go < 1000000 && came.ok(); ++go) came = turn(*driver);
     EXPECT_FALSE(came.ok());
     driver->disconnect();
-    EXPECT_EQ(falcon->last_bytes(32), limp);
+    EXPECT_EQ(falcon->last_bytes(32), unpowered);
 }
 
 TEST_F(Falcon, OneThatLostItsPowerIsLoadedAgain) {
@@ -403,17 +403,17 @@ TEST_F(Falcon, OneThatLostItsPowerIsLoadedAgain) {
     EXPECT_NE(driver->wish(), "");
 }
 
-TEST_F(Falcon, TheKeeperIsGivenTheSameBytes) {
+TEST_F(Falcon, TheWatchdogIsGivenTheSameBytes) {
     auto driver = driver_for();
-    EXPECT_FALSE(driver->last_word());
+    EXPECT_FALSE(driver->zero_force_packet());
     connect(*driver);
-    const auto word = driver->last_word();
+    const auto word = driver->zero_force_packet();
     ASSERT_TRUE(word);
     EXPECT_EQ(word->descriptor, 77);
     EXPECT_EQ(word->usb_endpoint, 0x02);
-    EXPECT_EQ(word->bytes, bytes_of(limp_packet));
+    EXPECT_EQ(word->bytes, bytes_of(zero_force_packet));
     driver->disconnect();
-    EXPECT_FALSE(driver->last_word());
+    EXPECT_FALSE(driver->zero_force_packet());
 }
 
 TEST_F(Falcon, ItSaysWhatItIs) {
@@ -448,7 +448,7 @@ TEST_F(Falcon, AsADeviceItIsLimpOnceNobodyWritesAndWhenItIsClosed) {
     wait_for([&] { return device.write_forces(force) && motor() < -1000; });
     device.close();
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
-    EXPECT_EQ(falcon->last_bytes(32), limp);
+    EXPECT_EQ(falcon->last_bytes(32), unpowered);
 }
 
 }  // namespace

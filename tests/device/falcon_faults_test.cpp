@@ -46,7 +46,7 @@ public:
         line.went_out(0);
     }
 
-    /// Another process leaves it limp.
+    /// Another process leaves it unpowered.
     void hear_another() {
         Port port(*this);
         for (int packet = 0; packet < 2; ++packet) ASSERT_TRUE(port.write(bytes_of("<AAAAAAAAAAAABA>")).ok());

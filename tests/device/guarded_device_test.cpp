@@ -1,5 +1,5 @@
-// A device beside the process that leaves it limp: what happens to its force where its thread stood still,
-// and where that process is gone.
+// A device beside the process that leaves it unpowered: what happens to its force where its thread stood
+// still, and where that process is gone.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -21,13 +21,13 @@ protected:
         ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, line), 0);
         const timeval patience{10, 0};  // then nothing was said
         setsockopt(line[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-        hardware.last_word = LastWord{line[1], {std::byte{'L'}}, {}, {std::byte{'M'}}};
-        auto started = LimpKeeper::start();
+        hardware.zero_force_packet = ZeroForcePacket{line[1], {std::byte{'L'}}, {}, {std::byte{'M'}}};
+        auto started = SafetyWatchdog::start();
         ASSERT_TRUE(started.ok());
-        keeper = *started;
+        watchdog = *started;
         device.emplace(
             std::make_unique<FakeDriver>(hardware),
-            DrivenSettings{.keeper = keeper, .clock = [this] { return now; }, .own_thread = false});
+            DrivenSettings{.watchdog = watchdog, .clock = [this] { return now; }, .own_thread = false});
         ASSERT_TRUE(device->open().ok());
     }
     void TearDown() override {
@@ -53,7 +53,7 @@ protected:
     int line[2] = {-1, -1};
     std::int64_t now = 1'000'000;
     FakeHardware hardware;
-    std::shared_ptr<LimpKeeper> keeper;
+    std::shared_ptr<SafetyWatchdog> watchdog;
     std::optional<DrivenDevice> device;
     bool reads = false, goes_on = true;
 };
@@ -61,14 +61,14 @@ protected:
 TEST_F(GuardedDevice, ItsForceBeginsAnewAfterItsThreadStoodStill) {
     rise();
     char word = 0;
-    ASSERT_EQ(recv(line[0], &word, 1, 0), 1) << "until it was made limp";
+    ASSERT_EQ(recv(line[0], &word, 1, 0), 1) << "until it was made unpowered";
     EXPECT_EQ(word, 'M');
     EXPECT_EQ(tick(), 0);
     EXPECT_LT(tick(), 0.02) << "it rises";
     rise();
 }
 
-/// What it answered to the process that made it limp.
+/// What it answered to the process that made it unpowered.
 TEST_F(GuardedDevice, WhatCameWhileItsThreadStoodStillIsForgotten) {
     rise();
     const std::int64_t before = hardware.forgotten;
@@ -96,9 +96,9 @@ TEST_F(GuardedDevice, WhatComesInACallThatStoodStillIsNoPlace) {
 
 TEST_F(GuardedDevice, HasNoForceBesideNobody) {
     rise();
-    kill(keeper->process(), SIGKILL);
+    kill(watchdog->process(), SIGKILL);
     siginfo_t ended{};
-    ASSERT_EQ(waitid(P_PID, static_cast<id_t>(keeper->process()), &ended, WEXITED | WNOWAIT), 0);
+    ASSERT_EQ(waitid(P_PID, static_cast<id_t>(watchdog->process()), &ended, WEXITED | WNOWAIT), 0);
     EXPECT_EQ(tick(), 0);
     EXPECT_FALSE(goes_on);
     EXPECT_FALSE(hardware.connected);
@@ -107,8 +107,8 @@ TEST_F(GuardedDevice, HasNoForceBesideNobody) {
     const auto health = device->health();
     ASSERT_FALSE(health.ok());
     EXPECT_EQ(health.error().message,
-              "fake: the process that leaves devices limp when this program cannot (limp-keeper, " +
-                  std::to_string(keeper->process()) +
+              "fake: the process that leaves devices unpowered when this program cannot (safety-watchdog, " +
+                  std::to_string(watchdog->process()) +
                   ") is gone; there is no force without it: start the program again");
     EXPECT_FALSE(device->open().ok());
     EXPECT_EQ(hardware.force, glm::dvec3(0));
@@ -116,7 +116,7 @@ TEST_F(GuardedDevice, HasNoForceBesideNobody) {
 
 TEST_F(GuardedDevice, HasNoForceBesideOneThatStandsStill) {
     rise();
-    kill(keeper->process(), SIGSTOP);
+    kill(watchdog->process(), SIGSTOP);
     for (int ticks = 0; ticks < 10'000 && goes_on; ++ticks) {
         usleep(1000);
         tick();

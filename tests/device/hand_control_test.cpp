@@ -400,7 +400,7 @@ TEST_F(Control, GoesOnWhileItIsRepositioned) {
 
 TEST_F(Control, WhatIsNotFiniteIsToldOn) {
     ask();
-    EXPECT_TRUE(std::isnan(felt({0, nowhere, 0}).y)) << "so that the device leaves itself limp";
+    EXPECT_TRUE(std::isnan(felt({0, nowhere, 0}).y)) << "so that the device leaves itself unpowered";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// When a silent thread's device is made limp, in virtual time.
+// When a silent thread's device is made unpowered, in virtual time.
 #include <gtest/gtest.h>
 
 #include "device/heartbeat.hpp"
@@ -43,8 +43,8 @@ TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
     EXPECT_EQ(watch.due_ns(0), HeartWatch::never) << "another device in its place";
 }
 
-TEST(KeeperWatch, KnowsAfterASecondThatNothingBeats) {
-    KeeperWatch watch;
+TEST(WatchdogMonitor, KnowsAfterASecondThatNothingBeats) {
+    WatchdogMonitor watch;
     std::int64_t now = 5'000'000 * beat_ms;
     EXPECT_TRUE(watch.hears(7, now));
     int looks = 0;
@@ -53,16 +53,16 @@ TEST(KeeperWatch, KnowsAfterASecondThatNothingBeats) {
     EXPECT_TRUE(watch.hears(8, now)) << "it beats again";
 }
 
-TEST(KeeperWatch, OneThatBeatsSeldomLives) {
-    KeeperWatch watch;
+TEST(WatchdogMonitor, OneThatBeatsSeldomLives) {
+    WatchdogMonitor watch;
     std::int64_t now = 0;
     for (std::uint32_t beats = 0xfffffff0; beats != 0x10; ++beats)
         for (int looks = 0; looks < 900; ++looks) ASSERT_TRUE(watch.hears(beats, now += beat_ms));
 }
 
 /// On a machine that sleeps nobody beats.
-TEST(KeeperWatch, TimeInWhichNobodyLookedDoesNotCount) {
-    KeeperWatch watch;
+TEST(WatchdogMonitor, TimeInWhichNobodyLookedDoesNotCount) {
+    WatchdogMonitor watch;
     std::int64_t now = 0;
     watch.hears(7, now);
     for (int sleeps = 0; sleeps < 40; ++sleeps) ASSERT_TRUE(watch.hears(7, now += 3'600'000 * beat_ms));

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "device/inverse3/inverse3_device.hpp"
-#include "device/limp_keeper.hpp"
+#include "device/safety_watchdog.hpp"
 
 namespace touchable {
 namespace {
@@ -101,7 +101,7 @@ struct Driven {
 TEST(Inverse3Driver, TellsThePlaceFromTheCentreOfItsWorkspace) {
     Driven driven;
     ASSERT_TRUE(driven.connect().ok());
-    EXPECT_EQ(driven.wire.sent, std::vector<std::string>{zero_force}) << "limp before all else";
+    EXPECT_EQ(driven.wire.sent, std::vector<std::string>{zero_force}) << "unpowered before all else";
     ASSERT_TRUE(driven.push({0, 1, 0}).ok());
     EXPECT_NE(driven.wire.sent.back().find(R"("z":1.0)"), std::string::npos);
     DeviceSample sample;
@@ -126,22 +126,22 @@ TEST(Inverse3Driver, TheLastThatGoesOutIsZero) {
     EXPECT_FALSE(driven.push({0, 0, 0}).ok());
 }
 
-TEST(Inverse3Driver, TheLastWordIsTheZeroForceAsAFrame) {
+TEST(Inverse3Driver, TheZeroForcePacketIsTheZeroForceAsAFrame) {
     Driven driven;
-    EXPECT_FALSE(driven.driver.last_word());
+    EXPECT_FALSE(driven.driver.zero_force_packet());
     ASSERT_TRUE(driven.connect().ok());
-    const auto word = driven.driver.last_word();
+    const auto word = driven.driver.zero_force_packet();
     ASSERT_TRUE(word);
     EXPECT_EQ(word->descriptor, 77);
     EXPECT_EQ(word->bytes.size(), 6 + zero_force.size()) << "short enough for a head of six bytes";
-    ASSERT_LE(word->bytes.size(), LimpKeeper::most_bytes);
+    ASSERT_LE(word->bytes.size(), SafetyWatchdog::most_bytes);
     EXPECT_EQ(word->bytes[0], std::byte{0x81});
     std::string text;
     for (std::size_t at = 6; at < word->bytes.size(); ++at)
         text += static_cast<char>(word->bytes[at] ^ word->bytes[2 + (at - 6) % 4]);
     EXPECT_EQ(text, zero_force);
     driven.driver.disconnect();
-    EXPECT_FALSE(driven.driver.last_word());
+    EXPECT_FALSE(driven.driver.zero_force_packet());
 }
 
 TEST(Inverse3Driver, AServiceThatDoesNotAnswerIsNotFilledButHearsTheZero) {

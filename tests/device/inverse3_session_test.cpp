@@ -114,7 +114,7 @@ TEST(Inverse3Session, AServiceThatRestartsIsFoundAgain) {
     service = std::make_unique<FakeHaplyService>(FakeHaplyService::Manner{}, port);
     ASSERT_TRUE(eventually([&] { return device->health().ok() && !std::isnan(place_of(*device).x); }));
     ASSERT_FALSE(service->forces().empty());
-    EXPECT_EQ(service->forces().front().newtons, glm::dvec3(0)) << "limp when it is met anew";
+    EXPECT_EQ(service->forces().front().newtons, glm::dvec3(0)) << "unpowered when it is met anew";
     EXPECT_TRUE(is_felt(*device, *service, {0, 1, 0}, {0, 0, 1}));
 }
 
@@ -196,7 +196,7 @@ TEST(Inverse3Session, AnotherGenerationAndAServiceWithoutAVersionAreRefused) {
     EXPECT_TRUE(device_at(silent.port(), ",service=3.6")->open().ok());
 }
 
-TEST(Inverse3Session, TheLastWordLeavesTheArmLimp) {
+TEST(Inverse3Session, TheZeroForcePacketLeavesTheArmLimp) {
     FakeHaplyService service({});
     Inverse3Choice choice;
     Inverse3Driver driver(choice, std::make_unique<LocalHaplyService>(service.port()));
@@ -205,7 +205,7 @@ TEST(Inverse3Session, TheLastWordLeavesTheArmLimp) {
     const glm::dvec3 push(0, 0, -4);
     ASSERT_TRUE(driver.send(std::span(&push, 1)).ok());
     ASSERT_TRUE(eventually([&] { return service.forces().back().newtons == glm::dvec3(0, 4, 0); }));
-    const auto word = driver.last_word();
+    const auto word = driver.zero_force_packet();
     ASSERT_TRUE(word);
     ASSERT_EQ(write(word->descriptor, word->bytes.data(), word->bytes.size()),
               static_cast<ssize_t>(word->bytes.size()));

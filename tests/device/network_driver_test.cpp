@@ -358,20 +358,20 @@ TEST_F(NetworkHand, LeavesZerosBehind) {
     exert({0, 0, 5});
     ASSERT_EQ(peer.hear().vectors[0], glm::dvec3(0, 0, 5));
     driver.disconnect();
-    const auto last_words = peer.hear_all();
-    EXPECT_EQ(last_words.size(), 3U) << "one may be lost on the way, and one refused";
-    for (const NetworkPacket& last : last_words) {
+    const auto zero_force_packets = peer.hear_all();
+    EXPECT_EQ(zero_force_packets.size(), 3U) << "one may be lost on the way, and one refused";
+    for (const NetworkPacket& last : zero_force_packets) {
         EXPECT_TRUE(last.last);
         EXPECT_EQ(last.vectors[0], glm::dvec3(0));
     }
 }
 
-TEST_F(NetworkHand, ItsLastWordIsZeroForce) {
+TEST_F(NetworkHand, ItsZeroForcePacketIsZeroForce) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
     exert({0, 0, 5});
-    const auto word = driver.last_word();
+    const auto word = driver.zero_force_packet();
     ASSERT_TRUE(word);
     ASSERT_EQ(::write(word->descriptor, word->bytes.data(), word->bytes.size()),
               static_cast<ssize_t>(word->bytes.size()));

@@ -33,7 +33,7 @@ protected:
         const Places forces{glm::dvec3(0, 0, newtons), glm::dvec3(1, 2, 0), glm::dvec3(0)};
         return device.write_forces(forces);
     }
-    bool is_limp() {
+    bool is_unpowered() {
         for (const glm::dvec3& force : device.forces())
             if (force != glm::dvec3(0)) return false;
         return true;
@@ -46,7 +46,7 @@ protected:
 };
 
 TEST_F(Pointer, ShowsWhatIsWritten) {
-    EXPECT_TRUE(is_limp());
+    EXPECT_TRUE(is_unpowered());
     ASSERT_TRUE(push());
     ASSERT_EQ(device.forces().size(), 3U);
     EXPECT_EQ(device.forces()[0], glm::dvec3(0, 0, 2));
@@ -59,14 +59,14 @@ TEST_F(Pointer, ShowsWhatIsWritten) {
 TEST_F(Pointer, ClosingLeavesZeroForceAndOpeningDoesNotBringItBack) {
     ASSERT_TRUE(push());
     device.close();
-    EXPECT_TRUE(is_limp());
+    EXPECT_TRUE(is_unpowered());
     EXPECT_FALSE(push());
     Places places;
     EXPECT_FALSE(device.read_positions(places));
     ASSERT_TRUE(device.open().ok());
-    EXPECT_TRUE(is_limp());
+    EXPECT_TRUE(is_unpowered());
     EXPECT_TRUE(push());
-    EXPECT_FALSE(is_limp());
+    EXPECT_FALSE(is_unpowered());
 }
 
 TEST_F(Pointer, NothingIsExertedBeforeOpening) {
@@ -81,11 +81,11 @@ TEST_F(Pointer, NothingIsExertedBeforeOpening) {
 TEST_F(Pointer, SilenceLeavesZeroForce) {
     ASSERT_TRUE(push());
     now_ns += 50'000'000;
-    EXPECT_FALSE(is_limp());
+    EXPECT_FALSE(is_unpowered());
     now_ns += 1;
-    EXPECT_TRUE(is_limp());
+    EXPECT_TRUE(is_unpowered());
     EXPECT_TRUE(push()) << "a caller that speaks again is heard";
-    EXPECT_FALSE(is_limp());
+    EXPECT_FALSE(is_unpowered());
 }
 
 TEST_F(Pointer, TooLargeAForceIsShortenedAlongItsDirection) {
@@ -99,7 +99,7 @@ TEST_F(Pointer, AForceThatIsNotFiniteLeavesZeroForceAndAReasonUntilOpenedAgain) 
     for (const double bad : {nan, std::numeric_limits<double>::infinity(), 1e300}) {
         ASSERT_TRUE(push());
         EXPECT_FALSE(push(bad));
-        EXPECT_TRUE(is_limp());
+        EXPECT_TRUE(is_unpowered());
         EXPECT_FALSE(push());
         Places places;
         EXPECT_FALSE(device.read_positions(places));
@@ -109,7 +109,7 @@ TEST_F(Pointer, AForceThatIsNotFiniteLeavesZeroForceAndAReasonUntilOpenedAgain) 
                   "pointer was given a force that is not finite; open it again");
         ASSERT_TRUE(device.open().ok());
         EXPECT_TRUE(device.health().ok());
-        EXPECT_TRUE(is_limp());
+        EXPECT_TRUE(is_unpowered());
     }
 }
 
@@ -219,14 +219,14 @@ TEST_F(Pointer, StoppingIsAtOnceAndComingBackIsSlow) {
     ASSERT_TRUE(push());
     device.set_force(false);
     EXPECT_FALSE(device.force_is_on());
-    EXPECT_TRUE(is_limp()) << "before any further tick";
+    EXPECT_TRUE(is_unpowered()) << "before any further tick";
     EXPECT_TRUE(push());
-    EXPECT_TRUE(is_limp());
+    EXPECT_TRUE(is_unpowered());
     for (int k = 0; k < 5; ++k) EXPECT_EQ(read(), (Places{camera, camera, camera}));
     intend({deep});
     EXPECT_EQ(read()[0], camera);
     device.set_force(true);
-    EXPECT_TRUE(is_limp()) << "of no force from before";
+    EXPECT_TRUE(is_unpowered()) << "of no force from before";
     glm::dvec3 before = camera;
     for (int k = 0; k < 3000; ++k) {
         const glm::dvec3 now = read()[0];
@@ -235,7 +235,7 @@ TEST_F(Pointer, StoppingIsAtOnceAndComingBackIsSlow) {
     }
     EXPECT_LT(glm::length(before - deep), 1e-6);
     EXPECT_TRUE(push());
-    EXPECT_FALSE(is_limp());
+    EXPECT_FALSE(is_unpowered());
 }
 
 TEST_F(Pointer, AStopBetweenTwoReadingsIsNotLost) {
@@ -244,13 +244,13 @@ TEST_F(Pointer, AStopBetweenTwoReadingsIsNotLost) {
     ASSERT_TRUE(push());
     device.set_force(false);
     device.set_force(true);
-    EXPECT_TRUE(is_limp());
+    EXPECT_TRUE(is_unpowered());
     EXPECT_TRUE(push()) << "an answer to where the finger was";
-    EXPECT_TRUE(is_limp());
+    EXPECT_TRUE(is_unpowered());
     EXPECT_LT(glm::length(read()[0] - camera), 1e-3);
     device.set_force(true);
     EXPECT_TRUE(push());
-    EXPECT_FALSE(is_limp());
+    EXPECT_FALSE(is_unpowered());
 }
 
 TEST_F(Pointer, OpeningAgainBeginsAway) {

@@ -18,14 +18,16 @@ protected:
         const Forces forces{glm::dvec3(1, 2, 0), glm::dvec3(0, 0, 3)};
         return device.write_forces(forces);
     }
-    bool limp() const { return device.exerted()[0] == glm::dvec3(0) && device.exerted()[1] == glm::dvec3(0); }
+    bool unpowered() const {
+        return device.exerted()[0] == glm::dvec3(0) && device.exerted()[1] == glm::dvec3(0);
+    }
 
     SimulatedDevice device{2, {.max_force = 8, .max_stiffness = 2000}};
 };
 
 TEST_F(SafetyContract, ExertsWhatIsWrittenAndReportsWhereItsFingersAre) {
     ASSERT_TRUE(device.open().ok());
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
     ASSERT_TRUE(push());
     EXPECT_EQ(device.exerted()[0], glm::dvec3(1, 2, 0));
     EXPECT_EQ(device.exerted()[1], glm::dvec3(0, 0, 3));
@@ -41,30 +43,30 @@ TEST_F(SafetyContract, ClosingLeavesZeroForce) {
     ASSERT_TRUE(device.open().ok());
     ASSERT_TRUE(push());
     device.close();
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
     EXPECT_FALSE(push());
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
 }
 
 TEST_F(SafetyContract, NothingIsExertedBeforeOpening) {
     EXPECT_FALSE(push());
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
 }
 
 TEST_F(SafetyContract, FailingLeavesZeroForceAndAReasonUntilOpenedAgain) {
     ASSERT_TRUE(device.open().ok());
     ASSERT_TRUE(push());
     device.fail("was unplugged");
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
     std::array<glm::dvec3, 2> positions{};
     EXPECT_FALSE(push());
     EXPECT_FALSE(device.read_positions(positions));
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
     ASSERT_FALSE(device.health().ok());
     EXPECT_EQ(device.health().error().kind, ErrorKind::device);
     EXPECT_EQ(device.health().error().message, "simulated device was unplugged; open it again");
     ASSERT_TRUE(device.open().ok());
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
     EXPECT_TRUE(push());
 }
 
@@ -73,14 +75,14 @@ TEST_F(SafetyContract, SilenceLeavesZeroForce) {
     for (int tick = 0; tick < 200; ++tick) {
         ASSERT_TRUE(push());
         device.pass_tick();
-        EXPECT_FALSE(limp());
+        EXPECT_FALSE(unpowered());
     }
     for (int tick = 0; tick < 48; ++tick) device.pass_tick();
-    EXPECT_FALSE(limp());
+    EXPECT_FALSE(unpowered());
     for (int tick = 0; tick < 2; ++tick) device.pass_tick();
-    EXPECT_TRUE(limp());
+    EXPECT_TRUE(unpowered());
     EXPECT_TRUE(push()) << "a caller that speaks again is heard";
-    EXPECT_FALSE(limp());
+    EXPECT_FALSE(unpowered());
 }
 
 TEST_F(SafetyContract, TooLargeAForceIsShortenedAlongItsDirection) {
@@ -98,7 +100,7 @@ TEST_F(SafetyContract, AForceThatIsNotFiniteLeavesZeroForceOnEveryFinger) {
         ASSERT_TRUE(push());
         const Forces forces{glm::dvec3(1, 0, 0), glm::dvec3(0, bad, 0)};
         EXPECT_FALSE(device.write_forces(forces));
-        EXPECT_TRUE(limp());
+        EXPECT_TRUE(unpowered());
         EXPECT_FALSE(device.health().ok());
     }
 }

@@ -53,7 +53,7 @@ struct Board {
     }
 };
 
-inline const Bytes limp(15, std::byte{0});
+inline const Bytes unpowered(15, std::byte{0});
 
 struct Bench {
     std::shared_ptr<FakeWire> wire = std::make_shared<FakeWire>();

@@ -42,11 +42,11 @@ TEST(WoodenDriver, ForcesAreCurrentsAndPartingIsLimp) {
     EXPECT_EQ(bench.board->milliamperes, (std::array<int, 3>{0, 0, 788}));
     const std::size_t before = bench.wire->sent().size();
     bench.driver->disconnect();
-    EXPECT_EQ(bench.wire->last_sent(), limp);
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
     EXPECT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
     const auto sent = bench.wire->sent();
     EXPECT_EQ(std::vector(sent.begin() + static_cast<std::ptrdiff_t>(before), sent.end()),
-              std::vector(2, limp))
+              std::vector(2, unpowered))
         << "one may be lost";
 }
 
@@ -56,7 +56,7 @@ TEST(WoodenDriver, OneThatMustNotBeDrivenGetsNoCurrent) {
     Bench bench(build);
     ASSERT_TRUE(bench.connect().ok());
     ASSERT_TRUE(bench.turn({5, 5, 5}).ok());
-    EXPECT_EQ(bench.wire->last_sent(), limp);
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
     EXPECT_TRUE(bench.has_place());
     EXPECT_EQ(bench.driver->capabilities().axes_driven, 0);
     EXPECT_NE(bench.driver->name().find("no force"), std::string::npos);
@@ -69,7 +69,7 @@ TEST(WoodenDriver, WithAButtonItHasNoPlaceUntilItWasPressed) {
     for (int turn = 0; turn < 100; ++turn) {
         ASSERT_TRUE(bench.turn({0, 1, 0}).ok());
         ASSERT_FALSE(bench.has_place());
-        ASSERT_EQ(bench.wire->last_sent(), limp);
+        ASSERT_EQ(bench.wire->last_sent(), unpowered);
     }
     EXPECT_NE(bench.driver->wish().find("button"), std::string::npos);
     bench.board->pressed = true;
@@ -92,7 +92,7 @@ TEST(WoodenDriver, TwoDamagedReadingsOfItsButtonHomeNothing) {
         for (int turn = 0; turn < 10; ++turn) {
             ASSERT_TRUE(bench.turn({0, 1, 0}).ok());
             EXPECT_FALSE(bench.has_place()) << damaged;
-            EXPECT_EQ(bench.wire->last_sent(), limp);
+            EXPECT_EQ(bench.wire->last_sent(), unpowered);
         }
         EXPECT_EQ(bench.board->counters[2], 333) << "nobody knows that it is at home";
     }
@@ -115,7 +115,7 @@ TEST(WoodenDriver, ABoardThatDidNotTakeItsCountersIsNotAtHome) {
     ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)).ok());
     EXPECT_FALSE(bench.has_place());
     ASSERT_TRUE(bench.driver->send(push).ok());
-    EXPECT_EQ(bench.wire->last_sent(), limp);
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
 }
 
 TEST(WoodenDriver, ABoardThatWasHomedMaySoBeTakenOnce) {
@@ -141,7 +141,7 @@ TEST(WoodenDriver, OneThatWasAwayIsNotTakenToBeAtHome) {
     ASSERT_TRUE(bench.connect().ok());
     for (int turn = 0; turn < 10; ++turn) ASSERT_TRUE(bench.turn({0, 1, 0}).ok());
     EXPECT_FALSE(bench.has_place());
-    EXPECT_EQ(bench.wire->last_sent(), limp);
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
     EXPECT_NE(bench.driver->wish().find("away"), std::string::npos);
     bench.board->pressed = true;
     for (int turn = 0; turn < 6; ++turn) ASSERT_TRUE(bench.turn({0, 0, 0}).ok());
@@ -245,14 +245,14 @@ TEST(WoodenDriver, ItTellsAPlaceForEachReportAndNotByItself) {
     EXPECT_TRUE(*bench.turn({0, 0, 0}));
 }
 
-TEST(WoodenDriver, ItsLastWordIsAReportWithoutCurrents) {
+TEST(WoodenDriver, ItsZeroForcePacketIsAReportWithoutCurrents) {
     Bench bench;
-    EXPECT_FALSE(bench.driver->last_word());
+    EXPECT_FALSE(bench.driver->zero_force_packet());
     ASSERT_TRUE(bench.connect().ok());
-    const auto word = bench.driver->last_word();
+    const auto word = bench.driver->zero_force_packet();
     ASSERT_TRUE(word);
     EXPECT_EQ(word->descriptor, 77);
-    EXPECT_EQ(word->bytes, limp);
+    EXPECT_EQ(word->bytes, unpowered);
     EXPECT_FALSE(word->usb_endpoint);
 }
 

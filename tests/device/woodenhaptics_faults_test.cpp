@@ -81,7 +81,7 @@ TEST(WoodenDriver, TenThousandFaultsNeverLeaveAForce) {
         bench.driver->disconnect();
         if (is_in_again) {
             ++heard_partings;
-            ASSERT_EQ(bench.wire->last_sent(), limp);
+            ASSERT_EQ(bench.wire->last_sent(), unpowered);
             ASSERT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
         }
     }
@@ -109,8 +109,8 @@ TEST(WoodenDriver, AHandThatLetsGoOrIsPulledOutIsLimp) {
         ASSERT_TRUE(device.write_forces(push));
         std::this_thread::yield();
     }
-    // Nobody writes any more: it goes limp by itself.
-    while (wire->last_sent() != limp) std::this_thread::yield();
+    // Nobody writes any more: it goes unpowered by itself.
+    while (wire->last_sent() != unpowered) std::this_thread::yield();
     while (!pushed()) {
         ASSERT_TRUE(device.write_forces(push));
         std::this_thread::yield();
@@ -125,9 +125,9 @@ TEST(WoodenDriver, AHandThatLetsGoOrIsPulledOutIsLimp) {
     }
     ASSERT_TRUE(device.read_positions(place));
     EXPECT_TRUE(std::isnan(place[0].x));
-    EXPECT_EQ(wire->last_sent(), limp);
+    EXPECT_EQ(wire->last_sent(), unpowered);
     device.close();
-    EXPECT_EQ(wire->last_sent(), limp);
+    EXPECT_EQ(wire->last_sent(), unpowered);
 }
 
 }  // namespace

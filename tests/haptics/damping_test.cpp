@@ -198,9 +198,9 @@ TEST_F(Dragged, TheBrakeIsFeltAsFarAsTheContactIs) {
         for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
         Contact arriving = at(tick, 10, 10000);
         arriving.carried_stiffness = 100;
-        CalmedForce calmed{arriving.force};
-        calmed.presence = presence;
-        const GuardedForce out = guard.guard_calmed(arriving, calmed);
+        BlendedForce blended{arriving.force};
+        blended.presence = presence;
+        const GuardedForce out = guard.guard_blended(arriving, blended);
         EXPECT_NEAR(out.force.x, -20 * 0.2 * presence, 1e-6);
         EXPECT_EQ(out.reasons & guard_passivity, presence > 0 ? std::uint32_t{guard_passivity} : 0U);
     }
@@ -235,9 +235,9 @@ TEST_F(Dragged, TheDamperIsFeltAsFarAsTheContactIs) {
         for (int tick = 0; tick < 100; ++tick) {  // 0.02 m/s into 1000 N/m
             deeper = at(0, 1 + 0.02 * tick);
             deeper.carried.x = 0;
-            CalmedForce calmed{deeper.force};
-            calmed.presence = presence;
-            out = guard.guard_calmed(deeper, calmed);
+            BlendedForce blended{deeper.force};
+            blended.presence = presence;
+            out = guard.guard_blended(deeper, blended);
         }
         EXPECT_NEAR(out.force.z, deeper.force.z + presence * 10 * 0.02, 1e-6);
     }

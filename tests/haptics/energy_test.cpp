@@ -213,7 +213,7 @@ TEST(Energy, WhatAJumpsCancellationTakesFromTheHandIsTheSurfaces) {
         ForceGuard guard(settings, 0.001);
         guard.guard(resting_at(depth));
         const EnergyFigures before =
-            guard.guard_calmed(resting_at(depth), {glm::dvec3(0, 0, newtons)}).energy;
+            guard.guard_blended(resting_at(depth), {glm::dvec3(0, 0, newtons)}).energy;
         Contact up = resting_at(depth - 1);  // the surface rests, the hand goes up by a millimetre
         up.carried = {0, 0, 0};
         return guard.guard(up).energy.surface - before.surface;

@@ -143,10 +143,10 @@ TEST(HostileInput, EveryFieldThatAForceIsMadeOfIsLookedAt) {
     EXPECT_EQ(out_of([](Contact& c) { c.jumped_force.x = NAN; }), guard_none);
 
     ForceGuard guard(without_ramp(), 0.001);
-    for (const CalmedForce& calmed :
-         {CalmedForce{dvec3(NAN, 0, 0)}, CalmedForce{dvec3(1e200, 0, 0)}, CalmedForce{.presence = NAN},
-          CalmedForce{.presence = 2}, CalmedForce{.presence = -0.5}})
-        EXPECT_EQ(guard.guard_calmed(good_contact(20), calmed).reasons, guard_fault);
+    for (const BlendedForce& blended :
+         {BlendedForce{dvec3(NAN, 0, 0)}, BlendedForce{dvec3(1e200, 0, 0)}, BlendedForce{.presence = NAN},
+          BlendedForce{.presence = 2}, BlendedForce{.presence = -0.5}})
+        EXPECT_EQ(guard.guard_blended(good_contact(20), blended).reasons, guard_fault);
 }
 
 // Time goes on by a tick at least, and no contact says otherwise.

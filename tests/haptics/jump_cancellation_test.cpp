@@ -56,7 +56,7 @@ TEST(JumpCancellation, WhatNeverJumpsGoesThroughToTheBit) {
         Contact contact = pressing(force);
         contact.touching = random.below(10) > 0;
         if (!contact.touching) contact.force = dvec3(0.0);
-        const CalmedForce out = calm.calm(contact);
+        const BlendedForce out = calm.calm(contact);
         ASSERT_EQ(out.force, contact.force);
         ASSERT_EQ(out.difference, dvec3(0.0));
         ASSERT_FALSE(out.active);
@@ -66,7 +66,7 @@ TEST(JumpCancellation, WhatNeverJumpsGoesThroughToTheBit) {
 TEST(JumpCancellation, AJumpOfTheSurfaceIsNoStepAndIsFeltWholeAfterATenthOfASecond) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 1}));
-    CalmedForce out = calm.calm(jumping({0, 2, 5}));
+    BlendedForce out = calm.calm(jumping({0, 2, 5}));
     EXPECT_NEAR(length(out.force - dvec3(0, 0, 1)), 0, 1e-15);
     EXPECT_TRUE(out.active);
     EXPECT_NEAR(length(out.difference - dvec3(0, -2, -4)), 0, 1e-15);
@@ -104,7 +104,7 @@ TEST(JumpCancellation, TheSpringItselfIsUntouched) {
     one.calm(jumping({0, 0, 5}));
     other.calm(jumping({0, 0, 5}));
     for (int tick = 0; tick < 50; ++tick) {
-        const CalmedForce a = one.calm(pressing({0, 0, 5})), b = other.calm(pressing({0, 0.25, 5.5}));
+        const BlendedForce a = one.calm(pressing({0, 0, 5})), b = other.calm(pressing({0, 0.25, 5.5}));
         EXPECT_NEAR(length(b.force - a.force - dvec3(0, 0.25, 0.5)), 0, 1e-14) << "dF/dG lags";
     }
 }
@@ -119,7 +119,7 @@ TEST(JumpCancellation, ItNeverLengthensAForceNorPullsAgainstIt) {
             const dvec3 force(any(), any(), any());
             Contact contact = random.below(20) == 0 ? jumping(force) : pressing(force);
             if (contact.jumped) contact.jumped_force = {any(), any(), any()};
-            const CalmedForce out = calm.calm(contact);
+            const BlendedForce out = calm.calm(contact);
             ASSERT_LE(length(out.force), length(force) * (1 + 1e-12));
             ASSERT_GE(glm::dot(out.force, force), -1e-9);
             active += out.active;
@@ -135,7 +135,7 @@ TEST(JumpCancellation, CutsThatOverlapGoOnFromTheCurrentForce) {
     Random random(9);
     for (int cut = 0; cut < 100; ++cut) {
         const dvec3 level(0.1 * random.below(20), 0.1 * random.below(20), 3 + 0.1 * random.below(20));
-        CalmedForce out = calm.calm(jumping(level));
+        BlendedForce out = calm.calm(jumping(level));
         // Shorter than the surface now gives is all there may be.
         EXPECT_LE(length(out.force - last), std::max(0.0, length(last) - length(level)) + fading)
             << "cut " << cut;
@@ -149,7 +149,7 @@ TEST(JumpCancellation, ARowOfSmallJumpsIsFollowedNotHeldBackForEver) {
     calm.calm(pressing({0, 0, 0.001}));
     double behind = 0;
     for (int tick = 1; tick <= 70; ++tick) {  // a surface that comes at 0.12 m/s, 1 N/mm
-        const CalmedForce out = calm.calm(jumping({0, 0, 0.12 * tick}));
+        const BlendedForce out = calm.calm(jumping({0, 0, 0.12 * tick}));
         behind = 0.12 * tick - out.force.z;
         EXPECT_GT(behind, -1e-12);
         EXPECT_LT(behind, 6.0) << "50 ms behind";
@@ -162,10 +162,10 @@ TEST(JumpCancellation, TheEndOfContactEndsItAtOnce) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 1}));
     calm.calm(jumping({0, 0, 5}));
-    const CalmedForce free = calm.calm(Contact{});
+    const BlendedForce free = calm.calm(Contact{});
     EXPECT_EQ(free.force, dvec3(0.0));
     EXPECT_FALSE(free.active);
-    const CalmedForce again = calm.calm(pressing({0, 0, 2}));
+    const BlendedForce again = calm.calm(pressing({0, 0, 2}));
     EXPECT_EQ(again.force, dvec3(0, 0, 2));
     EXPECT_FALSE(again.active);
 }
@@ -248,7 +248,7 @@ JumpCancellation waiting() {
 
 TEST(JumpCancellation, AFingerThatWaitsGetsNothingOfAJumpEither) {
     JumpCancellation calm = waiting();
-    const CalmedForce first = calm.calm(pressing({0, 0, 3}));
+    const BlendedForce first = calm.calm(pressing({0, 0, 3}));
     EXPECT_EQ(first.force, dvec3(0.0));
     EXPECT_EQ(first.presence, 0) << "nor of what is added to the spring";
     Contact turned = jumping({0, 0, 3});
@@ -265,7 +265,7 @@ TEST(JumpCancellation, AFingerWhoseGoalIsMissingGoesOnWaiting) {
     for (int tick = 0; tick < 3; ++tick) EXPECT_FALSE(calm.calm(missing).waiting);
     EXPECT_TRUE(calm.calm(pressing({0, 0, 3})).waiting);
     EXPECT_FALSE(calm.calm(missing).waiting) << "there is nothing to wait for";
-    const CalmedForce again = calm.calm(pressing({0, 0, 3}));
+    const BlendedForce again = calm.calm(pressing({0, 0, 3}));
     EXPECT_TRUE(again.waiting);
     EXPECT_EQ(again.force, dvec3(0.0));
     calm.calm(Contact{});
@@ -286,7 +286,7 @@ TEST(JumpCancellation, OnceResetItIsAsItWasMade) {
             for (int tick = 0; tick < 30; ++tick) {
                 const Contact contact = near_hole(1 + random.below(6), 100 + random.below(900),
                                                   random.below(2), tick > 0 && random.below(4) == 0);
-                const CalmedForce a = used.calm(contact), b = made.calm(contact);
+                const BlendedForce a = used.calm(contact), b = made.calm(contact);
                 ASSERT_EQ(a.force, b.force) << run << ' ' << tick;
                 ASSERT_EQ(a.presence, b.presence);
                 ASSERT_EQ(a.waiting, b.waiting);
@@ -298,7 +298,7 @@ TEST(JumpCancellation, OnceResetItIsAsItWasMade) {
 TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
     JumpCancellation calm(device());
     double last = calm.calm(pressing({0, 0, 4})).force.z;
-    CalmedForce out = calm.calm(jumping({0, 0, 60}));
+    BlendedForce out = calm.calm(jumping({0, 0, 60}));
     EXPECT_DOUBLE_EQ(out.force.z, 4);
     for (int tick = 0; tick < 99; ++tick) {
         out = calm.calm(pressing({0, 0, 60}));
@@ -336,8 +336,8 @@ TEST(JumpCancellation, AtAHoleAJumpIsHowFarTheSurfaceJumpedWhateverTheStiffness)
             const bool at_hole = random.below(3) > 0;
             if (at_hole || was_at_hole) stiffness = 100 + random.below(500);
             was_at_hole = at_hole;
-            const CalmedForce one = even.calm(near_hole(depth, 600, 0, jumps)),
-                              other = uneven.calm(near_hole(depth, stiffness, at_hole ? 0.5 : 0, jumps));
+            const BlendedForce one = even.calm(near_hole(depth, 600, 0, jumps)),
+                               other = uneven.calm(near_hole(depth, stiffness, at_hole ? 0.5 : 0, jumps));
             ASSERT_NEAR(length(other.force) / stiffness, length(one.force) / 600, 1e-9) << tick;
             active += one.active;
         }

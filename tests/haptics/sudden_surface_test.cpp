@@ -151,7 +151,7 @@ TEST_P(CutEveryFrame, NeverKicksNeverLosesTheSurface) {
     SurfaceFrame *prev = &stage.field.prev, *next = &stage.field.next;
     cut(*prev, 0);
     double most = 0;
-    int felt = 0, calmed = 0;
+    int felt = 0, blended = 0;
     std::int64_t n = -1;
     const FrameRate& rate = stage.field.scene.rate;
     const int ticks = 8000;
@@ -177,14 +177,14 @@ TEST_P(CutEveryFrame, NeverKicksNeverLosesTheSurface) {
         // Of a held frame, 3.3 mm are not sudden.
         most = std::max(most, stage.rise - newtons_per_unit * glm::length(way * step));
         felt += glm::length(stage.force) > 0.1;
-        calmed += (stage.reasons & guard_jump) != 0;
+        blended += (stage.reasons & guard_jump) != 0;
     }
     EXPECT_LE(most, hold ? newtons_per_unit * 3.34 : largest_rise);
     EXPECT_GT(stage.jumped, 40);
-    EXPECT_GT(calmed, 500);
+    EXPECT_GT(blended, 500);
     EXPECT_GT(felt, ticks / 20);
     EXPECT_GT(stage.touching, ticks / 4);
-    std::cout << "largest rise " << most << " N, " << stage.jumped << " jumps, calmed in " << calmed
+    std::cout << "largest rise " << most << " N, " << stage.jumped << " jumps, blended in " << blended
               << ", felt in " << felt << " of " << ticks << " ticks\n";
 }
 

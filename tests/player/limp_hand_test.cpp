@@ -71,7 +71,7 @@ std::string text_of(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-class LimpHand : public ::testing::Test {
+class UnpoweredHand : public ::testing::Test {
 protected:
     void SetUp() override {
         const Outcome made = run_touchable({"make", "globe", clip_, "--size", "64x48", "--frames", "4"});
@@ -130,7 +130,7 @@ protected:
     pid_t program_ = 0;
 };
 
-TEST_F(LimpHand, WhileTheProgramIsStoppedAndIsAnsweredAfterwards) {
+TEST_F(UnpoweredHand, WhileTheProgramIsStoppedAndIsAnsweredAfterwards) {
     start();
     GlobeHand hand(port_);
     ASSERT_TRUE(hand.feels_something()) << said();
@@ -150,7 +150,7 @@ TEST_F(LimpHand, WhileTheProgramIsStoppedAndIsAnsweredAfterwards) {
     EXPECT_TRUE(is_answered);
 }
 
-TEST_F(LimpHand, WhenAllOfTheProgramsGroupIsKilled) {
+TEST_F(UnpoweredHand, WhenAllOfTheProgramsGroupIsKilled) {
     start();
     GlobeHand hand(port_);
     ASSERT_TRUE(hand.feels_something()) << said();
@@ -161,20 +161,20 @@ TEST_F(LimpHand, WhenAllOfTheProgramsGroupIsKilled) {
 }
 
 /// `pkill -9 touchable` and `pkill -9 -f touchable` end the program alone.
-TEST_F(LimpHand, TheProcessBesideTheProgramHasAnotherName) {
+TEST_F(UnpoweredHand, TheProcessBesideTheProgramHasAnotherName) {
     start();
     GlobeHand hand(port_);
     ASSERT_TRUE(hand.feels_something()) << said();
     ASSERT_GT(guardian(), 0);
     const std::filesystem::path process = "/proc/" + std::to_string(guardian());
-    EXPECT_EQ(text_of(process / "comm"), "limp-keeper\n");
+    EXPECT_EQ(text_of(process / "comm"), "safety-watchdog\n");
     EXPECT_EQ(text_of(process / "cmdline").find("touch"), std::string::npos);
 }
 
-class LimpHandWithoutItsProcess : public LimpHand,
-                                  public ::testing::WithParamInterface<std::pair<int, const char*>> {};
+class UnpoweredHandWithoutWatchdog : public UnpoweredHand,
+                                     public ::testing::WithParamInterface<std::pair<int, const char*>> {};
 
-TEST_P(LimpHandWithoutItsProcess, IsLimpAndTheProgramEndsAndSaysWhy) {
+TEST_P(UnpoweredHandWithoutWatchdog, IsLimpAndTheProgramEndsAndSaysWhy) {
     const auto [signal, what] = GetParam();
     start();
     GlobeHand hand(port_);
@@ -186,20 +186,21 @@ TEST_P(LimpHandWithoutItsProcess, IsLimpAndTheProgramEndsAndSaysWhy) {
     ASSERT_TRUE(last);
     EXPECT_EQ(last->vectors[0], glm::dvec3(0));
     EXPECT_EQ(exit_code(), 5);
-    EXPECT_NE(said().find("touchable: network hand: the process that leaves devices limp when this program "
-                          "cannot (limp-keeper, " +
-                          std::to_string(ended) + ") " + what + "; there is no force without it"),
-              std::string::npos)
+    EXPECT_NE(
+        said().find("touchable: network hand: the process that leaves devices unpowered when this program "
+                    "cannot (safety-watchdog, " +
+                    std::to_string(ended) + ") " + what + "; there is no force without it"),
+        std::string::npos)
         << said();
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, LimpHandWithoutItsProcess,
+INSTANTIATE_TEST_SUITE_P(Signals, UnpoweredHandWithoutWatchdog,
                          ::testing::Values(std::pair{SIGKILL, "is gone"},
                                            std::pair{SIGSTOP, "stands still"}));
 
-/// Whoever asks it to stop by Ctrl-C has a limp hand, whatever the program waits for: a terminal that is held
-/// by Ctrl-S takes not even the line that says how it goes, and never answers.
-TEST_F(LimpHand, AtCtrlCBeforeAnythingIsWaitedFor) {
+/// Whoever asks it to stop by Ctrl-C has an unpowered hand, whatever the program waits for: a terminal that
+/// is held by Ctrl-S takes not even the line that says how it goes, and never answers.
+TEST_F(UnpoweredHand, AtCtrlCBeforeAnythingIsWaitedFor) {
     int keyboard = -1, terminal = -1;
     ASSERT_EQ(openpty(&keyboard, &terminal, nullptr, nullptr, nullptr), 0);
     start(terminal);

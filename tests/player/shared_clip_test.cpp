@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/stop_request.hpp"
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 #include "tests/frame/random.hpp"
 
 namespace touchable::test {
@@ -116,7 +116,8 @@ TEST_F(Shared, ARunThatBeginsWhereAnotherOneIsReadsNothingAgain) {
     EXPECT_FALSE(next->seek(-1).ok());
 }
 
-// What a run reads is the other's too: a clip that was left in the middle of a frame would be damaged for both.
+// What a run reads is the other's too: a clip that was left in the middle of a frame would be damaged for
+// both.
 TEST_F(Shared, AFrameIsReadToItsEndThoughItsRunIsGivenUp) {
     auto run = reader();
     std::stop_source given_up;
@@ -145,18 +146,18 @@ TEST_F(Shared, EachRunHasItsFramesWhereverTheOtherReads) {
 TEST_F(Shared, KeepsTheFirstFramesForASurveyUntilItIsMade) {
     auto before = reader();
     expect_frames(*before, 0, 100);
-    expect_frames(*reader(), 0, DepthSurvey::frames);
+    expect_frames(*reader(), 0, DepthEstimator::frames);
     EXPECT_EQ(read_.most(), 1);
     expect_frames(*before, 100, 110);
     EXPECT_EQ(read_.most(), 1) << "the run that goes on reads on";
     shared_->forget_first_frames();
-    expect_frames(*reader(), 0, DepthSurvey::frames);
+    expect_frames(*reader(), 0, DepthEstimator::frames);
     EXPECT_EQ(read_.most(), 2);
 }
 
 TEST_F(Shared, KeepsAFewFramesThoughTheyAreLargeAndNeverMoreThanSome) {
     expect_frames(*reader(), 0, 150);
-    EXPECT_EQ(read_.in_memory(), 32 + DepthSurvey::frames);
+    EXPECT_EQ(read_.in_memory(), 32 + DepthEstimator::frames);
     read_ = {};
     shared_ = std::make_shared<SharedClip>();
     expect_frames(*reader(50 << 20), 0, 100);

@@ -7,7 +7,7 @@
 
 #include "engine/import/open_clip.hpp"
 #include "engine/scene/terraces.hpp"
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
@@ -84,11 +84,11 @@ void expect_faces_on_planes(const std::filesystem::path& folder, const std::file
     auto reader = open_clip(folder, scene_file);
     ASSERT_TRUE(reader.ok()) << reader.error().message;
     Scene scene = (*reader)->scene();
-    DepthSurvey survey(scene);
+    DepthEstimator estimator(scene);
     const auto first = (*reader)->next();
     ASSERT_TRUE(first.ok() && *first);
-    survey.add(**first);
-    const DepthLength levels = survey.measured()->levels;
+    estimator.add(**first);
+    const DepthLength levels = estimator.measured()->levels;
     scene.filter.fill_holes = 0;
     scene.filter.median = 0;
     const double stored = off_the_planes(**first, scene, levels.quadratic);

@@ -325,7 +325,7 @@ TEST(HeldHand, ThatIsLeftLimpGetsNoForceWhoeverWritesOne) {
     const glm::dvec3 force(0, 0, 2);
     EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
     EXPECT_EQ(fake->newtons, 2);
-    hand.leave_limp();
+    hand.power_off();
     EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
     EXPECT_EQ(fake->newtons, 0);
 }

@@ -20,7 +20,7 @@ namespace {
 
 /// A hand that goes into the globe and out again, over and over, by its ticks, in a window whose second clip
 /// is never there.
-class LimpWindow : public ::testing::Test {
+class UnpoweredWindow : public ::testing::Test {
 protected:
     static constexpr std::int64_t there_and_back = 400;  // ticks
 
@@ -82,7 +82,7 @@ protected:
         const auto is_felt = [this] { return fake_->newtons > 0.1; };
         felt_ = comes_true([&] { return is_opening_ && is_felt(); });
         end();
-        was_limp_ = goes_on(2 * there_and_back, [this] { return fake_->newtons > 0; });
+        was_unpowered_ = goes_on(2 * there_and_back, [this] { return fake_->newtons > 0; });
         fake_->pressed = 0;
         goes_on(20, [] { return false; });
         fake_->pressed = 1;
@@ -97,37 +97,37 @@ protected:
     const std::filesystem::path clip_ = folder_ / "globe.mkv";
     const std::shared_ptr<FakeHand> fake_ = std::make_shared<FakeHand>();
     std::atomic<bool> is_opening_{false}, is_released_{false};
-    bool felt_ = false, was_limp_ = false, came_back_ = false;
+    bool felt_ = false, was_unpowered_ = false, came_back_ = false;
 };
 
-TEST_F(LimpWindow, WhenItIsClosedWhateverIsOpenedMeanwhile) {
+TEST_F(UnpoweredWindow, WhenItIsClosedWhateverIsOpenedMeanwhile) {
     std::thread looks_on([this] { look_on(); });
     EXPECT_TRUE(play("2.5 quit\n", 60).ok());
     looks_on.join();
     EXPECT_TRUE(felt_);
-    EXPECT_TRUE(was_limp_) << "before what it opens was done";
+    EXPECT_TRUE(was_unpowered_) << "before what it opens was done";
     EXPECT_FALSE(came_back_) << "its button asked for a force that nobody sees";
 }
 
-TEST_F(LimpWindow, AfterFWhateverIsOpenedMeanwhile) {
+TEST_F(UnpoweredWindow, AfterFWhateverIsOpenedMeanwhile) {
     std::thread looks_on([this] { look_on(); });
     EXPECT_TRUE(play("2.5 key f\n", 8).ok());
     looks_on.join();
     EXPECT_TRUE(felt_);
-    EXPECT_TRUE(was_limp_);
+    EXPECT_TRUE(was_unpowered_);
     EXPECT_TRUE(came_back_) << "it was not F, but the window's end";
     EXPECT_EQ(fake_->newtons, 0) << "in the end";
 }
 
 /// (In a process of its own: it is asked to stop once and for all.)
-TEST_F(LimpWindow, AtCtrlCWhateverIsOpenedMeanwhile) {
+TEST_F(UnpoweredWindow, AtCtrlCWhateverIsOpenedMeanwhile) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     const auto is_as_it_should_be = [this] {
         std::signal(SIGINT, [](int) { request_stop(); });
         std::thread looks_on([this] { look_on([] { std::raise(SIGINT); }); });
         const auto played = play("", 60);
         looks_on.join();
-        return felt_ && was_limp_ && !came_back_ && !played.ok() &&
+        return felt_ && was_unpowered_ && !came_back_ && !played.ok() &&
                played.error().kind == ErrorKind::interrupted;
     };
     EXPECT_EXIT(_exit(is_as_it_should_be() ? 0 : 1), testing::ExitedWithCode(0), "");

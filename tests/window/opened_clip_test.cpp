@@ -333,9 +333,9 @@ TEST_F(ChangedClip, FingerStaysPressedInAndIsFeltAgain) {
 TEST_F(ChangedClip, TakesCommandsForeverByOneSessionAfterTheOther) {
     for (int k = 0; k < 65000; ++k) ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, 1000).ok());
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, 500).ok());
-    ASSERT_TRUE(comes_true([this] { return clip_->is_worn() && now().rate == 500; }));
+    ASSERT_TRUE(comes_true([this] { return clip_->is_nearly_full() && now().rate == 500; }));
     ASSERT_TRUE(change("metric", "world").ok());
-    EXPECT_FALSE(clip_->is_worn());
+    EXPECT_FALSE(clip_->is_nearly_full());
     EXPECT_TRUE(comes_true([this] { return now().rate == 500; }));
     for (int k = 0; k < 1000; ++k) ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, 2000).ok());
     EXPECT_TRUE(comes_true([this] { return now().rate == 2000; }));

@@ -1,4 +1,4 @@
-#include "tests/surface/plain_survey.hpp"
+#include "tests/surface/plain_estimator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,15 +40,15 @@ public:
     Measuring(const DepthCoding& coding, const std::vector<CodePicture>& pictures)
         : coding_(coding), pictures_(pictures) {}
 
-    PlainSurvey all() {
-        survey_.median_depth = median();
-        survey_.levels = levels();
+    PlainEstimator all() {
+        estimator_.median_depth = median();
+        estimator_.levels = levels();
         look();
-        survey_.noise_at_flat = noise(changes_[0]);
-        survey_.noise_at_edges = noise(changes_[1]);
-        survey_.noise_at_rims = noise(changes_[2]);
-        survey_.roughness = roughness();
-        return survey_;
+        estimator_.noise_at_flat = noise(changes_[0]);
+        estimator_.noise_at_edges = noise(changes_[1]);
+        estimator_.noise_at_rims = noise(changes_[2]);
+        estimator_.roughness = roughness();
+        return estimator_;
     }
 
 private:
@@ -72,7 +72,7 @@ private:
         if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return nothing;
         return picture.codes[static_cast<std::size_t>(y * picture.width + x)];
     }
-    void decide(const char* rule) { survey_.decided.emplace_back(rule); }
+    void decide(const char* rule) { estimator_.decided.emplace_back(rule); }
 
     // Levels.
 
@@ -192,9 +192,9 @@ private:
         const auto share = [](std::int64_t part, std::int64_t whole) {
             return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
         };
-        survey_.dropouts = share(dropped, kept);
-        survey_.tiny_holes = share(tiny, pixels);
-        survey_.flying = share(flying, pixels);
+        estimator_.dropouts = share(dropped, kept);
+        estimator_.tiny_holes = share(tiny, pixels);
+        estimator_.flying = share(flying, pixels);
     }
     static int valid_around(const CodePicture& picture, int x, int y) {
         int valid = 0;
@@ -339,13 +339,13 @@ private:
 
     const DepthCoding& coding_;
     const std::vector<CodePicture>& pictures_;
-    PlainSurvey survey_;
+    PlainEstimator estimator_;
     Samples changes_[3], bends_;
 };
 
 }  // namespace
 
-PlainSurvey plain_survey(const DepthCoding& coding, const std::vector<CodePicture>& pictures) {
+PlainEstimator plain_estimator(const DepthCoding& coding, const std::vector<CodePicture>& pictures) {
     return Measuring(coding, pictures).all();
 }
 

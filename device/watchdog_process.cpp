@@ -1,4 +1,4 @@
-#include "device/limp_process.hpp"
+#include "device/watchdog_process.hpp"
 
 #include <linux/usbdevice_fs.h>
 #include <poll.h>
@@ -23,25 +23,25 @@ namespace {
 
 // Forked from a process that may have threads: only what a signal handler may call.
 
-constexpr char process_name[] = "limp-keeper";
+constexpr char process_name[] = "safety-watchdog";
 constexpr int nothing_kept = -1;
 // Above the threads that it watches, and at least above ordinary work.
 constexpr int wanted_priorities[] = {85, 1};
 
 struct Keeping {
     int descriptor = nothing_kept;
-    LimpOrder order;
+    WatchdogOrder order;
     HeartWatch watch;
     pid_t speaker = 0;  // a process that speaks, or has spoken; 0: there was none
 };
 
 /// Twice: a receiver may be in the middle of something that a first one ends.
-void speak(const Keeping& kept, const LimpOrder::Word& word) {
+void speak(const Keeping& kept, const WatchdogOrder::Word& word) {
     for (int again = 0; again < 2; ++again) {
         if (kept.order.endpoint < 0) {
             [[maybe_unused]] const auto written = write(kept.descriptor, word.text, word.bytes);
         } else {
-            LimpOrder::Word copy = word;
+            WatchdogOrder::Word copy = word;
             usbdevfs_bulktransfer transfer{static_cast<unsigned>(kept.order.endpoint), copy.bytes, 50,
                                            copy.text};
             ioctl(kept.descriptor, USBDEVFS_BULK, &transfer);
@@ -78,7 +78,7 @@ void speak_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
     if (!is_due()) return;
     ++heart.silences;
     if (!is_due()) return;
-    const LimpOrder::Word& meanwhile = kept.order.meanwhile;
+    const WatchdogOrder::Word& meanwhile = kept.order.meanwhile;
     // A word that is still on its way counts as this one.
     if (!is_speaking(kept))
         speak_beside_others(kept, is_alone, [&] {
@@ -88,7 +88,7 @@ void speak_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
 }
 
 /// The next order; false once nobody can give one any more. `descriptor`: what came with it, or -1.
-bool next_order(int socket, LimpOrder& order, int& descriptor) {
+bool next_order(int socket, WatchdogOrder& order, int& descriptor) {
     union {
         cmsghdr header;
         char room[CMSG_SPACE(sizeof(int))];
@@ -111,7 +111,7 @@ bool next_order(int socket, LimpOrder& order, int& descriptor) {
 
 /// Whether there is an order, or an end, before the first word is due. Nobody tells of a heart that begins to
 /// beat, so it is looked for again and again.
-bool waits_for_order(int socket, std::span<Keeping> kept, LimpHearts& hearts) {
+bool waits_for_order(int socket, std::span<Keeping> kept, WatchdogHeartbeats& hearts) {
     const std::int64_t now = boot_ns();
     std::int64_t due = now + Heartbeat::longest_ns;
     bool is_any_kept = false;
@@ -125,11 +125,11 @@ bool waits_for_order(int socket, std::span<Keeping> kept, LimpHearts& hearts) {
     return ppoll(&waited_for, 1, is_any_kept ? &patience : nullptr, nullptr) == 1;
 }
 
-void keep(int socket, std::span<Keeping> kept, LimpHearts& hearts) {
+void keep(int socket, std::span<Keeping> kept, WatchdogHeartbeats& hearts) {
     for (;;) {
-        ++hearts.keeper_beats;
+        ++hearts.watchdog_beats;
         if (waits_for_order(socket, kept, hearts)) {
-            LimpOrder order;
+            WatchdogOrder order;
             int descriptor = nothing_kept;
             if (!next_order(socket, order, descriptor)) return;
             Keeping& place = kept[order.place % kept.size()];
@@ -167,7 +167,7 @@ void become_another(std::span<char> command_line) {
 
 }  // namespace
 
-void keep_limp_until_alone(int socket, LimpHearts& hearts, std::span<char> command_line) {
+void watch_until_alone(int socket, WatchdogHeartbeats& hearts, std::span<char> command_line) {
     become_another(command_line);
     // What it does not need it must not hold open: a pipe that the other one writes would have no end.
     if (socket != 3) {
@@ -176,7 +176,7 @@ void keep_limp_until_alone(int socket, LimpHearts& hearts, std::span<char> comma
     }
     close_range(4, ~0U, 0);
     for (const int standard : {0, 1, 2}) close(standard);
-    Keeping kept[LimpOrder::most_devices];
+    Keeping kept[WatchdogOrder::most_devices];
     keep(socket, kept, hearts);
     const bool alone = is_alone(kept);
     for (Keeping& place : kept)

@@ -1,4 +1,4 @@
-#include "device/limp_keeper.hpp"
+#include "device/safety_watchdog.hpp"
 
 #include <poll.h>
 #include <sys/mman.h>
@@ -19,11 +19,12 @@ namespace {
 constexpr int longest_wait_ms = 1000;
 
 Error not_started(const char* what) {
-    return {ErrorKind::internal, std::string(what) + " that leaves devices limp: " + std::strerror(errno)};
+    return {ErrorKind::internal,
+            std::string(what) + " that leaves devices unpowered: " + std::strerror(errno)};
 }
 
-LimpOrder::Word word_of(const std::vector<std::byte>& bytes) {
-    LimpOrder::Word word;
+WatchdogOrder::Word word_of(const std::vector<std::byte>& bytes) {
+    WatchdogOrder::Word word;
     word.bytes = static_cast<std::uint32_t>(bytes.size());
     std::copy(bytes.begin(), bytes.end(), word.text);
     return word;
@@ -40,33 +41,33 @@ bool has_ended(int socket, int patience_ms) {
 
 }  // namespace
 
-Result<std::shared_ptr<LimpKeeper>> LimpKeeper::start() {
+Result<std::shared_ptr<SafetyWatchdog>> SafetyWatchdog::start() {
     void* const shared =
-        mmap(nullptr, sizeof(LimpHearts), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        mmap(nullptr, sizeof(WatchdogHeartbeats), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) return not_started("no memory can be shared with the process");
-    LimpHearts& hearts = *new (shared) LimpHearts;
+    WatchdogHeartbeats& hearts = *new (shared) WatchdogHeartbeats;
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
         const Error error = not_started("no socket can be had for the process");
-        munmap(shared, sizeof(LimpHearts));
+        munmap(shared, sizeof(WatchdogHeartbeats));
         return error;
     }
     const std::span<char> command_line = own_command_line();
     const pid_t process = fork();
     if (process == 0) {
         close(ends[0]);
-        keep_limp_until_alone(ends[1], hearts, command_line);
+        watch_until_alone(ends[1], hearts, command_line);
     }
     const Error error = not_started("no process can be started");
     close(ends[1]);
-    if (process > 0) return std::shared_ptr<LimpKeeper>(new LimpKeeper(ends[0], process, hearts));
+    if (process > 0) return std::shared_ptr<SafetyWatchdog>(new SafetyWatchdog(ends[0], process, hearts));
     close(ends[0]);
-    munmap(shared, sizeof(LimpHearts));
+    munmap(shared, sizeof(WatchdogHeartbeats));
     return error;
 }
 
 /// One that is stopped does not end by itself.
-LimpKeeper::~LimpKeeper() {
+SafetyWatchdog::~SafetyWatchdog() {
     shutdown(socket_, SHUT_WR);
     bool ended = has_ended(socket_, stands_still_ ? 0 : longest_wait_ms);
     if (!ended) {
@@ -79,28 +80,28 @@ LimpKeeper::~LimpKeeper() {
     munmap(&hearts_, sizeof hearts_);
 }
 
-Result<void> LimpKeeper::health() const {
+Result<void> SafetyWatchdog::health() const {
     const bool is_gone = has_ended(socket_, 0);
     if (!is_gone && !stands_still_) return {};
     return Error{ErrorKind::device,
-                 "the process that leaves devices limp when this program cannot (limp-keeper, " +
+                 "the process that leaves devices unpowered when this program cannot (safety-watchdog, " +
                      std::to_string(process_) + ") " + (is_gone ? "is gone" : "stands still") +
                      "; there is no force without it: start the program again"};
 }
 
-Result<LimpKeeper::Kept> LimpKeeper::keep(std::shared_ptr<LimpKeeper> keeper) {
-    const std::lock_guard lock(keeper->mutex_);
-    const auto free = std::find(std::begin(keeper->taken_), std::end(keeper->taken_), false);
-    if (free == std::end(keeper->taken_))
+Result<SafetyWatchdog::Kept> SafetyWatchdog::keep(std::shared_ptr<SafetyWatchdog> watchdog) {
+    const std::lock_guard lock(watchdog->mutex_);
+    const auto free = std::find(std::begin(watchdog->taken_), std::end(watchdog->taken_), false);
+    if (free == std::end(watchdog->taken_))
         return Error{ErrorKind::device,
                      "no more than " + std::to_string(most_devices) + " devices can be used at a time"};
     *free = true;
-    const auto place = static_cast<std::size_t>(free - std::begin(keeper->taken_));
-    return Kept(std::move(keeper), place);
+    const auto place = static_cast<std::size_t>(free - std::begin(watchdog->taken_));
+    return Kept(std::move(watchdog), place);
 }
 
 /// What it says of an earlier order comes too late.
-bool LimpKeeper::is_done(std::uint32_t number) const {
+bool SafetyWatchdog::is_done(std::uint32_t number) const {
     const std::int64_t until = boot_ns() + std::int64_t{longest_wait_ms} * 1'000'000;
     for (;;) {
         const std::int64_t left_ms = (until - boot_ns()) / 1'000'000;
@@ -113,10 +114,10 @@ bool LimpKeeper::is_done(std::uint32_t number) const {
     }
 }
 
-Result<void> LimpKeeper::tell(std::size_t place, const LastWord* word) {
+Result<void> SafetyWatchdog::tell(std::size_t place, const ZeroForcePacket* word) {
     const std::lock_guard lock(mutex_);
     if (auto lives = health(); !lives.ok()) return lives;
-    LimpOrder order;
+    WatchdogOrder order;
     order.number = ++orders_;
     order.place = static_cast<std::uint32_t>(place);
     alignas(cmsghdr) char ancillary[CMSG_SPACE(sizeof(int))] = {};
@@ -145,41 +146,41 @@ Result<void> LimpKeeper::tell(std::size_t place, const LastWord* word) {
     // Once it is done, a socket that was let go of is free for another.
     if (sent == static_cast<ssize_t>(sizeof order) && is_done(order.number)) return {};
     if (auto lives = health(); !lives.ok()) return lives;
-    return Error{ErrorKind::device, "the process that leaves devices limp (limp-keeper, " +
+    return Error{ErrorKind::device, "the process that leaves devices unpowered (safety-watchdog, " +
                                         std::to_string(process_) + ") does not answer"};
 }
 
-LimpKeeper::Kept& LimpKeeper::Kept::operator=(Kept&& other) noexcept {
-    std::swap(keeper_, other.keeper_);
+SafetyWatchdog::Kept& SafetyWatchdog::Kept::operator=(Kept&& other) noexcept {
+    std::swap(watchdog_, other.watchdog_);
     std::swap(place_, other.place_);
     std::swap(silences_, other.silences_);
     std::swap(watch_, other.watch_);
     return *this;
 }
 
-LimpKeeper::Kept::~Kept() {
-    if (!keeper_) return;
-    if (auto told = keeper_->tell(place_, nullptr); !told.ok()) return;
-    const std::lock_guard lock(keeper_->mutex_);
-    keeper_->taken_[place_] = false;
+SafetyWatchdog::Kept::~Kept() {
+    if (!watchdog_) return;
+    if (auto told = watchdog_->tell(place_, nullptr); !told.ok()) return;
+    const std::lock_guard lock(watchdog_->mutex_);
+    watchdog_->taken_[place_] = false;
 }
 
 /// Told again even where it reads the same: a device that was opened anew has often the number of its old
-/// descriptor, and the keeper would hold the old one.
-Result<void> LimpKeeper::Kept::say(const LastWord& word) {
-    silences_ = keeper_->hearts_.devices[place_].silences;
-    return keeper_->tell(place_, &word);
+/// descriptor, and the watchdog would hold the old one.
+Result<void> SafetyWatchdog::Kept::say(const ZeroForcePacket& word) {
+    silences_ = watchdog_->hearts_.devices[place_].silences;
+    return watchdog_->tell(place_, &word);
 }
 
-bool LimpKeeper::Kept::was_made_limp() const {
-    return keeper_->hearts_.devices[place_].silences != silences_;
+bool SafetyWatchdog::Kept::was_made_unpowered() const {
+    return watchdog_->hearts_.devices[place_].silences != silences_;
 }
 
-Result<bool> LimpKeeper::Kept::beat() {
+Result<bool> SafetyWatchdog::Kept::beat() {
     const std::int64_t now = boot_ns();
-    if (!watch_.hears(keeper_->hearts_.keeper_beats, now)) keeper_->stands_still_ = true;
-    if (auto lives = keeper_->health(); !lives.ok()) return lives.error();
-    Heartbeat& heart = keeper_->hearts_.devices[place_];
+    if (!watch_.hears(watchdog_->hearts_.watchdog_beats, now)) watchdog_->stands_still_ = true;
+    if (auto lives = watchdog_->health(); !lives.ok()) return lives.error();
+    Heartbeat& heart = watchdog_->hearts_.devices[place_];
     heart.beat_ns = now;
     const std::uint32_t silences = heart.silences;
     return std::exchange(silences_, silences) == silences;

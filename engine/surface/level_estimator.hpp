@@ -10,9 +10,9 @@
 namespace touchable {
 
 /// Which codes of a recording occur, and how far they are apart. Integer counts and + - x / alone.
-class LevelSurvey {
+class LevelEstimator {
 public:
-    explicit LevelSurvey(const DepthCoding& coding);
+    explicit LevelEstimator(const DepthCoding& coding);
 
     void add(const CodePicture& picture);
 

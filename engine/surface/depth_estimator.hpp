@@ -4,8 +4,8 @@
 
 #include "engine/frame/raw_frame.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/surface/level_survey.hpp"
-#include "engine/surface/noise_survey.hpp"
+#include "engine/surface/level_estimator.hpp"
+#include "engine/surface/noise_estimator.hpp"
 
 namespace touchable {
 
@@ -33,9 +33,9 @@ struct MeasuredDepth {
 };
 
 /// Looks at the frames of a clip from the first one on. The same on every machine.
-class DepthSurvey {
+class DepthEstimator {
 public:
-    explicit DepthSurvey(const Scene& scene);
+    explicit DepthEstimator(const Scene& scene);
     static constexpr int frames = 16;    ///< no more are worth a look
     static constexpr int first_few = 4;  ///< enough, where they show nothing of a camera
 
@@ -47,8 +47,8 @@ public:
 
 private:
     const Scene scene_;
-    LevelSurvey levels_;
-    NoiseSurvey noise_;
+    LevelEstimator levels_;
+    NoiseEstimator noise_;
     int added_ = 0;
 };
 

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "engine/surface/code_picture.hpp"
-#include "engine/surface/noise_survey.hpp"
+#include "engine/surface/noise_estimator.hpp"
 
 namespace touchable::test {
 
 /// What docs/conventions.md says is measured of a recording, in plain words and loops: every number of that
 /// page stands here once more. It shares nothing with engine/surface but codes and their depths.
-struct PlainSurvey {
+struct PlainEstimator {
     double median_depth = 0;  ///< 0: nothing is valid
     DepthLength levels;
     DepthLength noise_at_flat, noise_at_edges, noise_at_rims, roughness;
@@ -19,6 +19,6 @@ struct PlainSurvey {
     /// Which rules decided something, by name; so a test knows that its pictures try them.
     std::vector<std::string> decided;
 };
-PlainSurvey plain_survey(const DepthCoding& coding, const std::vector<CodePicture>& pictures);
+PlainEstimator plain_estimator(const DepthCoding& coding, const std::vector<CodePicture>& pictures);
 
 }  // namespace touchable::test

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "device/limp_keeper.hpp"
+#include "device/safety_watchdog.hpp"
 
 namespace touchable::test {
 namespace {
@@ -17,17 +17,17 @@ std::string heard_at(int socket) {
     return {room, static_cast<std::size_t>(came > 0 ? came : 0)};
 }
 
-TEST(ReplugKeeper, SpeaksToTheDeviceThatWasOpenedLast) {
+TEST(ReplugWatchdog, SpeaksToTheDeviceThatWasOpenedLast) {
     int old_device[2], new_device[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, old_device), 0);
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, new_device), 0);
     const pid_t process = fork();
     if (process == 0) {
-        auto keeper = LimpKeeper::start();
-        if (!keeper.ok()) _exit(1);
-        auto kept = LimpKeeper::keep(*keeper);
+        auto watchdog = SafetyWatchdog::start();
+        if (!watchdog.ok()) _exit(1);
+        auto kept = SafetyWatchdog::keep(*watchdog);
         if (!kept.ok()) _exit(1);
-        const LastWord word{old_device[1], {std::byte{'0'}}, {}};
+        const ZeroForcePacket word{old_device[1], {std::byte{'0'}}, {}};
         if (!kept->say(word).ok()) _exit(1);
         dup2(new_device[1], old_device[1]);
         _exit(kept->say(word).ok() ? 0 : 1);

@@ -1,4 +1,4 @@
-#include "engine/surface/noise_survey.hpp"
+#include "engine/surface/noise_estimator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +93,7 @@ ClippedSums::Means ClippedSums::means(double limit) const {
     return means;
 }
 
-NoiseSurvey::NoiseSurvey(const DepthCoding& coding) : window_of_code_(65536) {
+NoiseEstimator::NoiseEstimator(const DepthCoding& coding) : window_of_code_(65536) {
     for (int first = 0; first < 65536; first = end_of_window(first)) {
         Window window;
         const int end = end_of_window(first);
@@ -109,11 +109,11 @@ NoiseSurvey::NoiseSurvey(const DepthCoding& coding) : window_of_code_(65536) {
     }
 }
 
-const NoiseSurvey::Window& NoiseSurvey::window_of(int code) const {
+const NoiseEstimator::Window& NoiseEstimator::window_of(int code) const {
     return windows_[window_of_code_[static_cast<std::size_t>(code)]];
 }
 
-NoiseSurvey::Place NoiseSurvey::place_of(const CodePicture& picture, int x, int y) const {
+NoiseEstimator::Place NoiseEstimator::place_of(const CodePicture& picture, int x, int y) const {
     const int here = picture.row(y)[x];
     const int around[] = {picture.row(y)[x - 1], picture.row(y)[x + 1], picture.row(y - 1)[x],
                           picture.row(y + 1)[x]};
@@ -126,7 +126,7 @@ NoiseSurvey::Place NoiseSurvey::place_of(const CodePicture& picture, int x, int 
     return edge_share * most * window.step > window.depth ? Place::edge : Place::flat;
 }
 
-bool NoiseSurvey::flies(const CodePicture& picture, int x, int y) const {
+bool NoiseEstimator::flies(const CodePicture& picture, int x, int y) const {
     const auto at = [&](int dx, int dy) {
         if (x + dx < 0 || x + dx >= picture.width || y + dy < 0 || y + dy >= picture.height)
             return CodePicture::invalid;
@@ -138,7 +138,7 @@ bool NoiseSurvey::flies(const CodePicture& picture, int x, int y) const {
 }
 
 /// A hole, or how much the surface bends.
-void NoiseSurvey::look_at_pixel(const CodePicture& picture, int x, int y) {
+void NoiseEstimator::look_at_pixel(const CodePicture& picture, int x, int y) {
     const int here = picture.row(y)[x];
     int valid = 0, bend = 4 * here;
     for (int dy = -1; dy <= 1; ++dy)
@@ -161,8 +161,8 @@ void NoiseSurvey::look_at_pixel(const CodePicture& picture, int x, int y) {
     }
 }
 
-void NoiseSurvey::look_at_changes(const CodePicture& before, const CodePicture& here,
-                                  const CodePicture& after) {
+void NoiseEstimator::look_at_changes(const CodePicture& before, const CodePicture& here,
+                                     const CodePicture& after) {
     for (int y = 1; y < here.height - 1; y += row_step(here))
         for (int x = 1; x < here.width - 1; ++x) {
             const int a = before.row(y)[x], b = here.row(y)[x], c = after.row(y)[x];
@@ -179,7 +179,7 @@ void NoiseSurvey::look_at_changes(const CodePicture& before, const CodePicture& 
         }
 }
 
-void NoiseSurvey::add(CodePicture picture) {
+void NoiseEstimator::add(CodePicture picture) {
     for (int y = 1; y < picture.height - 1; y += row_step(picture))
         for (int x = 1; x < picture.width - 1; ++x) look_at_pixel(picture, x, y);
     if (last_.size() == 2) {
@@ -189,7 +189,7 @@ void NoiseSurvey::add(CodePicture picture) {
     last_.push_back(std::move(picture));
 }
 
-DepthLength NoiseSurvey::noise(Place place) const {
+DepthLength NoiseEstimator::noise(Place place) const {
     std::vector<Point> points;
     std::int64_t all = 0, noisy = 0;
     for (const Window& window : windows_) {
@@ -208,7 +208,7 @@ DepthLength NoiseSurvey::noise(Place place) const {
     return fitted(points);
 }
 
-DepthLength NoiseSurvey::roughness() const {
+DepthLength NoiseEstimator::roughness() const {
     std::vector<Point> points;
     for (const Window& window : windows_) {
         if (window.step == 0) continue;
@@ -222,15 +222,15 @@ DepthLength NoiseSurvey::roughness() const {
     return fitted(points);
 }
 
-double NoiseSurvey::dropouts() const {
+double NoiseEstimator::dropouts() const {
     return kept_ > 0 ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
 }
 
-double NoiseSurvey::flying() const {
+double NoiseEstimator::flying() const {
     return pixels_ > 0 ? static_cast<double>(flying_) / static_cast<double>(pixels_) : 0;
 }
 
-double NoiseSurvey::tiny_holes() const {
+double NoiseEstimator::tiny_holes() const {
     return pixels_ > 0 ? static_cast<double>(tiny_holes_) / static_cast<double>(pixels_) : 0;
 }
 

@@ -1,4 +1,4 @@
-#include "device/footing.hpp"
+#include "device/local_relief.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr double sharpest = 1.0 / 6;   // ... or, per length, if that is more: 9
 
 }  // namespace
 
-FootingSearch::FootingSearch(double reach, double metres_per_scene_unit, const PixelBox& box)
+LocalReliefSearch::LocalReliefSearch(double reach, double metres_per_scene_unit, const PixelBox& box)
     : reach_(reach), metres_per_scene_unit_(metres_per_scene_unit), box_(box) {
     for (int k = 0; k < directions; ++k) {
         const double angle = 2 * pi * k / directions;
@@ -25,7 +25,7 @@ FootingSearch::FootingSearch(double reach, double metres_per_scene_unit, const P
     }
 }
 
-Footing FootingSearch::about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const {
+LocalRelief LocalReliefSearch::about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const {
     const glm::dvec2 size = pixel_size(probe, pixel, depth, metres_per_scene_unit_);
     bool broken = false, rough = false;
     double highest = depth;
@@ -47,7 +47,10 @@ Footing FootingSearch::about(const glm::dvec2& pixel, double depth, const Surfac
                     std::fabs(rise[k] + rise[k + directions / 2]) > std::max(least_bend, sharpest * radius);
         }
     }
-    return {broken ? Footing::Kind::broken : rough ? Footing::Kind::rough : Footing::Kind::smooth, highest};
+    return {broken  ? LocalRelief::Kind::broken
+            : rough ? LocalRelief::Kind::rough
+                    : LocalRelief::Kind::smooth,
+            highest};
 }
 
 glm::dvec2 pixel_size(const SurfaceProbe& probe, const glm::dvec2& pixel, double depth,

@@ -1,4 +1,4 @@
-// What is measured of a recording, against the numbers of docs/conventions.md (plain_survey), over random
+// What is measured of a recording, against the numbers of docs/conventions.md (plain_estimator), over random
 // pictures that come near to each of them; and from where on it tells of a camera.
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 #include "tests/surface/pictures.hpp"
-#include "tests/surface/plain_survey.hpp"
+#include "tests/surface/plain_estimator.hpp"
 #include "tests/sweep.hpp"
 
 namespace touchable::test {
@@ -92,7 +92,7 @@ void expect_near(const DepthLength& found, const DepthLength& plain, const char*
     EXPECT_NEAR(found.quadratic, plain.quadratic, 1e-9 * plain.quadratic) << what;
 }
 
-TEST(SurveyRules, NoiseAndHolesAreMeasuredAsThePageSays) {
+TEST(EstimatorRules, NoiseAndHolesAreMeasuredAsThePageSays) {
     const int rounds = 400 / static_cast<int>(sweep_step());
     SplitMix64 random(29);
     std::map<std::string, int> decided;
@@ -101,16 +101,17 @@ TEST(SurveyRules, NoiseAndHolesAreMeasuredAsThePageSays) {
         SCOPED_TRACE(round);
         const DepthCoding coding = coding_of_codes(random);
         const auto pictures = any_recording(random, static_cast<int>(40 + random.next() % 60), 30);
-        const PlainSurvey plain = plain_survey(coding, pictures);
-        NoiseSurvey survey(coding);
-        for (const CodePicture& picture : pictures) survey.add(picture);
-        expect_near(survey.noise(NoiseSurvey::Place::flat), plain.noise_at_flat, "noise at flat places");
-        expect_near(survey.noise(NoiseSurvey::Place::edge), plain.noise_at_edges, "noise at edges");
-        expect_near(survey.noise(NoiseSurvey::Place::rim), plain.noise_at_rims, "noise at rims");
-        expect_near(survey.roughness(), plain.roughness, "roughness");
-        EXPECT_EQ(survey.dropouts(), plain.dropouts);
-        EXPECT_EQ(survey.tiny_holes(), plain.tiny_holes);
-        EXPECT_EQ(survey.flying(), plain.flying);
+        const PlainEstimator plain = plain_estimator(coding, pictures);
+        NoiseEstimator estimator(coding);
+        for (const CodePicture& picture : pictures) estimator.add(picture);
+        expect_near(estimator.noise(NoiseEstimator::Place::flat), plain.noise_at_flat,
+                    "noise at flat places");
+        expect_near(estimator.noise(NoiseEstimator::Place::edge), plain.noise_at_edges, "noise at edges");
+        expect_near(estimator.noise(NoiseEstimator::Place::rim), plain.noise_at_rims, "noise at rims");
+        expect_near(estimator.roughness(), plain.roughness, "roughness");
+        EXPECT_EQ(estimator.dropouts(), plain.dropouts);
+        EXPECT_EQ(estimator.tiny_holes(), plain.tiny_holes);
+        EXPECT_EQ(estimator.flying(), plain.flying);
         for (const std::string& rule : plain.decided) ++decided[rule];
         noisy += plain.noise_at_flat != DepthLength{};
         rough += plain.roughness != DepthLength{};
@@ -133,7 +134,7 @@ DepthLength noise_of_what_is_left(double share) {
     coding.code_max = 4000;
     const int width = 42, height = 32;
     SplitMix64 random(43);
-    NoiseSurvey survey(coding);
+    NoiseEstimator estimator(coding);
     for (int n = 0; n < 3; ++n) {
         CodePicture picture{width, height, {}};
         for (int y = 0; y < height; ++y)
@@ -141,12 +142,12 @@ DepthLength noise_of_what_is_left(double share) {
                 const bool was_farther = n == 0 && (x - 1) + 40 * (y - 1) < share * 1200;
                 picture.codes.push_back((was_farther ? 1200 : 1000) + static_cast<int>(random.next() % 9));
             }
-        survey.add(picture);
+        estimator.add(picture);
     }
-    return survey.noise(NoiseSurvey::Place::flat);
+    return estimator.noise(NoiseEstimator::Place::flat);
 }
 
-TEST(SurveyRules, AWindowOfWhichMoreThanHalfIsLeftOutSaysNothing) {
+TEST(EstimatorRules, AWindowOfWhichMoreThanHalfIsLeftOutSaysNothing) {
     for (const double share : {0.4, 0.5}) {
         // Of nine even numbers the standard deviation is 2.58.
         EXPECT_NEAR(noise_of_what_is_left(share).constant, 2.58, 0.15) << share;
@@ -154,20 +155,20 @@ TEST(SurveyRules, AWindowOfWhichMoreThanHalfIsLeftOutSaysNothing) {
     for (const double share : {0.51, 0.6}) EXPECT_EQ(noise_of_what_is_left(share), DepthLength{}) << share;
 }
 
-TEST(SurveyRules, APlaneHasNeitherNoiseNorRoughness) {
+TEST(EstimatorRules, APlaneHasNeitherNoiseNorRoughness) {
     DepthCoding coding;
     coding.kind = DepthCodingKind::metric;
     coding.scale = 1;
     coding.far = 4000;
     coding.code_max = 4000;
-    NoiseSurvey survey(coding);
-    for (int n = 0; n < 3; ++n) survey.add({40, 30, std::vector<int>(40 * 30, 1000)});
-    EXPECT_EQ(survey.noise(NoiseSurvey::Place::flat), DepthLength{});
-    EXPECT_EQ(survey.roughness(), DepthLength{});
+    NoiseEstimator estimator(coding);
+    for (int n = 0; n < 3; ++n) estimator.add({40, 30, std::vector<int>(40 * 30, 1000)});
+    EXPECT_EQ(estimator.noise(NoiseEstimator::Place::flat), DepthLength{});
+    EXPECT_EQ(estimator.roughness(), DepthLength{});
 }
 
 // Larger pictures than 640x480 are looked at in some of their rows.
-TEST(SurveyRules, OfLargePicturesSomeRowsAreLookedAt) {
+TEST(EstimatorRules, OfLargePicturesSomeRowsAreLookedAt) {
     SplitMix64 random(31);
     const DepthCoding coding = coding_of_codes(random);
     // Every row, every second, every third.
@@ -182,12 +183,12 @@ TEST(SurveyRules, OfLargePicturesSomeRowsAreLookedAt) {
                                              : static_cast<int>(1500 + random.next() % 8));
             }
         }
-        const PlainSurvey plain = plain_survey(coding, pictures);
-        NoiseSurvey survey(coding);
-        for (const CodePicture& picture : pictures) survey.add(picture);
-        EXPECT_EQ(survey.tiny_holes(), plain.tiny_holes) << height;
-        EXPECT_EQ(survey.dropouts(), plain.dropouts) << height;
-        expect_near(survey.roughness(), plain.roughness, "roughness");
+        const PlainEstimator plain = plain_estimator(coding, pictures);
+        NoiseEstimator estimator(coding);
+        for (const CodePicture& picture : pictures) estimator.add(picture);
+        EXPECT_EQ(estimator.tiny_holes(), plain.tiny_holes) << height;
+        EXPECT_EQ(estimator.dropouts(), plain.dropouts) << height;
+        expect_near(estimator.roughness(), plain.roughness, "roughness");
     }
 }
 
@@ -232,7 +233,7 @@ CodePicture any_levels(SplitMix64& random) {
     return picture;
 }
 
-TEST(SurveyRules, LevelsAreMeasuredAsThePageSays) {
+TEST(EstimatorRules, LevelsAreMeasuredAsThePageSays) {
     const int rounds = 1200 / static_cast<int>(sweep_step());
     SplitMix64 random(37);
     std::map<std::string, int> decided;
@@ -245,11 +246,11 @@ TEST(SurveyRules, LevelsAreMeasuredAsThePageSays) {
         coding.code_max = 65535;
         coding.far = coding.scale * random.within(800, 4000);
         const CodePicture picture = any_levels(random);
-        const PlainSurvey plain = plain_survey(coding, {picture});
-        LevelSurvey survey(coding);
-        survey.add(picture);
-        expect_near(survey.levels(), plain.levels, "levels");
-        EXPECT_EQ(survey.median_depth().value_or(0), plain.median_depth);
+        const PlainEstimator plain = plain_estimator(coding, {picture});
+        LevelEstimator estimator(coding);
+        estimator.add(picture);
+        expect_near(estimator.levels(), plain.levels, "levels");
+        EXPECT_EQ(estimator.median_depth().value_or(0), plain.median_depth);
         for (const std::string& rule : plain.decided) ++decided[rule];
     }
     for (const char* rule :
@@ -260,7 +261,7 @@ TEST(SurveyRules, LevelsAreMeasuredAsThePageSays) {
 }
 
 // A background is at the far plane from 0.999 of it on.
-TEST(SurveyRules, TheMedianLeavesOutWhatIsBeyondAThousandthBeforeTheFarPlane) {
+TEST(EstimatorRules, TheMedianLeavesOutWhatIsBeyondAThousandthBeforeTheFarPlane) {
     DepthCoding coding;
     coding.kind = DepthCodingKind::metric;
     coding.scale = 1;
@@ -269,13 +270,13 @@ TEST(SurveyRules, TheMedianLeavesOutWhatIsBeyondAThousandthBeforeTheFarPlane) {
     for (const auto& [background, median] : {std::pair{9989, 9989}, {9990, 500}, {10'000, 500}}) {
         CodePicture picture{10, 10, std::vector<int>(100, background)};
         for (std::size_t k = 0; k < 20; ++k) picture.codes[k] = 500;
-        LevelSurvey survey(coding);
-        survey.add(picture);
-        EXPECT_EQ(*survey.median_depth(), median) << background;
+        LevelEstimator estimator(coding);
+        estimator.add(picture);
+        EXPECT_EQ(*estimator.median_depth(), median) << background;
     }
 }
 
-TEST(SurveyRules, FromWhichSharesOnACameraMadeTheDepth) {
+TEST(EstimatorRules, FromWhichSharesOnACameraMadeTheDepth) {
     const auto is_camera = [](auto change) {
         MeasuredDepth measured;
         change(measured);
@@ -292,21 +293,21 @@ TEST(SurveyRules, FromWhichSharesOnACameraMadeTheDepth) {
 }
 
 // Frames 0 to 15, or 0 to 3 where these show nothing of a camera.
-TEST(SurveyRules, SixteenFramesOfACameraAreLookedAtAndFourOfOthers) {
+TEST(EstimatorRules, SixteenFramesOfACameraAreLookedAtAndFourOfOthers) {
     for (const bool is_camera : {false, true}) {
         Scene scene = depth_scene(64, 48, 16, Marking::zero);
-        DepthSurvey survey(scene);
+        DepthEstimator estimator(scene);
         SplitMix64 random(5);
         int frames = 0;
-        for (; !survey.enough(); ++frames) {
+        for (; !estimator.enough(); ++frames) {
             ASSERT_LT(frames, 100);
             std::vector<std::uint16_t> codes;
             for (int k = 0; k < 64 * 48; ++k)
                 codes.push_back(static_cast<std::uint16_t>(1000 + (is_camera ? random.next() % 8 : 0)));
-            survey.add(store_plane(64, 48, codes, {}).frame());
+            estimator.add(store_plane(64, 48, codes, {}).frame());
         }
         EXPECT_EQ(frames, is_camera ? 16 : 4);
-        EXPECT_EQ(survey.measured()->frames, frames);
+        EXPECT_EQ(estimator.measured()->frames, frames);
     }
 }
 

@@ -17,22 +17,22 @@
 namespace touchable {
 
 /// A frame that a camera gave.
-struct FilmedFrame {
+struct CapturedFrame {
     std::int64_t number = 0, time_ns = 0;
-    bool operator==(const FilmedFrame&) const = default;
+    bool operator==(const CapturedFrame&) const = default;
 };
-using FilmedFrames = std::vector<FilmedFrame>;
+using CapturedFrames = std::vector<CapturedFrame>;
 
 /// Keeps what a camera gave as a clip, so that what was felt can be repeated without it: frame n of the clip
 /// is the n-th that was given. Depth keeps every value. It is written by a thread of its own. Where its disk
 /// becomes full it ends there, and what is given after that is not kept.
-class CameraFilm {
+class CameraCapture {
 public:
     /// `scene`: the camera's.
-    explicit CameraFilm(Scene scene) : scene_(std::move(scene)) {}
-    ~CameraFilm();  ///< without `finish` nothing is left behind
-    CameraFilm(const CameraFilm&) = delete;
-    CameraFilm& operator=(const CameraFilm&) = delete;
+    explicit CameraCapture(Scene scene) : scene_(std::move(scene)) {}
+    ~CameraCapture();  ///< without `finish` nothing is left behind
+    CameraCapture(const CameraCapture&) = delete;
+    CameraCapture& operator=(const CameraCapture&) = delete;
 
     /// Where it goes, and that of frames that were kept before. Once.
     Result<void> open(const std::filesystem::path& file, Existing existing);
@@ -49,7 +49,7 @@ public:
 
     const std::filesystem::path& file() const { return file_; }
     /// All that were kept; once it is finished.
-    const FilmedFrames& frames() const { return frames_; }
+    const CapturedFrames& frames() const { return frames_; }
     /// Of them the last one's number; -1: there is none.
     std::int64_t last_frame() const { return frames_.empty() ? -1 : frames_.back().number; }
 
@@ -59,7 +59,7 @@ private:
 
     const Scene scene_;
     std::filesystem::path file_;
-    FilmedFrames frames_;
+    CapturedFrames frames_;
     std::unique_ptr<ClipWriter> writer_;
     std::thread thread_;
     mutable std::mutex mutex_;
@@ -75,11 +75,13 @@ private:
 std::filesystem::path film_beside(std::filesystem::path record, int part = 1);
 
 /// A camera whose frames are kept as they are given.
-std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraFilm> film);
+std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera,
+                                      std::shared_ptr<CameraCapture> film);
 
 /// A film in place of its camera: its frames have the camera's numbers and times. `file`: as messages call
 /// it.
-Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film, FilmedFrames frames,
+Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film,
+                                                       CapturedFrames frames,
                                                        const std::filesystem::path& file);
 
 }  // namespace touchable

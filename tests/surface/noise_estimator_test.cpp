@@ -1,5 +1,5 @@
 // What the first frames of a clip tell of its noise and holes, and which filters that asks for.
-#include "engine/surface/noise_survey.hpp"
+#include "engine/surface/noise_estimator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,13 +20,13 @@
 namespace touchable::test {
 namespace {
 
-constexpr int survey_width = 160, survey_height = 120;
+constexpr int estimate_width = 160, estimate_height = 120;
 
 /// Millimetres; 0 is no depth.
 Scene camera_scene() {
     Scene scene;
-    scene.width = survey_width;
-    scene.height = survey_height;
+    scene.width = estimate_width;
+    scene.height = estimate_height;
     scene.camera = {131, 131, 79.5, 59.5};
     scene.depth_bits = 16;
     scene.depth.kind = DepthCodingKind::metric;
@@ -50,26 +50,26 @@ double normal(SplitMix64& random) {
 /// Depth of a pixel in a frame, mm; below 0.5 it is none.
 using Depth = std::function<double(int x, int y, int frame, SplitMix64& random)>;
 
-DepthSurvey survey_of(const Depth& depth, int frames = 16) {
-    DepthSurvey survey(camera_scene());
+DepthEstimator estimator_of(const Depth& depth, int frames = 16) {
+    DepthEstimator estimator(camera_scene());
     SplitMix64 random(11);
     for (int n = 0; n < frames; ++n) {
         std::vector<std::uint16_t> codes;
-        for (int y = 0; y < survey_height; ++y)
-            for (int x = 0; x < survey_width; ++x)
+        for (int y = 0; y < estimate_height; ++y)
+            for (int x = 0; x < estimate_width; ++x)
                 codes.push_back(static_cast<std::uint16_t>(depth(x, y, n, random) + 0.5));
-        survey.add(store_plane(survey_width, survey_height, codes, {.bytes_per_sample = 2}).frame());
+        estimator.add(store_plane(estimate_width, estimate_height, codes, {.bytes_per_sample = 2}).frame());
     }
-    return survey;
+    return estimator;
 }
 
 double slope(int x, int y) {
     return 800 + 10 * x + 2 * y;
 }
 
-TEST(NoiseSurvey, FindsNoiseOfOneStrength) {
+TEST(NoiseEstimator, FindsNoiseOfOneStrength) {
     for (const double sigma : {1.5, 4.0, 12.0}) {
-        const auto measured = survey_of([&](int x, int y, int, SplitMix64& random) {
+        const auto measured = estimator_of([&](int x, int y, int, SplitMix64& random) {
                                   return slope(x, y) + sigma * normal(random);
                               }).measured();
         EXPECT_NEAR(measured->noise_at_median(), sigma, 0.1 * sigma);
@@ -78,8 +78,8 @@ TEST(NoiseSurvey, FindsNoiseOfOneStrength) {
     }
 }
 
-TEST(NoiseSurvey, FindsNoiseThatGrowsWithDepth) {
-    const auto measured = survey_of([](int x, int y, int, SplitMix64& random) {
+TEST(NoiseEstimator, FindsNoiseThatGrowsWithDepth) {
+    const auto measured = estimator_of([](int x, int y, int, SplitMix64& random) {
                               const double z = slope(x, y);
                               return z + (1 + 3e-6 * z * z) * normal(random);
                           }).measured();
@@ -89,9 +89,9 @@ TEST(NoiseSurvey, FindsNoiseThatGrowsWithDepth) {
     }
 }
 
-TEST(NoiseSurvey, NoiseOnWhatMovesSlowlyIsFoundAndMotionIsNone) {
+TEST(NoiseEstimator, NoiseOnWhatMovesSlowlyIsFoundAndMotionIsNone) {
     const auto moving = [](double speed, double sigma) {
-        return survey_of([=](int x, int y, int n, SplitMix64& random) {
+        return estimator_of([=](int x, int y, int n, SplitMix64& random) {
                    return slope(x, y) - speed * n + sigma * normal(random);
                })
             .measured();
@@ -104,9 +104,9 @@ TEST(NoiseSurvey, NoiseOnWhatMovesSlowlyIsFoundAndMotionIsNone) {
 }
 
 // A ball that passes is no noise of the wall behind it, and the wall's noise is seen in spite of it.
-TEST(NoiseSurvey, ThingsThatPassAreNoNoise) {
+TEST(NoiseEstimator, ThingsThatPassAreNoNoise) {
     const auto scene = [](double sigma) {
-        return survey_of([=](int x, int y, int n, SplitMix64& random) {
+        return estimator_of([=](int x, int y, int n, SplitMix64& random) {
                    const double dx = x - 8.0 * n, dy = y - 60.0;
                    const bool ball = dx * dx + dy * dy < 30 * 30;
                    return (ball ? 900 : slope(x, y)) + sigma * normal(random);
@@ -117,22 +117,22 @@ TEST(NoiseSurvey, ThingsThatPassAreNoNoise) {
     EXPECT_NEAR(scene(4)->noise_at_median(), 4, 0.6);
 }
 
-TEST(NoiseSurvey, OneOrTwoFramesHaveNone) {
+TEST(NoiseEstimator, OneOrTwoFramesHaveNone) {
     const Depth noisy = [](int x, int y, int, SplitMix64& random) {
         return slope(x, y) + 5 * normal(random);
     };
-    EXPECT_EQ(survey_of(noisy, 1).measured()->noise, DepthLength{});
-    EXPECT_EQ(survey_of(noisy, 2).measured()->noise, DepthLength{});
+    EXPECT_EQ(estimator_of(noisy, 1).measured()->noise, DepthLength{});
+    EXPECT_EQ(estimator_of(noisy, 2).measured()->noise, DepthLength{});
 }
 
-TEST(NoiseSurvey, CountsDropoutsAndTinyHoles) {
-    const auto dropouts = survey_of([](int x, int y, int n, SplitMix64&) {
+TEST(NoiseEstimator, CountsDropoutsAndTinyHoles) {
+    const auto dropouts = estimator_of([](int x, int y, int n, SplitMix64&) {
                               return n % 2 == 1 && x % 10 == 4 && y % 10 == 4 ? 0 : slope(x, y);
                           }).measured();
     EXPECT_NEAR(dropouts->dropouts, 0.005, 0.001) << "of 7 odd and 7 even frames in the middle";
     EXPECT_NEAR(dropouts->tiny_holes, 0.005, 0.001);
     // A round hole that stays has neither.
-    const auto hole = survey_of([](int x, int y, int, SplitMix64&) {
+    const auto hole = estimator_of([](int x, int y, int, SplitMix64&) {
                           return std::hypot(x - 80.0, y - 60.0) < 21.5 ? 0 : slope(x, y);
                       }).measured();
     EXPECT_EQ(hole->dropouts, 0);
@@ -140,7 +140,7 @@ TEST(NoiseSurvey, CountsDropoutsAndTinyHoles) {
 }
 
 // Windows of codes that end beyond the largest one are of the codes that there are.
-TEST(NoiseSurvey, MeasuresEveryCodingUpToItsLastCode) {
+TEST(NoiseEstimator, MeasuresEveryCodingUpToItsLastCode) {
     for (const int code_max : {16, 100, 200, 3994, 4074, 65535})
         for (const bool near_is_high : {false, true})
             for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse}) {
@@ -152,17 +152,17 @@ TEST(NoiseSurvey, MeasuresEveryCodingUpToItsLastCode) {
                 scene.depth.code_max = static_cast<std::uint16_t>(code_max);
                 scene.depth.invalid_code_count = 0;
                 derive_valid_range(scene.depth);
-                DepthSurvey survey(scene);
+                DepthEstimator estimator(scene);
                 SplitMix64 random(3);
                 for (int n = 0; n < 8; ++n) {
                     std::vector<std::uint16_t> codes;
-                    for (int k = 0; k < survey_width * survey_height; ++k)
+                    for (int k = 0; k < estimate_width * estimate_height; ++k)
                         codes.push_back(
                             static_cast<std::uint16_t>((0.998 + 0.002 * random.unit()) * code_max));
-                    survey.add(
-                        store_plane(survey_width, survey_height, codes, {.bytes_per_sample = 2}).frame());
+                    estimator.add(
+                        store_plane(estimate_width, estimate_height, codes, {.bytes_per_sample = 2}).frame());
                 }
-                const auto measured = survey.measured();
+                const auto measured = estimator.measured();
                 ASSERT_TRUE(measured);
                 EXPECT_TRUE(std::isfinite(measured->noise_at_median()));
                 EXPECT_TRUE(code_max < 1000 || measured->roughness > 0) << code_max;
@@ -170,7 +170,7 @@ TEST(NoiseSurvey, MeasuresEveryCodingUpToItsLastCode) {
 }
 
 TEST(FilterChoice, OfANoisyCameraAllFilters) {
-    const auto measured = survey_of([](int x, int y, int n, SplitMix64& random) {
+    const auto measured = estimator_of([](int x, int y, int n, SplitMix64& random) {
                               const double z = 500 + 0.5 * x + 4 * normal(random);
                               return (x * 7 + y * 13 + n) % 211 == 0 ? 0 : z;
                           }).measured();
@@ -186,7 +186,7 @@ TEST(FilterChoice, OfANoisyCameraAllFilters) {
 }
 
 TEST(FilterChoice, LeavesWhatTheSceneStates) {
-    const auto measured = survey_of([](int x, int y, int n, SplitMix64& random) {
+    const auto measured = estimator_of([](int x, int y, int n, SplitMix64& random) {
                               return (x * 7 + y * 13 + n) % 211 == 0 ? 0 : 500 + 0.5 * x + 4 * normal(random);
                           }).measured();
     ASSERT_GT(measured->tiny_holes, MeasuredDepth::some_tiny_holes);
@@ -202,7 +202,7 @@ TEST(FilterChoice, LeavesWhatTheSceneStates) {
 // A table before a wall; where they meet every other pixel saw some of both.
 TEST(FilterChoice, PixelsThatHangBetweenSurfacesAreSeenAndPulledIn) {
     const auto silhouette = [](bool mixed) {
-        return survey_of([=](int x, int y, int, SplitMix64& random) {
+        return estimator_of([=](int x, int y, int, SplitMix64& random) {
                    const double noise = 2 * normal(random);
                    if (x == 80 && mixed && y % 2 == 0) return 700 + 40 * random.unit() + noise;
                    return (x < 80 ? 1000 : 500) + noise;
@@ -211,7 +211,7 @@ TEST(FilterChoice, PixelsThatHangBetweenSurfacesAreSeenAndPulledIn) {
     };
     EXPECT_LT(silhouette(false)->flying, 1e-4);
     const auto measured = silhouette(true);
-    EXPECT_NEAR(measured->flying, 0.5 / (survey_width - 2), 0.0005);
+    EXPECT_NEAR(measured->flying, 0.5 / (estimate_width - 2), 0.0005);
     Scene scene = camera_scene();
     choose_filters(measured, scene);
     EXPECT_NEAR(scene.filter.flying_pixels.at(measured->median), measured->median / 50, 0.1);
@@ -223,7 +223,7 @@ TEST(FilterChoice, PixelsThatHangBetweenSurfacesAreSeenAndPulledIn) {
 // Levels much farther apart than depth is noisy: the small median keeps edges.
 TEST(FilterChoice, TheMedianIsSmallWhereLevelsAreFarApart) {
     const auto chosen = [](double q, double sigma) {
-        const auto measured = survey_of([=](int x, int y, int, SplitMix64& random) {
+        const auto measured = estimator_of([=](int x, int y, int, SplitMix64& random) {
                                   const double z = slope(x, y) + sigma * normal(random);
                                   return 1 / (q * std::floor(1 / (q * z)));
                               }).measured();
@@ -260,12 +260,12 @@ TEST(FilterChoice, OfGeneratedScenesNothingButTerraces) {
                 ASSERT_TRUE(made.ok()) << made.error().message;
                 Scene scene = (*made)->scene();
                 scene.unstated = all_unstated;
-                DepthSurvey survey(scene);
-                for (int frame = 0; !survey.enough(); ++frame) {
-                    ASSERT_LT(frame, DepthSurvey::first_few) << name << ", " << bits << " bits";
-                    survey.add((*made)->frame(frame));
+                DepthEstimator estimator(scene);
+                for (int frame = 0; !estimator.enough(); ++frame) {
+                    ASSERT_LT(frame, DepthEstimator::first_few) << name << ", " << bits << " bits";
+                    estimator.add((*made)->frame(frame));
                 }
-                const auto measured = survey.measured();
+                const auto measured = estimator.measured();
                 ASSERT_TRUE(measured);
                 EXPECT_EQ(measured->levels, DepthLength{}) << name << ", " << bits << " bits";
                 EXPECT_FALSE(measured->from_a_camera()) << name << ", " << bits << " bits";
@@ -296,14 +296,14 @@ TEST(FilterChoice, OfRealRecordings) {
         ASSERT_TRUE(reader.ok()) << reader.error().message;
         Scene scene = (*reader)->scene();
         scene.unstated = all_unstated;
-        DepthSurvey survey(scene);
-        while (!survey.enough()) {
+        DepthEstimator estimator(scene);
+        while (!estimator.enough()) {
             const auto frame = (*reader)->next();
             ASSERT_TRUE(frame.ok()) << frame.error().message;
             if (!*frame) break;
-            survey.add(**frame);
+            estimator.add(**frame);
         }
-        choose_filters(survey.measured(), scene);
+        choose_filters(estimator.measured(), scene);
         EXPECT_EQ(scene.filter.median, known.median) << known.name;
         EXPECT_EQ(scene.filter.fill_holes, known.holes ? 2 : 0) << known.name;
         EXPECT_EQ(scene.filter.terraces == TerraceRemoval::on, known.terraces) << known.name;

@@ -32,9 +32,9 @@ private:
 
 /// How much the depths of a recording change from frame to frame though nothing moves, and from pixel to
 /// pixel though the surface is flat. Integer sums and + - x / sqrt alone.
-class NoiseSurvey {
+class NoiseEstimator {
 public:
-    explicit NoiseSurvey(const DepthCoding& coding);
+    explicit NoiseEstimator(const DepthCoding& coding);
     /// Depths that differ by no more than this share, 1/50, are one surface, as far as flying pixels go.
     static constexpr int flat_share = 50;
 

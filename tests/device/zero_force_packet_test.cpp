@@ -4,22 +4,22 @@
 
 #include <string>
 
-#include "device/limp_keeper.hpp"
+#include "device/safety_watchdog.hpp"
 
 namespace touchable {
 namespace {
 
 /// A device that is lost and found again often has its old descriptor's number.
-TEST(LastWord, GoesToTheDeviceThatCameBackUnderTheSameNumber) {
+TEST(ZeroForcePacket, GoesToTheDeviceThatCameBackUnderTheSameNumber) {
     int lost[2], found[2];
     ASSERT_EQ(pipe(lost), 0);
     ASSERT_EQ(pipe(found), 0);
     const pid_t child = fork();
     if (child == 0) {
-        const LastWord word{lost[1], {std::byte{'0'}}, {}};
-        auto keeper = LimpKeeper::start();
-        if (!keeper.ok()) _exit(1);
-        auto kept = LimpKeeper::keep(*keeper);
+        const ZeroForcePacket word{lost[1], {std::byte{'0'}}, {}};
+        auto watchdog = SafetyWatchdog::start();
+        if (!watchdog.ok()) _exit(1);
+        auto kept = SafetyWatchdog::keep(*watchdog);
         if (!kept.ok() || !kept->say(word).ok()) _exit(1);
         if (dup2(found[1], lost[1]) < 0 || !kept->say(word).ok()) _exit(1);
         _exit(0);
@@ -28,7 +28,7 @@ TEST(LastWord, GoesToTheDeviceThatCameBackUnderTheSameNumber) {
     close(found[1]);
     std::string heard;
     for (char byte = 0; read(found[0], &byte, 1) == 1;) heard += byte;
-    EXPECT_EQ(heard, "00");  // a keeper says it twice
+    EXPECT_EQ(heard, "00");  // a watchdog says it twice
     char byte = 0;
     EXPECT_EQ(read(lost[0], &byte, 1), 0);
     close(lost[0]);

@@ -1,5 +1,5 @@
 // What the depths that occur tell of the camera that made them.
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ Scene millimetres() {
 /// A ground that rises to a hill, 1.5 to 2.7 m away, some noise, and holes; `store`: a code of a depth in mm.
 template <class Store>
 DepthLength levels_of(const Scene& scene, Store store) {
-    DepthSurvey survey(scene);
+    DepthEstimator estimator(scene);
     SplitMix64 random(7);
     std::vector<std::uint16_t> codes;
     for (int y = 0; y < height; ++y)
@@ -48,15 +48,15 @@ DepthLength levels_of(const Scene& scene, Store store) {
             const double depth = 1500 + 3 * x + y - 300 * std::exp(-hill * hill) + 2 * noise;
             codes.push_back(random.next() % 50 == 0 ? 0 : store(depth));
         }
-    survey.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
-    return survey.measured()->levels;
+    estimator.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    return estimator.measured()->levels;
 }
 
 std::uint16_t rounded(double depth) {
     return static_cast<std::uint16_t>(depth + 0.5);
 }
 
-TEST(DepthSurvey, FindsTheLevelsOfDisparityBehindMillimetres) {
+TEST(DepthEstimator, FindsTheLevelsOfDisparityBehindMillimetres) {
     for (const double q : {1.5e-6, 2.85e-6, 6e-6}) {
         // Depth of a disparity that is a whole number of steps: 1 / z = k q.
         const DepthLength levels = levels_of(
@@ -66,7 +66,7 @@ TEST(DepthSurvey, FindsTheLevelsOfDisparityBehindMillimetres) {
     }
 }
 
-TEST(DepthSurvey, FindsLevelsThatAreEvenlyApart) {
+TEST(DepthEstimator, FindsLevelsThatAreEvenlyApart) {
     for (const int step : {4, 10, 25}) {
         const DepthLength levels = levels_of(millimetres(), [&](double depth) {
             return static_cast<std::uint16_t>(step * std::floor(depth / step));
@@ -75,11 +75,11 @@ TEST(DepthSurvey, FindsLevelsThatAreEvenlyApart) {
     }
 }
 
-TEST(DepthSurvey, SeesNoLevelsWhereEveryCodeOccurs) {
+TEST(DepthEstimator, SeesNoLevelsWhereEveryCodeOccurs) {
     EXPECT_EQ(levels_of(millimetres(), rounded), DepthLength{});
 }
 
-TEST(DepthSurvey, SeesNoLevelsInDepthsWithoutARule) {
+TEST(DepthEstimator, SeesNoLevelsInDepthsWithoutARule) {
     SplitMix64 random(3);
     std::vector<std::uint16_t> of_depth;
     for (int depth = 0, level = 1; depth < 8000; ++depth) {
@@ -93,65 +93,67 @@ TEST(DepthSurvey, SeesNoLevelsInDepthsWithoutARule) {
 }
 
 // Codes of each column, of which no two are neighbours; but no terraces.
-TEST(DepthSurvey, ASlopeIsNoStaircase) {
+TEST(DepthEstimator, ASlopeIsNoStaircase) {
     const Scene scene = millimetres();
     std::vector<std::uint16_t> codes;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) codes.push_back(rounded(1 / (1e-3 - 2.5e-6 * x)));
-    DepthSurvey survey(scene);
-    survey.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
-    EXPECT_EQ(survey.measured()->levels, DepthLength{});
+    DepthEstimator estimator(scene);
+    estimator.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    EXPECT_EQ(estimator.measured()->levels, DepthLength{});
 }
 
-TEST(DepthSurvey, EveryCodeCounts) {
+TEST(DepthEstimator, EveryCodeCounts) {
     Scene scene = millimetres();
     scene.depth.far = 65535;
     derive_valid_range(scene.depth);
     const std::vector<std::uint16_t> codes(width * height, 65535);
-    DepthSurvey survey(scene);
-    survey.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
-    EXPECT_EQ(survey.measured()->median, 65535);
+    DepthEstimator estimator(scene);
+    estimator.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
+    EXPECT_EQ(estimator.measured()->median, 65535);
 }
 
-TEST(DepthSurvey, OfNothingSaysNothing) {
-    DepthSurvey survey(millimetres());
-    EXPECT_FALSE(survey.measured());
+TEST(DepthEstimator, OfNothingSaysNothing) {
+    DepthEstimator estimator(millimetres());
+    EXPECT_FALSE(estimator.measured());
 }
 
-TEST(DepthSurvey, TheMedianLeavesOutTheFarPlaneUnlessAllIsThere) {
+TEST(DepthEstimator, TheMedianLeavesOutTheFarPlaneUnlessAllIsThere) {
     Scene scene = millimetres();
     std::vector<std::uint16_t> codes(width * height, 6000);
-    DepthSurvey far(scene);
+    DepthEstimator far(scene);
     far.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
     EXPECT_EQ(far.measured()->median, 6000);
     for (std::size_t k = 0; k < 300; ++k) codes[k] = static_cast<std::uint16_t>(1000 + k);
-    DepthSurvey some(scene);
+    DepthEstimator some(scene);
     some.add(store_plane(width, height, codes, {.bytes_per_sample = 2}).frame());
     EXPECT_EQ(some.measured()->median, 1149);
 }
 
-TEST(DepthSurvey, KnowsAStructuredLightCameraByGeneratedPictures) {
+TEST(DepthEstimator, KnowsAStructuredLightCameraByGeneratedPictures) {
     const test::TemporaryFolder folder;
     const test::StandIn what = test::stand_in("redwood5");
     auto reader = open_clip(folder.path(), test::write_stand_in(folder.path(), what));
     ASSERT_TRUE(reader.ok()) << reader.error().message;
-    DepthSurvey survey((*reader)->scene());
-    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next()) survey.add(**frame);
-    const auto measured = survey.measured();
+    DepthEstimator estimator((*reader)->scene());
+    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next())
+        estimator.add(**frame);
+    const auto measured = estimator.measured();
     ASSERT_TRUE(measured);
     EXPECT_NEAR(measured->levels.quadratic, what.level_per_mm, 0.05 * what.level_per_mm);
     EXPECT_EQ(measured->noise, DepthLength{}) << "views from different places are no noise";
     EXPECT_TRUE(measured->from_a_camera());
 }
 
-TEST(DepthSurvey, KnowsAStructuredLightCameraByItsPictures) {
+TEST(DepthEstimator, KnowsAStructuredLightCameraByItsPictures) {
     TOUCHABLE_NEEDS_DATA(real_data("stills/redwood5"));
     auto reader = open_clip(real_data("stills/redwood5"),
                             std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/redwood5.json");
     ASSERT_TRUE(reader.ok()) << reader.error().message;
-    DepthSurvey survey((*reader)->scene());
-    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next()) survey.add(**frame);
-    const auto measured = survey.measured();
+    DepthEstimator estimator((*reader)->scene());
+    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next())
+        estimator.add(**frame);
+    const auto measured = estimator.measured();
     ASSERT_TRUE(measured);
     EXPECT_NEAR(measured->levels.quadratic * 2000 * 2000, 14.2, 0.3) << "mm at 2 m";
     EXPECT_NEAR(measured->median, 1861, 1);

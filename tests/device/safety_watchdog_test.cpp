@@ -1,5 +1,6 @@
-// However a process ends, what it held is left limp: the last bytes that reach the other end of a socket.
-#include "device/limp_keeper.hpp"
+// However a process ends, what it held is left unpowered: the last bytes that reach the other end of a
+// socket.
+#include "device/safety_watchdog.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -33,7 +34,7 @@ std::string last_of(int socket) {
 
 /// What a device hears last of a process that holds it, and ends like this while its forces go out.
 template <class End>
-std::string last_word_of_one_that(End&& ends) {
+std::string zero_force_packet_of_one_that(End&& ends) {
     int device[2];
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, device), 0);
     const pid_t process = fork();
@@ -42,9 +43,9 @@ std::string last_word_of_one_that(End&& ends) {
         setrlimit(RLIMIT_CORE, &no_core);
         ::close(device[0]);
         ::close(2);  // what the runtime says of such an end is not the test's
-        auto keeper = LimpKeeper::start();
-        if (!keeper.ok()) _exit(1);
-        auto kept = LimpKeeper::keep(*keeper);
+        auto watchdog = SafetyWatchdog::start();
+        if (!watchdog.ok()) _exit(1);
+        auto kept = SafetyWatchdog::keep(*watchdog);
         if (!kept.ok() || !kept->say({device[1], bytes_of("zero"), {}}).ok()) _exit(1);
         for (int force = 0; force < 100; ++force)
             if (::send(device[1], "force", 5, 0) != 5) _exit(1);
@@ -58,14 +59,14 @@ std::string last_word_of_one_that(End&& ends) {
     return last;
 }
 
-TEST(LimpKeeper, SpeaksForAProcessThatWasKilled) {
-    EXPECT_EQ(last_word_of_one_that([](auto&) { raise(SIGKILL); }), "zero");
+TEST(SafetyWatchdog, SpeaksForAProcessThatWasKilled) {
+    EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { raise(SIGKILL); }), "zero");
 }
 
-TEST(LimpKeeper, SpeaksAfterEverySignal) {
+TEST(SafetyWatchdog, SpeaksAfterEverySignal) {
     for (const int signal :
          {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGPIPE, SIGXCPU})
-        EXPECT_EQ(last_word_of_one_that([signal](auto&) {
+        EXPECT_EQ(zero_force_packet_of_one_that([signal](auto&) {
                       std::signal(signal, SIG_DFL);
                       raise(signal);
                   }),
@@ -73,28 +74,28 @@ TEST(LimpKeeper, SpeaksAfterEverySignal) {
             << signal;
 }
 
-TEST(LimpKeeper, SpeaksAfterAbortInAnotherThread) {
-    EXPECT_EQ(last_word_of_one_that([](auto&) { std::thread([] { std::abort(); }).join(); }), "zero");
+TEST(SafetyWatchdog, SpeaksAfterAbortInAnotherThread) {
+    EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { std::thread([] { std::abort(); }).join(); }), "zero");
 }
 
-TEST(LimpKeeper, SpeaksAfterAnExceptionThatNobodyCaught) {
-    EXPECT_EQ(last_word_of_one_that([](auto&) { std::thread([] { throw 1; }).join(); }), "zero");
+TEST(SafetyWatchdog, SpeaksAfterAnExceptionThatNobodyCaught) {
+    EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { std::thread([] { throw 1; }).join(); }), "zero");
 }
 
-TEST(LimpKeeper, SpeaksAfterAnExitThatDestroysNothing) {
-    EXPECT_EQ(last_word_of_one_that([](auto&) { _exit(0); }), "zero");
+TEST(SafetyWatchdog, SpeaksAfterAnExitThatDestroysNothing) {
+    EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { _exit(0); }), "zero");
 }
 
-TEST(LimpKeeper, SaysNothingForADeviceThatWasLetGoOf) {
-    EXPECT_EQ(last_word_of_one_that([](LimpKeeper::Kept& kept) {
-                  { const LimpKeeper::Kept let_go(std::move(kept)); }
+TEST(SafetyWatchdog, SaysNothingForADeviceThatWasLetGoOf) {
+    EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
+                  { const SafetyWatchdog::Kept let_go(std::move(kept)); }
                   raise(SIGKILL);
               }),
               "force");
 }
 
-TEST(LimpKeeper, KeepsTheNewestWord) {
-    EXPECT_EQ(last_word_of_one_that([](LimpKeeper::Kept& kept) {
+TEST(SafetyWatchdog, KeepsTheNewestWord) {
+    EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
                   int other[2];
                   if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, other) != 0) _exit(1);
                   if (!kept.say({other[1], bytes_of("other"), {}}).ok()) _exit(1);
@@ -105,25 +106,25 @@ TEST(LimpKeeper, KeepsTheNewestWord) {
         << "the first descriptor is not its any more";
 }
 
-TEST(LimpKeeper, RefusesAWordThatIsTooLong) {
-    auto keeper = LimpKeeper::start();
-    ASSERT_TRUE(keeper.ok());
-    auto kept = LimpKeeper::keep(*keeper);
+TEST(SafetyWatchdog, RefusesAWordThatIsTooLong) {
+    auto watchdog = SafetyWatchdog::start();
+    ASSERT_TRUE(watchdog.ok());
+    auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
-    EXPECT_FALSE(kept->say({0, std::vector<std::byte>(LimpKeeper::most_bytes + 1), {}}).ok());
+    EXPECT_FALSE(kept->say({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}).ok());
 }
 
-TEST(LimpKeeper, KeepsAFewDevicesAndHasRoomAgainAfterwards) {
-    auto keeper = LimpKeeper::start();
-    ASSERT_TRUE(keeper.ok());
+TEST(SafetyWatchdog, KeepsAFewDevicesAndHasRoomAgainAfterwards) {
+    auto watchdog = SafetyWatchdog::start();
+    ASSERT_TRUE(watchdog.ok());
     for (int again = 0; again < 3; ++again) {
-        std::vector<LimpKeeper::Kept> kept;
-        for (int device = 0; device < LimpKeeper::most_devices; ++device) {
-            auto one = LimpKeeper::keep(*keeper);
+        std::vector<SafetyWatchdog::Kept> kept;
+        for (int device = 0; device < SafetyWatchdog::most_devices; ++device) {
+            auto one = SafetyWatchdog::keep(*watchdog);
             ASSERT_TRUE(one.ok()) << device;
             kept.push_back(std::move(*one));
         }
-        EXPECT_EQ(LimpKeeper::keep(*keeper).error().kind, ErrorKind::device);
+        EXPECT_EQ(SafetyWatchdog::keep(*watchdog).error().kind, ErrorKind::device);
     }
 }
 

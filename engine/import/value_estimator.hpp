@@ -5,7 +5,7 @@
 namespace touchable {
 
 /// What the values of a picture tell of their unit.
-struct SurveyedValues {
+struct EstimatedValues {
     bool is_float = false;
     bool any = false;  ///< is neither 0 nor, of 16 bits, the largest; what follows is of these
     int bits = 16;
@@ -14,6 +14,6 @@ struct SurveyedValues {
     double negative = 0;          ///< share of all
     bool is_normalised = false;   ///< from the least that can be stored (floats: 0) to the most (1)
 };
-SurveyedValues survey_values(const StoredImage& picture);
+EstimatedValues estimate_values(const StoredImage& picture);
 
 }  // namespace touchable

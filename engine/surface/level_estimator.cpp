@@ -1,4 +1,4 @@
-#include "engine/surface/level_survey.hpp"
+#include "engine/surface/level_estimator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -34,9 +34,9 @@ std::optional<double> common_value(const std::vector<Weighted>& values) {
 
 }  // namespace
 
-LevelSurvey::LevelSurvey(const DepthCoding& coding) : coding_(coding), counts_(65536) {}
+LevelEstimator::LevelEstimator(const DepthCoding& coding) : coding_(coding), counts_(65536) {}
 
-void LevelSurvey::add(const CodePicture& picture) {
+void LevelEstimator::add(const CodePicture& picture) {
     for (int y = 0; y < picture.height; ++y) {
         const int* row = picture.row(y);
         const int* above = y > 0 ? picture.row(y - 1) : nullptr;
@@ -56,7 +56,7 @@ void LevelSurvey::add(const CodePicture& picture) {
     }
 }
 
-std::optional<double> LevelSurvey::median_depth() const {
+std::optional<double> LevelEstimator::median_depth() const {
     std::vector<Weighted> depths, background;
     for (int code = 0; code < 65536; ++code) {
         const std::int64_t pixels = counts_[static_cast<std::size_t>(code)].pixels;
@@ -70,7 +70,7 @@ std::optional<double> LevelSurvey::median_depth() const {
 }
 
 /// Nothing where codes of the window are no levels, or too few to tell.
-std::optional<LevelSurvey::Window> LevelSurvey::window(int first, int end) const {
+std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end) const {
     std::int64_t pixels = 0, occupied = 0;
     for (int code = first; code < end; ++code) {
         pixels += counts_[static_cast<std::size_t>(code)].pixels;
@@ -112,7 +112,7 @@ std::optional<LevelSurvey::Window> LevelSurvey::window(int first, int end) const
                   std::fabs(at(last) - at(least_code)) / static_cast<double>(span) * gap};
 }
 
-std::vector<LevelSurvey::Window> LevelSurvey::windows() const {
+std::vector<LevelEstimator::Window> LevelEstimator::windows() const {
     std::vector<Window> found;
     for (int first = 0; first < 65536;) {
         const int end = end_of_window(first);
@@ -122,7 +122,7 @@ std::vector<LevelSurvey::Window> LevelSurvey::windows() const {
     return found;
 }
 
-DepthLength LevelSurvey::levels() const {
+DepthLength LevelEstimator::levels() const {
     const std::vector<Window> found = windows();
     if (found.size() < 3) return {};
     std::vector<Weighted> constant, quadratic;

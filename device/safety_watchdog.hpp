@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "device/device_driver.hpp"
-#include "device/limp_process.hpp"
+#include "device/watchdog_process.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {
@@ -15,19 +15,19 @@ namespace touchable {
 /// A small process beside this one that leaves devices without force when this one cannot: when it is gone,
 /// however it went (by a signal, by abort, killed), and while the thread that speaks with a device stands
 /// still, as one that is stopped, swapped out or dumped does. It holds the devices' descriptors and the bytes
-/// that leave them limp, and waits for the last end of a socket to it to be closed, or for a heart that does
-/// not beat. What it cannot help against: a machine that stops.
-class LimpKeeper {
+/// that leave them unpowered, and waits for the last end of a socket to it to be closed, or for a heart that
+/// does not beat. What it cannot help against: a machine that stops.
+class SafetyWatchdog {
 public:
-    static constexpr int most_devices = LimpOrder::most_devices;
-    static constexpr std::size_t most_bytes = LimpOrder::most_bytes;
+    static constexpr int most_devices = WatchdogOrder::most_devices;
+    static constexpr std::size_t most_bytes = WatchdogOrder::most_bytes;
 
     /// Forks. Best done early: it keeps a copy of what this process has in memory by then, as long as neither
     /// writes to it. Error (internal): no process can be had.
-    static Result<std::shared_ptr<LimpKeeper>> start();
-    ~LimpKeeper();  ///< it ends, in two seconds at most; what it still keeps gets its last word
-    LimpKeeper(const LimpKeeper&) = delete;
-    LimpKeeper& operator=(const LimpKeeper&) = delete;
+    static Result<std::shared_ptr<SafetyWatchdog>> start();
+    ~SafetyWatchdog();  ///< it ends, in two seconds at most; what it still keeps gets its last word
+    SafetyWatchdog(const SafetyWatchdog&) = delete;
+    SafetyWatchdog& operator=(const SafetyWatchdog&) = delete;
 
     pid_t process() const { return process_; }
     /// Error (device): it is gone or stands still, which nobody but a person or the system can have done.
@@ -38,7 +38,7 @@ public:
     class Kept {
     public:
         Kept(Kept&& other) noexcept
-            : keeper_(std::move(other.keeper_)),
+            : watchdog_(std::move(other.watchdog_)),
               place_(other.place_),
               silences_(other.silences_),
               watch_(other.watch_) {}
@@ -46,35 +46,36 @@ public:
         ~Kept();
         /// Another word, or another descriptor, in place of the last. Said anew of hardware that came back:
         /// its descriptor may have the number that the lost one had. No beat is expected until the next one.
-        Result<void> say(const LastWord& word);
+        Result<void> say(const ZeroForcePacket& word);
         /// By the thread that speaks with the device, before it speaks: it lives. From the first one on they
-        /// are expected, `Heartbeat::longest_ns` apart at most. False: the device was made limp since the
-        /// last one, so that what it is told now is a beginning. Error (device): LimpKeeper::health's.
+        /// are expected, `Heartbeat::longest_ns` apart at most. False: the device was made unpowered since
+        /// the last one, so that what it is told now is a beginning. Error (device):
+        /// SafetyWatchdog::health's.
         Result<bool> beat();
         /// Whether the next beat will say so.
-        bool was_made_limp() const;
+        bool was_made_unpowered() const;
 
     private:
-        friend class LimpKeeper;
-        Kept(std::shared_ptr<LimpKeeper> keeper, std::size_t place)
-            : keeper_(std::move(keeper)), place_(place) {}
-        std::shared_ptr<LimpKeeper> keeper_;
+        friend class SafetyWatchdog;
+        Kept(std::shared_ptr<SafetyWatchdog> watchdog, std::size_t place)
+            : watchdog_(std::move(watchdog)), place_(place) {}
+        std::shared_ptr<SafetyWatchdog> watchdog_;
         std::size_t place_ = 0;
         std::uint32_t silences_ = 0;  // that are known of
-        KeeperWatch watch_;
+        WatchdogMonitor watch_;
     };
     /// Error (device): `most_devices` are kept already.
-    static Result<Kept> keep(std::shared_ptr<LimpKeeper> keeper);
+    static Result<Kept> keep(std::shared_ptr<SafetyWatchdog> watchdog);
 
 private:
-    LimpKeeper(int socket, pid_t process, LimpHearts& hearts)
+    SafetyWatchdog(int socket, pid_t process, WatchdogHeartbeats& hearts)
         : socket_(socket), process_(process), hearts_(hearts) {}
-    Result<void> tell(std::size_t place, const LastWord* word);
+    Result<void> tell(std::size_t place, const ZeroForcePacket* word);
     bool is_done(std::uint32_t number) const;
 
     const int socket_;
     const pid_t process_;
-    LimpHearts& hearts_;
+    WatchdogHeartbeats& hearts_;
     std::atomic<bool> stands_still_{false};
     std::mutex mutex_;  // threads of several devices
     bool taken_[most_devices] = {};

@@ -8,7 +8,7 @@
 namespace touchable {
 
 /// The ground about a finger that glides.
-struct Footing {
+struct LocalRelief {
     enum class Kind {
         smooth,
         rough,  ///< it bends sharply within reach, as at a step: what presses there may be held
@@ -19,14 +19,14 @@ struct Footing {
 };
 
 /// Looks about a finger, as a person does who lifts it over a step they see coming.
-class FootingSearch {
+class LocalReliefSearch {
 public:
     /// Looks `reach` device metres, > 0, to every side, and at pixels of `box` alone: no finger goes
     /// elsewhere.
-    FootingSearch(double reach, double metres_per_scene_unit, const PixelBox& box);
+    LocalReliefSearch(double reach, double metres_per_scene_unit, const PixelBox& box);
 
     /// At `pixel` of the box, where the finger takes the surface to be at planar depth `depth`.
-    Footing about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const;
+    LocalRelief about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const;
 
 private:
     static constexpr int directions = 12;  // even: they pair up

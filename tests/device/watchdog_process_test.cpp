@@ -1,5 +1,5 @@
-// The process that leaves devices limp: a program that stands still, that is dumped, that is ended with all
-// of its group, and who ends that process.
+// The process that leaves devices unpowered: a program that stands still, that is dumped, that is ended with
+// all of its group, and who ends that process.
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sched.h>
@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "device/limp_keeper.hpp"
+#include "device/safety_watchdog.hpp"
 #include "tests/sanitizers.hpp"
 
 namespace touchable::test {
@@ -100,17 +100,17 @@ public:
 
 private:
     [[noreturn]] static void live(int device, int told, Way way, int beside) {
-        auto keeper = LimpKeeper::start();
-        if (!keeper.ok()) _exit(1);
-        std::optional<LimpKeeper::Kept> other;  // which is spoken to first
+        auto watchdog = SafetyWatchdog::start();
+        if (!watchdog.ok()) _exit(1);
+        std::optional<SafetyWatchdog::Kept> other;  // which is spoken to first
         if (beside >= 0) {
-            auto also_kept = LimpKeeper::keep(*keeper);
+            auto also_kept = SafetyWatchdog::keep(*watchdog);
             if (!also_kept.ok() || !also_kept->say({beside, word("last"), {}, {}}).ok()) _exit(1);
             other.emplace(std::move(*also_kept));
         }
-        auto kept = LimpKeeper::keep(*keeper);
+        auto kept = SafetyWatchdog::keep(*watchdog);
         if (!kept.ok() || !kept->say({device, word("last"), {}, word("meanwhile")}).ok()) _exit(1);
-        const pid_t guardian = (*keeper)->process();
+        const pid_t guardian = (*watchdog)->process();
         if (write(told, &guardian, sizeof guardian) != sizeof guardian) _exit(1);
         for (int force = 0;; ++force) {
             const auto beat = kept->beat();
@@ -141,13 +141,13 @@ double quickest_ms(const std::function<void(BeatingProgram&)>& begins, const std
     return quickest;
 }
 
-TEST(LimpProcess, AStoppedProgramIsMadeLimpWithoutDying) {
+TEST(WatchdogProcess, AStoppedProgramIsMadeLimpWithoutDying) {
     const double ms = quickest_ms([](BeatingProgram& program) { program.stop(); }, "meanwhile");
     EXPECT_LE(ms, 50);
     EXPECT_GE(ms, 10) << "not before it stands still";
 }
 
-TEST(LimpProcess, AProgramThatGoesOnIsLeftAloneAndWatchedAgain) {
+TEST(WatchdogProcess, AProgramThatGoesOnIsLeftAloneAndWatchedAgain) {
     const BeatingProgram program;
     for (int again = 0; again < 3; ++again) {
         program.stop();
@@ -159,7 +159,7 @@ TEST(LimpProcess, AProgramThatGoesOnIsLeftAloneAndWatchedAgain) {
     }
 }
 
-TEST(LimpProcess, SaysAWordAgainWhileAProgramIsStopped) {
+TEST(WatchdogProcess, SaysAWordAgainWhileAProgramIsStopped) {
     const BeatingProgram program;
     program.stop();
     ASSERT_TRUE(program.hears_of("meanwhile"));
@@ -168,7 +168,7 @@ TEST(LimpProcess, SaysAWordAgainWhileAProgramIsStopped) {
     EXPECT_TRUE(program.hears_of("last")) << "once it is gone";
 }
 
-TEST(LimpProcess, DoesNotWaitForACoreToBeWritten) {
+TEST(WatchdogProcess, DoesNotWaitForACoreToBeWritten) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "a sanitizer's memory is too large to be dumped";
 #endif
@@ -194,7 +194,7 @@ TEST(LimpProcess, DoesNotWaitForACoreToBeWritten) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(LimpProcess, IsNotMistakenWhenItWasLateItself) {
+TEST(WatchdogProcess, IsNotMistakenWhenItWasLateItself) {
     int fewest = 1;
     for (int go = 0; go < most_goes && fewest > 0; ++go) {
         const BeatingProgram program;
@@ -210,7 +210,7 @@ TEST(LimpProcess, IsNotMistakenWhenItWasLateItself) {
 }
 
 /// As a terminal does by Ctrl-C, and a person by kill -9 -GROUP.
-TEST(LimpProcess, OutlivesWhatIsSentToTheWholeGroup) {
+TEST(WatchdogProcess, OutlivesWhatIsSentToTheWholeGroup) {
     for (const int signal : {SIGINT, SIGQUIT, SIGHUP, SIGTERM, SIGKILL}) {
         const BeatingProgram program;
         program.hears();
@@ -221,17 +221,17 @@ TEST(LimpProcess, OutlivesWhatIsSentToTheWholeGroup) {
     }
 }
 
-TEST(LimpProcess, IsNotEndedByWhatEndsPrograms) {
-    auto keeper = LimpKeeper::start();
-    ASSERT_TRUE(keeper.ok());
-    auto kept = LimpKeeper::keep(*keeper);
+TEST(WatchdogProcess, IsNotEndedByWhatEndsPrograms) {
+    auto watchdog = SafetyWatchdog::start();
+    ASSERT_TRUE(watchdog.ok());
+    auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
     ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it has begun";
     for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) {
-        kill((*keeper)->process(), signal);
+        kill((*watchdog)->process(), signal);
         EXPECT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << signal;
     }
-    EXPECT_TRUE((*keeper)->health().ok());
+    EXPECT_TRUE((*watchdog)->health().ok());
 }
 
 std::string contents(pid_t process, const char* what) {
@@ -240,12 +240,12 @@ std::string contents(pid_t process, const char* what) {
 }
 
 /// The device is in nobody's care then, and must have no force.
-TEST(LimpProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
-    auto keeper = LimpKeeper::start();
-    ASSERT_TRUE(keeper.ok());
-    auto kept = LimpKeeper::keep(*keeper);
+TEST(WatchdogProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
+    auto watchdog = SafetyWatchdog::start();
+    ASSERT_TRUE(watchdog.ok());
+    auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
-    const pid_t process = (*keeper)->process();
+    const pid_t process = (*watchdog)->process();
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
     ASSERT_TRUE(kept->say({ends[1], word("zero"), {}, {}}).ok());
@@ -268,17 +268,17 @@ TEST(LimpProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
 }
 
 /// `pkill -9 touchable` goes by the one, `pkill -f` by the other.
-TEST(LimpProcess, HasANameAndACommandLineOfItsOwn) {
+TEST(WatchdogProcess, HasANameAndACommandLineOfItsOwn) {
     const BeatingProgram program;
-    EXPECT_EQ(contents(program.guardian(), "comm"), "limp-keeper\n");
+    EXPECT_EQ(contents(program.guardian(), "comm"), "safety-watchdog\n");
     const std::string line = contents(program.guardian(), "cmdline");
-    EXPECT_EQ(line.substr(0, line.find('\0')), "limp-keeper");
+    EXPECT_EQ(line.substr(0, line.find('\0')), "safety-watchdog");
     EXPECT_EQ(line.find_first_not_of('\0', line.find('\0')), std::string::npos) << "nothing behind it";
     EXPECT_NE(contents(program.process(), "cmdline").find("test_device"), std::string::npos)
         << "the program keeps its own";
 }
 
-TEST(LimpProcess, IsAsUrgentAsItMayBe) {
+TEST(WatchdogProcess, IsAsUrgentAsItMayBe) {
     const BeatingProgram program;
     const pid_t tries = fork();
     if (tries == 0) {
@@ -291,12 +291,12 @@ TEST(LimpProcess, IsAsUrgentAsItMayBe) {
 }
 
 /// Whoever reads a pipe that the program writes waits for its end.
-TEST(LimpProcess, HoldsNothingOpenThatItDoesNotNeed) {
+TEST(WatchdogProcess, HoldsNothingOpenThatItDoesNotNeed) {
     int ends[2];
     ASSERT_EQ(pipe(ends), 0);
-    auto keeper = LimpKeeper::start();
-    ASSERT_TRUE(keeper.ok());
-    auto kept = LimpKeeper::keep(*keeper);
+    auto watchdog = SafetyWatchdog::start();
+    ASSERT_TRUE(watchdog.ok());
+    auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
     ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it has begun";
     ::close(ends[1]);
@@ -304,7 +304,7 @@ TEST(LimpProcess, HoldsNothingOpenThatItDoesNotNeed) {
     EXPECT_EQ(poll(&end, 1, 0), 1);
     EXPECT_NE(end.revents & POLLHUP, 0);
     ::close(ends[0]);
-    const std::filesystem::path open = "/proc/" + std::to_string((*keeper)->process()) + "/fd";
+    const std::filesystem::path open = "/proc/" + std::to_string((*watchdog)->process()) + "/fd";
     std::vector<std::string> held;
     for (const auto& one : std::filesystem::directory_iterator(open)) held.push_back(one.path().filename());
     EXPECT_EQ(held.size(), 2U) << "its socket, and what it keeps";
@@ -331,7 +331,7 @@ private:
     int ends_[2] = {-1, -1};
 };
 
-TEST(LimpProcess, ADeviceThatTakesNothingKeepsNoOtherWaiting) {
+TEST(WatchdogProcess, ADeviceThatTakesNothingKeepsNoOtherWaiting) {
     const DeviceThatTakesNothing stuck;
     const BeatingProgram program(
         BeatingProgram::Way::beats, [&] { stuck.let_go_of_its_end(); }, stuck.end());
@@ -345,7 +345,7 @@ TEST(LimpProcess, ADeviceThatTakesNothingKeepsNoOtherWaiting) {
     EXPECT_EQ(program.hears(), "last");
 }
 
-TEST(LimpProcess, LeavesEachOfTwoDevicesLimp) {
+TEST(WatchdogProcess, LeavesEachOfTwoDevicesLimp) {
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
     const timeval patience{10, 0};
@@ -361,7 +361,7 @@ TEST(LimpProcess, LeavesEachOfTwoDevicesLimp) {
     ::close(ends[0]);
 }
 
-TEST(LimpProcess, SpeaksTwice) {
+TEST(WatchdogProcess, SpeaksTwice) {
     const BeatingProgram program;
     kill(program.process(), SIGKILL);
     ASSERT_TRUE(program.hears_of("last"));
@@ -369,32 +369,32 @@ TEST(LimpProcess, SpeaksTwice) {
     EXPECT_EQ(program.hears(), "");
 }
 
-TEST(LimpProcess, ThatItIsGoneIsKnown) {
-    auto keeper = LimpKeeper::start();
-    ASSERT_TRUE(keeper.ok());
-    auto kept = LimpKeeper::keep(*keeper);
+TEST(WatchdogProcess, ThatItIsGoneIsKnown) {
+    auto watchdog = SafetyWatchdog::start();
+    ASSERT_TRUE(watchdog.ok());
+    auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
     EXPECT_TRUE(kept->beat().ok());
-    kill((*keeper)->process(), SIGKILL);
+    kill((*watchdog)->process(), SIGKILL);
     siginfo_t ended{};
-    ASSERT_EQ(waitid(P_PID, static_cast<id_t>((*keeper)->process()), &ended, WEXITED | WNOWAIT), 0);
+    ASSERT_EQ(waitid(P_PID, static_cast<id_t>((*watchdog)->process()), &ended, WEXITED | WNOWAIT), 0);
     const auto beat = kept->beat();
     ASSERT_FALSE(beat.ok());
     EXPECT_EQ(beat.error().kind, ErrorKind::device);
-    EXPECT_NE(
-        beat.error().message.find("(limp-keeper, " + std::to_string((*keeper)->process()) + ") is gone"),
-        std::string::npos)
+    EXPECT_NE(beat.error().message.find("(safety-watchdog, " + std::to_string((*watchdog)->process()) +
+                                        ") is gone"),
+              std::string::npos)
         << beat.error().message;
     EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
 }
 
-TEST(LimpProcess, ThatItStandsStillIsKnown) {
-    auto keeper = LimpKeeper::start();
-    ASSERT_TRUE(keeper.ok());
-    auto kept = LimpKeeper::keep(*keeper);
+TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
+    auto watchdog = SafetyWatchdog::start();
+    ASSERT_TRUE(watchdog.ok());
+    auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
     ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok());
-    kill((*keeper)->process(), SIGSTOP);
+    kill((*watchdog)->process(), SIGSTOP);
     int beats = 0;
     Result<bool> beat = true;
     for (; beat.ok() && beats < 10'000; ++beats) {
@@ -403,26 +403,26 @@ TEST(LimpProcess, ThatItStandsStillIsKnown) {
     }
     ASSERT_FALSE(beat.ok());
     EXPECT_EQ(beat.error().kind, ErrorKind::device);
-    EXPECT_NE(beat.error().message.find("(limp-keeper, " + std::to_string((*keeper)->process()) +
+    EXPECT_NE(beat.error().message.find("(safety-watchdog, " + std::to_string((*watchdog)->process()) +
                                         ") stands still; there is no force without it"),
               std::string::npos)
         << beat.error().message;
     EXPECT_GE(beats, 50) << "a busy machine may keep it waiting for a while";
-    kill((*keeper)->process(), SIGCONT);
+    kill((*watchdog)->process(), SIGCONT);
     EXPECT_FALSE(kept->beat().ok()) << "nobody relies on it again";
     EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
 }
 
 /// Whether it was known to be stopped or not. (In a process of its own, which would hang.)
-TEST(LimpProcess, AStoppedOneDoesNotKeepTheProgramFromItsEnd) {
+TEST(WatchdogProcess, AStoppedOneDoesNotKeepTheProgramFromItsEnd) {
     const pid_t program = fork();
     if (program == 0) {
         alarm(30);
-        auto keeper = LimpKeeper::start();
-        if (!keeper.ok()) _exit(1);
-        const pid_t process = (*keeper)->process();
+        auto watchdog = SafetyWatchdog::start();
+        if (!watchdog.ok()) _exit(1);
+        const pid_t process = (*watchdog)->process();
         kill(process, SIGSTOP);
-        keeper->reset();
+        watchdog->reset();
         _exit(kill(process, 0) < 0 ? 0 : 2);
     }
     int status = -1;

@@ -1,4 +1,4 @@
-#include "engine/import/value_survey.hpp"
+#include "engine/import/value_estimator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ double value_at(const StoredImage& picture, std::size_t k) {
 
 }  // namespace
 
-SurveyedValues survey_values(const StoredImage& picture) {
-    SurveyedValues values;
+EstimatedValues estimate_values(const StoredImage& picture) {
+    EstimatedValues values;
     values.is_float = !picture.values.empty();
     values.bits = values.is_float ? 32 : 8 * picture.image.bytes_per_sample;
     const double most = values.is_float ? 1 : 65535;

@@ -1,4 +1,4 @@
-#include "player/session/camera_film.hpp"
+#include "player/session/camera_capture.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -16,7 +16,7 @@ constexpr std::size_t most_waiting = 30;
 
 class KeptCamera final : public ReaderAround {
 public:
-    KeptCamera(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraFilm> film)
+    KeptCamera(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraCapture> film)
         : ReaderAround(std::move(camera)), film_(std::move(film)) {}
     Result<std::optional<RawFrame>> next() override {
         auto frame = inner().next();
@@ -30,12 +30,12 @@ public:
     }
 
 private:
-    std::shared_ptr<CameraFilm> film_;
+    std::shared_ptr<CameraCapture> film_;
 };
 
-class FilmedCamera final : public ReaderAround {
+class CapturedCamera final : public ReaderAround {
 public:
-    FilmedCamera(std::unique_ptr<ClipReader> film, FilmedFrames frames)
+    CapturedCamera(std::unique_ptr<ClipReader> film, CapturedFrames frames)
         : ReaderAround(std::move(film)), frames_(std::move(frames)) {}
     std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
     std::int64_t access_point(std::int64_t) const override { return 0; }
@@ -52,30 +52,30 @@ public:
         if (next_ == std::ssize(frames_)) return std::optional<RawFrame>();
         auto frame = inner().next();
         if (!frame.ok() || !*frame) return frame;
-        const FilmedFrame& taken = frames_[static_cast<std::size_t>(next_++)];
+        const CapturedFrame& taken = frames_[static_cast<std::size_t>(next_++)];
         (*frame)->number = taken.number;
         (*frame)->time_ns = taken.time_ns;
         return frame;
     }
 
 private:
-    FilmedFrames::const_iterator place_of(std::int64_t frame) const {
+    CapturedFrames::const_iterator place_of(std::int64_t frame) const {
         return std::lower_bound(
             frames_.begin(), frames_.end(), frame,
-            [](const FilmedFrame& taken, std::int64_t number) { return taken.number < number; });
+            [](const CapturedFrame& taken, std::int64_t number) { return taken.number < number; });
     }
 
-    FilmedFrames frames_;
+    CapturedFrames frames_;
     std::ptrdiff_t next_ = 0;  // frame of the film
 };
 
 }  // namespace
 
-CameraFilm::~CameraFilm() {
+CameraCapture::~CameraCapture() {
     stop();
 }
 
-Result<void> CameraFilm::open(const std::filesystem::path& file, Existing existing) {
+Result<void> CameraCapture::open(const std::filesystem::path& file, Existing existing) {
     auto writer = create_clip(file, scene_, {}, existing);
     if (!writer.ok()) return writer.error();
     writer_ = std::move(*writer);
@@ -96,7 +96,7 @@ Result<void> CameraFilm::open(const std::filesystem::path& file, Existing existi
     });
 }
 
-Result<void> CameraFilm::keep(const RawFrame& frame) {
+Result<void> CameraCapture::keep(const RawFrame& frame) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] {
         return !open_ || waiting_.size() < most_waiting || interrupted_ || failure_.has_value();
@@ -109,13 +109,13 @@ Result<void> CameraFilm::keep(const RawFrame& frame) {
     return {};
 }
 
-void CameraFilm::interrupt() {
+void CameraCapture::interrupt() {
     const std::lock_guard lock(mutex_);
     interrupted_ = true;
     changed_.notify_all();
 }
 
-void CameraFilm::write() {
+void CameraCapture::write() {
     for (std::int64_t number = 0;; ++number) {
         RawFrame frame;
         {
@@ -140,18 +140,18 @@ void CameraFilm::write() {
     }
 }
 
-std::optional<Error> CameraFilm::fault() const {
+std::optional<Error> CameraCapture::fault() const {
     const std::lock_guard lock(mutex_);
     return failure_;
 }
 
-void CameraFilm::give_up(const Error& why) {
+void CameraCapture::give_up(const Error& why) {
     const std::lock_guard lock(mutex_);
     failure_ = why;
     waiting_.clear();
 }
 
-void CameraFilm::stop() {
+void CameraCapture::stop() {
     {
         const std::lock_guard lock(mutex_);
         ended_ = true;
@@ -160,7 +160,7 @@ void CameraFilm::stop() {
     if (thread_.joinable()) thread_.join();
 }
 
-Result<void> CameraFilm::finish() {
+Result<void> CameraCapture::finish() {
     stop();
     if (failure_) frames_.resize(is_broken_ ? 0 : written_);
     if (failure_ && frames_.empty()) return {};
@@ -172,17 +172,19 @@ std::filesystem::path film_beside(std::filesystem::path record, int part) {
     return record;
 }
 
-std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraFilm> film) {
+std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera,
+                                      std::shared_ptr<CameraCapture> film) {
     return std::make_unique<KeptCamera>(std::move(camera), std::move(film));
 }
 
-Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film, FilmedFrames frames,
+Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film,
+                                                       CapturedFrames frames,
                                                        const std::filesystem::path& file) {
     const auto count = film->frame_count();
     if (count && *count != std::ssize(frames))
         return input_error(file.string() + ": has " + std::to_string(*count) + " frames, the camera gave " +
                            std::to_string(frames.size()) + ": it is not the film of that recording");
-    return std::unique_ptr<ClipReader>(std::make_unique<FilmedCamera>(std::move(film), std::move(frames)));
+    return std::unique_ptr<ClipReader>(std::make_unique<CapturedCamera>(std::move(film), std::move(frames)));
 }
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-#include "engine/surface/depth_survey.hpp"
+#include "engine/surface/depth_estimator.hpp"
 
 #include <utility>
 
@@ -17,27 +17,28 @@ bool MeasuredDepth::from_a_camera() const {
            tiny_holes >= some_tiny_holes;
 }
 
-DepthSurvey::DepthSurvey(const Scene& scene) : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
+DepthEstimator::DepthEstimator(const Scene& scene)
+    : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
 
-void DepthSurvey::add(const RawFrame& frame) {
+void DepthEstimator::add(const RawFrame& frame) {
     CodePicture picture = code_picture(frame.depth, scene_.depth);
     levels_.add(picture);
     noise_.add(std::move(picture));
     ++added_;
 }
 
-bool DepthSurvey::enough() const {
+bool DepthEstimator::enough() const {
     if (added_ != first_few) return added_ >= frames;
     const auto so_far = measured();
     return so_far && !so_far->from_a_camera();
 }
 
-std::optional<MeasuredDepth> DepthSurvey::measured() const {
+std::optional<MeasuredDepth> DepthEstimator::measured() const {
     const auto median = levels_.median_depth();
     if (!median) return std::nullopt;
     Scene scene = scene_;
     if (scene.filter.levels == DepthLength{}) scene.filter.levels = levels_.levels();
-    using Place = NoiseSurvey::Place;
+    using Place = NoiseEstimator::Place;
     MeasuredDepth measured;
     measured.frames = added_;
     measured.median = *median;
