@@ -213,6 +213,7 @@ void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& 
             nn > 0 && dot(pull, cross(e[k], n[k])) > 0 && dot(pull, cross(n[k], e[(k + 1) % 6])) > 0;
         if (!in_sector[k]) continue;
         const double length2 = dot(pull, pull) - vn * vn / nn;
+        in_sector[k] = length2 > 0;  // of a pull along the normal nothing is left but roundings
         if (length2 > longest) {
             longest = length2;
             face = static_cast<int>(k);

@@ -113,6 +113,7 @@ Result<void> VideoFile::rewind() {
     decoder_ = std::move(*decoder);
     demuxer_->select(stream_);
     number_ = 0;
+    is_lost_ = false;
     held_.reset();
     return {};
 }
@@ -184,6 +185,7 @@ Result<FramePtr> VideoFile::next() {
     }
     if (number_ >= count()) return FramePtr{};
     auto decoded = decode();
+    is_lost_ = !decoded || !*decoded;
     if (!decoded) return decoded.error();
     if (!*decoded)
         return input_error(where(number_) + ": is where the pictures end, but it promises " +
@@ -209,6 +211,7 @@ Result<bool> VideoFile::begin_at(std::int64_t key) {
         if ((*decoded)->timestamp < time) continue;
         held_ = std::move((*decoded)->frame);
         number_ = key;
+        is_lost_ = false;
         return true;
     }
     return false;
@@ -219,7 +222,7 @@ Result<void> VideoFile::seek(std::int64_t frame) {
         return usage_error(file_.string() + ": has no frame " + std::to_string(frame) +
                            ": must be from 0 to " + std::to_string(count() - 1));
     const std::int64_t key = access_point(frame);
-    if (number_ > frame || number_ < key) {
+    if (is_lost_ || number_ > frame || number_ < key) {
         held_.reset();
         const auto begun = key > 0 ? begin_at(key) : Result<bool>(false);
         if (!begun) return begun.error();

@@ -80,6 +80,7 @@ private:
     int stream_ = 0;
     std::optional<TrackDecoder> decoder_;
     std::int64_t number_ = 0;  // of the frame that `next` gives
+    bool is_lost_ = false;     // after an error the decoder is not where `number_` says
     FramePtr held_;            // that frame, where it is decoded already
 };
 

@@ -1,5 +1,6 @@
 #include "player/session/shared_clip.hpp"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,8 +30,12 @@ std::size_t kept_bytes_of(const RawFrame& frame) {
 class SharedClip::Reader final : public ClipReader {
 public:
     explicit Reader(std::shared_ptr<SharedClip> shared) : shared_(std::move(shared)) {
+        ++shared_->readers_;
         for (const auto& input : clip().inputs()) add_input(input);
     }
+    ~Reader() override { --shared_->readers_; }
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
     const Scene& scene() const override { return clip().scene(); }
     const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
     std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
@@ -76,13 +81,12 @@ Result<std::unique_ptr<ClipReader>> SharedClip::open(const Open& open_clip) {
 }
 
 void SharedClip::forget_first_frames() {
-    const std::lock_guard lock(mutex_);
-    keeps_first_ = false;
-    first_.clear();
+    keeps_first_ = false;  // whoever reads next lets go of them: a read may take long
 }
 
 Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_from_the_beginning) {
     const std::lock_guard lock(mutex_);
+    if (!keeps_first_) first_.clear();
     if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
     // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows
     // nothing.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -43,7 +44,8 @@ private:
     std::size_t newest_bytes_ = 0;
     std::vector<RawFrame> first_;  // from 0 on
     std::size_t first_bytes_ = 0;
-    bool keeps_first_ = true;
+    std::atomic<bool> keeps_first_{true};
+    std::atomic<int> readers_{0};
 };
 
 }  // namespace touchable

@@ -379,6 +379,35 @@ TEST(VideoClip, WhatDoesNotFitIsOneLineThatNamesIt) {
     }
 }
 
+// Whoever asks again for a damaged frame gets the damage again, not the frame behind it.
+TEST(VideoClip, BehindADamagedFrameNoneIsShifted) {
+    const TemporaryFolder folder;
+    write_video(folder / "d.mkv", {.codec = "png", .frames = 8}, [](AVFrame& frame, int n) {
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 32; ++x) set_sample(frame, 0, x, y, code_at(x, y, n, 255));
+    });
+    const std::string whole = read_bytes(folder / "d.mkv");
+    int damaged = 0;
+    for (std::size_t at = whole.size() / 4; at < whole.size(); at += 1 + whole.size() / 60) {
+        std::string bytes = whole;
+        for (std::size_t k = at; k < std::min(at + 8, bytes.size()); ++k)
+            bytes[k] = static_cast<char>(~bytes[k]);
+        write_bytes(folder / "d.mkv", bytes);
+        auto clip = open_clip(folder / "d.mkv");
+        if (!clip.ok()) continue;
+        std::int64_t number = 0;
+        auto frame = (*clip)->next();
+        for (; frame.ok() && *frame; frame = (*clip)->next()) ++number;
+        if (frame.ok()) continue;
+        ++damaged;
+        for (int again = 0; again < 2; ++again) {
+            if (!(*clip)->seek(number).ok()) continue;
+            EXPECT_FALSE((*clip)->next().ok()) << "frame " << number << ", damaged at " << at;
+        }
+    }
+    EXPECT_GT(damaged, 3);
+}
+
 TEST(VideoClip, ATruncatedVideoIsNeverTakenForAWholeOne) {
     const TemporaryFolder folder;
     for (const char* name : {"d.mkv", "d.mov", "d.avi"}) {

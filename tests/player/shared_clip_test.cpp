@@ -119,6 +119,7 @@ TEST_F(Shared, ARunThatBeginsWhereAnotherOneIsReadsNothingAgain) {
 // What a run reads is the other's too: a clip that was left in the middle of a frame would be damaged for
 // both.
 TEST_F(Shared, AFrameIsReadToItsEndThoughItsRunIsGivenUp) {
+    const auto other = reader();
     auto run = reader();
     std::stop_source given_up;
     given_up.request_stop();
