@@ -8,6 +8,7 @@
 #include "bench/live/touch_live.hpp"
 #include "bench/suite.hpp"
 #include "bench/targets.hpp"
+#include "engine/video/matroska_writer.hpp"
 
 namespace touchable {
 namespace {

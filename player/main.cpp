@@ -13,12 +13,11 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/nearest_word.hpp"
 #include "engine/printable.hpp"
+#include "player/check/check_command.hpp"
+#include "player/check/devices_command.hpp"
 #include "player/commands/cameras_command.hpp"
-#include "player/commands/check_command.hpp"
-#include "player/commands/command.hpp"
 #include "player/commands/compare_command.hpp"
 #include "player/commands/convert_command.hpp"
-#include "player/commands/devices_command.hpp"
 #include "player/commands/export_command.hpp"
 #include "player/commands/formats_command.hpp"
 #include "player/commands/info_command.hpp"
@@ -27,8 +26,9 @@
 #include "player/commands/play_command.hpp"
 #include "player/commands/plot_command.hpp"
 #include "player/commands/touch_command.hpp"
-#include "player/session/interrupt.hpp"
-#include "player/session/standard_output.hpp"
+#include "player/options/command.hpp"
+#include "player/terminal/interrupt.hpp"
+#include "player/terminal/standard_output.hpp"
 
 namespace touchable {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engine/content/random.hpp"
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 
 namespace touchable::test {
 

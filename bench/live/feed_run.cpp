@@ -11,9 +11,9 @@
 #include "bench/live/plain_decoding.hpp"
 #include "bench/media/codec_run.hpp"
 #include "bench/surface/race.hpp"
-#include "player/session/clip_choice.hpp"
 #include "player/run/feed_threads.hpp"
-#include "player/session/interrupt.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/terminal/interrupt.hpp"
 
 namespace touchable {
 namespace {

@@ -4,7 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
-#include "player/session/interrupt.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "player/terminal/interrupt.hpp"
 
 namespace touchable {
 namespace {

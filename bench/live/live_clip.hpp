@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/plane_role.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/frame/raw_frame.hpp"
-#include "engine/media/clip.hpp"
-#include "engine/media/plane_role.hpp"
 #include "engine/result.hpp"
+#include "engine/video/matroska_writer.hpp"
 
 namespace touchable {
 

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "engine/media/clip_tags.hpp"
-#include "engine/media/codecs.hpp"
-#include "engine/media/ffmpeg.hpp"
-#include "engine/media/packet_decoder.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/codecs.hpp"
+#include "engine/video/packet_decoder.hpp"
 
 namespace touchable {
 namespace {

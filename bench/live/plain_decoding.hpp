@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/media/plane_role.hpp"
+#include "engine/clip/plane_role.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -6,7 +6,7 @@
 #include <span>
 #include <type_traits>
 
-#include "engine/media/gradient_zstd.hpp"
+#include "engine/video/gradient_zstd.hpp"
 
 namespace touchable {
 namespace {

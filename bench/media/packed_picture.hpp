@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/frame/plane_view.hpp"
-#include "engine/media/ffmpeg.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/clip/plane_role.hpp"
 #include "engine/frame/plane_view.hpp"
-#include "engine/media/plane_role.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/clip/plane_role.hpp"
 #include "engine/frame/raw_frame.hpp"
-#include "engine/media/plane_role.hpp"
 
 namespace touchable {
 

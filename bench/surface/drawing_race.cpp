@@ -11,8 +11,8 @@
 #include "engine/content/scenes.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/surface_vulkan/vulkan_builder.hpp"
+#include "player/overlay/scene_picture.hpp"
 #include "player/view/gpu_painters.hpp"
-#include "player/view/scene_picture.hpp"
 #include "player/view/surface_drawing.hpp"
 
 namespace touchable {

@@ -7,8 +7,8 @@
 
 #include "engine/camera/colour_converter.hpp"
 #include "engine/camera/v4l2_stream.hpp"
-#include "engine/media/clip.hpp"
-#include "engine/media/plane_role.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/plane_role.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

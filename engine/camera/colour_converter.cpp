@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/media/ffmpeg.hpp"
-#include "engine/media/picture_decoder.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/picture_decoder.hpp"
 
 namespace touchable {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "engine/camera/v4l2_stream.hpp"
-#include "engine/media/decoded_picture.hpp"
-#include "engine/media/plane_role.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "engine/picture/decoded_picture.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

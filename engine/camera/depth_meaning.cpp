@@ -7,9 +7,9 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/import/guessed_scene.hpp"
-#include "engine/import/presets.hpp"
-#include "engine/media/stored_image.hpp"
+#include "engine/import/guess/guessed_scene.hpp"
+#include "engine/import/guess/presets.hpp"
+#include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {

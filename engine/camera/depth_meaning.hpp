@@ -8,7 +8,7 @@
 
 #include "engine/camera/node_facts.hpp"
 #include "engine/frame/plane_view.hpp"
-#include "engine/import/source_description.hpp"
+#include "engine/import/guess/source_description.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "engine/camera/v4l2_camera.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/frame/raw_frame.hpp"
-#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

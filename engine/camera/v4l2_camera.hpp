@@ -7,8 +7,8 @@
 #include <string>
 
 #include "engine/camera/video_system.hpp"
-#include "engine/import/source_description.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/import/guess/source_description.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/import/read_pictures.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/import/guess/read_pictures.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 

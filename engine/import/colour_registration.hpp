@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/frame/plane_view.hpp"
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "engine/ffmpeg/demuxer.hpp"
 #include "engine/import/depthkit_metadata.hpp"
-#include "engine/media/clip_tags.hpp"
-#include "engine/media/codecs.hpp"
-#include "engine/media/demuxer.hpp"
-#include "engine/media/track_decoder.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/codecs.hpp"
+#include "engine/video/track_decoder.hpp"
 
 extern "C" {
 #include <libavutil/rational.h>

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
 
 namespace touchable {
 

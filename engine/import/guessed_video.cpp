@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
-#include "engine/import/camera_file.hpp"
+#include "engine/byte_source.hpp"
 #include "engine/import/depthkit_clip.hpp"
+#include "engine/import/guess/camera_file.hpp"
 #include "engine/import/video_picture.hpp"
-#include "engine/media/byte_source.hpp"
-#include "engine/media/video_file.hpp"
+#include "engine/video/video_file.hpp"
 
 namespace touchable {
 namespace {

@@ -4,17 +4,17 @@
 #include <string>
 #include <utility>
 
-#include "engine/import/depth_values.hpp"
-#include "engine/import/frame_cameras.hpp"
-#include "engine/import/number_words.hpp"
-#include "engine/import/picture_files.hpp"
-#include "engine/import/still_maps.hpp"
-#include "engine/media/codecs.hpp"
-#include "engine/media/far_plane.hpp"
-#include "engine/media/npy_stack.hpp"
-#include "engine/media/plane_role.hpp"
-#include "engine/media/stored_image.hpp"
+#include "engine/clip/far_plane.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "engine/import/guess/depth_values.hpp"
+#include "engine/import/guess/frame_cameras.hpp"
+#include "engine/import/guess/number_words.hpp"
+#include "engine/import/guess/picture_files.hpp"
+#include "engine/import/touch_maps/still_maps.hpp"
+#include "engine/picture/npy_stack.hpp"
+#include "engine/picture/stored_image.hpp"
 #include "engine/stop_request.hpp"
+#include "engine/video/codecs.hpp"
 
 namespace touchable {
 namespace {

@@ -5,10 +5,10 @@
 #include <optional>
 #include <utility>
 
+#include "engine/ffmpeg/demuxer.hpp"
 #include "engine/import/k4a_calibration.hpp"
 #include "engine/import/video_picture.hpp"
-#include "engine/media/demuxer.hpp"
-#include "engine/media/video_file.hpp"
+#include "engine/video/video_file.hpp"
 
 namespace touchable {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/import/guessed_scene.hpp"
+#include "engine/import/guess/guessed_scene.hpp"
 
 namespace touchable {
 

@@ -5,25 +5,25 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/import/bag_clip.hpp"
-#include "engine/import/bag_file.hpp"
+#include "engine/byte_source.hpp"
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/import/bag/bag_clip.hpp"
+#include "engine/import/bag/bag_file.hpp"
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
-#include "engine/import/guessed_scene.hpp"
+#include "engine/import/guess/guessed_scene.hpp"
 #include "engine/import/guessed_video.hpp"
-#include "engine/import/heic_image.hpp"
 #include "engine/import/image_folder.hpp"
-#include "engine/import/jpeg_depth.hpp"
 #include "engine/import/k4a_clip.hpp"
+#include "engine/import/photo/heic_image.hpp"
+#include "engine/import/photo/jpeg_depth.hpp"
 #include "engine/import/pinhole_frames.hpp"
 #include "engine/import/video_clip.hpp"
-#include "engine/media/byte_source.hpp"
-#include "engine/media/clip_tags.hpp"
-#include "engine/media/demuxer.hpp"
-#include "engine/media/matroska_reader.hpp"
-#include "engine/media/stored_image.hpp"
+#include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stop_request.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/matroska_reader.hpp"
 
 namespace touchable {
 namespace {

@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
-#include "engine/import/guessed_scene.hpp"
-#include "engine/import/source_description.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/import/guess/guessed_scene.hpp"
+#include "engine/import/guess/source_description.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

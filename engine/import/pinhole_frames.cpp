@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "engine/clip/plane_role.hpp"
+#include "engine/clip/reader_around.hpp"
 #include "engine/import/colour_registration.hpp"
-#include "engine/import/frame_cameras.hpp"
-#include "engine/import/number_words.hpp"
-#include "engine/media/plane_role.hpp"
-#include "engine/media/reader_around.hpp"
+#include "engine/import/guess/frame_cameras.hpp"
+#include "engine/import/guess/number_words.hpp"
 
 namespace touchable {
 namespace {

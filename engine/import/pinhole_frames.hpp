@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

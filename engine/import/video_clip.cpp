@@ -4,12 +4,12 @@
 #include <optional>
 #include <utility>
 
-#include "engine/import/number_words.hpp"
-#include "engine/import/still_maps.hpp"
+#include "engine/clip/far_plane.hpp"
+#include "engine/import/guess/number_words.hpp"
+#include "engine/import/touch_maps/still_maps.hpp"
 #include "engine/import/video_picture.hpp"
-#include "engine/media/clip_tags.hpp"
-#include "engine/media/codecs.hpp"
-#include "engine/media/far_plane.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/codecs.hpp"
 
 namespace touchable {
 namespace {

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/media/clip.hpp"
-#include "engine/media/video_file.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/video/video_file.hpp"
 
 namespace touchable {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "engine/media/decoded_picture.hpp"
-#include "engine/media/ffmpeg.hpp"
-#include "engine/media/plane_role.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/picture/decoded_picture.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/session/clip_choice.hpp"

@@ -6,8 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "player/commands/file_option.hpp"
-#include "player/session/force_comparison.hpp"
+#include "player/options/file_option.hpp"
+#include "player/record/force_comparison.hpp"
 #include "player/run/memory.hpp"
 
 namespace touchable {

@@ -11,10 +11,11 @@
 #include <string_view>
 
 #include "engine/printable.hpp"
-#include "player/commands/clip_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/word_option.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "player/options/clip_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/word_option.hpp"
 
 namespace touchable {
 

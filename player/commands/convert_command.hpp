@@ -4,12 +4,13 @@
 #include <filesystem>
 #include <optional>
 
-#include "engine/media/clip.hpp"
-#include "engine/media/clip_part.hpp"
+#include "engine/clip/clip_part.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "player/commands/command.hpp"
-#include "player/commands/typed_numbers.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "player/options/command.hpp"
+#include "player/options/typed_numbers.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace CLI {

@@ -4,7 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "engine/media/image_folder_writer.hpp"
+#include "engine/clip/image_folder_writer.hpp"
 
 namespace touchable {
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/plane_loss.hpp"
-#include "player/session/force_comparison.hpp"
+#include "player/record/force_comparison.hpp"
 
 namespace touchable {
 

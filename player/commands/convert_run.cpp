@@ -8,19 +8,20 @@
 #include <vector>
 
 #include "engine/byte_hash.hpp"
+#include "engine/clip/image_folder_writer.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "engine/clip/resized_frame.hpp"
 #include "engine/import/open_clip.hpp"
-#include "engine/media/image_folder_writer.hpp"
-#include "engine/media/plane_role.hpp"
-#include "engine/media/resized_frame.hpp"
-#include "engine/media/stored_sound.hpp"
+#include "engine/sound/stored_sound.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/convert_report.hpp"
-#include "player/commands/outputs.hpp"
 #include "player/commands/plane_loss.hpp"
-#include "player/session/interrupt.hpp"
+#include "player/options/outputs.hpp"
 #include "player/run/memory.hpp"
-#include "player/session/progress.hpp"
 #include "player/session/standard_stroke.hpp"
+#include "player/terminal/interrupt.hpp"
+#include "player/terminal/progress.hpp"
 
 namespace touchable {
 

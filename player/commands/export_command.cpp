@@ -9,21 +9,21 @@
 #include <utility>
 #include <vector>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/commands/builder_options.hpp"
-#include "player/commands/clip_options.hpp"
-#include "player/commands/file_option.hpp"
 #include "player/commands/frame_files.hpp"
-#include "player/commands/outputs.hpp"
 #include "player/commands/staged_folder.hpp"
-#include "player/commands/typed_numbers.hpp"
+#include "player/options/builder_options.hpp"
+#include "player/options/clip_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/typed_numbers.hpp"
 #include "player/run/clip_workspace.hpp"
-#include "player/session/filter_words.hpp"
-#include "player/session/interrupt.hpp"
 #include "player/run/memory.hpp"
-#include "player/session/progress.hpp"
+#include "player/session/filter_words.hpp"
+#include "player/terminal/interrupt.hpp"
+#include "player/terminal/progress.hpp"
 
 namespace touchable {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "player/commands/command.hpp"
-#include "player/commands/picture_options.hpp"
+#include "player/options/command.hpp"
+#include "player/options/picture_options.hpp"
 #include "player/session/builder_choice.hpp"
 #include "player/session/clip_choice.hpp"
 

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "engine/import/guess/presets.hpp"
 #include "engine/import/open_clip.hpp"
-#include "engine/import/presets.hpp"
 
 namespace touchable {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "player/commands/command.hpp"
+#include "player/options/command.hpp"
 
 namespace CLI {
 class App;

@@ -5,9 +5,9 @@
 #include <memory>
 #include <utility>
 
-#include "player/commands/camera_options.hpp"
-#include "player/commands/clip_options.hpp"
 #include "player/commands/clip_report.hpp"
+#include "player/options/camera_options.hpp"
+#include "player/options/clip_options.hpp"
 #include "player/run/memory.hpp"
 
 namespace touchable {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/result.hpp"
-#include "player/commands/command.hpp"
+#include "player/options/command.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace CLI {

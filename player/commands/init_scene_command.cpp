@@ -10,9 +10,9 @@
 #include "engine/import/open_clip.hpp"
 #include "engine/new_file.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "player/commands/camera_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/outputs.hpp"
+#include "player/options/camera_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/outputs.hpp"
 
 namespace touchable {
 namespace {

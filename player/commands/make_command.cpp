@@ -7,14 +7,15 @@
 #include <memory>
 #include <string_view>
 
-#include "engine/media/clip.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/typed_numbers.hpp"
-#include "player/commands/whole_option.hpp"
-#include "player/session/interrupt.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/typed_numbers.hpp"
+#include "player/options/whole_option.hpp"
 #include "player/run/memory.hpp"
-#include "player/session/progress.hpp"
+#include "player/terminal/interrupt.hpp"
+#include "player/terminal/progress.hpp"
 
 namespace touchable {
 namespace {

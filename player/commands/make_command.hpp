@@ -4,11 +4,12 @@
 #include <filesystem>
 #include <string>
 
+#include "engine/clip/clip_reader.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/media/clip.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "player/commands/command.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "player/options/command.hpp"
 
 namespace CLI {
 class App;

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "engine/clip/resized_frame.hpp"
 #include "engine/frame/stored_code.hpp"
-#include "engine/media/resized_frame.hpp"
 
 namespace touchable {
 

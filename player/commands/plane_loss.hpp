@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "engine/clip/plane_role.hpp"
 #include "engine/frame/raw_frame.hpp"
-#include "engine/media/plane_role.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -12,17 +12,17 @@
 #include <utility>
 
 #include "engine/printable.hpp"
-#include "player/commands/builder_options.hpp"
-#include "player/commands/clip_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/held_device.hpp"
-#include "player/commands/live_camera_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/picture_options.hpp"
-#include "player/commands/playback_options.hpp"
-#include "player/commands/typed_numbers.hpp"
+#include "player/check/held_device.hpp"
+#include "player/control/kept_settings.hpp"
+#include "player/options/builder_options.hpp"
+#include "player/options/clip_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/live_camera_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/picture_options.hpp"
+#include "player/options/playback_options.hpp"
+#include "player/options/typed_numbers.hpp"
 #include "player/session/touch_figures.hpp"
-#include "player/window/kept_settings.hpp"
 #include "player/window/play_window.hpp"
 
 namespace touchable {

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "engine/given_file.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/picture_options.hpp"
 #include "player/commands/plot_script.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/picture_options.hpp"
 
 namespace touchable {
 namespace {

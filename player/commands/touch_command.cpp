@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "haptics_cpu/tick_velocity.hpp"
-#include "player/commands/builder_options.hpp"
-#include "player/commands/clip_options.hpp"
-#include "player/commands/file_option.hpp"
-#include "player/commands/live_camera_option.hpp"
-#include "player/commands/outputs.hpp"
-#include "player/commands/playback_options.hpp"
 #include "player/commands/touch_run.hpp"
-#include "player/commands/whole_option.hpp"
-#include "player/commands/word_option.hpp"
+#include "player/options/builder_options.hpp"
+#include "player/options/clip_options.hpp"
+#include "player/options/file_option.hpp"
+#include "player/options/live_camera_option.hpp"
+#include "player/options/outputs.hpp"
+#include "player/options/playback_options.hpp"
+#include "player/options/whole_option.hpp"
+#include "player/options/word_option.hpp"
 
 namespace touchable {
 
@@ -187,7 +187,9 @@ void group_options(CLI::App& sub) {
          {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
           "--world-from-camera", "--max-force", "--max-stiffness"}},
         {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},
-        {"Files", {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--verbose", "--strict"}},
+        {"Files",
+         {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--verbose",
+          "--strict"}},
         {"A picture", {"--picture", "--picture-at", "--picture-size", "--view", "--show"}},
         {"Expert",
          {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness", "--stiffness-slew",

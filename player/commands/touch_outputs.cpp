@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "player/commands/outputs.hpp"
+#include "player/options/outputs.hpp"
 #include "player/session/recorded_facts.hpp"
-#include "player/session/standard_output.hpp"
+#include "player/terminal/standard_output.hpp"
 
 namespace touchable {
 

@@ -8,9 +8,9 @@
 
 #include "player/commands/touch_picture.hpp"
 #include "player/commands/touch_run.hpp"
-#include "player/session/forces_file.hpp"
-#include "player/session/output_file.hpp"
-#include "player/session/recording.hpp"
+#include "player/record/forces_file.hpp"
+#include "player/record/output_file.hpp"
+#include "player/record/recording.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "player/check/machine_facts.hpp"
 #include "player/commands/filter_facts.hpp"
-#include "player/commands/machine_facts.hpp"
 #include "player/commands/touch_warnings.hpp"
 #include "player/session/playback_script.hpp"
 

@@ -9,19 +9,19 @@
 #include <vector>
 
 #include "engine/printable.hpp"
-#include "player/commands/builder_options.hpp"
-#include "player/commands/force_keys.hpp"
 #include "player/commands/touch_outputs.hpp"
 #include "player/commands/touch_report.hpp"
+#include "player/options/builder_options.hpp"
+#include "player/options/force_keys.hpp"
 #include "player/run/live_session.hpp"
 #include "player/run/memory.hpp"
-#include "player/session/live_line.hpp"
 #include "player/session/live_port.hpp"
-#include "player/session/progress.hpp"
 #include "player/session/replay.hpp"
-#include "player/session/standard_output.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
+#include "player/terminal/live_line.hpp"
+#include "player/terminal/progress.hpp"
+#include "player/terminal/standard_output.hpp"
 
 namespace touchable {
 

@@ -6,8 +6,8 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "player/commands/held_device.hpp"
-#include "player/commands/picture_options.hpp"
+#include "player/check/held_device.hpp"
+#include "player/options/picture_options.hpp"
 #include "player/session/session_options.hpp"
 
 namespace touchable {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "engine/byte_hash.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/frame/raw_frame.hpp"
-#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/clip/clip_reader.hpp"
 #include "engine/frame/surface_timeline.hpp"
-#include "engine/media/clip.hpp"
 #include "engine/scene/temporal.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/run/planes_hash.hpp"

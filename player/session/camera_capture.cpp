@@ -5,8 +5,9 @@
 #include <string>
 #include <utility>
 
-#include "engine/media/reader_around.hpp"
+#include "engine/clip/reader_around.hpp"
 #include "engine/start_thread.hpp"
+#include "engine/video/matroska_writer.hpp"
 
 namespace touchable {
 namespace {
@@ -168,7 +169,8 @@ Result<void> CameraCapture::finish() {
 }
 
 std::filesystem::path film_beside(std::filesystem::path record, int part) {
-    record += part > 1 ? "." + std::to_string(part) + ".mkv" : ".mkv";
+    if (part > 1) record += '.' + std::to_string(part);
+    record += ".mkv";
     return record;
 }
 

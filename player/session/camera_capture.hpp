@@ -10,7 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/clip_writer.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 

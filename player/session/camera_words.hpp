@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/camera/v4l2_camera.hpp"
-#include "engine/media/replay_camera.hpp"
+#include "engine/clip/replay_camera.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "engine/media/prefetch.hpp"
+#include "engine/clip/prefetch.hpp"
 #include "engine/surface/filter_choice.hpp"
-#include "player/session/interrupt.hpp"
+#include "player/terminal/interrupt.hpp"
 
 namespace touchable {
 

@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <string>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"

@@ -8,10 +8,10 @@
 
 #include "engine/camera/shared_camera.hpp"
 #include "engine/camera/v4l2_camera.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/replay_camera.hpp"
 #include "engine/import/open_clip.hpp"
-#include "engine/import/still_maps.hpp"
-#include "engine/media/clip.hpp"
-#include "engine/media/replay_camera.hpp"
+#include "engine/import/touch_maps/still_maps.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/session/camera_capture.hpp"

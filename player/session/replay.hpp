@@ -7,8 +7,8 @@
 #include <string>
 
 #include "device/hand.hpp"
+#include "player/record/recording.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/recording.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
+#include "engine/clip/clip_reader.hpp"
 #include "engine/frame/raw_frame.hpp"
-#include "engine/media/clip.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -11,7 +11,7 @@
 #include "player/run/surface_feed.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/chosen_filters.hpp"
-#include "player/session/progress.hpp"
+#include "player/terminal/progress.hpp"
 
 namespace touchable {
 

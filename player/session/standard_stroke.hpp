@@ -2,10 +2,10 @@
 
 #include <memory>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
 #include "engine/result.hpp"
-#include "player/session/force_comparison.hpp"
-#include "player/session/force_table.hpp"
+#include "player/record/force_comparison.hpp"
+#include "player/record/force_table.hpp"
 
 namespace touchable {
 

@@ -7,12 +7,12 @@
 
 #include "engine/stop_request.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/record/repeating_hand.hpp"
 #include "player/run/clip_workspace.hpp"
 #include "player/run/field_probe.hpp"
 #include "player/session/builder_pick.hpp"
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
-#include "player/session/repeating_hand.hpp"
 #include "player/session/replay.hpp"
 
 namespace touchable {

@@ -10,9 +10,9 @@
 #include "device/simulated_device.hpp"
 #include "device/workspace.hpp"
 #include "engine/scene/temporal.hpp"
+#include "player/record/device_tick_log.hpp"
+#include "player/record/recording.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/device_tick_log.hpp"
-#include "player/session/recording.hpp"
 #include "player/session/session_options.hpp"
 
 namespace touchable {

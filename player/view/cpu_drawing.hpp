@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "player/view/cpu_lattice.hpp"
 #include "player/view/finger_marks.hpp"
 #include "player/view/surface_lighting.hpp"

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "engine/result.hpp"
+#include "player/overlay/overlays.hpp"
+#include "player/screen/window_graphics.hpp"
 #include "player/session/watched_session.hpp"
-#include "player/view/overlays.hpp"
-#include "player/window/window_graphics.hpp"
 
 namespace touchable {
 

@@ -8,11 +8,11 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "player/control/held_hand.hpp"
+#include "player/control/kiosk.hpp"
+#include "player/control/window_script.hpp"
+#include "player/screen/screen.hpp"
 #include "player/session/session_options.hpp"
-#include "player/window/held_hand.hpp"
-#include "player/window/kiosk.hpp"
-#include "player/window/screen.hpp"
-#include "player/window/window_script.hpp"
 
 namespace touchable {
 

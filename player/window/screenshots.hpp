@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/media/image_file.hpp"
 #include "engine/new_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/result.hpp"
 
 namespace touchable {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "engine/printable.hpp"
-#include "player/session/interrupt.hpp"
-#include "player/session/output_file.hpp"
+#include "player/record/output_file.hpp"
+#include "player/terminal/interrupt.hpp"
 
 namespace touchable {
 

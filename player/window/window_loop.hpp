@@ -8,23 +8,23 @@
 #include <string>
 #include <vector>
 
+#include "player/audio/window_sound.hpp"
+#include "player/control/kept_settings.hpp"
+#include "player/control/kiosk.hpp"
+#include "player/control/pointer_input.hpp"
+#include "player/panel/imgui_layer.hpp"
+#include "player/panel/window_panel.hpp"
 #include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/force_scale.hpp"
 #include "player/window/frames_shown.hpp"
-#include "player/window/imgui_layer.hpp"
-#include "player/window/kept_settings.hpp"
-#include "player/window/kiosk.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/picture_governor.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
-#include "player/window/pointer_input.hpp"
 #include "player/window/screenshots.hpp"
 #include "player/window/what_is_seen.hpp"
 #include "player/window/window_film.hpp"
-#include "player/window/window_panel.hpp"
-#include "player/window/window_sound.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/scene/remark.hpp"
-#include "player/session/interrupt.hpp"
+#include "player/terminal/interrupt.hpp"
 #include "player/window/window_loop.hpp"
 
 // Clips, and other settings of one: made ready on a thread of their own, while the clip that is there goes

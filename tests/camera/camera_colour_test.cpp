@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "engine/camera/v4l2_camera.hpp"
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/media/clip_fixture.hpp"
 

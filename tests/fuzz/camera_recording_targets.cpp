@@ -1,10 +1,10 @@
 // Recordings of cameras in files of their own makers.
 #include <cmath>
 
-#include "engine/import/bag_clip.hpp"
+#include "engine/import/bag/bag_clip.hpp"
 #include "engine/import/k4a_calibration.hpp"
 #include "engine/import/open_clip.hpp"
-#include "engine/media/frame_times_text.hpp"
+#include "engine/video/frame_times_text.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

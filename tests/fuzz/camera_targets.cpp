@@ -10,9 +10,9 @@
 
 #include "engine/camera/colour_converter.hpp"
 #include "engine/import/colour_registration.hpp"
-#include "engine/import/frame_cameras.hpp"
+#include "engine/import/guess/frame_cameras.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "player/commands/held_device.hpp"
+#include "player/check/held_device.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "engine/media/block_addition.hpp"
-#include "engine/media/clip_tags.hpp"
-#include "engine/media/ffmpeg.hpp"
-#include "engine/media/matroska_check.hpp"
-#include "engine/media/matroska_reader.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/ffmpeg/matroska_check.hpp"
+#include "engine/video/block_addition.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/matroska_reader.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/media/clip.hpp"
-#include "engine/media/stored_image.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/picture/stored_image.hpp"
 #include "engine/result.hpp"
 
 namespace touchable::fuzz {

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "engine/media/gradient_zstd.hpp"
+#include "engine/video/gradient_zstd.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "engine/import/heic_image.hpp"
-#include "engine/import/heif_depth_meaning.hpp"
-#include "engine/import/heif_properties.hpp"
+#include "engine/import/photo/heic_image.hpp"
+#include "engine/import/photo/heif_depth_meaning.hpp"
+#include "engine/import/photo/heif_properties.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -2,11 +2,11 @@
 #include <cmath>
 #include <cstdint>
 
-#include "engine/import/dynamic_depth.hpp"
-#include "engine/import/exif.hpp"
-#include "engine/import/jpeg_depth.hpp"
-#include "engine/import/jpeg_segments.hpp"
-#include "engine/import/xmp.hpp"
+#include "engine/import/photo/dynamic_depth.hpp"
+#include "engine/import/photo/exif.hpp"
+#include "engine/import/photo/jpeg_depth.hpp"
+#include "engine/import/photo/jpeg_segments.hpp"
+#include "engine/import/photo/xmp.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

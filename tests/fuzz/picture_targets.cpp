@@ -3,11 +3,11 @@
 #include <array>
 #include <cstdint>
 
-#include "engine/media/coded_image.hpp"
-#include "engine/media/exr_image.hpp"
-#include "engine/media/netpbm_image.hpp"
-#include "engine/media/npy_stack.hpp"
-#include "engine/media/tiff_image.hpp"
+#include "engine/picture/coded_image.hpp"
+#include "engine/picture/exr_image.hpp"
+#include "engine/picture/netpbm_image.hpp"
+#include "engine/picture/npy_stack.hpp"
+#include "engine/picture/tiff_image.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,8 +1,8 @@
 #include "engine/byte_hash.hpp"
+#include "player/record/recording.hpp"
+#include "player/run/surface_feed.hpp"
 #include "player/session/playback_script.hpp"
 #include "player/session/recorded_facts.hpp"
-#include "player/session/recording.hpp"
-#include "player/run/surface_feed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 
-#include "engine/media/ffmpeg.hpp"
-#include "engine/media/sound_track.hpp"
-#include "engine/media/stored_sound.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/sound/sound_track.hpp"
+#include "engine/sound/stored_sound.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,5 +1,5 @@
 // Maps of touch in the files of other programs.
-#include "engine/import/still_maps.hpp"
+#include "engine/import/touch_maps/still_maps.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

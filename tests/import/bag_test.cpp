@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/import/bag_bytes.hpp"
 #include "tests/limited_memory.hpp"

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/import/guessed_scene.hpp"
-#include "engine/media/image_file.hpp"
+#include "engine/import/guess/guessed_scene.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/import/camera_file.hpp"
+#include "engine/import/guess/camera_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/import/depth_values.hpp"
+#include "engine/import/guess/depth_values.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "engine/media/ffmpeg.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
 
 namespace touchable::test {
 

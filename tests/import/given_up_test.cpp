@@ -15,7 +15,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/stop_request.hpp"
 #include "tests/import/kept_clips.hpp"
 #include "tests/media/clip_fixture.hpp"

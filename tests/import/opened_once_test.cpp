@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "tests/import/kept_clips.hpp"
 #include "tests/media/clip_fixture.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/import/picture_files.hpp"
+#include "engine/import/guess/picture_files.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "engine/import/colour_registration.hpp"
 #include "engine/import/pinhole_frames.hpp"
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"

@@ -1,12 +1,12 @@
 // Maps that serve a whole clip: pictures, and surfaces of X3D and glTF, whose texts are written here by hand.
-#include "engine/import/still_maps.hpp"
+#include "engine/import/touch_maps/still_maps.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"

@@ -1,10 +1,10 @@
-#include "engine/media/box_tables.hpp"
+#include "engine/ffmpeg/box_tables.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "engine/media/demuxer.hpp"
+#include "engine/ffmpeg/demuxer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/quicktime.hpp"
 

@@ -5,6 +5,7 @@
 #include <csignal>
 
 #include "engine/scene/scene_file.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/clip_remux.hpp"
 #include "tests/sweep.hpp"

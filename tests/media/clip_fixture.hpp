@@ -12,8 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/clip/clip_reader.hpp"
 #include "engine/import/open_clip.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -1,9 +1,9 @@
 // A part of a clip as a clip.
-#include "engine/media/clip_part.hpp"
+#include "engine/clip/clip_part.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/media/plane_role.hpp"
+#include "engine/clip/plane_role.hpp"
 #include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {

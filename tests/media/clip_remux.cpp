@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "engine/media/ffmpeg.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
 
 namespace touchable::test {
 namespace {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "engine/scene/scene_file.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/clip_remux.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/clip_remux.hpp"
 

@@ -1,5 +1,5 @@
 // Recordings whose files go on where they end: zeros that a recorder had asked for, or what is written still.
-#include "engine/media/container_end.hpp"
+#include "engine/ffmpeg/container_end.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "engine/media/demuxer.hpp"
-#include "engine/media/matroska_check.hpp"
-#include "engine/media/sound_track.hpp"
-#include "engine/media/stored_sound.hpp"
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/ffmpeg/matroska_check.hpp"
+#include "engine/sound/sound_track.hpp"
+#include "engine/sound/stored_sound.hpp"
 #include "engine/stop_request.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/quicktime.hpp"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/media/ffmpeg.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
 
 namespace touchable::test {
 

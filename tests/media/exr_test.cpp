@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-#include "engine/media/stored_image.hpp"
+#include "engine/picture/stored_image.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/encoded_picture.hpp"
 

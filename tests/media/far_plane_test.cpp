@@ -1,4 +1,4 @@
-#include "engine/media/far_plane.hpp"
+#include "engine/clip/far_plane.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/encoded_picture.hpp"

@@ -1,4 +1,4 @@
-#include "engine/media/gradient_zstd.hpp"
+#include "engine/video/gradient_zstd.hpp"
 
 #include <gtest/gtest.h>
 #include <zstd.h>

@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 
 // Depth as hue in the project's own clips and in folders of images.

@@ -1,4 +1,4 @@
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 
 #include <gtest/gtest.h>
 

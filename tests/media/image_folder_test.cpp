@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {

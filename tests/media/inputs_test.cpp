@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/quicktime.hpp"

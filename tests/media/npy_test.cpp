@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "engine/media/image_file.hpp"
-#include "engine/media/npy_stack.hpp"
-#include "engine/media/stored_image.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/picture/npy_stack.hpp"
+#include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"

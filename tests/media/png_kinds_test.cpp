@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/raw_png.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "engine/media/ffmpeg.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
 #include "tests/media/jpeg_with_xmp.hpp"
 
 extern "C" {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/scene/scene_file.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"

@@ -1,7 +1,8 @@
 // Clips whose disk becomes full: whoever stops when that is said has a whole one.
 #include <gtest/gtest.h>
 
-#include "engine/media/clip.hpp"
+#include "engine/clip/clip_reader.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/media/clip_fixture.hpp"
 

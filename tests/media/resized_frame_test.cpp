@@ -1,11 +1,11 @@
 // Pictures at another size: what is touched is never mixed, and stays where it was.
-#include "engine/media/resized_frame.hpp"
+#include "engine/clip/resized_frame.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "engine/media/plane_role.hpp"
+#include "engine/clip/plane_role.hpp"
 #include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {

@@ -1,6 +1,7 @@
 // A clip read from any frame gives what reading up to there gives.
 #include <gtest/gtest.h>
 
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/clip_remux.hpp"
 

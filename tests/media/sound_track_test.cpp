@@ -1,5 +1,5 @@
 // The sound a clip has beside its pictures.
-#include "engine/media/sound_track.hpp"
+#include "engine/sound/sound_track.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <fstream>
 #include <vector>
 
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/sounding_clip.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <memory>
 
-#include "engine/media/ffmpeg.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
 
 namespace touchable::test {
 namespace {

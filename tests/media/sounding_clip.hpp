@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/media/sound_track.hpp"
+#include "engine/sound/sound_track.hpp"
 
 namespace touchable::test {
 

@@ -1,11 +1,12 @@
 // Sound that is kept as it is stored.
-#include "engine/media/stored_sound.hpp"
+#include "engine/sound/stored_sound.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "engine/media/sound_track.hpp"
+#include "engine/sound/sound_track.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/sounding_clip.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "engine/media/stored_image.hpp"
+#include "engine/picture/stored_image.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/media/encoded_picture.hpp"

@@ -1,4 +1,4 @@
-#include "engine/import/xmp.hpp"
+#include "engine/import/photo/xmp.hpp"
 
 #include <gtest/gtest.h>
 

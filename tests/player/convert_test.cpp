@@ -11,8 +11,9 @@
 #include <utility>
 
 #include "engine/import/open_clip.hpp"
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "engine/video/matroska_writer.hpp"
 #include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {

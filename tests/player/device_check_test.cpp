@@ -18,7 +18,7 @@
 
 #include "device/catalog/device_catalog.hpp"
 #include "device/network/network_packet.hpp"
-#include "player/commands/device_check_report.hpp"
+#include "player/check/device_check_report.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/clip/clip_reader.hpp"
 #include "engine/content/random.hpp"
-#include "engine/media/clip.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

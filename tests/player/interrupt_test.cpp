@@ -1,4 +1,4 @@
-#include "player/session/interrupt.hpp"
+#include "player/terminal/interrupt.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/media/prefetch.hpp"
-#include "engine/media/replay_camera.hpp"
+#include "engine/clip/prefetch.hpp"
+#include "engine/clip/replay_camera.hpp"
 #include "player/session/camera_words.hpp"
 #include "tests/media/clip_fixture.hpp"
 #include "tests/player/program.hpp"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "player/commands/machine_facts.hpp"
-#include "player/commands/trial_verdict.hpp"
-#include "player/commands/vulkan_facts.hpp"
+#include "player/check/machine_facts.hpp"
+#include "player/check/trial_verdict.hpp"
+#include "player/check/vulkan_facts.hpp"
 
 // What `touchable check` makes of what it has measured.
 namespace touchable::test {

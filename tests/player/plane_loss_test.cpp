@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "player/session/progress.hpp"
+#include "player/terminal/progress.hpp"
 
 namespace touchable::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

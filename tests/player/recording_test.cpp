@@ -1,4 +1,4 @@
-#include "player/session/recording.hpp"
+#include "player/record/recording.hpp"
 
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ protected:
         EXPECT_TRUE(recording.ok());
         for (std::int64_t tick = 0; tick < 4; ++tick) {
             const auto k = static_cast<std::size_t>(tick);
-            const TouchTick one{tick,      times_[k], pair_,      field.blend(),
-                                goals_[k], contacts_, forces_[k], {}, 0.001};
+            const TouchTick one{tick,      times_[k],  pair_, field.blend(), goals_[k],
+                                contacts_, forces_[k], {},    0.001};
             EXPECT_TRUE((*recording)->take(one).ok());
         }
         EXPECT_TRUE((*recording)->finish(facts_, playback_).ok());
@@ -208,8 +208,15 @@ protected:
     }
     void take(RecordingFile& recording, std::size_t k) const {
         EXPECT_TRUE(recording
-                        .take({static_cast<std::int64_t>(k), times_[k], pair_, 0, goals_[k], contacts_,
-                               forces_[k], {}, 0.001})
+                        .take({static_cast<std::int64_t>(k),
+                               times_[k],
+                               pair_,
+                               0,
+                               goals_[k],
+                               contacts_,
+                               forces_[k],
+                               {},
+                               0.001})
                         .ok());
     }
     std::string part(std::size_t k) const { return bytes_.substr(begins_[k], begins_[k + 1] - begins_[k]); }

@@ -4,11 +4,12 @@
 #include <fstream>
 #include <limits>
 
+#include "engine/clip/clip_reader.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/media/clip.hpp"
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/video/matroska_writer.hpp"
 #include "haptics_cpu/force_rules.hpp"
-#include "player/session/recording.hpp"
+#include "player/record/recording.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "player/session/recording.hpp"
+#include "player/record/recording.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

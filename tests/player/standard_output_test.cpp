@@ -1,4 +1,4 @@
-#include "player/session/standard_output.hpp"
+#include "player/terminal/standard_output.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

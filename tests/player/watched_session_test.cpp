@@ -10,8 +10,8 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
+#include "player/record/recording.hpp"
 #include "player/session/recorded_facts.hpp"
-#include "player/session/recording.hpp"
 #include "player/session/touch_figures.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/player/in_process.hpp"

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "player/session/interrupt.hpp"
+#include "player/terminal/interrupt.hpp"
 
 namespace touchable::stress {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 
 namespace touchable::verify {
 namespace {

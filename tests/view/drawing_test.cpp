@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "player/overlay/scene_picture.hpp"
 #include "player/view/cpu_drawing.hpp"
 #include "player/view/own_view_picture.hpp"
-#include "player/view/scene_picture.hpp"
 #include "player/view/surface_drawing.hpp"
 #include "player/view/upload_pool.hpp"
 #include "tests/gpu/gpu_fixture.hpp"

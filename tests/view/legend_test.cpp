@@ -1,5 +1,5 @@
 // The panel that explains fingers in a picture.
-#include "player/view/legend.hpp"
+#include "player/overlay/legend.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // What a surface is coloured by, against plain code that asks the field for every pixel.
-#include "player/view/overlays.hpp"
+#include "player/overlay/overlays.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "player/view/colour_ramp.hpp"
+#include "player/overlay/colour_ramp.hpp"
 #include "player/view/surface_pick.hpp"
 #include "tests/view/coded_frames.hpp"
 

@@ -1,11 +1,11 @@
-#include "player/view/scale_bar.hpp"
+#include "player/overlay/scale_bar.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "player/view/colour_ramp.hpp"
+#include "player/overlay/colour_ramp.hpp"
 
 namespace touchable::test {
 namespace {

@@ -8,9 +8,9 @@
 #include <thread>
 #include <vector>
 
-#include "engine/media/film_writer.hpp"
-#include "engine/media/image_file.hpp"
-#include "player/window/heard_sound.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/video/film_writer.hpp"
+#include "player/audio/heard_sound.hpp"
 #include "tests/media/sounding_clip.hpp"
 #include "tests/temporary_folder.hpp"
 

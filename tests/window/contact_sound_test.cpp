@@ -1,5 +1,5 @@
 // What is heard of ticks, sample by sample, and on their way to the loudspeakers.
-#include "player/window/contact_sound.hpp"
+#include "player/audio/contact_sound.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "player/window/heard_ticks.hpp"
+#include "player/audio/heard_ticks.hpp"
 #include "tests/frame/allocations.hpp"
 
 namespace touchable::test {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "player/window/filmed_sound.hpp"
+#include "player/audio/filmed_sound.hpp"
 
 namespace touchable::test {
 namespace {

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/media/image_file.hpp"
-#include "engine/media/sound_track.hpp"
-#include "player/session/recording.hpp"
-#include "player/session/repeating_hand.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/sound/sound_track.hpp"
+#include "player/record/recording.hpp"
+#include "player/record/repeating_hand.hpp"
 #include "tests/media/film_reader.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "player/window/kiosk.hpp"
-#include "player/window/window_command.hpp"
+#include "player/control/kiosk.hpp"
+#include "player/control/window_command.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

@@ -10,8 +10,8 @@
 #include <string>
 #include <thread>
 
-#include "engine/media/image_file.hpp"
-#include "player/session/recording.hpp"
+#include "engine/picture/image_file.hpp"
+#include "player/record/recording.hpp"
 #include "player/session/run_gpu.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/gpu/blockade.hpp"

@@ -8,8 +8,8 @@
 #include <thread>
 #include <tuple>
 
+#include "engine/clip/reader_around.hpp"
 #include "engine/import/open_clip.hpp"
-#include "engine/media/reader_around.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/player/in_process.hpp"

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-#include "player/window/window_command.hpp"
+#include "player/control/window_command.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

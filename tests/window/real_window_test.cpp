@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "engine/media/image_file.hpp"
+#include "engine/picture/image_file.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

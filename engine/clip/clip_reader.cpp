@@ -1,0 +1,28 @@
+#include "engine/clip/clip_reader.hpp"
+
+#include <string>
+
+namespace touchable {
+
+std::vector<std::string> told_of(const ClipReader& clip) {
+    std::vector<std::string> told;
+    for (const Remark& remark : clip.scene().remarks) told.push_back(remark_in_words(remark));
+    told.insert(told.end(), clip.notes().begin(), clip.notes().end());
+    return told;
+}
+
+/// The way that is right for every format: reading up to there.
+Result<void> ClipReader::seek(std::int64_t frame) {
+    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
+    if (auto back = rewind(); !back.ok()) return back;
+    for (std::int64_t number = 0; number < frame; ++number) {
+        const auto passed = next();
+        if (!passed.ok()) return passed.error();
+        if (!*passed)
+            return usage_error("the clip has no frame " + std::to_string(frame) + ": its last is " +
+                               std::to_string(number - 1));
+    }
+    return {};
+}
+
+}  // namespace touchable

@@ -1,0 +1,127 @@
+#include "engine/clip/far_plane.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+
+#include "engine/clip/prefetch.hpp"
+#include "engine/clip/reader_around.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::int64_t stray_of = 10'000;  // one valid pixel in so many may be stray
+constexpr double margin = 1.05;
+
+class ClipWithFarPlane final : public ReaderAround {
+public:
+    ClipWithFarPlane(std::unique_ptr<ClipReader> clip, Scene scene, std::string note)
+        : ReaderAround(std::move(clip)), scene_(std::move(scene)), notes_(inner().notes()) {
+        notes_.push_back(std::move(note));
+    }
+    const Scene& scene() const override { return scene_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+
+private:
+    const Scene scene_;
+    std::vector<std::string> notes_;
+};
+
+/// Whether there is such a frame.
+Result<bool> look(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
+    if (stop_requested())
+        return Error{ErrorKind::interrupted, "interrupted while the clip's far plane was searched"};
+    if (!frame) return frame.error();
+    if (*frame) estimator.add((*frame)->depth);
+    return frame->has_value();
+}
+
+Result<void> look_at_clip(Prefetch& ahead, FarPlaneEstimator& estimator) {
+    std::int64_t looked = 0;  // frames in a row
+    for (bool more = true; more && looked < first_frames;) {
+        const auto there = look(ahead.next(), estimator);
+        if (!there && (looked == 0 || there.error().kind == ErrorKind::interrupted)) return there.error();
+        more = there && *there;
+        looked += more ? 1 : 0;
+    }
+    for (const std::int64_t wanted : telling_frames(ahead.clip().frame_count().value_or(0))) {
+        const std::int64_t frame = ahead.clip().access_point(wanted);
+        if (wanted < looked || frame < looked) continue;
+        looked = frame + 1;
+        const auto there = look(ahead.at(frame), estimator);
+        if (!there && there.error().kind == ErrorKind::interrupted) return there.error();
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<std::int64_t> telling_frames(std::int64_t count) {
+    std::vector<std::int64_t> frames;
+    for (std::int64_t k = 0; k < std::min(count, first_frames); ++k) frames.push_back(k);
+    const std::int64_t rest = count - first_frames;
+    for (std::int64_t k = 1; k <= std::min(rest, spread_frames); ++k)
+        frames.push_back(first_frames + rest * k / std::min(rest, spread_frames) - 1);
+    return frames;
+}
+
+void FarPlaneEstimator::add(const PlaneView& depth) {
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) ++pixels_[static_cast<std::size_t>(depth.sample(x, y))];
+    ++frames_;
+}
+
+Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
+    std::int64_t valid = 0;
+    const auto is_valid = [&](int code) { return coding_.is_valid(static_cast<std::uint16_t>(code)); };
+    for (int code = 0; code < 65536; ++code)
+        if (is_valid(code)) valid += pixels_[static_cast<std::size_t>(code)];
+    if (valid == 0) return input_error("no frame has a valid depth: give depth.far in the scene file");
+    std::int64_t beyond = 0;
+    int deepest = 65535;
+    for (;; --deepest) {
+        if (!is_valid(deepest)) continue;
+        const std::int64_t here = pixels_[static_cast<std::size_t>(deepest)];
+        if (beyond + here > valid / stray_of) break;
+        beyond += here;
+    }
+    const double depth = coding_.depth(static_cast<std::uint16_t>(deepest));
+    scene.depth.far = depth * margin;
+    scene.far_from_frames = false;
+    derive_valid_range(scene.depth);
+    if (auto settled = validate(scene); !settled) return settled.error();
+    // Some of the strays are within the margin.
+    std::int64_t lost = 0;
+    for (int code = deepest + 1; code < 65536; ++code)
+        if (is_valid(code) && !scene.depth.is_valid(static_cast<std::uint16_t>(code)))
+            lost += pixels_[static_cast<std::size_t>(code)];
+    std::array<char, 160> words{};
+    std::snprintf(words.data(), words.size(),
+                  "depth.far is %.6g, 5 %% beyond the depth that 1 pixel in %d exceeds at most (%d frame%s)",
+                  scene.depth.far, static_cast<int>(stray_of), frames_, frames_ == 1 ? "" : "s");
+    std::string note = words.data();
+    if (lost == 0) return note;
+    std::snprintf(words.data(), words.size(), "; %.2g %% of the pixels lie beyond it and count as holes",
+                  100 * static_cast<double>(lost) / static_cast<double>(valid));
+    note += words.data();
+    return note;
+}
+
+Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip,
+                                                   const std::filesystem::path& file) {
+    if (!clip->scene().far_from_frames) return clip;
+    Scene scene = clip->scene();
+    FarPlaneEstimator estimator(scene.depth);
+    Prefetch ahead(std::move(clip));
+    if (auto looked = look_at_clip(ahead, estimator); !looked) return looked.error();
+    auto note = estimator.settle(scene);
+    if (!note) return Error{note.error().kind, file.string() + ": " + note.error().message};
+    auto at_its_beginning = ahead.finish();
+    if (!at_its_beginning) return at_its_beginning.error();
+    return std::unique_ptr<ClipReader>(
+        std::make_unique<ClipWithFarPlane>(std::move(*at_its_beginning), std::move(scene), std::move(*note)));
+}
+
+}  // namespace touchable

@@ -1,0 +1,370 @@
+#include "engine/clip/image_folder_writer.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "engine/clip/plane_role.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* scene_name = "scene.json";
+constexpr const char* times_list = "depth.txt";
+constexpr std::int64_t ns_a_second = 1'000'000'000;
+
+Error unwritable(const fs::path& place, const std::error_code& why) {
+    return input_error(place.string() + ": cannot be written: " + why.message());
+}
+
+std::string numbered(PlaneRole role, std::int64_t frame) {
+    std::array<char, 40> digits;
+    std::snprintf(digits.data(), digits.size(), "_%06lld.png", static_cast<long long>(frame));
+    return std::string(role_name(role)) + digits.data();
+}
+
+Result<void> write_scene(const fs::path& path, const Scene& scene, const fs::path& name) {
+    std::ofstream out(path, std::ios::binary);
+    out << scene_to_json(scene);
+    out.close();
+    return out ? Result<void>{} : input_error(name.string() + ": cannot be written");
+}
+
+/// A folder that goes again with all it holds unless it was given a name.
+class HiddenFolder {
+public:
+    explicit HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) {
+        if (!fs::create_directory(path_, failure_)) return;
+        opened_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    }
+    HiddenFolder(const HiddenFolder&) = delete;
+    HiddenFolder& operator=(const HiddenFolder&) = delete;
+    ~HiddenFolder() {
+        remove();
+        if (opened_ >= 0) close(opened_);
+    }
+    const fs::path& path() const { return path_; }
+    const std::error_code& failure() const { return failure_; }
+    /// All in it safe on the disk, as far as its file system can.
+    void sync() const {
+        if (opened_ >= 0) syncfs(opened_);
+    }
+    void remove() const {
+        std::error_code ignored;
+        if (!failure_) fs::remove_all(path_, ignored);
+    }
+
+private:
+    fs::path path_;
+    std::error_code failure_;
+    int opened_ = -1;
+};
+
+/// What both kinds have in common: frames come in order, into a hidden folder, and are whole or nothing.
+class PictureWriter : public ClipWriter {
+public:
+    PictureWriter(const fs::path& place, const Scene& scene)
+        : place_(place), scene_(scene), hidden_(place.parent_path()) {}
+    Result<void> open() const {
+        return hidden_.failure() ? unwritable(place_, hidden_.failure()) : Result<void>{};
+    }
+
+    Result<void> write(const RawFrame& frame) override {
+        if (complete_ || frame.number != frames_ || frame.depth.empty())
+            return Error{ErrorKind::internal, place_.string() + ": frame " + std::to_string(frames_) +
+                                                  " with depth was due, " + std::to_string(frame.number) +
+                                                  " was given"};
+        if (auto written = write_frame(frame); !written) return written;
+        ++frames_;
+        return {};
+    }
+
+    Result<fs::path> complete() override {
+        if (frames_ == 0) return input_error(place_.string() + ": not written: no frame was given");
+        if (auto written = end(); !written) return written.error();
+        hidden_.sync();
+        complete_ = true;
+        return hidden_.path() / opens_by();
+    }
+
+    Result<void> finish() override {
+        if (!complete_)
+            if (auto ended = complete(); !ended) return ended.error();
+        auto named = name_it();
+        if (named.ok()) hidden_.remove();
+        return named;
+    }
+
+protected:
+    virtual Result<void> write_frame(const RawFrame& frame) = 0;
+    /// The scene file, last.
+    virtual Result<void> end() = 0;
+    virtual fs::path opens_by() const = 0;
+    virtual Result<void> name_it() = 0;
+
+    Result<void> write_picture(const std::string& name, const PlaneView& plane) const {
+        return write_png_to(hidden_.path() / name, plane, place_ / name, PngEffort::quick);
+    }
+    /// The scene of the pictures that are here, without their names.
+    Scene scene_of_pictures() const {
+        Scene scene = scene_;
+        scene.video.reset();
+        scene.folder.emplace();
+        scene.stored = {};  // codes
+        return scene;
+    }
+
+    fs::path place_;
+    Scene scene_;
+    HiddenFolder hidden_;
+    std::int64_t frames_ = 0;
+    bool complete_ = false;
+};
+
+class FolderWriter final : public PictureWriter {
+public:
+    FolderWriter(const fs::path& place, const Scene& scene, Existing existing)
+        : PictureWriter(place, scene), existing_(existing) {}
+
+private:
+    Result<void> write_frame(const RawFrame& frame) override {
+        if (frames_ == 0) first_ = frame;
+        for (const PlaneRole role : all_roles) {
+            const PlaneView& plane = plane_of(frame, role);
+            if (plane.empty() != plane_of(first_, role).empty())
+                return Error{ErrorKind::internal, place_.string() + ": frame " + std::to_string(frames_) +
+                                                      " has other planes than the first"};
+            if (plane.empty()) continue;
+            if (auto written = write_plane(role, plane); !written) return written;
+        }
+        return {};
+    }
+
+    /// Of a plane that has not changed so far nothing is written.
+    Result<void> write_plane(PlaneRole role, const PlaneView& plane) {
+        bool& changes = changes_[static_cast<std::size_t>(role)];
+        if (role != PlaneRole::depth && !changes) {
+            const PlaneView& first = plane_of(first_, role);
+            if (same_samples(first, plane)) return {};
+            for (std::int64_t frame = 0; frame < frames_; ++frame) {
+                if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted"};
+                if (auto written = write_picture(numbered(role, frame), first); !written) return written;
+            }
+            changes = true;
+        }
+        return write_picture(numbered(role, frames_), plane);
+    }
+
+    Result<void> end() override {
+        Scene scene = scene_of_pictures();
+        scene.folder->count = static_cast<int>(frames_);
+        for (const PlaneRole role : all_roles) {
+            const PlaneView& plane = plane_of(first_, role);
+            if (plane.empty()) continue;
+            const std::string name(role_name(role));
+            const bool is_still = role != PlaneRole::depth && !changes_[static_cast<std::size_t>(role)];
+            pattern_of(*scene.folder, role) = name + (is_still ? ".png" : "_%06d.png");
+            if (!is_still) continue;
+            if (auto written = write_picture(name + ".png", plane); !written) return written;
+        }
+        if (scene.rate.own_times) {
+            scene.folder->depth = times_list;
+            scene.folder->count = 0;  // as long as the list
+            if (auto written = write_times(); !written) return written;
+        }
+        return write_scene(hidden_.path() / scene_name, scene, place_ / scene_name);
+    }
+
+    /// Seconds and name of each picture of depth, as TUM's recordings have them.
+    Result<void> write_times() const {
+        std::ofstream out(hidden_.path() / times_list, std::ios::binary);
+        for (std::int64_t frame = 0; frame < frames_; ++frame) {
+            const std::int64_t ns = scene_.rate.time_ns(frame);
+            std::array<char, 48> seconds{};
+            std::snprintf(seconds.data(), seconds.size(), "%lld.%09lld ",
+                          static_cast<long long>(ns / ns_a_second), static_cast<long long>(ns % ns_a_second));
+            out << seconds.data() << numbered(PlaneRole::depth, frame) << '\n';
+        }
+        out.close();
+        return out ? Result<void>{} : input_error((place_ / times_list).string() + ": cannot be written");
+    }
+
+    fs::path opens_by() const override { return {}; }
+
+    Result<void> name_it() override {
+        std::error_code failure;
+        const bool is_there = fs::exists(fs::symlink_status(place_, failure));
+        if (!is_there || fs::is_empty(place_, failure)) {
+            if (is_there) fs::remove(place_, failure);
+            if (const int why = move_to_free_name(hidden_.path(), place_))
+                return unwritable(place_, std::error_code(why, std::generic_category()));
+        } else if (existing_ == Existing::keep || !is_image_folder(place_)) {
+            return input_error(place_.string() + ": is there by now; it stays as it is");
+        } else if (auto replaced = replace(); !replaced) {
+            return replaced;
+        }
+        sync_folder(place_.parent_path());
+        return {};
+    }
+
+    /// At once where the file system can exchange two names; what was there goes with the hidden folder.
+    Result<void> replace() {
+        if (renameat2(AT_FDCWD, hidden_.path().c_str(), AT_FDCWD, place_.c_str(), RENAME_EXCHANGE) == 0)
+            return {};
+        const HiddenFolder aside(place_.parent_path());
+        std::error_code failure = aside.failure();
+        if (!failure) fs::rename(place_, aside.path() / "before", failure);
+        if (failure) return unwritable(place_, failure);
+        fs::rename(hidden_.path(), place_, failure);
+        if (!failure) return {};
+        std::error_code ignored;
+        fs::rename(aside.path() / "before", place_, ignored);
+        return unwritable(place_, failure);
+    }
+
+    Existing existing_;
+    RawFrame first_;
+    std::array<bool, all_roles.size()> changes_{};
+};
+
+class StillWriter final : public PictureWriter {
+public:
+    StillWriter(const fs::path& place, const Scene& scene, Existing existing)
+        : PictureWriter(place, scene), existing_(existing) {}
+
+private:
+    std::string name_of(PlaneRole role) const {
+        const std::string stem = place_.stem().string();
+        return role == PlaneRole::depth ? place_.filename().string()
+                                        : stem + "_" + std::string(role_name(role)) + ".png";
+    }
+    std::string own_scene_name() const { return place_.stem().string() + ".json"; }
+
+    Result<void> write_frame(const RawFrame& frame) override {
+        if (frames_ > 0) return Error{ErrorKind::internal, place_.string() + ": is of one frame"};
+        Scene scene = scene_of_pictures();
+        for (const PlaneRole role : all_roles) {
+            const PlaneView& plane = plane_of(frame, role);
+            if (plane.empty()) continue;
+            names_.push_back(name_of(role));
+            pattern_of(*scene.folder, role) = names_.back();
+            if (auto written = write_picture(names_.back(), plane); !written) return written;
+        }
+        names_.push_back(own_scene_name());
+        return write_scene(hidden_.path() / names_.back(), scene, place_);
+    }
+    Result<void> end() override { return {}; }
+    fs::path opens_by() const override { return own_scene_name(); }
+
+    Result<void> name_it() override {
+        for (auto name = names_.begin(); name != names_.end(); ++name) {
+            const fs::path from = hidden_.path() / *name, to = place_.parent_path() / *name;
+            std::error_code failure;
+            if (existing_ == Existing::replace)
+                fs::rename(from, to, failure);
+            else
+                failure.assign(move_to_free_name(from, to), std::generic_category());
+            if (!failure) continue;
+            if (existing_ == Existing::keep)  // nothing of it is left
+                for (auto done = names_.begin(); done != name; ++done) {
+                    std::error_code ignored;
+                    fs::remove(place_.parent_path() / *done, ignored);
+                }
+            return unwritable(to, failure);
+        }
+        sync_folder(place_.parent_path());
+        return {};
+    }
+
+    Existing existing_;
+    std::vector<std::string> names_;  // of its files, in the order in which they appear
+};
+
+/// The name with all links followed, so that what is replaced is what they lead to.
+fs::path whole_name(const fs::path& path) {
+    std::error_code failure;
+    fs::path whole = fs::weakly_canonical(fs::absolute(path, failure), failure);
+    if (failure) whole = fs::absolute(path, failure).lexically_normal();
+    return whole.has_filename() ? whole : whole.parent_path();
+}
+
+Result<void> check_place(const fs::path& place, const Scene& scene) {
+    std::error_code failure;
+    if (!fs::is_directory(place.parent_path(), failure))
+        return input_error(place.string() + ": cannot be written: there is no folder " +
+                           place.parent_path().string());
+    Scene pictures = scene;
+    pictures.folder.reset();
+    pictures.video.reset();
+    if (auto valid = validate(pictures); !valid)
+        return input_error(place.string() + ": " + valid.error().message);
+    return {};
+}
+
+template <class Writer>
+Result<std::unique_ptr<ClipWriter>> opened(const fs::path& path, const Scene& scene, Existing existing) {
+    const fs::path place = whole_name(path);
+    if (auto checked = check_place(place, scene); !checked) return checked.error();
+    auto writer = std::make_unique<Writer>(place, scene, existing);
+    if (auto able = writer->open(); !able) return able.error();
+    return std::unique_ptr<ClipWriter>(std::move(writer));
+}
+
+/// Of a plane's pictures ("depth_000000.png", or "haptic.png") or what describes them.
+bool is_picture_name(const std::string& name) {
+    if (name == scene_name || name == times_list) return true;
+    return std::any_of(all_roles.begin(), all_roles.end(), [&](PlaneRole role) {
+        const std::string begin(role_name(role)), end = ".png";
+        if (!name.starts_with(begin) || !name.ends_with(end)) return false;
+        const std::string between = name.substr(begin.size(), name.size() - begin.size() - end.size());
+        if (between.empty()) return true;
+        return between.size() >= 7 && between[0] == '_' &&
+               std::all_of(between.begin() + 1, between.end(), [](char c) { return c >= '0' && c <= '9'; });
+    });
+}
+
+}  // namespace
+
+bool is_image_folder(const fs::path& folder) {
+    std::error_code failure;
+    for (const auto& entry : fs::directory_iterator(folder, failure)) {
+        const bool is_file = entry.is_regular_file(failure);
+        if (failure || !is_file || !is_picture_name(entry.path().filename().string())) return false;
+    }
+    return !failure;
+}
+
+Result<std::unique_ptr<ClipWriter>> create_image_folder(const fs::path& folder, const Scene& scene,
+                                                        Existing existing) {
+    return opened<FolderWriter>(folder, scene, existing);
+}
+
+Result<std::unique_ptr<ClipWriter>> create_still(const fs::path& picture, const Scene& scene,
+                                                 Existing existing) {
+    if (!is_still(picture.filename().string()))
+        return usage_error(picture.string() + ": has a % in its name, which stands for numbers");
+    return opened<StillWriter>(picture, scene, existing);
+}
+
+std::vector<fs::path> still_files(const fs::path& picture) {
+    const fs::path folder = picture.parent_path();
+    const std::string stem = picture.stem().string();
+    std::vector<fs::path> files{picture, folder / (stem + ".json")};
+    for (const PlaneRole role : {PlaneRole::colour, PlaneRole::haptic, PlaneRole::height})
+        files.push_back(folder / (stem + "_" + std::string(role_name(role)) + ".png"));
+    return files;
+}
+
+}  // namespace touchable

@@ -1,0 +1,278 @@
+#include "engine/clip/plane_role.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "engine/frame/stored_code.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::array<std::string_view, all_roles.size()> names{"depth", "colour", "haptic", "height"};
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::string number_text(double number) {
+    std::array<char, 32> digits{};
+    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
+}
+
+std::string kind_text(const PlaneView& plane) {
+    return std::to_string(8 * plane.bytes_per_sample) + "-bit " + (plane.channels == 1 ? "grey" : "RGB");
+}
+
+std::uint16_t largest_sample(const PlaneView& plane) {
+    std::uint16_t largest = 0;
+    for (int y = 0; y < plane.height; ++y) {
+        const std::uint8_t* row = plane.row(y);
+        if (plane.bytes_per_sample == 1) {
+            for (int x = 0; x < plane.width; ++x) largest = std::max<std::uint16_t>(largest, row[x]);
+            continue;
+        }
+        for (int x = 0; x < plane.width; ++x) {
+            std::uint16_t sample;
+            std::memcpy(&sample, row + 2 * std::ptrdiff_t{x}, 2);
+            largest = std::max(largest, sample);
+        }
+    }
+    return largest;
+}
+
+Result<void> check_largest(const PlaneView& plane, int most, std::string_view where,
+                           std::string_view promise) {
+    const int largest = largest_sample(plane);
+    if (largest <= most) return {};
+    return input_error(std::string(where) + ": holds the value " + std::to_string(largest) + ", but " +
+                       std::string(promise) + " allows at most " + std::to_string(most));
+}
+
+Result<void> check_depth(const PlaneView& plane, const Scene& scene, std::string_view where) {
+    if (scene.depth.kind == DepthCodingKind::hue) {
+        if (plane.channels == 3 && plane.bytes_per_sample == 1) return {};
+        return input_error(std::string(where) + ": is " + kind_text(plane) +
+                           ", but the scene's depth.coding, hue, needs 8-bit RGB");
+    }
+    const int bits = scene.depth_bits, bytes = bits > 8 ? 2 : 1;
+    if (plane.channels != 1 || plane.bytes_per_sample != bytes)
+        return input_error(std::string(where) + ": is " + kind_text(plane) +
+                           ", but the scene's depth.bits, " + std::to_string(bits) + ", needs " +
+                           std::to_string(8 * bytes) + "-bit grey");
+    if (bits == 8 * bytes) return {};
+    return check_largest(plane, (1 << bits) - 1, where,
+                         "the scene's depth.bits, " + std::to_string(bits) + ",");
+}
+
+Result<void> check_height(const PlaneView& plane, const Scene& scene, std::string_view where) {
+    const int most = scene.height_coding.code_max;
+    if (plane.channels != 1 || (plane.bytes_per_sample == 1 && most > 255))
+        return input_error(std::string(where) + ": is " + kind_text(plane) +
+                           ", but the scene's height_map.bits needs " +
+                           (most > 255 ? "16-bit grey" : "grey"));
+    return check_largest(plane, most, where, "the scene's height_map.bits");
+}
+
+/// A packed picture whose pixels are made by `pixel(to, from)` from the nearest ones of the plane.
+template <class Pixel>
+Image mapped(const PlaneView& plane, int width, int height, int channels, Pixel&& pixel) {
+    const auto nearest = [](int k, int from, int to) {  // of `from` samples, for sample k of `to`
+        return static_cast<int>((2 * std::int64_t{k} + 1) * from / (2 * std::int64_t{to}));
+    };
+    const int bytes = plane.bytes_per_sample;
+    std::vector<int> columns(static_cast<std::size_t>(width));
+    for (int x = 0; x < width; ++x)
+        columns[static_cast<std::size_t>(x)] = nearest(x, plane.width, width) * bytes * plane.channels;
+    Image image{width, height, bytes, channels, {}};
+    const auto pixel_bytes = static_cast<std::size_t>(bytes * channels);
+    image.samples.resize(columns.size() * static_cast<std::size_t>(height) * pixel_bytes);
+    std::uint8_t* to = image.samples.data();
+    for (int y = 0; y < height; ++y) {
+        const std::uint8_t* row = plane.row(nearest(y, plane.height, height));
+        for (const int column : columns) {
+            pixel(to, row + column);
+            to += pixel_bytes;
+        }
+    }
+    return image;
+}
+
+Plane resampled(const PlaneView& plane, int width, int height) {
+    const auto bytes = static_cast<std::size_t>(plane.bytes_per_sample * plane.channels);
+    return plane_from(
+        mapped(plane, width, height, plane.channels,
+               [bytes](std::uint8_t* to, const std::uint8_t* from) { std::memcpy(to, from, bytes); }));
+}
+
+/// What a sample of grey counts for: 2 and 4 bits have whole numbers.
+int white_of(int bits) {
+    return bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;
+}
+
+Plane grey_as_rgb(const PlaneView& plane, int bits, int width, int height) {
+    return plane_from(
+        mapped(plane, width, height, 3, [white = white_of(bits)](std::uint8_t* to, const std::uint8_t* from) {
+            to[0] = to[1] = to[2] = static_cast<std::uint8_t>(white * *from);
+        }));
+}
+
+/// Frictions are the same everywhere (take_grey_haptic).
+Plane grey_as_stiffness(const PlaneView& plane, int bits, int width, int height) {
+    return plane_from(
+        mapped(plane, width, height, 3, [white = white_of(bits)](std::uint8_t* to, const std::uint8_t* from) {
+            to[0] = static_cast<std::uint8_t>(white * *from);
+            to[1] = to[2] = 0;
+        }));
+}
+
+/// A track of 10 bits holds no code beyond 1023: read as one of 16 bits, all of it would lie at one plane.
+/// Metric codes are lengths, however many bits hold them; a hue is made of three samples.
+Result<void> check_bits(PlaneRole role, int bits, const Scene& scene, std::string_view where) {
+    if (bits == 0) return {};
+    const bool depth = role == PlaneRole::depth;
+    const DepthCodingKind kind = scene.depth.kind;
+    const bool free =
+        depth ? kind == DepthCodingKind::metric || kind == DepthCodingKind::hue : role != PlaneRole::height;
+    const int largest = (1 << bits) - 1,
+              code_max = depth ? scene.depth.code_max : scene.height_coding.code_max;
+    if (free || code_max <= largest) return {};
+    return input_error(std::string(where) + ": is " + std::to_string(bits) + "-bit grey, but the scene's " +
+                       (depth ? "depth.code_max" : "largest height code (height_map.bits)") + " is " +
+                       std::to_string(code_max) + ": must be at most " + std::to_string(largest));
+}
+
+}  // namespace
+
+std::string_view role_name(PlaneRole role) {
+    return names[static_cast<std::size_t>(role)];
+}
+
+std::optional<PlaneRole> role_named(std::string_view name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) return std::nullopt;
+    return all_roles[static_cast<std::size_t>(found - names.begin())];
+}
+
+const PlaneView& plane_of(const RawFrame& frame, PlaneRole role) {
+    switch (role) {
+        case PlaneRole::depth:
+            return frame.depth;
+        case PlaneRole::colour:
+            return frame.colour;
+        case PlaneRole::haptic:
+            return frame.haptic;
+        case PlaneRole::height:
+            break;
+    }
+    return frame.height;
+}
+
+PlaneView& plane_of(RawFrame& frame, PlaneRole role) {
+    return const_cast<PlaneView&>(plane_of(std::as_const(frame), role));
+}
+
+const std::string& pattern_of(const FolderSource& source, PlaneRole role) {
+    switch (role) {
+        case PlaneRole::depth:
+            return source.depth;
+        case PlaneRole::colour:
+            return source.colour;
+        case PlaneRole::haptic:
+            return source.haptic;
+        case PlaneRole::height:
+            break;
+    }
+    return source.height;
+}
+
+std::string& pattern_of(FolderSource& source, PlaneRole role) {
+    return const_cast<std::string&>(pattern_of(std::as_const(source), role));
+}
+
+const PictureNumbers& numbers_of(const FolderSource& source, PlaneRole role) {
+    return role == PlaneRole::colour   ? source.colour_numbers
+           : role == PlaneRole::haptic ? source.haptic_numbers
+                                       : source.height_numbers;
+}
+
+Plane plane_from(Image image, int bits) {
+    const auto owned = std::make_shared<const Image>(std::move(image));
+    return {owned->view(), owned, bits};
+}
+
+Result<void> check_plane(PlaneRole role, const PlaneView& plane, const Scene& scene, std::string_view where) {
+    if (role == PlaneRole::depth) return check_depth(plane, scene, where);
+    if (role == PlaneRole::height) return check_height(plane, scene, where);
+    if (plane.bytes_per_sample == 1 && (plane.channels == 3 || plane.channels == 1)) return {};
+    return input_error(
+        std::string(where) + ": is " + kind_text(plane) + "; " + std::string(role_name(role)) +
+        (role == PlaneRole::colour ? " is 8-bit RGB or grey" : " is 8-bit RGB, or grey for stiffness alone"));
+}
+
+Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::string_view where) {
+    if (auto checked = check_plane(role, plane.view, scene, where); !checked) return checked.error();
+    if (auto checked = check_bits(role, plane.bits, scene, where); !checked) return checked.error();
+    const PlaneView& view = plane.view;
+    const bool own_camera = role == PlaneRole::colour && scene.colour_camera;
+    const int width = own_camera ? scene.colour_camera->width : scene.width,
+              height = own_camera ? scene.colour_camera->height : scene.height;
+    const bool same_size = view.width == width && view.height == height;
+    if (own_camera && !same_size)
+        return input_error(std::string(where) + ": is " + size_text(view.width, view.height) +
+                           ", but the scene's colour_camera is " + size_text(width, height));
+    if (role == PlaneRole::depth && !same_size)
+        return input_error(std::string(where) + ": is " + size_text(view.width, view.height) +
+                           ", but the scene is " + size_text(scene.width, scene.height));
+    if (role == PlaneRole::colour && view.channels == 1) return grey_as_rgb(view, plane.bits, width, height);
+    if (role == PlaneRole::haptic && view.channels == 1)
+        return grey_as_stiffness(view, plane.bits, scene.width, scene.height);
+    return same_size ? std::move(plane) : resampled(view, scene.width, scene.height);
+}
+
+std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene) {
+    if (role == PlaneRole::colour && scene.colour_camera)
+        return "colour is " + size_text(width, height) + ", by a camera of its own";
+    return std::string(role_name(role)) + " is " + size_text(width, height) +
+           ": resampled to the nearest pixel of depth's " + size_text(scene.width, scene.height);
+}
+
+std::string take_grey_haptic(Scene& scene) {
+    const double held = scene.default_properties.static_friction,
+                 sliding = scene.default_properties.dynamic_friction;
+    scene.haptic.static_friction = {held, held};
+    scene.haptic.dynamic_friction = {sliding, sliding};
+    return "haptic is grey: stiffness alone, " + number_text(scene.haptic.stiffness.min) + " to " +
+           number_text(scene.haptic.stiffness.max) + " N/mm; friction " + number_text(held) + " static, " +
+           number_text(sliding) + " dynamic everywhere, as the scene's default_properties have it";
+}
+
+std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene) {
+    if (has_haptic) return std::nullopt;
+    const HapticProperties& felt = scene.default_properties;
+    return "no haptic plane: " + number_text(felt.stiffness / 1000.0) + " N/mm everywhere, friction " +
+           number_text(felt.static_friction) + " static, " + number_text(felt.dynamic_friction) + " dynamic";
+}
+
+std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCoding& coding) {
+    for (int y = 0; y < frame.depth.height; ++y)
+        for (int x = 0; x < frame.depth.width; ++x)
+            if (coding.is_valid(stored_code(frame.depth, coding, x, y))) return std::nullopt;
+    return "frame " + std::to_string(frame.number) +
+           " has no valid depth, so nothing in it can be touched: do the scene's depth.near, far, code_max "
+           "and invalid fit these pictures?";
+}
+
+void add_plane(RawFrame& frame, PlaneRole role, Plane plane) {
+    plane_of(frame, role) = plane.view;
+    if (!frame.storage) {
+        frame.storage = std::move(plane.storage);
+        return;
+    }
+    using Both = std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>;
+    frame.storage = std::make_shared<const Both>(std::move(frame.storage), std::move(plane.storage));
+}
+
+}  // namespace touchable

@@ -1,0 +1,170 @@
+#include "engine/ffmpeg/demuxer.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "engine/byte_source.hpp"
+#include "engine/ffmpeg/box_tables.hpp"
+#include "engine/ffmpeg/container_end.hpp"
+#include "engine/ffmpeg/matroska_check.hpp"
+
+namespace touchable {
+namespace {
+
+/// Frames one stream may run ahead of another, and what they all may hold while they wait.
+constexpr std::size_t queue_limit = 64, queued_bytes_limit = std::size_t{1} << 30;
+
+std::optional<std::string> entry(const AVDictionary* dictionary, const char* name) {
+    const AVDictionaryEntry* found = av_dict_get(dictionary, name, nullptr, 0);
+    if (!found) return std::nullopt;
+    return found->value;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const SourceFile& file) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    const auto end = check_matroska(**bytes, file.string());
+    if (!end) return end.error();
+    return open(std::move(*bytes), *end, file.string(), "matroska", "Matroska");
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_whole(const SourceFile& file, EndOf end_of, const char* format,
+                                                     const std::string& name) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    const auto end = end_of(**bytes);
+    if (!end) return error_at(file.string(), end.error());
+    if (!*end) return input_error(file.string() + ": is truncated, or no " + name + " file");
+    return open(std::move(*bytes), **end, file.string(), format, name);
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const SourceFile& file) {
+    const auto end_of_tables = [](ByteSource& bytes) -> Result<std::optional<std::uint64_t>> {
+        auto end = end_of_boxes(bytes);
+        if (!end || !*end) return end;
+        if (auto checked = check_box_tables(bytes, **end); !checked) return checked.error();
+        return end;
+    };
+    return open_whole(file, end_of_tables, "mov", "QuickTime or MP4");
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const SourceFile& file) {
+    const std::string begin = first_bytes(file, 4);
+    if (begin == "\x1a\x45\xdf\xa3") return open_matroska(file);
+    return begin == "RIFF" ? open_whole(file, end_of_riff, "avi", "AVI") : open_quicktime(file);
+}
+
+Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
+                                               const std::string& file, const char* format,
+                                               const std::string& name) {
+    auto container = open_input(std::move(bytes), end, file,
+                                {.format = format, .error_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE});
+    if (!container && container.error().kind == ErrorKind::input)
+        return error_at(file + ": is not a readable " + name + " file", container.error());
+    if (!container) return error_at(file, container.error());
+    auto demuxer = std::make_unique<Demuxer>();
+    demuxer->file_ = file;
+    demuxer->container_ = std::move(*container);
+    return demuxer;
+}
+
+std::optional<std::string> Demuxer::tag(const char* name) const {
+    return entry(container_->metadata, name);
+}
+
+std::optional<double> Demuxer::pictures_end() const {
+    const std::int64_t whole_us = container_->duration;
+    if (whole_us == AV_NOPTS_VALUE || whole_us <= 0) return std::nullopt;
+    const double whole_s = static_cast<double>(whole_us) / AV_TIME_BASE;
+    bool has_sound = false;
+    double pictures_s = 0;
+    for (unsigned k = 0; k < container_->nb_streams; ++k) {
+        const AVStream& stream = *container_->streams[k];
+        has_sound = has_sound || stream.codecpar->codec_type == AVMEDIA_TYPE_AUDIO;
+        if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO) continue;
+        // As Matroska's writers have it: 00:00:03.007000000.
+        int hours = 0, minutes = 0;
+        double seconds = 0;
+        const std::string stated = entry(stream.metadata, "DURATION").value_or("");
+        if (std::sscanf(stated.c_str(), "%d:%d:%lf", &hours, &minutes, &seconds) != 3) continue;
+        pictures_s = std::max(pictures_s, 3600.0 * hours + 60.0 * minutes + seconds);
+    }
+    return has_sound && pictures_s > 0 && pictures_s < whole_s ? pictures_s : whole_s;
+}
+
+std::optional<std::string> Demuxer::attachment(const std::string& file_name) const {
+    for (unsigned k = 0; k < container_->nb_streams; ++k) {
+        const AVStream& stream = *container_->streams[k];
+        if (stream.codecpar->codec_type != AVMEDIA_TYPE_ATTACHMENT) continue;
+        if (entry(stream.metadata, "filename") != file_name) continue;
+        return std::string(reinterpret_cast<const char*>(stream.codecpar->extradata),
+                           static_cast<std::size_t>(stream.codecpar->extradata_size));
+    }
+    return std::nullopt;
+}
+
+/// Puts one packet into its queue; false at the end of the file.
+Result<bool> Demuxer::read_one() {
+    PacketPtr packet(av_packet_alloc());
+    if (!packet) return Error{ErrorKind::internal, "out of memory"};
+    const int status = av_read_frame(container_.get(), packet.get());
+    if (status == AVERROR_EOF && container_->pb->error >= 0) return false;
+    if (status < 0) return error_at(file_ + ": cannot be read further", input_failure(*container_, status));
+    const auto queue = queues_.find(packet->stream_index);
+    if (queue == queues_.end()) return true;
+    if (queue->second.size() >= queue_limit)
+        return input_error(file_ + ": its tracks run apart by more than " + std::to_string(queue_limit) +
+                           " frames: interleave them");
+    queued_bytes_ += static_cast<std::size_t>(packet->size);
+    if (queued_bytes_ > queued_bytes_limit)
+        return input_error(file_ + ": its tracks run apart by more than 1 GiB: interleave them");
+    queue->second.push_back(std::move(packet));
+    return true;
+}
+
+Result<const AVPacket*> Demuxer::peek(int stream) {
+    auto& queue = queues_.at(stream);
+    while (queue.empty()) {
+        const auto more = read_one();
+        if (!more) return more.error();
+        if (!*more) return nullptr;
+    }
+    return queue.front().get();
+}
+
+Result<PacketPtr> Demuxer::next(int stream) {
+    const auto there = peek(stream);
+    if (!there) return there.error();
+    if (!*there) return PacketPtr{};
+    auto& queue = queues_.at(stream);
+    PacketPtr packet = std::move(queue.front());
+    queue.pop_front();
+    queued_bytes_ -= static_cast<std::size_t>(packet->size);
+    return packet;
+}
+
+bool Demuxer::seek(int stream, std::int64_t timestamp) {
+    for (auto& [number, queue] : queues_) queue.clear();
+    queued_bytes_ = 0;
+    return av_seek_frame(container_.get(), stream, timestamp, AVSEEK_FLAG_BACKWARD) >= 0;
+}
+
+std::optional<std::int64_t> Demuxer::key_before(int stream, std::int64_t timestamp) const {
+    const AVIndexEntry* entry =
+        avformat_index_get_entry_from_timestamp(container_->streams[stream], timestamp, AVSEEK_FLAG_BACKWARD);
+    if (!entry) return std::nullopt;
+    return entry->timestamp;
+}
+
+bool Demuxer::is_all_keys(int stream) const {
+    AVStream* const of = container_->streams[stream];
+    const int entries = avformat_index_get_entries_count(of);
+    for (int k = 0; k < entries; ++k)
+        if ((avformat_index_get_entry(of, k)->flags & AVINDEX_KEYFRAME) == 0) return false;
+    return entries > 0;
+}
+
+}  // namespace touchable

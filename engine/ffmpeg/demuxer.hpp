@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engine/ffmpeg/ffmpeg_input.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// Takes a video file apart into packets, stream by stream. Interleaved streams wait in short queues.
+class Demuxer {
+public:
+    static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file);
+    /// QuickTime, and MP4, which is made of the same boxes.
+    static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
+
+    /// Any of these, or AVI, as its first bytes tell.
+    static Result<std::unique_ptr<Demuxer>> open_video(const SourceFile& file);
+
+    /// Of bytes that end at `end`; `format` as FFmpeg calls it, `name` as people do.
+    static Result<std::unique_ptr<Demuxer>> open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
+                                                 const std::string& file, const char* format,
+                                                 const std::string& name);
+
+    const AVFormatContext& container() const { return *container_; }
+    /// A tag of the whole file.
+    std::optional<std::string> tag(const char* name) const;
+    /// Seconds at which the pictures end: of a file that has sound as well, by what its picture tracks say of
+    /// themselves, where they do. Nothing where the file says nothing.
+    std::optional<double> pictures_end() const;
+    /// The bytes of an attached file.
+    std::optional<std::string> attachment(const std::string& file_name) const;
+
+    /// Streams never selected are skipped.
+    void select(int stream) { queues_[stream]; }
+    /// The next packet of a selected stream; null after the last.
+    Result<PacketPtr> next(int stream);
+    /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
+    /// where the file offers no way there. What follows may be anything: whoever reads on checks the times.
+    bool seek(int stream, std::int64_t timestamp);
+    /// Once there was a `seek`: when the index has a packet of `stream` that decoding can begin with, at
+    /// `timestamp` or the last before; nothing where it has none.
+    std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
+    /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
+    bool is_all_keys(int stream) const;
+    /// The packet that `next` gives; null at the end.
+    Result<const AVPacket*> peek(int stream);
+
+private:
+    /// Where a kind of container ends; nothing where it is cut.
+    using EndOf = Result<std::optional<std::uint64_t>> (*)(ByteSource&);
+    static Result<std::unique_ptr<Demuxer>> open_whole(const SourceFile& file, EndOf end_of,
+                                                       const char* format, const std::string& name);
+    Result<bool> read_one();
+
+    std::string file_;
+    InputPtr container_;
+    std::map<int, std::deque<PacketPtr>> queues_;
+    std::size_t queued_bytes_ = 0;
+};
+
+}  // namespace touchable

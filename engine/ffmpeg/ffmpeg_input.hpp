@@ -1,0 +1,36 @@
+#pragma once
+
+// A container that FFmpeg takes apart, for this room's .cpp files only.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "engine/byte_source.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+struct InputCloser {
+    void operator()(AVFormatContext* container) const;
+};
+using InputPtr = std::unique_ptr<AVFormatContext, InputCloser>;
+
+/// How a container is opened.
+struct InputKind {
+    const char* format = nullptr;  ///< as FFmpeg calls it; null: what the bytes look like, of `formats`
+    const char* formats = nullptr;
+    int error_recognition = 0;  ///< AV_EF_
+};
+
+/// Lets FFmpeg see the first `end` bytes, under the name `file`. Once somebody asks the program to stop it is
+/// given no more of them, however far it would read on (ErrorKind::interrupted). An error's words go behind
+/// the name and a colon (error_at).
+Result<InputPtr> open_input(std::unique_ptr<ByteSource> bytes, std::uint64_t end, const std::string& file,
+                            const InputKind& kind);
+
+/// Why it reads no further with this status, likewise: what its bytes say, or FFmpeg.
+Error input_failure(const AVFormatContext& container, int status);
+
+}  // namespace touchable

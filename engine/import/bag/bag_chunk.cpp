@@ -1,0 +1,105 @@
+#include "engine/import/bag/bag_chunk.hpp"
+
+#include <bzlib.h>
+#include <lz4frame.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace touchable {
+namespace {
+
+constexpr std::uint32_t largest_chunk = 128 << 20;  // recorders begin another one after each MiB or ten
+constexpr std::size_t step = 64 << 10;
+
+/// Packed bytes of a file, piece by piece.
+class Pieces {
+public:
+    Pieces(ByteSource& file, std::uint64_t at, std::uint32_t size) : file_(file), at_(at), left_(size) {}
+    /// Empty after the last.
+    Result<std::string_view> next() {
+        const std::size_t count = std::min<std::size_t>(left_, step);
+        if (auto read = file_.read(at_, piece_.data(), count); !read) return read.error();
+        at_ += count;
+        left_ -= static_cast<std::uint32_t>(count);
+        return std::string_view(piece_.data(), count);
+    }
+
+private:
+    ByteSource& file_;
+    std::uint64_t at_;
+    std::uint32_t left_;
+    std::vector<char> piece_ = std::vector<char>(step);
+};
+
+Error damaged(const char* compression) {
+    return input_error(std::string("is damaged: a chunk cannot be unpacked by ") + compression);
+}
+
+Result<void> unpack_bz2(Pieces& pieces, std::string& to) {
+    bz_stream stream{};
+    if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return damaged("bzip2");
+    const std::unique_ptr<bz_stream, int (*)(bz_stream*)> closer(&stream, BZ2_bzDecompressEnd);
+    stream.next_out = to.data();
+    stream.avail_out = static_cast<unsigned>(to.size());
+    for (int state = BZ_OK; state != BZ_STREAM_END;) {
+        const auto piece = pieces.next();
+        if (!piece) return piece.error();
+        stream.next_in = const_cast<char*>(piece->data());  // which bzip2 only reads
+        stream.avail_in = static_cast<unsigned>(piece->size());
+        do {
+            const unsigned before = stream.avail_in + stream.avail_out;
+            state = BZ2_bzDecompress(&stream);
+            if (state != BZ_OK && state != BZ_STREAM_END) return damaged("bzip2");
+            if (state == BZ_OK && before == stream.avail_in + stream.avail_out) {
+                if (piece->empty() || stream.avail_in > 0) return damaged("bzip2");
+                break;
+            }
+        } while (state == BZ_OK);
+    }
+    if (stream.avail_out > 0) return damaged("bzip2");
+    return {};
+}
+
+Result<void> unpack_lz4(Pieces& pieces, std::string& to) {
+    LZ4F_dctx* context = nullptr;
+    if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION))) return damaged("LZ4");
+    const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> closer(
+        context, LZ4F_freeDecompressionContext);
+    std::size_t filled = 0, wanted = 1;
+    while (wanted != 0) {
+        const auto piece = pieces.next();
+        if (!piece) return piece.error();
+        if (piece->empty()) return damaged("LZ4");
+        for (std::string_view left = *piece; !left.empty() && wanted != 0;) {
+            std::size_t taken = left.size(), given = to.size() - filled;
+            wanted = LZ4F_decompress(context, to.data() + filled, &given, left.data(), &taken, nullptr);
+            if (LZ4F_isError(wanted) || (taken == 0 && given == 0)) return damaged("LZ4");
+            filled += given;
+            left.remove_prefix(taken);
+        }
+    }
+    if (filled != to.size()) return damaged("LZ4");
+    return {};
+}
+
+}  // namespace
+
+Result<std::string> unpack_bag_chunk(std::string_view compression, ByteSource& file, std::uint64_t at,
+                                     std::uint32_t packed, std::uint32_t size) {
+    if (size > largest_chunk)
+        return input_error("has a chunk of " + std::to_string(size >> 20) + " MiB: at most " +
+                           std::to_string(largest_chunk >> 20) + " are read");
+    // LZ4 cannot make more of a byte; bzip2 makes of one, at most, what no recording has.
+    if (const std::uint32_t most = compression == "lz4" ? 255 : 4096; size / most > packed)
+        return input_error("is damaged: has a chunk of " + std::to_string(size) + " bytes in " +
+                           std::to_string(packed));
+    std::string bytes(size, '\0');
+    Pieces pieces(file, at, packed);
+    const auto unpacked = compression == "bz2" ? unpack_bz2(pieces, bytes) : unpack_lz4(pieces, bytes);
+    if (!unpacked) return unpacked.error();
+    return bytes;
+}
+
+}  // namespace touchable

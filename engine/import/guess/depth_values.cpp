@@ -1,0 +1,185 @@
+#include "engine/import/guess/depth_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "engine/import/guess/number_words.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::uint16_t no_depth = 65535;  // a code beyond every code_max here
+constexpr double far_margin = 1.05;        // the far plane lies so much farther than what is farthest
+
+constexpr double most_beyond = 1e5, most_before = 1e3;  // times the median
+constexpr double most_range = 9e5;  // from near to far, of the million that a scene may have
+
+/// Every so many pixels tell the median as well as all.
+constexpr std::int64_t sample_step = 97;
+constexpr std::size_t most_samples = 100'000;
+
+std::uint16_t word_at(const Image& image, std::size_t k) {
+    if (image.bytes_per_sample == 1) return image.samples[k];
+    std::uint16_t word = 0;
+    std::memcpy(&word, image.samples.data() + 2 * k, 2);
+    return word;
+}
+
+std::string range_words(double least, double most) {
+    return short_number(least) + " to " + short_number(most);
+}
+
+}  // namespace
+
+bool DepthValues::is_valid(double value) const {
+    if (!std::isfinite(value)) return false;
+    for (int k = 0; k < coding_.invalid_code_count; ++k)
+        if (value == coding_.invalid_codes[static_cast<std::size_t>(k)]) return false;
+    if (stored_.kind == StoredDepth::Kind::disparity) return stored_.scale * value + stored_.offset > 0;
+    if (stored_.kind == StoredDepth::Kind::relative) return true;
+    if (coding_.kind != DepthCodingKind::metric) return value >= 0 && value <= 1;
+    return value >= lower_ && value <= upper_ && value > 0 && coding_.scale * value >= coding_.near;
+}
+
+/// The number that a stored word stands for.
+double DepthValues::ordered(std::uint16_t word) const {
+    unsigned value = word;
+    if (stored_.bytes_swapped) value = (value << 8 | value >> 8) & 0xffffU;
+    if (stored_.rotated > 0) value = (value >> stored_.rotated | value << (16 - stored_.rotated)) & 0xffffU;
+    return value;
+}
+
+template <class Work>
+void DepthValues::for_each(const StoredImage& picture, Work&& work) const {
+    const std::size_t pixels =
+        static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
+    for (std::size_t k = 0; k < pixels; ++k)
+        work(k, picture.values.empty() ? ordered(word_at(picture.image, k)) : double{picture.values[k]});
+}
+
+void DepthValues::look(const StoredImage& picture) {
+    is_float_ = !picture.values.empty();
+    for_each(picture, [&](std::size_t, double value) {
+        if (!is_valid(value)) return;
+        least_ = most_ < least_ ? value : std::min(least_, value);
+        most_ = std::max(most_, value);
+        if (pixels_++ % sample_step == 0 && sample_.size() < most_samples)
+            sample_.push_back(static_cast<float>(value));
+    });
+}
+
+/// Depths themselves, as floats.
+Result<std::string> DepthValues::settle_lengths(Scene& scene) {
+    DepthCoding& depth = scene.depth;
+    const auto middle = sample_.begin() + static_cast<std::ptrdiff_t>(sample_.size() / 2);
+    std::nth_element(sample_.begin(), middle, sample_.end());
+    const double median = depth.scale * *middle;
+    // What is so much farther or nearer than most of it stands for something else.
+    const double deepest = std::min(depth.scale * most_, median * most_beyond),
+                 nearest = std::max(median / most_before, deepest / most_range),
+                 near = std::max(depth.scale * least_, nearest);
+    const double far =
+        scene.far_from_frames || depth.far > deepest * far_margin ? deepest * far_margin : depth.far;
+    of_reciprocal_ = median * median * (1 / near - 1 / far) < far - near;
+    depth.kind = of_reciprocal_ ? DepthCodingKind::inverse : DepthCodingKind::linear;
+    depth.near_is_high = of_reciprocal_;
+    depth.near = near;
+    depth.far = far;
+    lower_ = nearest / depth.scale * (1 - 1e-6);
+    upper_ = far / depth.scale;
+    const double from = of_reciprocal_ ? depth.scale / far : near / depth.scale,
+                 to = of_reciprocal_ ? depth.scale / near : far / depth.scale;
+    first_ = from;
+    per_value_ = code_max_ / (to - from);
+    const double half_code =
+        0.5 * (of_reciprocal_ ? median * median * (1 / near - 1 / far) : far - near) / code_max_;
+    return "depth is " + range_words(near, deepest) + " as floats, kept as " + std::to_string(code_max_ + 1) +
+           " codes evenly in " + (of_reciprocal_ ? "1/depth" : "depth") + ": half a code is " +
+           short_number(half_code) + " at " + short_number(median) + ", the median";
+}
+
+/// Values on a line of 1 / depth (or depth): `far` and `near` are the values at the planes.
+Result<std::string> DepthValues::settle_line(Scene& scene, double far, double near, bool near_is_high) {
+    DepthCoding& depth = scene.depth;
+    depth.near_is_high = near_is_high;
+    first_ = std::min(far, near);
+    const double range = std::abs(near - far);
+    // Without a scale all values are depths: none has to be left for what is none.
+    if (!is_float_ && range > code_max_ && stored_.kind == StoredDepth::Kind::relative) code_max_ = no_depth;
+    if (!is_float_ && range > code_max_)
+        return input_error("depth has values from " + range_words(first_, first_ + range) +
+                           ": of 65536, one has to be free");
+    if (!is_float_) code_max_ = static_cast<std::uint16_t>(std::max(range, 1.0));
+    per_value_ = is_float_ ? code_max_ / range : 1;
+    return "depth values from " + range_words(least_, most_) + " are depths from " +
+           range_words(depth.near, depth.far);
+}
+
+Result<std::string> DepthValues::settle(Scene& scene) {
+    if (most_ < least_) return input_error("no frame has a valid depth");
+    if (most_ == least_)
+        most_ = std::nextafter(most_ * (1 + 1e-6) + 1e-6, std::numeric_limits<double>::max());
+    Result<std::string> said = std::string();
+    DepthCoding& depth = scene.depth;
+    using Kind = StoredDepth::Kind;
+    if (stored_.kind == Kind::disparity) {
+        const double per_disparity = scene.camera.fx * stored_.baseline;
+        const auto disparity = [&](double value) { return stored_.scale * value + stored_.offset; };
+        const double at_near = stored_.scale > 0 ? most_ : least_;
+        double at_far =
+            (disparity(stored_.scale > 0 ? least_ : most_) / far_margin - stored_.offset) / stored_.scale;
+        if (!is_float_) at_far = stored_.scale > 0 ? std::max(0.0, std::floor(at_far)) : std::ceil(at_far);
+        if (!(disparity(at_far) > 0)) at_far = stored_.scale > 0 ? least_ : most_;
+        depth.kind = DepthCodingKind::inverse;
+        depth.near = per_disparity / disparity(at_near);
+        depth.far = per_disparity / disparity(at_far);
+        said = settle_line(scene, at_far, at_near, stored_.scale > 0);
+    } else if (stored_.kind == Kind::relative) {
+        said = settle_line(scene, depth.near_is_high ? least_ : most_, depth.near_is_high ? most_ : least_,
+                           depth.near_is_high);
+    } else if (depth.kind == DepthCodingKind::metric) {
+        said = settle_lengths(scene);
+    } else {  // shares of the largest code
+        first_ = 0;
+        per_value_ = code_max_;
+        said = std::string("depth is shares of the largest code, kept as 65535 codes");
+    }
+    if (!said) return said;
+    depth.code_max = code_max_;
+    depth.invalid_code_count = 0;
+    depth.scale = 0;
+    is_high_near_ = depth.near_is_high;
+    keeps_far_ = stored_.kind == Kind::relative;
+    scene.depth_bits = 16;
+    scene.stored = {};
+    scene.far_from_frames = false;
+    derive_valid_range(depth);
+    is_settled_ = true;
+    if (auto valid = validate(scene); !valid) return valid.error();
+    return said;
+}
+
+Image DepthValues::codes(StoredImage picture) const {
+    if (!makes_codes()) return std::move(picture.image);
+    Image codes{picture.image.width, picture.image.height, 2, 1, {}};
+    codes.samples.resize(2 * static_cast<std::size_t>(codes.width) * static_cast<std::size_t>(codes.height));
+    for_each(picture, [&](std::size_t k, double value) {
+        std::uint16_t code = no_depth;
+        if (!is_settled_) {
+            code = static_cast<std::uint16_t>(value);
+        } else if (is_valid(value)) {
+            const double place = ((of_reciprocal_ ? 1 / value : value) - first_) * per_value_;
+            const bool is_far = is_high_near_ ? place <= -0.5 : place >= code_max_ + 0.5;
+            if (!is_far || keeps_far_)
+                code =
+                    static_cast<std::uint16_t>(std::clamp(place, 0.0, static_cast<double>(code_max_)) + 0.5);
+        }
+        std::memcpy(codes.samples.data() + 2 * k, &code, 2);
+    });
+    return codes;
+}
+
+}  // namespace touchable

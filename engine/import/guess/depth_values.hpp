@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/picture/stored_image.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// Makes codes of what depth pictures hold, where those are not codes already: floats, disparities, depth
+/// without a scale, words in another order of bits. Some frames are looked at first (telling_frames); then
+/// the scene's coding is settled by what they hold, and codes are made of all. What is nearer than all that
+/// they held is at the near plane then; what is farther is no depth, or at the far plane where depth has no
+/// scale.
+///
+/// Integers keep every value: disparities and depth without a scale become evenly spaced codes of 1 / depth,
+/// or of depth. Floats become 65535 codes, evenly in depth or in 1 / depth, whichever is finer at the median.
+class DepthValues {
+public:
+    /// `scene` is as somebody wrote it, and stays until `settle`.
+    explicit DepthValues(const Scene& scene) : stored_(scene.stored), coding_(scene.depth) {}
+
+    /// Whether pictures like this one have to be looked at before codes are made.
+    bool needs_looks(const StoredImage& first) const {
+        return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes;
+    }
+    /// One more.
+    void look(const StoredImage& picture);
+    /// Settles `scene`'s coding; says what a code stands for now. An error where no value was valid.
+    Result<std::string> settle(Scene& scene);
+    /// Whether pictures are not their codes already.
+    bool makes_codes() const { return is_settled_ || stored_.bytes_swapped || stored_.rotated > 0; }
+    /// As the settled scene has them: of 16 bits where it makes them.
+    Image codes(StoredImage picture) const;
+
+private:
+    bool is_valid(double value) const;
+    double ordered(std::uint16_t word) const;
+    template <class Work>
+    void for_each(const StoredImage& picture, Work&& work) const;
+    Result<std::string> settle_lengths(Scene& scene);
+    Result<std::string> settle_line(Scene& scene, double far, double near, bool near_is_high);
+
+    StoredDepth stored_;
+    DepthCoding coding_;  // as it was written
+    bool is_float_ = false;
+    double least_ = 0, most_ = -1;  // valid values
+    std::vector<float> sample_;     // of them, for their median
+    std::int64_t pixels_ = 0;
+
+    // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
+    bool is_settled_ = false, of_reciprocal_ = false, is_high_near_ = true;
+    bool keeps_far_ = false;  // what is farther than the far plane lies on it
+    double lower_ = 0, upper_ = std::numeric_limits<double>::max();  // of lengths
+    double first_ = 0, per_value_ = 1;
+    std::uint16_t code_max_ = 65534;  // larger ones are not valid
+};
+
+}  // namespace touchable

@@ -1,0 +1,445 @@
+#include "engine/import/guess/guessed_scene.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "engine/import/guess/camera_file.hpp"
+#include "engine/import/guess/guessed_cameras.hpp"
+#include "engine/import/guess/known_camera.hpp"
+#include "engine/import/guess/number_words.hpp"
+#include "engine/import/guess/picture_files.hpp"
+#include "engine/import/guess/picture_groups.hpp"
+#include "engine/import/guess/presets.hpp"
+#include "engine/import/guess/value_estimator.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/stop_request.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
+constexpr double soft_holes = 0.1;
+constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
+
+bool holds_words(const StoredImage& picture) {
+    return picture.values.empty() && picture.image.bytes_per_sample == 2 && picture.bits == 16;
+}
+
+class Guess {
+public:
+    Guess(const SourceDescription& known, const Preset* preset) : known_(known), preset_(preset) {}
+
+    Result<void> describe(const fs::path& folder, const StoredImage& depth,
+                          const DepthCoding* coding = nullptr);
+    GuessedScene made() { return {std::move(scene_), std::move(inputs_), {}, {}}; }
+    Scene& scene() { return scene_; }
+    void say(std::string guess, std::string otherwise = {}) {
+        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise)});
+    }
+    void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
+    Result<void> find_rate(const fs::path& folder);
+
+private:
+    Result<void> find_camera(const fs::path& folder);
+    void take(const Intrinsics& intrinsics, const std::string& whose);
+    void take_fov(double degrees);
+    Result<void> find_unit(const EstimatedValues& values);
+    void guess_unit(const EstimatedValues& values);
+    void set_metric(double metres_per_code);
+    void set_invalid(const StoredImage& depth);
+    void set_relative(bool near_is_high, bool is_inverse);
+
+    const SourceDescription& known_;
+    const Preset* preset_;
+    Scene scene_;
+    std::vector<fs::path> inputs_;
+    CameraFile file_;
+    std::optional<GuessedCameras> frames_;  // that have one each
+};
+
+/// Of pictures of another size, those of a camera with the same view.
+void Guess::take(const Intrinsics& intrinsics, const std::string& whose) {
+    if (intrinsics.width > 0 && intrinsics.height > 0 &&
+        (intrinsics.width != scene_.width || intrinsics.height != scene_.height))
+        say(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
+                " pixels and is scaled to these pictures",
+            "--intrinsics FX,FY,CX,CY says otherwise");
+    scene_.camera = scaled_camera(intrinsics, scene_.width, scene_.height);
+}
+
+void Guess::take_fov(double degrees) {
+    scene_.camera = camera_of_fov(degrees, scene_.width, scene_.height);
+}
+
+Result<void> Guess::find_camera(const fs::path& folder) {
+    const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder);
+    auto beside = camera_file_in(here);
+    if (!beside) beside = camera_file_in(here.parent_path());
+    if (beside) {
+        if (const auto read = read_camera_file(*beside); read.ok()) file_ = *read;
+        inputs_.push_back(*beside);
+    }
+    if (known_.intrinsics) {
+        take(*known_.intrinsics, "--intrinsics");
+    } else if (known_.fov) {
+        take_fov(*known_.fov);
+    } else if (frames_) {
+        scene_.camera = frames_->median;
+        say("the camera is that of " + frames_->files + (is_still(frames_->files) ? "" : ", the median"),
+            "--intrinsics says otherwise");
+    } else if (beside) {
+        take(file_.intrinsics, beside->filename().string());
+        say("the camera is that of " + beside->lexically_relative(here).string(),
+            "--intrinsics says otherwise");
+    } else if (preset_ && preset_->intrinsics.fx > 0) {
+        take(preset_->intrinsics, "the camera of --preset " + std::string(preset_->name));
+    } else {
+        const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
+        take_fov(fov);
+        say("the camera sees " + short_number(fov) + " degrees from left to right",
+            "--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise");
+    }
+    return {};
+}
+
+void Guess::set_metric(double metres_per_code) {
+    DepthCoding& depth = scene_.depth;
+    depth.kind = DepthCodingKind::metric;
+    depth.scale = metres_per_code;
+    depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
+    depth.far = depth.scale * depth.code_max;
+    scene_.far_from_frames = true;
+}
+
+void Guess::set_relative(bool near_is_high, bool is_inverse) {
+    DepthCoding& depth = scene_.depth;
+    scene_.stored.kind = StoredDepth::Kind::relative;
+    depth.kind = is_inverse ? DepthCodingKind::inverse : DepthCodingKind::linear;
+    depth.near_is_high = near_is_high;
+    depth.near = assumed_near;
+    depth.far = assumed_far;
+    depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
+    say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
+            " m and its farthest for " + short_number(assumed_far) + " m, " +
+            (near_is_high ? "large" : "small") + " values near",
+        "a scene file says otherwise, touchable init-scene writes one to begin with; --depth-unit where "
+        "values are lengths");
+}
+
+/// By the size of what is there.
+Result<void> Guess::find_unit(const EstimatedValues& values) {
+    if (!values.any) return input_error("has no depth: all values are 0, or none is finite");
+    if (known_.metres_per_code) {
+        set_metric(*known_.metres_per_code);
+        const double median = values.median * *known_.metres_per_code;
+        if (!(median > 1e-3 && median < 1000))
+            say("the median depth is " + short_number(median) + " m",
+                "--depth-unit is the metres that a stored 1 stands for, such as 0.001");
+        return {};
+    }
+    if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
+        scene_.stored = preset_->stored;
+        if (scene_.stored.baseline == 0) {
+            if (file_.baseline == 0)
+                return input_error("--preset " + std::string(preset_->name) +
+                                   " needs the calib.txt of the pictures beside them");
+            scene_.stored.baseline = file_.baseline;
+            scene_.stored.offset = file_.offset * scene_.camera.fx / file_.intrinsics.fx;
+        } else if (preset_->intrinsics.fx > 0) {  // baseline x fx is what is known
+            scene_.stored.baseline *= preset_->intrinsics.fx / scene_.camera.fx;
+        }
+        scene_.depth.kind = DepthCodingKind::inverse;
+        scene_.depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
+        scene_.depth.near = scene_.camera.fx * scene_.stored.baseline / 65536;
+        scene_.depth.far = scene_.camera.fx * scene_.stored.baseline;
+        return {};
+    }
+    if (preset_ && preset_->stored.kind == StoredDepth::Kind::relative) {
+        set_relative(true, true);
+        return {};
+    }
+    if (preset_ && preset_->metres_per_code > 0) {
+        scene_.stored = preset_->stored;
+        set_metric(preset_->metres_per_code);
+        return {};
+    }
+    if (file_.codes_per_metre > 0) {
+        set_metric(1 / file_.codes_per_metre);
+        return {};
+    }
+    guess_unit(values);
+    return {};
+}
+
+void Guess::guess_unit(const EstimatedValues& values) {
+    const std::string otherwise = "--depth-unit METRES says otherwise";
+    const bool is_signed = values.negative > 0.01;
+    if (values.bits == 8 || values.is_normalised || is_signed) {
+        // Networks that guess depth write more for what is nearer.
+        set_relative(is_signed || values.lower >= values.upper, true);
+    } else if (values.is_float) {
+        const bool metres = values.median < 30;
+        set_metric(metres ? 1 : 0.001);
+        say(std::string("values are ") + (metres ? "metres" : "millimetres") + ", as their median is " +
+                short_number(values.median),
+            otherwise);
+    } else {
+        const bool fine = values.median > 12000, coarse = values.median < 100;
+        const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
+        set_metric(unit);
+        say("a code is " + short_number(1000 * unit) + " mm, as their median is " +
+                short_number(values.median),
+            otherwise);
+    }
+}
+
+/// Cameras write 0 where they see nothing. Depth without a scale has something everywhere.
+void Guess::set_invalid(const StoredImage& depth) {
+    if (scene_.stored.kind == StoredDepth::Kind::relative) return;
+    const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
+    const int other = preset_ ? preset_->invalid : holds_words(depth) && !is_told ? 65535 : 0;
+    DepthCoding& coding = scene_.depth;
+    for (const int code : {0, other})
+        if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
+            coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
+                static_cast<std::uint16_t>(code);
+    if (!is_told) say(other > 0 ? "0 and 65535 are no depth" : "0 is no depth");
+}
+
+Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, const DepthCoding* coding) {
+    scene_.width = depth.image.width;
+    scene_.height = depth.image.height;
+    scene_.metres_per_unit = 1;
+    scene_.depth_bits = depth.values.empty() && depth.image.bytes_per_sample == 1 ? 8 : 16;
+    scene_.depth.semantics = DepthSemantics::planar;
+    scene_.depth.near_is_high = true;
+    scene_.unstated = all_unstated;
+    scene_.hole_stiffness = soft_holes;
+    if (auto found = find_camera(folder); !found) return found;
+    if (coding) {
+        scene_.depth = *coding;
+    } else {
+        if (auto found = find_unit(estimate_values(depth)); !found) return found;
+        set_invalid(depth);
+    }
+    derive_valid_range(scene_.depth);
+    if (auto valid = validate(scene_); !valid)
+        return usage_error("--intrinsics, --fov, --depth-unit, --preset: " + valid.error().message);
+    return {};
+}
+
+Result<void> Guess::find_rate(const fs::path& folder) {
+    const auto files = depth_files(folder, *scene_.folder);
+    if (!files) return files.error();
+    const auto rate = rate_of(*files);
+    if (rate) scene_.rate = *rate;
+    const std::string why = unusable_times(*files);
+    say(short_number(scene_.rate.per_second()) + " frames a second" +
+            (scene_.rate.own_times ? " on average, each at its own time"
+             : rate        ? (files->remark.empty() ? ", by their times" : ", the mean of their times")
+             : why.empty() ? ""
+                           : ", as " + why),
+        "a scene file's rate says otherwise");
+    return {};
+}
+
+Result<const Preset*> known_preset(const SourceDescription& known) {
+    if (known.preset.empty()) return static_cast<const Preset*>(nullptr);
+    if (const Preset* preset = preset_named(known.preset)) return preset;
+    std::string names;
+    for (const Preset& each : all_presets()) names += (names.empty() ? "" : ", ") + std::string(each.name);
+    return usage_error("--preset " + known.preset + " is not known: must be one of " + names);
+}
+
+/// Of a picture, or the first of a stack; colour that is grey everywhere as grey.
+Result<StoredImage> depth_in(const fs::path& file, ReadPictures& pictures) {
+    const auto looked = pictures.look(file);
+    if (!looked) return looked.error();
+    StoredImage stored = **looked;
+    if (stored.values.empty() && stored.image.channels == 3)
+        if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
+    if (stored.values.empty() && stored.image.channels != 1)
+        return input_error(file.string() +
+                           ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
+    return stored;
+}
+
+/// How well a group goes as depth: 0 not at all.
+int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
+    if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height"})) return 0;
+    const auto looked = pictures.look(group.first);
+    if (!looked) return 0;
+    const StoredImage& first = **looked;
+    if (first.values.empty() && !is_grey(first.image)) return 0;
+    const bool is_deep = !first.values.empty() || first.image.bytes_per_sample == 2;
+    return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
+}
+
+bool is_in_colour(const StoredImage& picture) {
+    return picture.values.empty() && picture.image.channels == 3 && picture.image.bytes_per_sample == 1;
+}
+
+bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPictures& pictures) {
+    if (group.pattern == depth.pattern ||
+        has_word(group.pattern,
+                 {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp", "ultrawide"}))
+        return false;
+    const auto looked = pictures.look(group.first);
+    if (!looked) return false;
+    const StoredImage& first = **looked;
+    if (!first.values.empty() || first.image.bytes_per_sample != 1) return false;
+    return is_in_colour(first) ||
+           has_word(group.pattern, {"rgb", "color", "colour", "image", "grey", "gray"});
+}
+
+/// The picture of the same name in another form, or with another word for depth in it.
+std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictures) {
+    const std::string stem = depth.stem().string();
+    std::vector<std::string> stems{stem};
+    for (const char* of_depth : {"depth", "Depth", "disp0", "disparity"})
+        if (const auto at = stem.find(of_depth); at != std::string::npos)
+            for (const char* of_colour : {"color", "colour", "rgb", "image", "Color", "im0"})
+                stems.push_back(std::string(stem).replace(at, std::string(of_depth).size(), of_colour));
+    for (const std::string& other : stems)
+        for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm"}) {
+            const fs::path file = depth.parent_path() / (other + extension);
+            std::error_code ignored;
+            if (file == depth || !fs::is_regular_file(file, ignored)) continue;
+            if (const auto picture = pictures.look(file); picture && is_in_colour(**picture)) return file;
+        }
+    return {};
+}
+
+std::string found_there(const std::vector<PictureGroup>& groups) {
+    std::string words;
+    for (std::size_t n = 0; n < std::min<std::size_t>(groups.size(), 4); ++n)
+        words += (n == 0 ? "" : ", ") + std::to_string(groups[n].count) + " x " + groups[n].pattern;
+    return words.empty() ? "no pictures" : words + (groups.size() > 4 ? ", ..." : "");
+}
+
+Error interrupted_looking(const fs::path& folder) {
+    return {ErrorKind::interrupted, "interrupted while " + folder.string() + " was looked through"};
+}
+
+/// All that there are; of pictures that call themselves depth the first can be read.
+Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPictures& pictures) {
+    std::vector<PictureGroup> groups = picture_groups(folder);
+    constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
+    if (groups.size() > most_groups) groups.resize(most_groups);
+    for (const PictureGroup& group : groups) {
+        if (stop_requested()) return interrupted_looking(folder);
+        if (!has_word(group.pattern, {"depth"})) continue;
+        if (const auto first = pictures.look(group.first); !first) return first.error();
+    }
+    return groups;
+}
+
+/// Null: none goes as depth.
+const PictureGroup* depth_among(const std::vector<PictureGroup>& groups, ReadPictures& pictures) {
+    const PictureGroup* depth = nullptr;
+    int best = 0;
+    for (const PictureGroup& group : groups)
+        if (const int mark = depth_mark(group, pictures); mark > best) {
+            best = mark;
+            depth = &group;
+        }
+    return depth;
+}
+
+const PictureGroup* colour_among(const std::vector<PictureGroup>& groups, const PictureGroup& depth,
+                                 ReadPictures& pictures) {
+    for (const PictureGroup& group : groups)
+        if (goes_as_colour(group, depth, pictures) && (group.count == 1) == (depth.count == 1)) return &group;
+    return nullptr;
+}
+
+}  // namespace
+
+Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
+    const auto preset = known_preset(known);
+    if (!preset) return preset.error();
+    const auto pictures = std::make_shared<ReadPictures>();
+    const auto groups = readable_groups(folder, *pictures);
+    if (!groups) return groups.error();
+    const PictureGroup* depth = depth_among(*groups, *pictures);
+    if (depth == nullptr && stop_requested()) return interrupted_looking(folder);
+    if (depth == nullptr)
+        return input_error(folder.string() + ": no pictures of depth were found (there are " +
+                           found_there(*groups) + "): describe them with --scene FILE (docs/scene_file.md)");
+    const PictureGroup* colour = colour_among(*groups, *depth, *pictures);
+    if (stop_requested()) return interrupted_looking(folder);  // so it may not be that there is none
+    const auto stored = depth_in(depth->first, *pictures);
+    if (!stored) return stored.error();
+    std::optional<GuessedCameras> cameras;
+    if (!known.intrinsics && !known.fov) {
+        auto found = guess_cameras(folder, depth->pattern, stored->image.width, stored->image.height);
+        if (!found) return found.error();
+        cameras = std::move(*found);
+    }
+    const bool is_arkit = cameras && *preset == nullptr && !known.metres_per_code && holds_words(*stored);
+    Guess guess(known, is_arkit ? preset_named("arkitscenes") : *preset);
+    if (cameras) guess.know_cameras(*cameras);
+    if (auto described = guess.describe(folder, *stored); !described)
+        return Error{described.error().kind, folder.string() + ": " + described.error().message};
+    if (is_arkit)
+        guess.say(
+            "a code is 1 mm and 0 is no depth, as ARKitScenes has them (--depth-unit METRES says otherwise)");
+    Scene& scene = guess.scene();
+    scene.name = fs::weakly_canonical(folder).filename().string();
+    scene.folder.emplace();
+    scene.folder->depth = depth->pattern;
+    if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
+        scene.folder->cameras = cameras->files;
+    if (colour != nullptr) scene.folder->colour = colour->pattern;
+    for (const PictureGroup& group : *groups)
+        if (has_word(group.pattern, {"haptic"}) && scene.folder->haptic.empty())
+            scene.folder->haptic = group.pattern;
+    for (const std::string& remark : unusable_lists(folder)) guess.say(remark);
+    guess.say("depth is " + depth->pattern +
+              (colour != nullptr ? ", colour is " + colour->pattern : ", there is no colour"));
+    if (depth->count > 1)
+        if (auto timed = guess.find_rate(folder); !timed) return timed.error();
+    GuessedScene made = guess.made();
+    pictures->keep_only({depth->first, colour != nullptr ? colour->first : fs::path()});
+    made.pictures = pictures;
+    return made;
+}
+
+Result<GuessedScene> guess_scene(const fs::path& folder, const StoredImage& depth,
+                                 const SourceDescription& known, const DepthCoding* coding) {
+    const auto preset = known_preset(known);
+    if (!preset) return preset.error();
+    Guess guess(known, *preset);
+    if (auto described = guess.describe(folder, depth, coding); !described) return described.error();
+    return guess.made();
+}
+
+Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescription& known) {
+    const fs::path& file = source.path();
+    const auto preset = known_preset(known);
+    if (!preset) return preset.error();
+    const std::string name = file.filename().string();
+    if (!is_still(name))
+        return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
+    const auto pictures = std::make_shared<ReadPictures>(source);
+    const auto stored = depth_in(file, *pictures);
+    if (!stored) return stored.error();
+    Guess guess(known, *preset);
+    if (auto described = guess.describe(file.parent_path(), *stored); !described)
+        return Error{described.error().kind, file.string() + ": " + described.error().message};
+    guess.scene().name = file.stem().string();
+    guess.scene().folder.emplace();
+    guess.scene().folder->depth = name;
+    if (const auto colour = colour_beside(file, *pictures)) {
+        guess.scene().folder->colour = colour->filename().string();
+        guess.say("colour is " + guess.scene().folder->colour);
+    }
+    GuessedScene made = guess.made();
+    made.pictures = pictures;
+    return made;
+}
+
+}  // namespace touchable

@@ -1,0 +1,34 @@
+#include "engine/import/guess/known_camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+
+Camera scaled_camera(const Intrinsics& intrinsics, int width, int height) {
+    Camera camera{intrinsics.fx, intrinsics.fy, 0.5 * (width - 1), 0.5 * (height - 1)};
+    const bool has_size = intrinsics.width > 0 && intrinsics.height > 0;
+    double x = has_size ? static_cast<double>(width) / intrinsics.width : 1,
+           y = has_size ? static_cast<double>(height) / intrinsics.height : 1;
+    // Of another shape: cameras cut off what is too much, and stretch nothing.
+    if (std::abs(x - y) > 0.01 * x) x = y = std::max(x, y);
+    camera.fx *= x;
+    camera.fy *= y;
+    const auto centre = [](double at, int from, double scale, int to) {
+        return (at - 0.5 * (from - 1)) * scale + 0.5 * (to - 1);
+    };
+    if (intrinsics.cx)
+        camera.cx = has_size ? centre(*intrinsics.cx, intrinsics.width, x, width) : *intrinsics.cx;
+    if (intrinsics.cy)
+        camera.cy = has_size ? centre(*intrinsics.cy, intrinsics.height, y, height) : *intrinsics.cy;
+    return camera;
+}
+
+Camera camera_of_fov(double degrees, int width, int height) {
+    const double half = degrees * pi / 360, f = 0.5 * width * cosine(half) / sine(half);
+    return {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
+}
+
+}  // namespace touchable

@@ -1,0 +1,121 @@
+#include "engine/import/guess/picture_groups.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "engine/import/guess/picture_files.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_entries = 1'000'000;
+constexpr const char* extensions[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".tif",
+                                      ".tiff", ".pfm", ".exr",  ".npy", ".npz"};
+
+std::string small_letters(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+bool is_picture(const fs::path& file) {
+    const std::string extension = small_letters(file.extension().string());
+    return std::find(std::begin(extensions), std::end(extensions), extension) != std::end(extensions);
+}
+
+bool is_camera_of_frame(const fs::path& file) {
+    return file.extension() == ".pincam";
+}
+
+constexpr const char* list_names[] = {"rgb.txt", "color.txt", "colour.txt", "depth.txt"};
+
+/// A name with a star for its last number: a run of digits, or two with a point between them.
+std::string starred(const std::string& name) {
+    const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
+    std::size_t end = name.rfind('.');  // before the extension
+    if (end == std::string::npos) return name;
+    while (end > 0 && !is_digit(end - 1)) --end;
+    if (end == 0) return name;
+    std::size_t begin = end;
+    while (begin > 0 && is_digit(begin - 1)) --begin;
+    if (begin > 1 && name[begin - 1] == '.' && is_digit(begin - 2)) {
+        --begin;
+        while (begin > 0 && is_digit(begin - 1)) --begin;
+    }
+    return name.substr(0, begin) + "*" + name.substr(end);
+}
+
+using Wanted = bool (*)(const fs::path&);
+
+void add_files(const fs::path& folder, const std::string& within, Wanted is_wanted,
+               std::map<std::string, PictureGroup>& groups, std::size_t& entries) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder / within, ignored)) {
+        if (++entries > most_entries) return;
+        const std::string name = entry.path().filename().string();
+        std::error_code failure;
+        if (name.starts_with(".") || name.find_first_of("%*") != std::string::npos || !is_wanted(name) ||
+            !entry.is_regular_file(failure))
+            continue;
+        PictureGroup& group = groups[within + starred(name)];
+        if (group.count++ == 0 || entry.path() < group.first) group.first = entry.path();
+    }
+}
+
+/// Of the folder itself and of those in it, largest first.
+std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
+    std::map<std::string, PictureGroup> found;
+    std::size_t entries = 0;
+    add_files(folder, "", is_wanted, found, entries);
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.is_directory(ignored))
+            add_files(folder, entry.path().filename().string() + "/", is_wanted, found, entries);
+    std::vector<PictureGroup> groups;
+    for (auto& [pattern, group] : found) {
+        group.pattern = group.count > 1 ? pattern : group.first.lexically_relative(folder).string();
+        groups.push_back(std::move(group));
+    }
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const PictureGroup& a, const PictureGroup& b) { return a.count > b.count; });
+    return groups;
+}
+
+}  // namespace
+
+bool has_word(const std::string& name, std::initializer_list<const char*> words) {
+    const std::string small = small_letters(name);
+    return std::any_of(words.begin(), words.end(),
+                       [&](const char* word) { return small.find(word) != std::string::npos; });
+}
+
+std::vector<std::string> unusable_lists(const fs::path& folder) {
+    std::vector<std::string> remarks;
+    std::error_code ignored;
+    for (const char* list : list_names)
+        if (fs::is_regular_file(folder / list, ignored))
+            if (const auto listed = found_files(folder, list); !listed.ok())
+                remarks.push_back(std::string(list) + " is not used: " + listed.error().message);
+    return remarks;
+}
+
+std::vector<PictureGroup> picture_groups(const fs::path& folder) {
+    std::vector<PictureGroup> groups = groups_of(folder, is_picture);
+    std::error_code ignored;
+    // TUM's lists pair pictures by their times.
+    for (const char* list : list_names)
+        if (fs::is_regular_file(folder / list, ignored))
+            if (const auto listed = found_files(folder, list);
+                listed.ok() && is_picture(listed->files.front()))
+                groups.insert(groups.begin(), {list, listed->files.front(), listed->count()});
+    return groups;
+}
+
+std::vector<PictureGroup> camera_groups(const fs::path& folder) {
+    return groups_of(folder, is_camera_of_frame);
+}
+
+}  // namespace touchable

@@ -1,0 +1,78 @@
+#include "engine/import/guess/read_pictures.hpp"
+
+#include <algorithm>
+
+namespace touchable {
+namespace {
+
+std::size_t bytes_of(const StoredImage& picture) {
+    return picture.image.samples.size() + picture.values.size() * sizeof(float);
+}
+
+}  // namespace
+
+const SourceFile& ReadPictures::source(const std::filesystem::path& file) {
+    if (!newest_ || newest_->path().lexically_normal() != file.lexically_normal()) newest_.emplace(file);
+    return *newest_;
+}
+
+Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem::path& file) {
+    if (const auto there = stacks_.find(file.lexically_normal()); there != stacks_.end())
+        return there->second;
+    if (pictures_.contains(file.lexically_normal()) || !is_npy_file(source(file)))
+        return std::shared_ptr<ImageStack>();
+    auto stack = open_npy_stack(source(file));
+    if (!stack) return stack.error();
+    return stacks_[file.lexically_normal()] = std::make_shared<ImageStack>(std::move(*stack));
+}
+
+Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesystem::path& file) {
+    if (const auto there = pictures_.find(file.lexically_normal()); there != pictures_.end())
+        return std::shared_ptr<const StoredImage>(there->second);
+    const auto stack = stack_in(file);
+    if (!stack) return stack.error();
+    auto picture = *stack ? (*stack)->image(0) : read_stored_image(source(file));
+    if (!picture) return picture.error();
+    newest_.reset();
+    // A stack is read again, which opens nothing.
+    return *stack ? std::make_shared<const StoredImage>(std::move(*picture))
+                  : kept(file, std::move(*picture));
+}
+
+Result<StoredImage> ReadPictures::take(const std::filesystem::path& file) {
+    if (auto there = pictures_.extract(file.lexically_normal()); there) {
+        bytes_ -= bytes_of(*there.mapped());
+        if (there.mapped().use_count() == 1) return std::move(*there.mapped());
+        return *there.mapped();
+    }
+    auto picture = read_stored_image(source(file));
+    newest_.reset();
+    return picture;
+}
+
+void ReadPictures::keep(const std::filesystem::path& file, StoredImage picture) {
+    kept(file, std::move(picture));
+}
+
+std::shared_ptr<const StoredImage> ReadPictures::kept(const std::filesystem::path& file,
+                                                      StoredImage picture) {
+    const auto shared = std::make_shared<StoredImage>(std::move(picture));
+    if (const std::size_t bytes = bytes_of(*shared); bytes_ + bytes <= most_bytes)
+        if (pictures_.emplace(file.lexically_normal(), shared).second) bytes_ += bytes;
+    return shared;
+}
+
+void ReadPictures::keep_only(std::initializer_list<std::filesystem::path> files) {
+    const auto is_wanted = [&](const auto& each) {
+        return std::any_of(files.begin(), files.end(),
+                           [&](const auto& file) { return file.lexically_normal() == each.first; });
+    };
+    std::erase_if(stacks_, [&](const auto& each) { return !is_wanted(each); });
+    std::erase_if(pictures_, [&](const auto& each) {
+        if (is_wanted(each)) return false;
+        bytes_ -= bytes_of(*each.second);
+        return true;
+    });
+}
+
+}  // namespace touchable

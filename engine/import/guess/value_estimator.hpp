@@ -1,0 +1,19 @@
+#pragma once
+
+#include "engine/picture/stored_image.hpp"
+
+namespace touchable {
+
+/// What the values of a picture tell of their unit.
+struct EstimatedValues {
+    bool is_float = false;
+    bool any = false;  ///< is neither 0 nor, of 16 bits, the largest; what follows is of these
+    int bits = 16;
+    double median = 0;
+    double upper = 0, lower = 0;  ///< means of the upper and the lower third of the picture
+    double negative = 0;          ///< share of all
+    bool is_normalised = false;   ///< from the least that can be stored (floats: 0) to the most (1)
+};
+EstimatedValues estimate_values(const StoredImage& picture);
+
+}  // namespace touchable

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/clip/still_planes.hpp"
+#include "engine/import/touch_maps/linked_file.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/remark.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+
+/// What the surface of another program says of one property.
+struct HapticLayer {
+    std::optional<LinkedFile> picture;  ///< nothing: the same everywhere
+    PropertyRange range;                ///< at black and white; both the same without a picture
+};
+
+/// Its stiffness (N/mm), static and dynamic friction.
+struct HapticLayers {
+    std::array<HapticLayer, 3> properties;
+    std::vector<std::string> notes{};
+    std::vector<Remark> remarks{};               ///< what was assumed of their values
+    std::vector<std::filesystem::path> files{};  ///< that were read for it, its own first
+};
+inline constexpr std::array<std::string_view, 3> property_names{"stiffness", "static friction",
+                                                                "dynamic friction"};
+
+/// One haptic picture of all layers, of the size of the first that is a picture, or of the scene's where that
+/// is smaller; others are resampled to the nearest pixel. Each must be whole: 8 bits are kept of grey, and
+/// red of colour. `scene` gets the ranges, and the remarks.
+Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene);
+
+}  // namespace touchable

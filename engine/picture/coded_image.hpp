@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "engine/picture/stored_image.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// PNG and JPEG, by FFmpeg's decoders: grey of 2 to 16 bits, colour of 8. Colour of 16 bits only where it is
+/// grey.
+Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string& where);
+
+}  // namespace touchable

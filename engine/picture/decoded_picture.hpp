@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/frame/plane_view.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// FFmpeg's name of the format, "gray10le" for one.
+std::string format_name(const AVFrame& frame);
+
+/// Bits of a sample of its first component, which may be fewer than its bytes have.
+int sample_bits(const AVFrame& frame);
+
+/// True where red, green and blue are stored as 8-bit samples: packed, planar or as a palette.
+bool is_rgb8(const AVFrame& frame);
+
+/// The frame's own samples of 8 to 16 bits, host order, of a format that is only grey; nothing for other
+/// formats. Never through swscale, which squeezes grey into 16..235 where a range tag is missing.
+std::optional<PlaneView> grey_samples(const AVFrame& frame);
+/// The same, or the luma of a YUV format, which is how some decoders return what was stored as grey.
+std::optional<PlaneView> luma_samples(const AVFrame& frame);
+
+/// Samples of two bytes, from a picture of their high bytes above one of their low bytes.
+Image joined_bytes(const PlaneView& bytes);
+
+/// 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
+Image rgb_exact(const AVFrame& frame);
+/// The same of `count` rows from `first` on.
+Image rgb_rows(const AVFrame& frame, int first, int count);
+
+/// Gives these rows' memory back to the system, as far as it is whole pages: nobody may read them again. Of
+/// a frame that nobody else has.
+void drop_rows(AVFrame& frame, int first, int count);
+/// 8-bit RGB of any colour format, rounded where the format is not RGB. Keeps what it has set up for frames
+/// of one kind.
+class RgbConverter {
+public:
+    /// A frame of format RGB24.
+    Result<FramePtr> converted(const AVFrame& frame);
+
+private:
+    bool set_up_for(const AVFrame& frame);
+
+    ScalerPtr scaler_;
+    int width_ = 0, height_ = 0, format_ = AV_PIX_FMT_NONE;
+    AVColorRange range_ = AVCOL_RANGE_UNSPECIFIED;
+    AVColorSpace space_ = AVCOL_SPC_UNSPECIFIED;
+};
+/// The same of one frame.
+Result<Image> rgb_converted(const AVFrame& frame);
+
+}  // namespace touchable

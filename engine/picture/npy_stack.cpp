@@ -1,0 +1,123 @@
+#include "engine/picture/npy_stack.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "engine/picture/npz_file.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t npy_block = std::size_t{1} << 20;
+
+Result<StoredImage> only_image(Result<ImageStack> stack, const std::string& where) {
+    if (!stack) return stack.error();
+    if (stack->count() == 1) return stack->image(0);
+    return input_error(where + ": is a stack of " + std::to_string(stack->count()) + " pictures of " +
+                       std::to_string(stack->width()) + "x" + std::to_string(stack->height()) +
+                       ": must be one picture here");
+}
+
+}  // namespace
+
+ImageStack::ImageStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header,
+                       NpyPictures pictures)
+    : bytes_(std::move(bytes)), where_(std::move(where)), header_(std::move(header)), pictures_(pictures) {}
+
+Result<ImageStack> ImageStack::of(std::unique_ptr<ByteSource> bytes, std::string where) {
+    auto header = read_npy_header(*bytes, where);
+    if (!header) return header.error();
+    const auto pictures = npy_pictures(*header, where);
+    if (!pictures) return pictures.error();
+    ImageStack stack(std::move(bytes), std::move(where), std::move(*header), *pictures);
+    if (auto checked = stack.check(); !checked) return checked.error();
+    if (auto found = stack.find_floats(); !found) return found.error();
+    return stack;
+}
+
+Result<void> ImageStack::check() const {
+    if (header_.columns_first && pictures_.count > 1)
+        return input_error(where_ + ": is a stack in Fortran order: must be in C order, as " +
+                           "numpy.ascontiguousarray makes it");
+    const auto needed =
+        static_cast<std::uint64_t>(pictures_.count) * static_cast<std::uint64_t>(pictures_.width) *
+        static_cast<std::uint64_t>(pictures_.height) * static_cast<std::uint64_t>(header_.format.bytes);
+    if (bytes_->size() < header_.data_at || bytes_->size() - header_.data_at < needed)
+        return input_error(where_ + ": is cut short: has " + std::to_string(bytes_->size()) + " bytes of " +
+                           std::to_string(header_.data_at + needed));
+    return {};
+}
+
+/// Whether integers that may be beyond 16 bits are, in any picture.
+Result<void> ImageStack::find_floats() {
+    const bool codes =
+        header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
+    if (codes || header_.format.kind == NumberFormat::Kind::floating) return {};
+    for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
+        const auto picture = read(number);
+        if (!picture) return picture.error();
+        floats_ = !picture->has_codes();
+    }
+    return {};
+}
+
+Result<NumberPicture> ImageStack::read(std::int64_t number) {
+    const int bytes = header_.format.bytes, width = pictures_.width, height = pictures_.height;
+    const bool columns = header_.columns_first;
+    const int lines = columns ? width : height, line = bytes * (columns ? height : width);
+    const int together = std::max(1, static_cast<int>(npy_block) / line);
+    std::vector<char> block(static_cast<std::size_t>(line) *
+                            static_cast<std::size_t>(std::min(together, lines)));
+    NumberPicture picture(width, height, header_.format);
+    std::uint64_t at = header_.data_at + static_cast<std::uint64_t>(number) *
+                                             static_cast<std::uint64_t>(line) *
+                                             static_cast<std::uint64_t>(lines);
+    for (int first = 0; first < lines; first += together) {
+        const int now = std::min(together, lines - first);
+        const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
+        if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
+        if (columns)
+            picture.put(first, 0, {block.data(), now, height, line, bytes});
+        else
+            picture.put(0, first, {block.data(), width, now, bytes, line});
+        at += size;
+    }
+    return picture;
+}
+
+Result<StoredImage> ImageStack::image(std::int64_t number) {
+    if (number < 0 || number >= count())
+        return usage_error(where_ + ": has no picture " + std::to_string(number) + ": must be from 0 to " +
+                           std::to_string(count() - 1));
+    auto picture = read(number);
+    if (!picture) return picture.error();
+    return std::move(*picture).finish("npy", floats_);
+}
+
+Result<ImageStack> open_npy_stack(const SourceFile& file) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return bytes.error();
+    if (!is_npz(first_bytes(**bytes, 4))) return ImageStack::of(std::move(*bytes), file.string());
+    auto member = open_npz(std::move(*bytes), file.string());
+    if (!member) return member.error();
+    return ImageStack::of(std::move(member->bytes), member->where);
+}
+
+bool is_npy_file(const SourceFile& file) {
+    const std::string begin = first_bytes(file, 8);
+    const std::string_view kind = picture_kind(begin);
+    return kind == "npy" || kind == "npz";
+}
+
+Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where) {
+    return only_image(ImageStack::of(bytes_in_memory(bytes), where), where);
+}
+
+Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where) {
+    auto member = depth_member(bytes, where);
+    if (!member) return member.error();
+    return only_image(ImageStack::of(std::move(member->bytes), member->where), member->where);
+}
+
+}  // namespace touchable

@@ -1,0 +1,226 @@
+#include "engine/picture/picture_decoder.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/unless_stopped.hpp"
+
+extern "C" {
+#include <libavutil/imgutils.h>
+}
+
+namespace touchable {
+namespace {
+
+Error no_memory() {
+    return {ErrorKind::internal, "out of memory"};
+}
+
+/// Bytes followed by the zeros FFmpeg's decoders may read past their end.
+Result<PacketPtr> packet_of(std::string_view bytes) {
+    PacketPtr packet(av_packet_alloc());
+    if (!packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0) return no_memory();
+    std::memcpy(packet->data, bytes.data(), bytes.size());
+    return packet;
+}
+
+std::string_view view_of(const AVPacket& packet) {
+    return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
+}
+
+/// PNG or JPEG by its first bytes; AV_CODEC_ID_NONE for anything else.
+AVCodecID codec_of(std::string_view bytes) {
+    if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return AV_CODEC_ID_PNG;
+    if (bytes.starts_with("\xff\xd8\xff")) return AV_CODEC_ID_MJPEG;
+    return AV_CODEC_ID_NONE;
+}
+
+/// FFmpeg fills in what a cut file lacks, and says nothing. Neither marker can occur inside coded data, so a
+/// whole JPEG has an end marker after its last start of a scan; a whole PNG ends with its IEND chunk.
+bool is_cut(AVCodecID codec, std::string_view bytes) {
+    if (codec == AV_CODEC_ID_PNG) return bytes.find("IEND\xae\x42\x60\x82") == std::string_view::npos;
+    const auto end = bytes.rfind("\xff\xd9"), scan = bytes.rfind("\xff\xda");
+    return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
+}
+
+/// FFmpeg passes over whatever stands before the header of a PNG, of which nothing is known then.
+bool has_late_header(AVCodecID codec, std::string_view bytes) {
+    return codec == AV_CODEC_ID_PNG && bytes.substr(0, 16).substr(12) != "IHDR";
+}
+
+/// What the header of a PNG says that its decoder keeps to itself.
+struct PngHeader {
+    int bits = 8;
+    std::uint64_t pixels = 0;
+    bool grey = false, interlaced = false;
+    bool made_after = false;  ///< FFmpeg makes its samples of others once all are decoded
+};
+
+PngHeader png_header(std::string_view png) {
+    constexpr std::size_t end = 33;  // of signature and IHDR, which comes first
+    if (png.size() < end || codec_of(png) != AV_CODEC_ID_PNG) return {};
+    const auto byte = [&](std::size_t at) { return static_cast<int>(static_cast<unsigned char>(png[at])); };
+    const auto side = [&](std::size_t at) {
+        return static_cast<std::uint64_t>(byte(at) << 8 | byte(at + 1)) << 16 |
+               static_cast<std::uint64_t>(byte(at + 2) << 8 | byte(at + 3));
+    };
+    PngHeader header;
+    header.bits = byte(24);
+    header.pixels = side(16) * side(20);
+    header.grey = byte(25) == 0 || byte(25) == 4;
+    header.interlaced = byte(28) != 0;
+    const bool palette = byte(25) == 3;
+    const bool transparent = png.substr(0, png.find("IDAT")).find("tRNS") != std::string_view::npos;
+    header.made_after = header.bits < 8 || (transparent && !palette);
+    return header;
+}
+
+/// Noise laid where a decoder will put the last row of a picture: where data run out before it, FFmpeg's PNG
+/// decoder says nothing, and the noise stays.
+class LastRow {
+public:
+    explicit LastRow(std::uint8_t seed) : seed_(seed) {}
+    void lay(AVFrame& frame) const {
+        for (int k = 0; k < row_bytes(frame); ++k) row_of(frame)[k] = noise(k);
+    }
+    bool untouched(const AVFrame& frame) const {
+        const std::uint8_t* row = row_of(frame);
+        for (int k = 0; k < row_bytes(frame); ++k)
+            if (row[k] != noise(k)) return false;
+        return true;
+    }
+    static std::vector<std::uint8_t> copy(const AVFrame& frame) {
+        return {row_of(frame), row_of(frame) + row_bytes(frame)};
+    }
+
+private:
+    std::uint8_t noise(int k) const { return static_cast<std::uint8_t>((k * 157 + seed_) ^ (k >> 3)); }
+    static std::uint8_t* row_of(const AVFrame& frame) {
+        return frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * (frame.height - 1);
+    }
+    static int row_bytes(const AVFrame& frame) {
+        return av_image_get_linesize(static_cast<AVPixelFormat>(frame.format), frame.width, 0);
+    }
+
+    std::uint8_t seed_;
+};
+
+/// Pixels that these bytes can hold, whatever they claim: deflate makes at most 1032 bytes of one, and a
+/// block of 8x8 pixels of a JPEG takes at least a bit.
+std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
+    const auto size = static_cast<std::int64_t>(bytes.size());
+    if (codec == AV_CODEC_ID_PNG) return size * 1032 * 8 / std::max(png_header(bytes).bits, 1);
+    return size * 8 * 64;
+}
+
+/// Gives a decoder the memory of its picture, unless that is larger than the file can hold.
+class PictureMemory {
+public:
+    PictureMemory(std::int64_t held_pixels, const LastRow* last_row)
+        : held_pixels_(held_pixels), last_row_(last_row) {}
+    void serve(AVCodecContext& decoder) {
+        decoder.opaque = this;
+        decoder.get_buffer2 = [](AVCodecContext* context, AVFrame* frame, int flags) {
+            return static_cast<PictureMemory*>(context->opaque)->give(*context, *frame, flags);
+        };
+    }
+    bool is_refused() const { return is_refused_; }
+
+private:
+    int give(AVCodecContext& context, AVFrame& frame, int flags) {
+        is_refused_ = std::int64_t{context.width} * context.height > held_pixels_;
+        if (is_refused_) return AVERROR(EINVAL);
+        const int status = avcodec_default_get_buffer2(&context, &frame, flags);
+        if (status >= 0 && last_row_) last_row_->lay(frame);
+        return status;
+    }
+
+    const std::int64_t held_pixels_;
+    const LastRow* const last_row_;
+    bool is_refused_ = false;
+};
+
+Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPacket& packet,
+                        LastRow* last_row) {
+    const AVCodec* codec = avcodec_find_decoder(codec_id);
+    CodecPtr decoder(avcodec_alloc_context3(codec));
+    FramePtr frame(av_frame_alloc());
+    if (!codec || !decoder || !frame) return no_memory();
+    decoder->thread_count = 1;
+    decoder->max_pixels = std::int64_t{16384} * 16384;
+    decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
+    PictureMemory memory(held_pixels(codec_id, view_of(packet)), last_row);
+    memory.serve(*decoder);
+    int status = avcodec_open2(decoder.get(), codec, nullptr);
+    if (status >= 0) status = avcodec_send_packet(decoder.get(), &packet);
+    if (status >= 0) status = avcodec_send_packet(decoder.get(), nullptr);
+    if (status >= 0) status = avcodec_receive_frame(decoder.get(), frame.get());
+    if (memory.is_refused())
+        return input_error(where + ": claims more pixels than its " + std::to_string(packet.size) +
+                           " bytes can hold");
+    if (status < 0) return input_error(where + ": is damaged: " + ffmpeg_text(status));
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+        return input_error(where + ": is damaged");
+    return frame;
+}
+
+/// A tenth of a second or more.
+bool takes_long(const AVPacket& packet) {
+    const std::string_view bytes = view_of(packet);
+    constexpr std::uint64_t many_pixels = 1 << 24;
+    constexpr std::size_t large_file = 4 << 20;
+    return png_header(bytes).pixels >= many_pixels || bytes.size() >= large_file;
+}
+
+/// FFmpeg decodes a picture in one go, which takes seconds of the largest. Whoever asks the program to stop
+/// does not wait for them.
+Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec, const AVPacket& packet,
+                                       std::optional<LastRow> last_row) {
+    if (!takes_long(packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
+    PacketPtr own(av_packet_clone(&packet));
+    if (!own) return no_memory();
+    auto frame = unless_stopped([where, codec, packet = std::move(own), last_row]() mutable {
+        return decode(where, codec, *packet, last_row ? &*last_row : nullptr);
+    });
+    if (!frame) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    return std::move(*frame);
+}
+
+/// A PNG is decoded once more, over other noise, where its last row is the noise, or was made of what was
+/// decoded and may have been noise: no row that was decoded depends on it.
+Result<FramePtr> decode_png(const std::string& where, const AVPacket& packet, const PngHeader& header) {
+    const LastRow noise(1), other(2);
+    std::vector<std::uint8_t> last_row;
+    {
+        auto frame = decode_unless_stopped(where, AV_CODEC_ID_PNG, packet, noise);
+        if (!frame || !(header.made_after || noise.untouched(**frame))) return frame;
+        last_row = LastRow::copy(**frame);
+    }
+    auto again = decode_unless_stopped(where, AV_CODEC_ID_PNG, packet, other);
+    if (!again || LastRow::copy(**again) == last_row) return again;
+    return input_error(where + ": is damaged: its data end before the picture does");
+}
+
+}  // namespace
+
+Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string& where) {
+    silence_ffmpeg();
+    const AVCodecID codec = codec_of(bytes);
+    if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
+    if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
+    if (has_late_header(codec, bytes))
+        return input_error(where + ": is damaged: a PNG must begin with its header, IHDR");
+    const auto packet = packet_of(bytes);
+    if (!packet) return packet.error();
+    const PngHeader header = png_header(bytes);
+    auto frame = codec == AV_CODEC_ID_PNG ? decode_png(where, **packet, header)
+                                          : decode_unless_stopped(where, codec, **packet, std::nullopt);
+    if (!frame) return frame.error();
+    return DecodedPicture{std::move(*frame), codec, header.grey ? header.bits : 8, header.interlaced};
+}
+
+}  // namespace touchable

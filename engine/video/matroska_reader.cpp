@@ -1,0 +1,409 @@
+#include "engine/video/matroska_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "engine/clip/far_plane.hpp"
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/printable.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/codecs.hpp"
+#include "engine/video/frame_times_text.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "engine/video/track_thread.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double ns_per_second = 1e9, latest_seconds = 4e9;
+
+class MatroskaReader final : public ClipReader {
+public:
+    explicit MatroskaReader(const SourceFile& source) : source_(source), file_(source.string()) {
+        add_input(source.path());
+    }
+    Result<void> open(const std::optional<Scene>& replacement);
+
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return infos_; }
+    std::optional<std::int64_t> frame_count() const override { return promised_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override;
+    Result<void> seek(std::int64_t frame) override;
+    std::int64_t access_point(std::int64_t frame) const override;
+    void leave_out_colour() override { with_colour_ = false; }
+
+private:
+    struct Track {
+        std::unique_ptr<TrackThread> pictures;
+        Plane newest{};
+        std::int64_t until = 0;  // the frame that needs another picture
+    };
+
+    Error refuse(const std::string& what) const { return input_error(file_ + ": " + what); }
+    Result<void> open_file();
+    Result<void> start();
+    Result<void> read_version_and_rate();
+    Result<void> read_scene(const std::optional<Scene>& replacement);
+    void take_rate();
+    Result<void> open_tracks();
+    Result<void> describe();
+    Result<bool> begin_at(std::int64_t frame);
+    double tick_of(int stream) const { return av_q2d(demuxer_->container().streams[stream]->time_base); }
+    double seconds_of(std::int64_t frame) const {
+        return static_cast<double>(recorded_rate_.time_ns(frame)) / ns_per_second;
+    }
+    std::optional<std::int64_t> frame_of(int stream, std::int64_t timestamp) const;
+    std::int64_t timestamp_of(int stream, std::int64_t frame) const;
+    Result<bool> read_plane(Track& track, RawFrame& frame);
+    Result<void> check_time(const TrackThread& track, std::int64_t timestamp);
+    double longest_gap() const;
+    std::int64_t pictures_of_depth() const;
+    Error refuse_times() const;
+    Result<std::optional<RawFrame>> read();
+    Result<void> check_end(const std::vector<std::string>& present,
+                           const std::vector<std::string>& ended) const;
+
+    SourceFile source_;
+    std::string file_;
+    Scene scene_;
+    FrameRate recorded_rate_;
+    std::vector<TrackInfo> infos_;
+    std::vector<std::string> notes_;
+    std::int64_t promised_ = 0;
+    bool index_leads_ = true;  // to access points, as far as that was tried
+    bool with_colour_ = true;
+
+    // Where the reading is; `open_file` and `start` make it anew.
+    std::unique_ptr<Demuxer> demuxer_;
+    std::vector<Track> tracks_;
+    std::int64_t number_ = 0;        // of the frame that `read` gives next
+    double origin_seconds_ = 0;      // timestamp of frame 0
+    std::optional<RawFrame> first_;  // read to learn the tracks' formats, not yet given away
+};
+
+Result<void> MatroskaReader::open(const std::optional<Scene>& replacement) {
+    if (auto opened = open_file(); !opened) return opened;
+    if (auto read = read_version_and_rate(); !read) return read;
+    if (auto read = read_scene(replacement); !read) return read;
+    if (auto started = start(); !started) return started;
+    return describe();
+}
+
+Result<void> MatroskaReader::rewind() {
+    return seek(0);
+}
+
+/// By the file's index, or where that leads nowhere by reading on from the first byte.
+Result<void> MatroskaReader::seek(std::int64_t frame) {
+    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
+    first_.reset();
+    const auto begun = begin_at(frame);
+    if (!begun) return begun.error();
+    index_leads_ = *begun;
+    if (!*begun) {
+        if (auto opened = open_file(); !opened) return opened;
+        if (auto started = start(); !started) return started;
+    }
+    while ((first_ ? 0 : number_) < frame) {
+        const auto passed = next();
+        if (!passed) return passed.error();
+        if (!*passed)
+            return usage_error(file_ + ": has no frame " + std::to_string(frame) + ": its last is " +
+                               std::to_string(number_ - 1));
+    }
+    return {};
+}
+
+/// Of clips that other programs have encoded anew it is not known.
+std::int64_t MatroskaReader::access_point(std::int64_t frame) const {
+    if (!index_leads_) return 0;
+    const auto is_ours = [](const Track& track) { return track.pictures->has_additions(); };
+    if (std::all_of(tracks_.begin(), tracks_.end(), is_ours))
+        return frame - frame % clip_tags::access_interval;
+    const auto is_ffv1 = [](const Track& track) { return track.pictures->info().codec == "ffv1"; };
+    return std::all_of(tracks_.begin(), tracks_.end(), is_ffv1) ? frame : 0;
+}
+
+/// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
+/// false where the index leads to no such frame.
+Result<bool> MatroskaReader::begin_at(std::int64_t frame) {
+    const int depth = tracks_.front().pictures->stream();
+    if (!demuxer_->seek(depth, timestamp_of(depth, frame))) return false;
+    // Of some tracks every picture is on its own: those of the others decide.
+    std::int64_t target = frame;
+    for (const Track& track : tracks_) {
+        const int stream = track.pictures->stream();
+        const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
+        if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
+            target = std::min(target, *begins);
+    }
+    if (target < frame && !demuxer_->seek(depth, timestamp_of(depth, target))) return false;
+    std::optional<std::int64_t> there;
+    for (const Track& track : tracks_) {
+        const int stream = track.pictures->stream();
+        const auto packet = demuxer_->peek(stream);
+        if (!packet || !*packet || ((*packet)->flags & AV_PKT_FLAG_KEY) == 0) return false;
+        const auto begins = frame_of(stream, (*packet)->pts);
+        if (!begins || (there && *there != *begins) || *begins > frame) return false;
+        there = begins;
+    }
+    number_ = *there;
+    for (Track& track : tracks_) {
+        track.pictures->restart(number_);
+        track.until = number_;
+    }
+    return true;
+}
+
+Result<void> MatroskaReader::open_file() {
+    auto demuxer = Demuxer::open_matroska(source_);
+    if (!demuxer) return demuxer.error();
+    tracks_.clear();
+    demuxer_ = std::move(*demuxer);
+    return {};
+}
+
+Result<void> MatroskaReader::read_version_and_rate() {
+    const auto version = demuxer_->tag(clip_tags::version_tag);
+    if (!version) return refuse("is not a touchable clip: it has no tag T3D_VERSION");
+    const auto number = clip_tags::parse_version(*version);
+    if (!number)
+        return refuse("its tag T3D_VERSION is " + in_quotes(*version) + ": must be a whole number from 1");
+    if (*number > clip_format_version)
+        return refuse("is of clip format " + printable(*version) + "; this program reads up to " +
+                      std::to_string(clip_format_version) + ": use a newer one");
+    const auto rate = demuxer_->tag(clip_tags::rate_tag);
+    const auto parsed = rate ? clip_tags::parse_rate(*rate) : std::nullopt;
+    if (!parsed || clip_tags::is_too_fast(*parsed))
+        return refuse("its tag T3D_RATE is " + (rate ? in_quotes(*rate) : "missing") +
+                      ": must be a frame rate such as 30000/1001, at most " +
+                      std::to_string(clip_tags::fastest_rate) + "/1");
+    recorded_rate_ = *parsed;
+    const auto own = demuxer_->attachment(clip_tags::times_file);
+    if (!own) return {};
+    auto times = parse_frame_times(*own, file_ + ": " + clip_tags::times_file);
+    if (!times) return times.error();
+    recorded_rate_.own_times = std::move(times->own_times);
+    return {};
+}
+
+Result<void> MatroskaReader::read_scene(const std::optional<Scene>& replacement) {
+    if (replacement) {
+        scene_ = *replacement;
+        take_rate();
+        return {};
+    }
+    const auto json = demuxer_->attachment(clip_tags::scene_file);
+    if (!json) return refuse("has no scene.json attached: describe it with --scene FILE");
+    auto scene = parse_scene(*json, file_ + ": scene.json");
+    if (!scene) return scene.error();
+    if (!scene->rate_unstated && !clip_tags::same_rate(scene->rate, recorded_rate_))
+        return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded_rate_) +
+                      ", but its scene.json says " + clip_tags::rate_text(scene->rate));
+    scene_ = std::move(*scene);
+    scene_.rate_unstated = true;  // is the recorded one
+    take_rate();
+    return {};
+}
+
+void MatroskaReader::take_rate() {
+    if (!scene_.rate_unstated) {
+        if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
+        return;
+    }
+    scene_.rate = recorded_rate_;
+    scene_.rate_unstated = false;
+}
+
+/// Opens the tracks of a file just opened and reads frame 0.
+Result<void> MatroskaReader::start() {
+    number_ = 0;
+    first_.reset();
+    if (auto opened = open_tracks(); !opened) return opened;
+    auto frame = read();
+    if (!frame) return frame.error();
+    if (!*frame) return refuse("has no frames");
+    first_ = std::move(**frame);
+    return {};
+}
+
+Result<void> MatroskaReader::open_tracks() {
+    const AVFormatContext& container = demuxer_->container();
+    for (const PlaneRole role : all_roles) {
+        for (unsigned k = 0; k < container.nb_streams; ++k) {
+            const AVStream& stream = *container.streams[k];
+            const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::role_tag, nullptr, 0);
+            if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO || !tag) continue;
+            const std::string number = "track " + std::to_string(k + 1);
+            const auto tagged = role_named(tag->value);
+            if (!tagged)
+                return refuse(number + " has the role " + in_quotes(tag->value) +
+                              ": must be depth, colour, haptic or height");
+            if (*tagged != role) continue;
+            if (!tracks_.empty() && tracks_.back().pictures->role() == role)
+                return refuse(number + " is a second track of role " + tag->value + ": must be one");
+            auto decoder = TrackDecoder::open(stream, role, file_);
+            if (!decoder) return decoder.error();
+            demuxer_->select(static_cast<int>(k));
+            const auto fit = [this, role](Plane plane, const std::string& where) {
+                return fit_plane(role, std::move(plane), scene_, where);
+            };
+            tracks_.push_back({std::make_unique<TrackThread>(std::move(*decoder), static_cast<int>(k), fit)});
+        }
+        if (tracks_.empty()) return refuse("has no track of role depth (tag T3D_ROLE)");
+    }
+    return {};
+}
+
+/// What can be told of the whole clip once frame 0 is there.
+Result<void> MatroskaReader::describe() {
+    // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.
+    const std::optional<double> end_s = demuxer_->pictures_end();
+    if (!end_s) return refuse("was never completed: it has no duration");
+    constexpr double rounding = 0.002;
+    if (recorded_rate_.own_times) {
+        const auto listed = static_cast<std::int64_t>(recorded_rate_.own_times->size());
+        const double left = *end_s - origin_seconds_ - seconds_of(listed - 1);  // for the last of them
+        if (left < -rounding) return refuse_times();
+        if (left > longest_gap() + rounding && pictures_of_depth() > listed) return refuse_times();
+    }
+    promised_ = recorded_rate_.own_times
+                    ? static_cast<std::int64_t>(recorded_rate_.own_times->size())
+                    : std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
+    bool has_haptic = false;
+    for (const Track& track : tracks_) {
+        const TrackInfo& info = infos_.emplace_back(track.pictures->info());
+        const PlaneRole role = track.pictures->role();
+        has_haptic = has_haptic || role == PlaneRole::haptic;
+        if (role == PlaneRole::haptic && info.pixel_format.starts_with("gray"))
+            notes_.push_back(take_grey_haptic(scene_));
+        if (info.width != scene_.width || info.height != scene_.height)
+            notes_.push_back(resampling_note(role, info.width, info.height, scene_));
+        if (info.lossless) continue;
+        if (auto note = lossy_note(role, info.codec)) notes_.push_back(std::move(*note));
+    }
+    if (auto note = no_depth_note(*first_, scene_.depth)) notes_.push_back(std::move(*note));
+    if (auto note = default_touch_note(has_haptic, scene_)) notes_.push_back(std::move(*note));
+    return {};
+}
+
+Result<std::optional<RawFrame>> MatroskaReader::next() {
+    if (first_) return std::exchange(first_, std::nullopt);
+    return read();
+}
+
+Result<std::optional<RawFrame>> MatroskaReader::read() {
+    RawFrame frame;
+    frame.number = number_;
+    frame.time_ns = scene_.rate.time_ns(number_);
+    for (Track& track : tracks_) {
+        // The first frame tells what a track holds, so that has all planes.
+        if (!with_colour_ && number_ > 0 && track.pictures->role() == PlaneRole::colour)
+            track.pictures->leave_out();
+        track.pictures->fill(*demuxer_);
+    }
+    std::vector<std::string> present, ended;
+    for (Track& track : tracks_) {
+        const auto there = read_plane(track, frame);
+        if (!there) return there.error();
+        (*there ? present : ended).push_back(track.pictures->info().role);
+    }
+    if (!ended.empty()) {
+        if (auto end = check_end(present, ended); !end) return end.error();
+        return std::optional<RawFrame>{};
+    }
+    ++number_;
+    return std::optional(std::move(frame));
+}
+
+/// False after the last.
+Result<bool> MatroskaReader::read_plane(Track& track, RawFrame& frame) {
+    if (number_ >= track.until) {
+        auto picture = track.pictures->next(*demuxer_);
+        if (!picture) return picture.error();
+        if (!*picture) return false;
+        if (auto timely = check_time(*track.pictures, (*picture)->timestamp); !timely) return timely.error();
+        track.newest = std::move((*picture)->plane);
+        track.until = number_ + (*picture)->frames;
+    }
+    if (!track.newest.view.empty()) add_plane(frame, track.pictures->role(), track.newest);
+    return true;
+}
+
+// Frames are at their numbers' times, to whole milliseconds; frame 0 is at the origin.
+std::optional<std::int64_t> MatroskaReader::frame_of(int stream, std::int64_t timestamp) const {
+    if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
+    const double seconds = static_cast<double>(timestamp) * tick_of(stream) - origin_seconds_;
+    if (!(std::fabs(seconds) < latest_seconds)) return std::nullopt;
+    return recorded_rate_.nearest(std::llround(seconds * ns_per_second));
+}
+
+std::int64_t MatroskaReader::timestamp_of(int stream, std::int64_t frame) const {
+    return std::llround((origin_seconds_ + seconds_of(frame)) / tick_of(stream));
+}
+
+double MatroskaReader::longest_gap() const {
+    const auto& times_ns = *recorded_rate_.own_times;
+    std::int64_t longest = 0;
+    for (std::size_t n = 1; n < times_ns.size(); ++n)
+        longest = std::max(longest, times_ns[n] - times_ns[n - 1]);
+    return static_cast<double>(longest) / ns_per_second;
+}
+
+/// By going through the whole file once more; as many as can be read.
+std::int64_t MatroskaReader::pictures_of_depth() const {
+    const auto file = Demuxer::open_matroska(source_);
+    if (!file) return 0;
+    const int stream = tracks_.front().pictures->stream();
+    (*file)->select(stream);
+    std::int64_t count = 0;
+    for (auto packet = (*file)->next(stream); packet && *packet; packet = (*file)->next(stream)) ++count;
+    return count;
+}
+
+Error MatroskaReader::refuse_times() const {
+    return refuse("its " + std::string(clip_tags::times_file) + " has the times of " +
+                  std::to_string(recorded_rate_.own_times->size()) + " frames, but depth has " +
+                  std::to_string(pictures_of_depth()) + " pictures: must be one time for each");
+}
+
+/// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
+Result<void> MatroskaReader::check_time(const TrackThread& track, std::int64_t timestamp) {
+    const double seconds = static_cast<double>(timestamp) * tick_of(track.stream());
+    if (number_ == 0 && track.role() == PlaneRole::depth) origin_seconds_ = seconds;
+    const double expected = seconds_of(number_);
+    constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
+    if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding) return {};
+    const auto& own = recorded_rate_.own_times;
+    if (own && number_ >= static_cast<std::int64_t>(own->size())) return refuse_times();
+    return input_error(track.name() + ", frame " + std::to_string(number_) +
+                       ": is missing, or not at its time: the picture found there is stamped " +
+                       std::to_string(seconds - origin_seconds_) + " s instead of " +
+                       std::to_string(expected) + " s");
+}
+
+Result<void> MatroskaReader::check_end(const std::vector<std::string>& present,
+                                       const std::vector<std::string>& ended) const {
+    const std::string where = "track " + ended.front() + ", frame " + std::to_string(number_);
+    if (!present.empty()) return refuse(where + ": is missing, though track " + present.front() + " has it");
+    if (number_ == 0 || number_ >= promised_) return {};
+    return refuse(where + ": is where the clip ends, but it promises " + std::to_string(promised_) +
+                  " frames: it is truncated or damaged");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
+                                                       const std::optional<Scene>& scene, Colour colour) {
+    auto reader = std::make_unique<MatroskaReader>(file);
+    if (auto opened = reader->open(scene); !opened) return opened.error();
+    if (colour == Colour::left_out) reader->leave_out_colour();
+    return with_far_plane(std::move(reader), file.path());
+}
+
+}  // namespace touchable

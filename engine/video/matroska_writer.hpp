@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "engine/clip/clip_writer.hpp"
+#include "engine/new_file.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/sound/stored_sound.hpp"
+
+namespace touchable {
+
+inline constexpr int clip_format_version = 2;
+
+/// What a clip's tracks are to be good at (docs/codecs.md).
+enum class Archive {
+    fast,   ///< quick to decode
+    small,  ///< few bytes: for each plane the coding that takes fewer
+};
+
+/// How a clip's pictures are stored. Depth, haptic and height always keep every value.
+struct ClipStorage {
+    Archive archive = Archive::fast;
+    bool exact_colour = false;  ///< otherwise colour is as good as the eye can tell
+    bool gives_colour = false;  ///< whoever writes asks for ClipWriter::stored_colour; costs decoding it
+};
+
+/// A touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON. A size
+/// that no clip can hold is told by the first `write`, as an error of kind usage.
+Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
+                                                const ClipStorage& storage = {},
+                                                Existing existing = Existing::replace,
+                                                const std::optional<SoundPart>& sound = {});
+
+}  // namespace touchable

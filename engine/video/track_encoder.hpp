@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/clip/clip_reader.hpp"
+#include "engine/clip/plane_role.hpp"
+#include "engine/ffmpeg/ffmpeg.hpp"
+#include "engine/result.hpp"
+
+namespace touchable {
+
+/// How a track is encoded. All but the last keep every sample (docs/codecs.md).
+enum class TrackCoding {
+    ffv1,           ///< every picture on its own: smallest where they are noisy, slow
+    h264_quick,     ///< predicted from the picture before; quickest to encode and decode
+    h264_thrifty,   ///< likewise, smaller
+    gradient_zstd,  ///< every picture on its own, by a codec of our own: grey of two bytes a sample only,
+                    ///< quick whatever the pictures hold (gradient_zstd.hpp)
+    h264_visual,    ///< as good as the eye can tell; colour only
+};
+
+/// Encodes one track of a clip, a packet for each picture.
+class TrackEncoder {
+public:
+    /// `first`: a plane as all will be (size, sample size). An error of kind usage where this coding has no
+    /// pictures of its size.
+    static Result<std::unique_ptr<TrackEncoder>> open(PlaneRole role, TrackCoding coding,
+                                                      const PlaneView& first, const Scene& scene);
+    virtual ~TrackEncoder() = default;
+
+    /// Says in a container how the track is encoded. An error where memory runs out.
+    virtual Result<void> describe(AVCodecParameters& stored) const = 0;
+    /// The packet of a plane like the first; without a time. Where `on_its_own`, decoding can begin with it.
+    virtual Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own) = 0;
+};
+
+}  // namespace touchable

@@ -1,0 +1,84 @@
+#include <alsa/asoundlib.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "player/audio/sound_device.hpp"
+
+namespace touchable {
+namespace {
+
+/// ALSA explains itself on the terminal where nobody tells it otherwise.
+void say_nothing(const char*, int, const char*, int, const char*, ...) {}
+
+Error alsa_error(const char* what, int code) {
+    return {ErrorKind::device, std::string(what) + " (" + snd_strerror(code) + ")"};
+}
+
+class AlsaSoundDevice final : public SoundDevice {
+public:
+    explicit AlsaSoundDevice(snd_pcm_t* pcm) : pcm_(pcm) {}
+    ~AlsaSoundDevice() override {
+        snd_pcm_drop(pcm_);
+        snd_pcm_close(pcm_);
+    }
+
+    Result<bool> wait_for(int samples, std::chrono::milliseconds longest) override {
+        if (auto there = room(); !there.ok() || *there >= samples)
+            return there.ok() ? Result(true) : there.error();
+        const int waited = snd_pcm_wait(pcm_, static_cast<int>(longest.count()));
+        if (waited < 0) {
+            if (auto mended = mend(waited); !mended.ok()) return mended.error();
+        }
+        const auto there = room();
+        if (!there.ok()) return there.error();
+        // Some say at once that there is room, and there is none.
+        if (*there < samples && waited > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return *there >= samples;
+    }
+
+    Result<void> write(std::span<const StereoSample> samples) override {
+        integers_.clear();
+        for (const StereoSample& sample : samples)
+            for (const float value : {sample.left, sample.right})
+                integers_.push_back(static_cast<std::int16_t>(std::lround(value * 32767)));
+        const auto written = snd_pcm_writei(pcm_, integers_.data(), samples.size());
+        return written < 0 ? mend(static_cast<int>(written)) : Result<void>();
+    }
+
+private:
+    /// After a pause that was too long, or the computer's sleep, it goes on.
+    Result<void> mend(int code) {
+        if (code == -EAGAIN) return {};
+        const int mended = snd_pcm_recover(pcm_, code, 1);
+        return mended < 0 ? alsa_error("the device is gone", mended) : Result<void>();
+    }
+    Result<int> room() {
+        const auto there = snd_pcm_avail_update(pcm_);
+        if (there >= 0) return static_cast<int>(there);
+        if (auto mended = mend(static_cast<int>(there)); !mended.ok()) return mended.error();
+        return 0;
+    }
+
+    snd_pcm_t* pcm_;
+    std::vector<std::int16_t> integers_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SoundDevice>> SoundDevice::open() {
+    snd_lib_error_set_handler(say_nothing);
+    snd_pcm_t* pcm = nullptr;
+    if (const int code = snd_pcm_open(&pcm, "default", SND_PCM_STREAM_PLAYBACK, SND_PCM_NONBLOCK); code < 0)
+        return alsa_error("no device", code);
+    std::unique_ptr<SoundDevice> device = std::make_unique<AlsaSoundDevice>(pcm);
+    const int code = snd_pcm_set_params(pcm, SND_PCM_FORMAT_S16, SND_PCM_ACCESS_RW_INTERLEAVED, 2,
+                                        ContactSound::rate, 1, buffer * 1'000'000U / ContactSound::rate);
+    if (code < 0) return alsa_error("the device takes no 48 kHz", code);
+    return device;
+}
+
+}  // namespace touchable

@@ -1,0 +1,161 @@
+#include "player/audio/contact_sound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/trigonometry.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr double rate = ContactSound::rate;
+constexpr double inaudible = 1e-5;
+
+// Loudness, before the limit: of the hardest tap, slide and knock.
+constexpr double most_tap = 2.2, most_slide = 6, most_knock = 1.2;
+// Half of it, or so, at these: m/s, W, N.
+constexpr double usual_meeting = 0.08, usual_slide = 0.1, usual_let_go = 0.3;
+constexpr double usual_change = 0.02;  // N in a millisecond: a rough place
+constexpr double smooth_share = 0.35;  // how loud a smooth surface is beside a rough one
+constexpr double least_hertz = 350, most_more_hertz = 3500, usual_speed = 0.15;  // of a slide
+constexpr double volume_per_tick = 0.05;
+
+/// What came from outside, as a number that can be used.
+double sound_value(float value, double most) {
+    return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, most) : 0;
+}
+
+double part(double value, double usual) {
+    return value / (value + usual);
+}
+
+/// Goes on toward a value: as fast as `rise` up and `fall` down, shares of a tick.
+void follow(double& value, double to, double rise, double fall) {
+    value += (to - value) * (to > value ? rise : fall);
+    if (to == 0 && value < inaudible) value = 0;
+}
+
+/// Stuff that is four times as stiff rings twice as high.
+double hertz_of(double stiffness) {
+    return std::clamp(320 * std::sqrt(stiffness / 1000), 140.0, 1400.0);
+}
+
+template <std::size_t... finger>
+std::array<FingerSound, sizeof...(finger)> fingers_of(std::index_sequence<finger...>) {
+    return {FingerSound(static_cast<std::uint32_t>(finger + 1) * 2654435761U)...};
+}
+
+/// Ever less of what is loud, and never more than the limit; what is soft stays as it is.
+float limited(double value) {
+    const double share = value / std::sqrt(1 + value * value);
+    return static_cast<float>(share) * ContactSound::loudest;
+}
+
+}  // namespace
+
+FadingTone::FadingTone(double fade_s, double rise_s)
+    : fade_(1 - 1 / (fade_s * rate)), rise_(1 / (rise_s * rate)) {}
+
+void FadingTone::strike(double level, double hertz) {
+    level_ = std::max(level_, level);
+    const double angle = 2 * pi * hertz / rate;
+    turn_cosine_ = cosine(angle);
+    turn_sine_ = sine(angle);
+}
+
+double FadingTone::next() {
+    level_ *= fade_;
+    heard_ += (level_ - heard_) * rise_;
+    const double cosine_before = cosine_;
+    cosine_ = cosine_before * turn_cosine_ - sine_ * turn_sine_;
+    sine_ = cosine_before * turn_sine_ + sine_ * turn_cosine_;
+    return heard_ * sine_;
+}
+
+void FadingTone::settle() {
+    if (level_ < inaudible && heard_ < inaudible) level_ = heard_ = 0;
+    const double length = std::sqrt(cosine_ * cosine_ + sine_ * sine_);
+    cosine_ /= length;
+    sine_ /= length;
+}
+
+void SlidingNoise::aim(double level, double hertz) {
+    from_ = std::exchange(to_, level);
+    tuning_to_ = 2 * pi * hertz / rate;
+    if (is_silent()) dull_ = low_ = band_ = 0;
+}
+
+/// A state-variable filter, whose band is as wide as its frequency, after one that takes the hiss.
+double SlidingNoise::next(double share) {
+    random_ ^= random_ << 13U;
+    random_ ^= random_ >> 17U;
+    random_ ^= random_ << 5U;
+    const double noise = static_cast<double>(random_) / 2147483648.0 - 1;
+    constexpr double width = 1;
+    tuning_ += (tuning_to_ - tuning_) / 256;
+    dull_ += tuning_ * (noise - dull_);
+    low_ += tuning_ * band_;
+    band_ += tuning_ * (dull_ - low_ - width * band_);
+    return band_ * (from_ + (to_ - from_) * share);
+}
+
+/// Louder with force and speed, and where the force changes from tick to tick; higher with speed.
+void FingerSound::aim_noise(const HeardFinger& finger) {
+    const double newtons = finger.touching ? sound_value(finger.newtons, 50) : 0;
+    const double slip = finger.touching ? sound_value(finger.slip, 5) : 0;
+    const double power = newtons * slip;
+    follow(roughness_, finger.touching ? sound_value(finger.change, 10) : 0, 0.7, 0.25);
+    follow(speed_, slip, 0.3, 0.1);
+    const double rough = smooth_share + (1 - smooth_share) * part(roughness_, usual_change);
+    follow(level_, power > 0 ? most_slide * rough * std::sqrt(part(power, usual_slide)) : 0, 0.35, 0.15);
+    const double hertz = least_hertz + most_more_hertz * part(speed_, usual_speed);
+    // A higher band has more of the noise.
+    noise_.aim(level_ / std::sqrt(1 + hertz / 1000), hertz);
+}
+
+void FingerSound::strike(const HeardFinger& finger) {
+    const double hertz = hertz_of(sound_value(finger.stiffness, 1e6));
+    if (const double met = sound_value(finger.met, 10); met > 0) {
+        const double level = most_tap * part(met, usual_meeting);
+        tap_.strike(level, hertz);
+        knock_.strike(0.2 * level, 2.8 * hertz);
+    }
+    if (const double let_go = sound_value(finger.let_go, 50); let_go > 0)
+        knock_.strike(most_knock * part(let_go, usual_let_go), 2.8 * hertz);
+}
+
+void FingerSound::add(const HeardFinger& finger, std::span<StereoSample> to) {
+    aim_noise(finger);
+    strike(finger);
+    if (noise_.is_silent() && tap_.is_silent() && knock_.is_silent()) return;
+    // Sound comes from where the finger is, and never from one side alone.
+    const double side = std::isfinite(finger.side) ? std::clamp(finger.side, -1.0F, 1.0F) : 0;
+    const double left = std::sqrt(0.5 - 0.35 * side), right = std::sqrt(0.5 + 0.35 * side);
+    const auto count = static_cast<double>(to.size());
+    for (std::size_t k = 0; k < to.size(); ++k) {
+        left_ += (left - left_) / 512;
+        right_ += (right - right_) / 512;
+        double value = tap_.next() + knock_.next();
+        if (!noise_.is_silent()) value += noise_.next(static_cast<double>(k + 1) / count);
+        to[k].left += static_cast<float>(value * left_);
+        to[k].right += static_cast<float>(value * right_);
+    }
+    tap_.settle();
+    knock_.settle();
+}
+
+ContactSound::ContactSound() : fingers_(fingers_of(std::make_index_sequence<HeardTick::most_fingers>())) {}
+
+void ContactSound::render(const HeardTick& tick, Samples& samples) {
+    samples.fill({});
+    for (std::size_t k = 0; k < fingers_.size(); ++k) fingers_[k].add(tick.fingers[k], samples);
+    const double from = volume_, to = tick.muted ? 0 : 1;
+    volume_ += std::clamp(to - from, -volume_per_tick, volume_per_tick);
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        const double volume = from + (volume_ - from) * static_cast<double>(k + 1) / samples_per_tick;
+        samples[k] = {limited(volume * samples[k].left), limited(volume * samples[k].right)};
+    }
+}
+
+}  // namespace touchable

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "player/audio/heard_sound.hpp"
+
+namespace touchable {
+
+/// What is heard, on its way into a film: in step with the clock of the film's pictures, whatever sessions
+/// come and go. Within a session its ticks are that clock, which come a few at a time.
+class FilmedSound {
+public:
+    /// Gets samples, and the film's sample that is the first of them.
+    using Keep = std::function<void(std::int64_t first, std::span<const StereoSample>)>;
+    explicit FilmedSound(Keep keep) : keep_(std::move(keep)) {}
+
+    /// Another session begins: time has passed that no tick tells of. Any thread.
+    void align() { aligns_.store(true, std::memory_order_relaxed); }
+    /// As WindowSound::take has it; `now_ms`: of the film.
+    void take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms);
+
+private:
+    void render(const HeardTick& tick, ClipSound& clip);
+    void skip_to(std::int64_t now_ms, ClipSound& clip);
+
+    Keep keep_;
+    std::atomic<bool> aligns_{true};
+    HeardSound sound_;
+    std::int64_t next_ms_ = 0;
+    std::optional<HeardTick> early_;  // what happened in ticks that were left out
+    ContactSound::Samples samples_{};
+};
+
+}  // namespace touchable

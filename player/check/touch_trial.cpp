@@ -1,0 +1,135 @@
+#include "player/check/touch_trial.hpp"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "engine/clip/clip_reader.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/video/matroska_writer.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
+#include "player/terminal/interrupt.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int trial_ticks = 1000;
+constexpr double microseconds_per_ms = 1000;
+
+/// Fewer where they are large: some 6 of 1920x1080.
+int trial_frames(const TouchDemand& demand) {
+    const double pixels = static_cast<double>(demand.width) * demand.height;
+    return static_cast<int>(std::clamp(12e6 / pixels, 4.0, 30.0));
+}
+
+/// A folder of temporary files, gone with this.
+class ScratchFolder {
+public:
+    static Result<ScratchFolder> create() {
+        std::error_code fault;
+        const fs::path parent = fs::temp_directory_path(fault);
+        std::string name = (parent / "touchable-check-XXXXXX").string();
+        if (fault || !mkdtemp(name.data()))
+            return input_error("no folder of temporary files can be made in '" + parent.string() +
+                               "'; TMPDIR may name another place");
+        return ScratchFolder(name);
+    }
+    ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+    ScratchFolder& operator=(ScratchFolder&&) = delete;
+    ~ScratchFolder() {
+        std::error_code ignored;
+        if (!path_.empty()) fs::remove_all(path_, ignored);
+    }
+    const fs::path& path() const { return path_; }
+
+private:
+    explicit ScratchFolder(fs::path path) : path_(std::move(path)) {}
+    fs::path path_;
+};
+
+double cpu_ms() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
+/// A surface that moves in every frame. Colour is no part of touch.
+Result<void> make_clip(const TouchDemand& demand, const fs::path& file, int frames) {
+    SceneOptions options;
+    options.width = demand.width;
+    options.height = demand.height;
+    const auto source = make_scene("moving", options);
+    if (!source.ok()) return source.error();
+    auto writer = create_clip(file, (*source)->scene());
+    if (!writer.ok()) return writer.error();
+    for (int n = 0; n < frames; ++n) {
+        if (interrupted()) return interrupted_error();
+        if (auto written = (*writer)->write((*source)->frame(n)); !written.ok()) return written;
+    }
+    return (*writer)->finish();
+}
+
+/// Without those that were there before, in which threads are started and memory is fetched.
+Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures) {
+    SurfaceFeed& feed = *setup.feed;
+    const auto before = static_cast<int>(feed.frames());
+    feed.forget_times();
+    const double cpu_before = cpu_ms();
+    for (int n = before; n < frames; ++n) {
+        if (interrupted()) return interrupted_error();
+        if (auto pair = feed.pair_at(setup.scene.rate.time_ns(n - 1)); !pair.ok()) return pair.error();
+    }
+    figures.frames = static_cast<int>(feed.frames()) - before;
+    figures.frame_cpu_ms = (cpu_ms() - cpu_before) / figures.frames;
+    figures.decode_ms = feed.read_ms().spread();
+    figures.build_ms = feed.build_ms().spread();
+    figures.builder = feed.builder_name();
+    return {};
+}
+
+/// Between the last two frames, where nothing more is decoded.
+Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures) {
+    setup.settings.ticks = trial_ticks;
+    setup.settings.pair_of_tick = [&setup, frames](std::int64_t tick) {
+        return setup.feed->pair_of(frames - 2, frames - 1, static_cast<double>(tick) / trial_ticks);
+    };
+    TouchFigures taken;
+    TouchSink* const sinks[] = {&taken};
+    const double cpu_before = cpu_ms();
+    auto ran = TouchSession(setup.scene, *setup.feed, *setup.hand, *setup.solver, setup.settings).run(sinks);
+    if (!ran.ok()) return ran;
+    figures.ticks = static_cast<int>(taken.ticks());
+    figures.tick_cpu_us = microseconds_per_ms * (cpu_ms() - cpu_before) / figures.ticks;
+    figures.tick_us = taken.tick_us();
+    return {};
+}
+
+}  // namespace
+
+Result<TrialFigures> try_touch(const TouchDemand& demand) {
+    const auto folder = ScratchFolder::create();
+    if (!folder.ok()) return folder.error();
+    SessionOptions options;
+    options.clip.file = folder->path() / "trial.mkv";
+    options.fingers = demand.fingers;
+    options.clip.filters = FiltersChoice{};  // nothing is measured, so that every frame is decoded here
+    options.clip.median = 3;
+    options.live = true;
+    const int frames = 2 + trial_frames(demand);  // the first two are read to find out where the surface is
+    if (auto made = make_clip(demand, options.clip.file, frames); !made.ok()) return made.error();
+    auto setup = setup_from_options(options);
+    if (!setup.ok()) return setup.error();
+    TrialFigures figures;
+    if (auto done = measure_frames(**setup, frames, figures); !done.ok()) return done.error();
+    if (auto done = measure_ticks(**setup, frames, figures); !done.ok()) return done.error();
+    return figures;
+}
+
+}  // namespace touchable

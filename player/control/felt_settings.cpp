@@ -1,0 +1,273 @@
+#include "player/control/felt_settings.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+#include "device/pointer_device.hpp"
+
+namespace touchable {
+namespace {
+
+/// As FilterSettings has it.
+constexpr int most_passes = 16;
+
+std::string short_number(double number) {
+    char words[32];
+    std::snprintf(words, sizeof words, "%.4g", number);
+    return words;
+}
+
+/// What the setting can be, for whoever meant something else.
+std::string right_values(const FeltSetting& setting) {
+    if (setting.words.empty()) {
+        const std::string range = short_number(setting.least) + " to " + short_number(setting.most);
+        return (setting.whole ? "a whole number from " : "a number from ") + range +
+               (*setting.unit ? std::string(" ") + setting.unit : "");
+    }
+    std::string words;
+    for (std::size_t k = 0; k < setting.words.size(); ++k) {
+        const bool last = k + 1 == setting.words.size();
+        words += (k == 0 ? "" : (last ? " or " : ", ")) + std::string(setting.words[k]);
+    }
+    return words;
+}
+
+/// The value as it is kept; nothing where it is none.
+std::optional<std::string> settled(const FeltSetting& setting, const std::string& value) {
+    if (!setting.words.empty()) {
+        const bool known =
+            std::find(setting.words.begin(), setting.words.end(), value) != setting.words.end();
+        return known ? std::optional(value) : std::nullopt;
+    }
+    const auto number = number_of(value);
+    if (!number || !(*number >= setting.least && *number <= setting.most)) return std::nullopt;
+    if (setting.whole && *number != std::floor(*number)) return std::nullopt;
+    return short_number(*number);
+}
+
+/// Words for the values of something, in both directions.
+template <class Value>
+struct WordOf {
+    const char* word;
+    Value value;
+};
+constexpr WordOf<TouchMetric> metrics[] = {
+    {"world", TouchMetric::world}, {"pixel", TouchMetric::pixel}, {"scaled", TouchMetric::scaled}};
+constexpr WordOf<FrameInterpolation> interpolations[] = {{"hold", FrameInterpolation::hold},
+                                                         {"linear", FrameInterpolation::linear}};
+constexpr WordOf<TerraceRemoval> terrace_words[] = {
+    {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
+constexpr WordOf<bool> off_and_on[] = {{"off", false}, {"on", true}};
+
+template <class Value, std::size_t count>
+std::vector<const char*> words_of(const WordOf<Value> (&all)[count]) {
+    std::vector<const char*> words;
+    for (const auto& one : all) words.push_back(one.word);
+    return words;
+}
+template <class Value, std::size_t count>
+Value value_of(const WordOf<Value> (&all)[count], const std::string& word) {
+    for (const auto& one : all)
+        if (word == one.word) return one.value;
+    return all[0].value;
+}
+template <class Value, std::size_t count>
+std::string word_for(const WordOf<Value> (&all)[count], Value value) {
+    for (const auto& one : all)
+        if (value == one.value) return one.word;
+    return "";
+}
+
+int whole(const std::string& value) {
+    return static_cast<int>(number_of(value).value_or(0));
+}
+
+/// All filters at once, in place of what the command line says of them.
+void apply_filters(const std::string& value, SessionOptions& options) {
+    ClipChoice& clip = options.clip;
+    clip.median.reset();
+    clip.fill_holes.reset();
+    clip.terraces.reset();
+    clip.temporal.reset();
+    clip.filters = value == "off" ? FiltersChoice{} : FiltersChoice{{}, all_unstated};
+}
+
+using Options = SessionOptions;
+
+std::vector<FeltSetting> force_settings() {
+    // Of the pointer as a device, which exerts no more.
+    const DeviceLimits most = PointerSettings{}.limits;
+    return {
+        {.name = "metric",
+         .what = "How lengths are measured: as they are (world), or in two ways that are there to compare: "
+                 "by pixels and grey levels, as the first papers did (pixel), or those made equal (scaled).",
+         .words = words_of(metrics),
+         .apply = [](const std::string& value, Options& o) { o.metric = value_of(metrics, value); },
+         .in_effect = [](const TouchSetup& s) { return word_for(metrics, s.settings.touch.metric); }},
+        {.name = "interpolation",
+         .what = "Between two frames the surface moves smoothly (linear), or it waits for the next (hold).",
+         .words = words_of(interpolations),
+         .apply = [](const std::string& value,
+                     Options& o) { o.clip.interpolation = value_of(interpolations, value); },
+         .in_effect = [](const TouchSetup& s) { return word_for(interpolations, s.scene.interpolation); }},
+        {.name = "max-force",
+         .what = "No force on a finger is ever larger.",
+         .words = {},
+         .least = 0.1,
+         .most = most.max_force,
+         .unit = "N",
+         .apply = [](const std::string& value,
+                     Options& o) { o.guard.max_force = number_of(value).value_or(0); },
+         .in_effect = [](const TouchSetup& s) { return short_number(s.settings.guard.max_force); }},
+        {.name = "max-stiffness",
+         .what =
+             "How hard the surface can be at most: newtons for each millimetre that a finger is pressed in.",
+         .words = {},
+         .least = 0.1,
+         .most = most.max_stiffness / 1000,
+         .unit = "N/mm",
+         .apply = [](const std::string& value,
+                     Options& o) { o.guard.max_stiffness = number_of(value).value_or(0) * 1000; },
+         .in_effect =
+             [](const TouchSetup& s) { return short_number(s.settings.guard.max_stiffness / 1000); }},
+        {.name = "hand-scale",
+         .what =
+             "How far a finger goes for a way of the hand: at 1 the picture fits into the device's reach, "
+             "below it is finer.",
+         .words = {},
+         .least = 0.01,
+         .most = 100,
+         .of_device = true,
+         .by_ratio = true,
+         .apply =
+             [](const std::string& value, Options& o) {
+                 if (o.control) o.hand_scale = number_of(value).value_or(1);
+             },
+         .in_effect = [](const TouchSetup& s) { return short_number(s.hand_scale); }}};
+}
+
+std::vector<FeltSetting> filter_settings() {
+    return {
+        {.name = "filters",
+         .what = "What cleans the depth before it is felt: as the clip asks for, as measured in its first "
+                 "frames, or nothing.",
+         .words = {"clip", "auto", "off"},
+         .apply = apply_filters},
+        {.name = "median",
+         .what =
+             "Takes out single wrong pixels: each becomes the middle one of its 3 x 3 or 5 x 5 neighbours.",
+         .words = {"0", "3", "5"},
+         .filter = true,
+         .apply = [](const std::string& value, Options& o) { o.clip.median = whole(value); },
+         .in_effect = [](const TouchSetup& s) { return std::to_string(s.scene.filter.median); }},
+        {.name = "fill-holes",
+         .what = "Closes gaps in the depth from their rims, one pixel with each pass.",
+         .words = {},
+         .most = most_passes,
+         .whole = true,
+         .unit = "passes",
+         .filter = true,
+         .apply = [](const std::string& value, Options& o) { o.clip.fill_holes = whole(value); },
+         .in_effect = [](const TouchSetup& s) { return std::to_string(s.scene.filter.fill_holes); }},
+        {.name = "terraces",
+         .what = "Smooths the steps that coarsely stored depth has, as a hillside has terraces.",
+         .words = words_of(terrace_words),
+         .filter = true,
+         .apply = [](const std::string& value,
+                     Options& o) { o.clip.terraces = value_of(terrace_words, value); },
+         .in_effect = [](const TouchSetup& s) { return word_for(terrace_words, s.scene.filter.terraces); }},
+        {.name = "temporal",
+         .what = "Calms depth that trembles from frame to frame, where nothing moves.",
+         .words = words_of(off_and_on),
+         .filter = true,
+         .apply =
+             [](const std::string& value, Options& o) {
+                 o.clip.temporal = TemporalChoice{value_of(off_and_on, value), std::nullopt};
+             },
+         .in_effect = [](const TouchSetup& s) { return word_for(off_and_on, s.scene.filter.temporal); }}};
+}
+
+std::vector<FeltSetting> all_settings() {
+    std::vector<FeltSetting> all = force_settings();
+    for (FeltSetting& filter : filter_settings()) all.push_back(std::move(filter));
+    return all;
+}
+
+}  // namespace
+
+std::optional<double> number_of(const std::string& word) {
+    double value = 0;
+    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (failure != std::errc() || end != word.data() + word.size() || std::isnan(value)) return std::nullopt;
+    return value;
+}
+
+std::span<const FeltSetting> felt_settings() {
+    static const std::vector<FeltSetting> settings = all_settings();
+    return settings;
+}
+
+const FeltSetting* felt_setting(const std::string& name) {
+    for (const FeltSetting& setting : felt_settings())
+        if (name == setting.name) return &setting;
+    return nullptr;
+}
+
+Result<void> FeltSettings::set(const std::string& name, const std::string& value) {
+    const FeltSetting* const setting = felt_setting(name);
+    if (!setting) {
+        std::string known;
+        for (const FeltSetting& other : felt_settings())
+            known += (known.empty() ? "" : ", ") + std::string(other.name);
+        return usage_error("'" + name + "' is no setting of what is felt; there are " + known);
+    }
+    const auto kept = settled(*setting, value);
+    if (!kept)
+        return usage_error(name + " '" + value + "' will not do; right would be " + right_values(*setting));
+    if (name != "filters") {
+        values_[name] = *kept;
+        return {};
+    }
+    for (const FeltSetting& other : felt_settings())
+        if (other.filter) values_.erase(other.name);
+    values_.erase(name);
+    if (*kept != "clip") values_[name] = *kept;
+    return {};
+}
+
+std::string FeltSettings::in_words() const {
+    std::string words;
+    for (const FeltSetting& setting : felt_settings())
+        if (const auto value = values_.find(setting.name); value != values_.end())
+            words += (words.empty() ? "" : ", ") + value->first + " " + value->second +
+                     (*setting.unit ? std::string(" ") + setting.unit : "");
+    return words.empty() ? "as the clip says" : words;
+}
+
+void TwoSettings::turn_to(bool to_b) {
+    if (to_b && !b) {
+        b = a;
+        (void)b->set("filters", "off");
+    }
+    b_is_on = to_b;
+}
+
+SessionOptions with_felt(SessionOptions options, const FeltSettings& felt) {
+    for (const FeltSetting& setting : felt_settings())
+        if (const auto value = felt.values().find(setting.name); value != felt.values().end())
+            setting.apply(value->second, options);
+    return options;
+}
+
+std::map<std::string, std::string> felt_in(const TouchSetup& setup) {
+    std::map<std::string, std::string> values;
+    for (const FeltSetting& setting : felt_settings())
+        if (setting.in_effect) values[setting.name] = setting.in_effect(setup);
+    return values;
+}
+
+}  // namespace touchable

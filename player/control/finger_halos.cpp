@@ -1,0 +1,139 @@
+#include "player/control/finger_halos.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "player/view/surface_pick.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr ImU32 light_ink = IM_COL32(255, 255, 255, 235), dark_ink = IM_COL32(0, 0, 0, 130);
+
+/// Whether something is drawn before it.
+bool is_hidden(const glm::dvec3& place, double radius, const glm::dvec3& screen, const HeightField& field,
+               const ViewCamera& camera) {
+    const auto met = pick(field, camera, screen.x, screen.y);
+    if (!met || !met->drawn) return false;
+    return glm::distance(met->point, camera.eye) < glm::distance(place, camera.eye) - 2.5 * radius;
+}
+
+ImVec2 point(const glm::dvec2& at) {
+    return {static_cast<float>(at.x), static_cast<float>(at.y)};
+}
+
+void draw_circle(ImDrawList& list, const glm::dvec2& at, double radius, double from, double to, float thick,
+                 ImU32 colour) {
+    list.PathArcTo(point(at), static_cast<float>(radius), static_cast<float>(from), static_cast<float>(to),
+                   48);
+    list.PathStroke(colour, 0, thick);
+}
+
+/// On a ground of its own, to be read on any surface.
+void draw_newtons(ImDrawList& list, const FingerHalo& halo, double ring, std::vector<LabelBox>& labels,
+                  float scale) {
+    char words[32];
+    std::snprintf(words, sizeof words, "%.1f N", halo.newtons);
+    const ImVec2 text = ImGui::CalcTextSize(words);
+    const float x = 5 * scale, y = 2 * scale;
+    const glm::dvec2 size(text.x + 2 * x, text.y + 2 * y);
+    const auto place = place_label(halo.at, ring + 5.0 * static_cast<double>(scale), size, labels);
+    if (!place) return;
+    labels.push_back({*place, *place + size});
+    const ImVec2 at = point(*place);
+    list.AddRectFilled(at, point(*place + size), IM_COL32(14, 17, 22, 190), 5 * scale);
+    list.AddText(ImVec2(at.x + x, at.y + y), light_ink, words);
+}
+
+/// The force of an arrow that is too short on the screen to tell it.
+void draw_end_on(ImDrawList& list, const FingerHalo& halo, float scale) {
+    const float arm = static_cast<float>(halo.radius) * 0.42F;
+    const ImVec2 at = point(halo.at);
+    if (halo.towards_eye) {
+        list.AddCircleFilled(at, arm * 0.75F + scale, dark_ink);
+        list.AddCircleFilled(at, arm * 0.75F, light_ink);
+    } else {
+        for (const float thick : {4 * scale, 2 * scale}) {
+            const ImU32 ink = thick > 3 * scale ? dark_ink : light_ink;
+            list.AddLine(ImVec2(at.x - arm, at.y - arm), ImVec2(at.x + arm, at.y + arm), ink, thick);
+            list.AddLine(ImVec2(at.x - arm, at.y + arm), ImVec2(at.x + arm, at.y - arm), ink, thick);
+        }
+    }
+}
+
+}  // namespace
+
+std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const glm::dvec2& size,
+                                      std::span<const LabelBox> taken) {
+    const glm::dvec2 half = size / 2.0;
+    const glm::dvec2 places[] = {{at.x + gap, at.y - half.y},
+                                 {at.x - gap - size.x, at.y - half.y},
+                                 {at.x - half.x, at.y - gap - size.y},
+                                 {at.x - half.x, at.y + gap}};
+    for (const glm::dvec2& least : places) {
+        const glm::dvec2 most = least + size;
+        const bool is_free = std::none_of(taken.begin(), taken.end(), [&](const LabelBox& other) {
+            return least.x < other.most.x && other.least.x < most.x && least.y < other.most.y &&
+                   other.least.y < most.y;
+        });
+        if (is_free) return least;
+    }
+    return std::nullopt;
+}
+
+std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const MarkSizes& sizes,
+                                     const HeightField& field, const ViewCamera& camera) {
+    std::vector<FingerHalo> halos;
+    for (std::size_t k = 0; k < fingers.size(); ++k) {
+        const FingerMark& finger = fingers[k];
+        const auto at = camera.project(finger.proxy);
+        if (!finger.shown || !at || is_hidden(finger.proxy, sizes.finger_radius, *at, field, camera))
+            continue;
+        FingerHalo halo;
+        halo.finger = k;
+        halo.at = glm::dvec2(*at);
+        halo.touching = finger.touching;
+        const double distance = glm::distance(finger.proxy, camera.eye);
+        halo.radius = camera.focal * sizes.finger_radius / std::max(distance, sizes.finger_radius);
+        halo.newtons = finger.touching ? glm::length(finger.force) : 0;
+        const glm::dvec3 tip = finger.proxy + finger.force * sizes.length_per_newton;
+        halo.towards_eye = glm::distance(tip, camera.eye) < distance;
+        if (const auto end = camera.project(tip)) halo.arrow = glm::dvec2(*end) - halo.at;
+        halos.push_back(halo);
+    }
+    return halos;
+}
+
+void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
+    constexpr double all = 2 * std::numbers::pi, least_newtons = 0.05;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const auto ring_of = [scale](const FingerHalo& halo) {
+        return halo.radius + 2.0 * static_cast<double>(scale);
+    };
+    std::vector<LabelBox> taken;  // by rings, and by labels
+    for (const FingerHalo& halo : halos) taken.push_back({halo.at - ring_of(halo), halo.at + ring_of(halo)});
+    for (const FingerHalo& halo : halos) {
+        const double ring = ring_of(halo);
+        const double length = glm::length(halo.arrow);
+        const bool pushes = halo.touching && halo.newtons > least_newtons;
+        const bool end_on = length < 1.9 * halo.radius;
+        double from = 0, to = all;
+        if (pushes && !end_on) {  // the arrow is not drawn over
+            const double middle = std::atan2(halo.arrow.y, halo.arrow.x);
+            from = middle + 0.5;
+            to = middle + all - 0.5;
+        }
+        draw_circle(list, halo.at, ring + static_cast<double>(scale), from, to, 2.2F * scale, dark_ink);
+        draw_circle(list, halo.at, ring, from, to, (halo.touching ? 2.0F : 1.4F) * scale, light_ink);
+        if (!pushes || !end_on) continue;
+        draw_end_on(list, halo, scale);
+        draw_newtons(list, halo, ring, taken, scale);
+    }
+}
+
+}  // namespace touchable

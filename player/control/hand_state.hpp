@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "device/hand_control.hpp"
+#include "player/control/held_hand.hpp"
+
+namespace touchable {
+
+/// Whether a device that is held exerts forces, and what to do about it.
+struct HandState {
+    enum class Mood { off, on, away };
+    Mood mood = Mood::off;
+    std::string words;   ///< always to be read in the picture
+    std::string remark;  ///< what the device waits for; empty: nothing
+};
+
+/// `is_inside`: the guard keeps a finger's force back until it has been free.
+HandState hand_state(const HeldHand& hand, const HandControl& control, bool is_inside = false);
+
+/// What the panel shows of it.
+struct HandFacts {
+    std::string device;  ///< its name
+    HandState state;
+    double age_s = 0;            ///< of the positions; infinite: there are none
+    double scene_per_metre = 1;  ///< metres of the scene that a finger goes for one of the hand
+    int buttons = 0;
+};
+
+}  // namespace touchable

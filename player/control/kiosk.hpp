@@ -1,0 +1,51 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <optional>
+
+#include "player/control/input_event.hpp"
+
+namespace touchable {
+
+/// Seconds without input until a window that nobody watches over invites to touch it, and until it begins
+/// anew.
+struct KioskTimes {
+    double invite_s = 20, reset_s = 60;
+};
+
+/// Whether somebody is there. Times are the window's own, seconds, and do not go backward.
+class KioskWatch {
+public:
+    explicit KioskWatch(const KioskTimes& times) : times_(times) {}
+
+    /// Somebody did something.
+    void came(double now_s) {
+        last_s_ = now_s;
+        was_visited_ = true;
+    }
+    /// Since how many seconds the window has invited; nothing while somebody is there.
+    std::optional<double> invites(double now_s) const;
+    /// Whether to begin anew now: once after each visit.
+    bool begins_anew(double now_s);
+
+private:
+    KioskTimes times_;
+    double last_s_ = 0;
+    bool was_visited_ = false;
+};
+
+/// Whether a visitor may do that: nothing that ends the window, opens or leaves files, or takes settings.
+bool is_for_visitors(const InputEvent& event);
+/// Whether it shows that somebody is there.
+bool is_a_visit(const InputEvent& event);
+
+/// Where the finger is that shows a visitor how, so many seconds after it began: how far from the middle of
+/// what there is to see, in shares of the picture's width and height. It comes down, strokes, and leaves,
+/// again and again.
+struct ShownStroke {
+    glm::dvec2 off{0.0};
+    bool pressed = false;
+};
+ShownStroke stroke_at(double seconds);
+
+}  // namespace touchable

@@ -1,0 +1,86 @@
+#include "player/options/camera_options.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "engine/import/guess/camera_file.hpp"
+#include "engine/import/guess/presets.hpp"
+#include "engine/printable.hpp"
+
+namespace touchable {
+namespace {
+
+/// Numbers between commas; fewer where one of them is none.
+std::vector<double> numbers_in(std::string_view text) {
+    std::vector<double> numbers;
+    while (true) {
+        const std::string_view part = text.substr(0, text.find(','));
+        double number = 0;
+        const auto [end, failure] = std::from_chars(part.data(), part.data() + part.size(), number);
+        if (failure != std::errc() || end != part.data() + part.size() || !std::isfinite(number)) return {};
+        numbers.push_back(number);
+        if (part.size() == text.size()) return numbers;
+        text.remove_prefix(part.size() + 1);
+    }
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed) {
+    std::string names;
+    for (const Preset& preset : all_presets())
+        names += (names.empty() ? "" : ", ") + std::string(preset.name);
+    auto* intrinsics = sub.add_option("--intrinsics", typed.intrinsics,
+                                      "of pictures without a scene file: focal lengths and principal point, "
+                                      "pixels, or a file of the camera that has them (JSON, YAML, calib.txt)")
+                           ->type_name("FX,FY[,CX,CY]|FILE");
+    auto* fov = sub.add_option("--fov", typed.fov, "likewise: degrees that are seen from left to right")
+                    ->type_name("DEGREES")
+                    ->check(CLI::Range(1.0, 179.0))
+                    ->excludes(intrinsics);
+    auto* unit =
+        sub.add_option("--depth-unit", typed.depth_unit, "likewise: metres that a stored 1 stands for")
+            ->type_name("METRES");
+    auto* preset =
+        sub.add_option("--preset", typed.preset, "likewise, what is known of " + names)->type_name("NAME");
+    std::vector<CLI::Option*> options{intrinsics, fov, unit, preset};
+    if (CLI::Option* const scene = sub.get_option_no_throw("--scene"))
+        for (CLI::Option* option : options) option->excludes(scene);
+    return options;
+}
+
+Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
+    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.preset)
+        return std::optional<SourceDescription>();
+    SourceDescription known;
+    known.fov = typed.fov;
+    known.metres_per_code = typed.depth_unit;
+    known.preset = typed.preset.value_or("");
+    if (!typed.intrinsics) return std::optional(known);
+    const std::vector<double> numbers = numbers_in(*typed.intrinsics);
+    if (numbers.size() == 2 || numbers.size() == 4) {
+        known.intrinsics = Intrinsics{.fx = numbers[0], .fy = numbers[1]};
+        if (numbers.size() == 4) known.intrinsics->cx = numbers[2];
+        if (numbers.size() == 4) known.intrinsics->cy = numbers[3];
+        return std::optional(known);
+    }
+    std::error_code ignored;
+    if (numbers.empty() && typed.intrinsics->find_first_of("./") != std::string::npos &&
+        !std::filesystem::exists(*typed.intrinsics, ignored))
+        return input_error(printable(*typed.intrinsics) + ": does not exist: must be a file of the camera");
+    if (!std::filesystem::exists(*typed.intrinsics, ignored))
+        return usage_error(
+            "--intrinsics '" + printable(*typed.intrinsics) +
+            "' will not do; right would be FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a file "
+            "of the camera");
+    const auto file = read_camera_file(*typed.intrinsics);
+    if (!file.ok()) return file.error();
+    known.intrinsics = file->intrinsics;
+    known.file = *typed.intrinsics;
+    return std::optional(known);
+}
+
+}  // namespace touchable

@@ -1,0 +1,50 @@
+#include "player/options/clip_options.hpp"
+
+#include "player/options/file_option.hpp"
+#include "player/options/filters_option.hpp"
+#include "player/options/temporal_option.hpp"
+#include "player/options/terrace_option.hpp"
+#include "player/options/whole_option.hpp"
+
+namespace touchable {
+
+CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
+    auto* clip = add_file_option(sub, "CLIP", typed.choice.file,
+                                 "a clip, a folder of images, a depth picture, or a scene file");
+    add_file_option(sub, "--scene", typed.choice.scene_file,
+                    "scene file that describes the clip instead of its own");
+    add_file_option(sub, "--haptic", typed.choice.maps.haptic,
+                    "map of stiffness and friction for all frames, instead of the clip's: a picture (RGB, or "
+                    "grey: stiffness), X3D or glTF");
+    add_file_option(sub, "--height", typed.choice.maps.height,
+                    "map of heights for all frames, instead of the clip's: a picture in grey");
+    return clip;
+}
+
+std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
+    return {add_filters_option(sub, typed.filters),
+            add_whole_option(sub, "--median", typed.choice.median,
+                             "window side instead of the scene's: 0 (off), 3 or 5"),
+            add_whole_option(sub, "--fill-holes", typed.choice.fill_holes,
+                             "passes instead of the scene's: 0 to 16"),
+            add_terrace_option(sub, typed.choice.terraces), add_temporal_option(sub, typed.temporal)};
+}
+
+Result<ClipChoice> read_clip(const ClipTyped& typed) {
+    ClipChoice choice = typed.choice;
+    const auto camera = read_camera(typed.camera);
+    if (!camera.ok()) return camera.error();
+    choice.camera = *camera;
+    if (typed.filters) {
+        const auto filters = read_filters(*typed.filters);
+        if (!filters.ok()) return filters.error();
+        choice.filters = *filters;
+    }
+    if (!typed.temporal) return choice;
+    const auto temporal = read_temporal(*typed.temporal);
+    if (!temporal.ok()) return temporal.error();
+    choice.temporal = *temporal;
+    return choice;
+}
+
+}  // namespace touchable

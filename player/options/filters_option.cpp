@@ -1,0 +1,81 @@
+#include "player/options/filters_option.hpp"
+
+#include <cmath>
+#include <set>
+#include <string_view>
+
+#include "player/options/temporal_option.hpp"
+
+namespace touchable {
+namespace {
+
+Error refusal(std::string_view part) {
+    return usage_error("--filters '" + std::string(part) +
+                       "' will not do; right would be auto, off, or those that shall be on, such as "
+                       "median=5,terraces,temporal=1.5+2e-6,holes=2");
+}
+
+/// C or C+Q, not zero.
+bool read_length(std::string_view value, DepthLength& length) {
+    const auto read = as_depth_length(value, '+');
+    if (read) length = *read;
+    return read && *read != DepthLength{};
+}
+
+/// One word of the list; `value`: what stands behind its =, or nothing.
+bool read_filter(std::string_view name, std::string_view value, FilterSettings& filter) {
+    if (name == "median" && (value.empty() || value == "3" || value == "5")) {
+        filter.median = value == "3" ? 3 : 5;
+        return true;
+    }
+    if (name == "holes") {
+        const double passes = value.empty() ? 2 : as_number(value).value_or(0);
+        if (!(passes >= 1 && passes <= 16 && passes == std::floor(passes))) return false;
+        filter.fill_holes = static_cast<int>(passes);
+        return true;
+    }
+    if (name == "terraces" && value.empty()) {
+        filter.terraces = TerraceRemoval::on;
+        return true;
+    }
+    if (name == "flying") return read_length(value, filter.flying_pixels);
+    if (name != "temporal") return false;
+    filter.temporal = true;
+    return value.empty() || read_length(value, filter.temporal_noise);
+}
+
+}  // namespace
+
+CLI::Option* add_filters_option(CLI::App& sub, std::optional<std::string>& typed) {
+    return sub
+        .add_option(
+            "--filters", typed,
+            "all filters at once, instead of the scene's: off, auto (what the first frames ask for), or "
+            "those that shall be on: median[=3|5], holes[=PASSES], terraces, temporal[=C[+Q]], "
+            "flying=C[+Q], with commas between")
+        ->type_name("WORD|LIST");
+}
+
+Result<FiltersChoice> read_filters(const std::string& typed) {
+    if (typed == "off") return FiltersChoice{};
+    if (typed == "auto") return FiltersChoice{{}, all_unstated};
+    FiltersChoice choice;
+    std::set<std::string_view> named;
+    std::string_view rest = typed;
+    for (bool more = true; more;) {
+        const std::size_t comma = rest.find(',');
+        more = comma != std::string_view::npos;
+        const std::string_view part = rest.substr(0, comma);
+        const std::size_t equals = part.find('=');
+        const bool has_value = equals != std::string_view::npos;
+        const std::string_view value = has_value ? part.substr(equals + 1) : std::string_view();
+        const std::string_view name = part.substr(0, equals);
+        if ((has_value && value.empty()) || !read_filter(name, value, choice.settings) ||
+            !named.insert(name).second)
+            return refusal(part);
+        if (more) rest.remove_prefix(comma + 1);
+    }
+    return choice;
+}
+
+}  // namespace touchable

@@ -1,0 +1,257 @@
+#include "player/overlay/overlays.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+
+#include "player/overlay/colour_ramp.hpp"
+#include "player/overlay/overlay_normals.hpp"
+#include "player/view/surface_unproject.hpp"
+
+namespace touchable {
+namespace {
+
+// Of classes: told apart by those who do not tell red from green (Okabe and Ito 2008).
+constexpr PackedColour whole_colour = pack_colour(0, 114, 178), mixed_colour = pack_colour(230, 159, 0),
+                       valid_colour = pack_colour(86, 180, 233), rim_colour = pack_colour(213, 94, 0),
+                       once_colour = pack_colour(240, 228, 66);
+
+void put(PackedColour colour, std::uint8_t* rgb) {
+    rgb[0] = static_cast<std::uint8_t>(colour);
+    rgb[1] = static_cast<std::uint8_t>(colour >> 8);
+    rgb[2] = static_cast<std::uint8_t>(colour >> 16);
+}
+
+/// A scale's name and unit, and how many of the unit one of what ScalarRows gives is.
+struct Meaning {
+    Scalar scalar;
+    const char *name, *unit;
+    double factor;
+};
+
+Meaning meaning_of(Overlay kind, const Scene& scene) {
+    const bool is_room = scene.depth.far * scene.metres_per_unit > 10;
+    const char* length = is_room ? "m" : "mm";
+    const double metres = scene.metres_per_unit * (is_room ? 1 : 1000);
+    switch (kind) {
+        case Overlay::stiffness:
+            return {Scalar::stiffness, "stiffness", "N/mm", 0.001};
+        case Overlay::static_friction:
+            return {Scalar::static_friction, "static friction", "", 1};
+        case Overlay::dynamic_friction:
+            return {Scalar::dynamic_friction, "dynamic friction", "", 1};
+        case Overlay::height:
+            return {Scalar::height, "height", length, metres};
+        default:
+            return {Scalar::depth, "depth", length, metres};
+    }
+}
+
+struct SeenRange {
+    ValueRange shown, all;
+};
+
+/// Over some thirty thousand of the pixels; of depths without the outermost ones, nor what is at the far
+/// plane, where backgrounds are.
+SeenRange seen_range(Scalar scalar, const HeightField& field, ScalarRows& rows, std::vector<float>& row) {
+    const int step = 1 + std::max(field.width(), field.height()) / 256;
+    const auto most = static_cast<float>(scalar == Scalar::depth ? 0.999 * field.scene().depth.far
+                                                                 : std::numeric_limits<float>::max());
+    std::vector<float> values;
+    float least = std::numeric_limits<float>::max(), greatest = std::numeric_limits<float>::lowest();
+    for (int y = step / 2; y < field.height(); y += step) {
+        rows.read(y, row.data());
+        for (int x = step / 2; x < field.width(); x += step) {
+            const float value = row[static_cast<std::size_t>(x)];
+            if (value < most) values.push_back(value);
+            if (value < least) least = value;
+            if (value > greatest) greatest = value;
+        }
+    }
+    if (values.empty()) return {};
+    const auto quantile = [&](std::size_t percent) {
+        const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * percent / 100);
+        std::nth_element(values.begin(), at, values.end());
+        return static_cast<double>(*at);
+    };
+    const std::size_t outermost = scalar == Scalar::depth ? 1 : 0;
+    return {{quantile(outermost), quantile(100 - outermost)},
+            {static_cast<double>(least), static_cast<double>(greatest)}};
+}
+
+/// Ends that are farther apart than what roundings make.
+ValueRange apart(const ValueRange& range) {
+    const double size = std::max(std::fabs(range.least), std::fabs(range.greatest));
+    return range.greatest - range.least > 1e-5 * size ? range : ValueRange{range.greatest, range.greatest};
+}
+
+/// From values of a row to places on the ramp, 0 to 255; 256: no value.
+void indices_of(const float* values, int width, float least, float per_value, std::uint32_t* indices) {
+    for (int x = 0; x < width; ++x) {
+        const float value = values[x], share = (value - least) * per_value + 0.5F;
+        const float held = share > 0.0F ? (share < 255.0F ? share : 255.0F) : 0.0F;
+        indices[x] = value == value ? static_cast<std::uint32_t>(static_cast<int>(held)) : 256U;
+    }
+}
+
+}  // namespace
+
+PackedColour hole_colour(int x, int y) {
+    return ((x + y) & 7) < 4 ? pack_colour(112, 112, 112) : pack_colour(150, 150, 150);
+}
+
+double OverlayScale::share_of(double value) const {
+    if (!(range.greatest > range.least)) return 0.5;
+    const double share = std::clamp((value - range.least) / (range.greatest - range.least), 0.0, 1.0);
+    return least_is_light ? 1 - share : share;
+}
+
+const OverlayPicture& Overlays::paint(Overlay kind, const HeightField& field, const FramePair& pair) {
+    assert(kind != Overlay::colour);
+    picture_.width = field.width();
+    picture_.height = field.height();
+    picture_.rgb.resize(std::size_t{3} * static_cast<std::size_t>(field.width()) *
+                        static_cast<std::size_t>(field.height()));
+    picture_.scale = {};
+    if (kind == Overlay::normals || kind == Overlay::tiles) find_q(field, pair);
+    switch (kind) {
+        case Overlay::normals:
+            paint_normals(field);
+            break;
+        case Overlay::tiles:
+            paint_tiles(field);
+            break;
+        case Overlay::validity:
+            paint_validity(field, pair);
+            break;
+        default:
+            paint_values(kind, field, pair);
+    }
+    return picture_;
+}
+
+void Overlays::paint_values(Overlay kind, const HeightField& field, const FramePair& pair) {
+    const Meaning meaning = meaning_of(kind, field.scene());
+    const int width = field.width();
+    std::vector<float> row(static_cast<std::size_t>(width));
+    std::vector<std::uint32_t> indices(row.size());
+    rows_.begin(meaning.scalar, field, pair);
+    const SeenRange seen = seen_range(meaning.scalar, field, rows_, row);
+    const ValueRange range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
+    OverlayScale& scale = picture_.scale;
+    scale.name = meaning.name;
+    scale.unit = meaning.unit;
+    scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
+    scale.is_less = range.greatest > range.least && seen.all.least < range.least;
+    scale.is_more = range.greatest > range.least && seen.all.greatest > range.greatest;
+    scale.least_is_light = kind == Overlay::depth;  // what is near is light
+    std::array<PackedColour, 257> colours{};
+    for (std::size_t k = 0; k < 256; ++k) colours[k] = colour_ramp()[scale.least_is_light ? 255 - k : k];
+    const bool even = !(range.greatest > range.least);
+    if (even) std::fill_n(colours.begin(), 256, ramp_colour(0.5));
+    const auto least = static_cast<float>(range.least);
+    const auto per_value = static_cast<float>(even ? 0.0 : 255.0 / (range.greatest - range.least));
+    for (int y = 0; y < field.height(); ++y) {
+        rows_.read(y, row.data());
+        indices_of(row.data(), width, least, per_value, indices.data());
+        std::uint8_t* rgb = this->row(y);
+        for (int x = 0; x < width; ++x, rgb += 3) {
+            const std::uint32_t index = indices[static_cast<std::size_t>(x)];
+            put(index < 256 ? colours[index] : hole_colour(x, y), rgb);
+        }
+    }
+}
+
+void Overlays::find_q(const HeightField& field, const FramePair& pair) {
+    if (SurfaceUnproject::has_codes(field, pair))
+        lattices_.q_of(field, pair, q_);
+    else
+        q_ = q_of(field);
+}
+
+void Overlays::paint_normals(const HeightField& field) {
+    picture_.scale.name = "normals";
+    picture_.scale.classes = {{normal_colour({1, 0, 0}), "to the right"},
+                              {normal_colour({0, 1, 0}), "up"},
+                              {normal_colour({0, 0, 1}), "towards the clip's camera"}};
+    NormalRows rows(field.scene().camera, field.width(), field.height(), q_.data());
+    for (int y = 0; y < field.height(); ++y) {
+        rows.paint(y, row(y));
+        const float* q = q_.data() + std::ptrdiff_t{y} * field.width();
+        for (int x = 0; x < field.width(); ++x)
+            if (!(q[x] > 0)) put(hole_colour(x, y), row(y) + std::ptrdiff_t{3} * x);
+    }
+}
+
+void Overlays::paint_tiles(const HeightField& field) {
+    picture_.scale.name = "tiles of 16x16 cells";
+    picture_.scale.classes = {{whole_colour, "all of it is drawn"}, {mixed_colour, "some of it is drawn"}};
+    const TileGrid grid = TileGrid::of(field.width(), field.height());
+    const ViewTiles tiles = lattices_.tiles_of(field.width(), field.height(), q_);
+    std::vector<PackedColour> colours(
+        static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y), 0);
+    for (const std::uint32_t tile : tiles.whole) colours[tile] = whole_colour;
+    for (const std::uint32_t tile : tiles.mixed) colours[tile] = mixed_colour;
+    for (int y = 0; y < field.height(); ++y)
+        for (int x = 0; x < field.width(); ++x) {
+            const int tile = grid.row_of_cell(y) * grid.tiles_x + grid.column_of_cell(x);
+            PackedColour colour = colours[static_cast<std::size_t>(tile)];
+            // A darker line where a tile begins.
+            if (x % TileGrid::cells == 0 || y % TileGrid::cells == 0) colour = colour >> 1 & 0x7F7F7FU;
+            put(colours[static_cast<std::size_t>(tile)] != 0 ? colour : hole_colour(x, y),
+                row(y) + std::ptrdiff_t{3} * x);
+        }
+}
+
+void Overlays::paint_validity(const HeightField& field, const FramePair& pair) {
+    picture_.scale.name = "validity";
+    picture_.scale.classes = {{valid_colour, "has depth"}, {rim_colour, "next to a hole"}};
+    rows_.begin(Scalar::depth, field, pair);
+    if (rows_.is_between()) picture_.scale.classes.push_back({once_colour, "has depth in one of two frames"});
+    const int width = field.width(), height = field.height();
+    const std::size_t columns = static_cast<std::size_t>(width) + 2;  // one more at either side
+    // Of three rows what read_validity says; beyond the picture there is no hole.
+    std::array<std::vector<std::uint8_t>, 3> states;
+    const auto line = [&](int y) -> std::vector<std::uint8_t>& {
+        return states[static_cast<std::size_t>((y + 3) % 3)];
+    };
+    const auto read = [&](int y) {
+        line(y).assign(columns, 1);
+        if (y >= 0 && y < height) rows_.read_validity(y, line(y).data() + 1);
+    };
+    read(-1);
+    read(0);
+    std::vector<std::uint8_t> open(columns);
+    for (int y = 0; y < height; ++y) {
+        read(y + 1);
+        for (std::size_t x = 0; x < columns; ++x)
+            open[x] = states[0][x] == 0 || states[1][x] == 0 || states[2][x] == 0 ? 1 : 0;
+        const std::uint8_t* state = line(y).data() + 1;
+        std::uint8_t* rgb = row(y);
+        for (int x = 0; x < width; ++x, rgb += 3) {
+            const std::uint8_t* beside = open.data() + x;
+            const bool rim = (beside[0] | beside[1] | beside[2]) != 0;
+            const PackedColour colour = state[x] == 2 ? once_colour : rim ? rim_colour : valid_colour;
+            put(state[x] == 0 ? hole_colour(x, y) : colour, rgb);
+        }
+    }
+}
+
+void quieten_light(Overlay kind, const OverlayPicture& overlay, ViewSurface& surface) {
+    const bool shows_relief = kind == Overlay::depth || kind == Overlay::normals;
+    const unsigned lit_share = shows_relief ? 0 : 128;  // of 256
+    for (std::size_t k = 0; k < surface.colours.size(); ++k) {
+        const std::uint8_t* rgb = overlay.rgb.data() + 3 * k;
+        const PackedColour lit = surface.colours[k];
+        const auto mixed = [&](int channel) {
+            const unsigned of_light = lit >> (8 * channel) & 255U;
+            return (rgb[channel] * (256 - lit_share) + of_light * lit_share + 128) >> 8;
+        };
+        surface.colours[k] = pack_colour(mixed(0), mixed(1), mixed(2));
+    }
+}
+
+}  // namespace touchable

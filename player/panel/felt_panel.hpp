@@ -1,0 +1,36 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "player/control/felt_settings.hpp"
+#include "player/control/window_command.hpp"
+
+namespace touchable {
+
+/// What the panel shows of the settings of what is felt.
+struct FeltFacts {
+    std::map<std::string, std::string> by_hand, in_effect;  ///< as FeltSettings and `felt_in` have them
+    std::string filters;                                    ///< each filter with its reason, in words
+    bool b_is_on = false;                                   ///< of the two sets
+    bool has_device = false;                                ///< one is held
+};
+
+/// The panel's parts for the settings of what is felt, a row each, where Dear ImGui's cursor is. `scale` as
+/// in panel_rows.hpp.
+class FeltPanel {
+public:
+    void draw(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_filters(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked);
+
+private:
+    void draw_row(const FeltSetting& setting, const FeltFacts& facts, std::vector<WindowCommand>& asked);
+    void draw_number(const FeltSetting& setting, const FeltFacts& facts, std::vector<WindowCommand>& asked);
+
+    float scale_ = 1;
+    std::string held_;   // the slider that somebody holds
+    float dragged_ = 0;  // what it says
+};
+
+}  // namespace touchable

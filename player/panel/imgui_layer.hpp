@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "player/control/input_event.hpp"
+
+struct ImGuiContext;
+
+namespace touchable {
+
+/// Dear ImGui: its input, and what it lays out, whoever draws it then (ImGuiVulkan). One at a time.
+class ImGuiLayer {
+public:
+    /// `scale` as in ScreenSize.
+    explicit ImGuiLayer(double scale);
+    ~ImGuiLayer();
+    ImGuiLayer(const ImGuiLayer&) = delete;
+    ImGuiLayer& operator=(const ImGuiLayer&) = delete;
+
+    /// Begins a picture of so many pixels, `seconds` after the one before; from here to `end` ImGui's calls
+    /// make it.
+    void begin(int width, int height, double seconds, std::span<const InputEvent> events);
+    void end();
+    /// Whether something of the panel is being pressed or dragged at the moment.
+    bool holds_pointer() const;
+
+private:
+    ImGuiContext* context_;
+    // What came after a button that was let go in the picture it was pressed in.
+    std::vector<InputEvent> later_;
+};
+
+}  // namespace touchable

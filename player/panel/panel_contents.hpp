@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "player/control/finger_halos.hpp"
+#include "player/control/hand_state.hpp"
+#include "player/overlay/overlays.hpp"
+#include "player/panel/felt_panel.hpp"
+
+namespace touchable {
+
+/// Under the pointer, in words; empty where there is nothing to say.
+struct PlaceFacts {
+    std::vector<std::string> lines;
+};
+
+/// What the window's own words, bars and curves show.
+struct PanelFacts {
+    std::string clip;  ///< its name
+    double seconds = 0, clip_seconds = 0;
+    std::vector<double>
+        cuts;  ///< seconds, where the picture's depth changed all at once, as far as it was seen
+    std::int64_t frame = 0;
+    bool playing = true, looping = false, at_end = false;
+    double speed = 1;
+    std::string overlay;                  ///< of the surface's colours
+    const OverlayScale* scale = nullptr;  ///< what those mean; null: they are the clip's own
+    bool force_on = true;
+    std::optional<HandFacts> hand;  ///< nothing: the pointer is the finger
+    double pressed_mm = 0;          ///< how deep the finger is meant to be in the surface; below 0 above it
+    std::vector<double> forces;     ///< newtons, by finger
+    double most_newtons = 1;        ///< of the bar
+    std::vector<FingerHalo> halos;
+    PlaceFacts place;
+    FeltFacts felt;
+    std::vector<std::string> figures;  ///< of the machine, a line each
+    std::int64_t late_ticks = 0, dropped_frames = 0;
+    std::string message;  ///< of the moment: what a key did, or why a file cannot be opened
+    bool message_is_bad = false;
+    bool is_kiosk = false;            ///< only what a visitor needs
+    std::optional<double> invited_s;  ///< since when it invites to touch, seconds; nothing: it does not
+};
+
+}  // namespace touchable

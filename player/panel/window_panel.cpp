@@ -1,0 +1,231 @@
+#include "player/panel/window_panel.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "player/panel/corner_panels.hpp"
+#include "player/panel/invitation.hpp"
+#include "player/panel/panel_rows.hpp"
+
+namespace touchable {
+namespace {
+
+const ImVec4 bad_words(1.0F, 0.62F, 0.45F, 1);
+
+}  // namespace
+
+void WindowPanel::note_box() {
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    boxes_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+}
+
+bool WindowPanel::covers(double x, double y) const {
+    return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) {
+        return x >= static_cast<double>(box.x0) && x < static_cast<double>(box.x1) &&
+               y >= static_cast<double>(box.y0) && y < static_cast<double>(box.y1);
+    });
+}
+
+void WindowPanel::remember(const PanelFacts& facts, double frame_ms, double tick_us) {
+    curves_.remember({facts.forces, frame_ms, tick_us, facts.late_ticks, facts.dropped_frames});
+}
+
+void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
+    const auto w = static_cast<float>(width), h = static_cast<float>(height);
+    const float m = panel_margin * scale_, bar = panel_bar_height * scale_;
+    boxes_.clear();
+    draw_finger_halos(facts.halos, scale_);
+    if (facts.invited_s) draw_invitation(*facts.invited_s, w, h, facts.hand.has_value());
+    if (!facts.force_on && !facts.hand && !help_shown) draw_stop(w, h, facts.is_kiosk);
+    state_bottom_ = 0;
+    if (!help_shown) draw_state(facts, w);  // it is among the help
+    if (facts.is_kiosk) {
+        if (!facts.invited_s) draw_force(facts, h, scale_);
+        if (facts.scale && !facts.invited_s) draw_overlay_scale(*facts.scale, w - m, h - m, scale_);
+        return;
+    }
+    bar_.draw(facts, w, h, scale_, asked);
+    note_box();
+    ImGui::End();
+    if (!help_shown || facts.message_is_bad) draw_message(facts, w);
+    if (help_shown) return draw_help(facts, w, h, scale_);  // which needs the room
+    draw_force(facts, h, scale_);
+    draw_place(facts, h, scale_);
+    if (facts.scale && (!shown || PlaybackBar::is_roomy(w, scale_)))
+        draw_overlay_scale(*facts.scale, w - m - (shown ? side_width(w) + m : 0), h - 2 * m - bar, scale_);
+    if (shown) draw_side(facts, w, h, asked);
+}
+
+void WindowPanel::draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    char words[32];
+    draw_label("fingers", scale);
+    const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
+    const int count = draw_words("fingers", counts, static_cast<int>(facts.forces.size()) - 1, true);
+    if (count >= 0) asked.push_back({WindowVerb::fingers, static_cast<double>(count + 1)});
+    explain_row("How many fingers there are round the pointer.");
+    draw_label("pressed in", scale);
+    auto depth = static_cast<float>(facts.pressed_mm);
+    std::snprintf(words, sizeof words, "%.1f mm", facts.pressed_mm);
+    if (draw_slider("##depth", depth, -6, 12, words, scale))
+        asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
+    explain_row("How deep a finger is meant to be in the surface; below 0 it is above. So does the wheel.");
+}
+
+void WindowPanel::draw_hand(const HandFacts& hand, float scale) {
+    char words[32] = "none";
+    draw_label("device", scale);
+    ImGui::TextUnformatted(hand.device.c_str());
+    explain_row("What leads the fingers. C, held down, repositions the hand; R puts its middle where it is.");
+    draw_label("forces", scale);
+    ImGui::TextUnformatted(hand.state.mood == HandState::Mood::on    ? "on"
+                           : hand.state.mood == HandState::Mood::off ? "off"
+                                                                     : "off: it is away");
+    explain_row("Whether the hand feels what the fingers meet. F asks for it, and stops it.");
+    draw_label("position", scale);
+    if (std::isfinite(hand.age_s)) std::snprintf(words, sizeof words, "%.1f ms old", 1000 * hand.age_s);
+    ImGui::TextUnformatted(words);
+    explain_row("How long ago the device said where the hand is. What is older than 20 ms counts as none.");
+    draw_label("scale", scale);
+    std::snprintf(words, sizeof words, "1 m is %.3g m", hand.scene_per_metre);
+    ImGui::TextUnformatted(words);
+    explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
+}
+
+/// For whoever has neither a middle button nor keys.
+void WindowPanel::draw_view(float scale, std::vector<WindowCommand>& asked) {
+    draw_label("view", scale);
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
+    ImGui::PushButtonRepeat(true);
+    if (ImGui::ArrowButton("##left", ImGuiDir_Left)) asked.push_back({WindowVerb::turn, -5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##right", ImGuiDir_Right)) asked.push_back({WindowVerb::turn, 5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##up", ImGuiDir_Up)) asked.push_back({WindowVerb::tilt, 5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::ArrowButton("##down", ImGuiDir_Down)) asked.push_back({WindowVerb::tilt, -5});
+    ImGui::SameLine(0, gap);
+    if (ImGui::Button("+##nearer", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 1.25});
+    ImGui::SameLine(0, gap);
+    if (ImGui::Button("-##farther", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 0.8});
+    ImGui::PopButtonRepeat();
+    explain_row(
+        "Turns the view, nearer, farther. So do Ctrl and the arrows, + and -, or dragging with Ctrl held.");
+}
+
+/// What the finger and the clip do now. `roomy`: the bar below has room for the rest of it.
+void WindowPanel::draw_finger(const PanelFacts& facts, bool roomy, float scale,
+                              std::vector<WindowCommand>& asked) {
+    char words[32];
+    if (facts.hand)
+        draw_hand(*facts.hand, scale);
+    else
+        draw_pointer(facts, scale, asked);
+    draw_label("speed", scale);
+    auto speed = static_cast<float>(facts.speed);
+    std::snprintf(words, sizeof words, "%.2f\xC3\x97", facts.speed);
+    if (draw_slider("##rate", speed, 0.1F, 4, words, scale, ImGuiSliderFlags_Logarithmic))
+        asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
+    explain_row("How fast the clip plays. Fingers keep their own time.");
+    if (!roomy) {
+        draw_label("colours", scale);
+        if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
+            asked.push_back({WindowVerb::overlay});
+        explain_row("What the surface is coloured by.");
+    }
+    draw_view(scale, asked);
+    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
+        asked.push_back({WindowVerb::force});
+    ImGui::SameLine();
+    if (ImGui::Button("clip's own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
+}
+
+/// The clip's name, as far as there is room, and what forgets all settings.
+void WindowPanel::draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float reset_width = 56 * scale, room = ImGui::GetContentRegionAvail().x - reset_width;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::PushClipRect(at, ImVec2(at.x + room - style.ItemSpacing.x, at.y + ImGui::GetFrameHeight()), true);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(facts.clip.c_str());
+    ImGui::PopClipRect();
+    ImGui::SameLine(style.WindowPadding.x + room);
+    if (ImGui::Button("reset", ImVec2(-1, 0))) asked.push_back({WindowVerb::reset});
+}
+
+void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
+                            std::vector<WindowCommand>& asked) {
+    const bool roomy = PlaybackBar::is_roomy(width, scale_), tall = height > 600 * scale_;
+    const float m = panel_margin * scale_, scale = roomy ? scale_ : 0.86F * scale_;
+    ImGui::SetNextWindowPos(ImVec2(width - m, m), ImGuiCond_Always, ImVec2(1, 0));
+    ImGui::SetNextWindowSize(ImVec2(side_width(width), height - 3 * m - panel_bar_height * scale_));
+    // The picture behind it is what the settings are about.
+    if (!roomy) ImGui::SetNextWindowBgAlpha(0.7F);
+    // What does not fit is scrolled to.
+    ImGui::Begin("panel", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
+    note_box();
+    ImGui::SetWindowFontScale(scale / scale_);
+    const ImGuiStyle& style = ImGui::GetStyle();
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 2 * scale));
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
+    draw_title(facts, scale, asked);
+    draw_finger(facts, roomy, scale, asked);
+    if (draw_fold("What is felt", true)) felt_.draw(facts.felt, scale, asked);
+    if (draw_fold("Filters of depth", tall)) felt_.draw_filters(facts.felt, scale, asked);
+    if (draw_fold("How it goes", tall)) {
+        curves_.draw(facts.most_newtons, scale);
+        for (const std::string& line : facts.figures) draw_remark(line);
+    }
+    ImGui::PopStyleVar(2);
+    ImGui::End();
+}
+
+WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
+    return {shown || facts.hand ? 104 * scale_ : 0.0F,
+            shown ? width - side_width(width) - 2 * panel_margin * scale_ : width};
+}
+
+/// Whether forces are on: always to be read, whatever else is shown.
+void WindowPanel::draw_state(const PanelFacts& facts, float width) {
+    if (!facts.hand) return;
+    const HandState& state = facts.hand->state;
+    const auto [from, to] = free_of(facts, width);
+    const float m = panel_margin * scale_;
+    begin_box("state", {.x = (from + to) / 2, .y = m, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
+    ImGui::PushTextWrapPos(to - from - m);
+    using Mood = HandState::Mood;
+    const ImVec4 on(0.55F, 0.90F, 0.55F, 1), off(0.95F, 0.78F, 0.35F, 1);
+    const ImVec4& colour = state.mood == Mood::on ? on : (state.mood == Mood::off ? off : bad_words);
+    ImGui::TextColored(colour, "%s", state.words.c_str());
+    if (!state.remark.empty()) ImGui::TextUnformatted(state.remark.c_str());
+    ImGui::PopTextWrapPos();
+    state_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+    ImGui::End();
+}
+
+/// Above the middle of what the panel leaves free.
+void WindowPanel::draw_message(const PanelFacts& facts, float width) {
+    if (facts.message.empty()) return;
+    const auto [from, to] = free_of(facts, width);
+    const float m = panel_margin * scale_, top = state_bottom_ > 0 ? state_bottom_ + m / 2 : m;
+    begin_box("message",
+              {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
+    ImGui::PushTextWrapPos(shown ? to - from - m : width * 0.6F);
+    ImGui::TextColored(facts.message_is_bad ? bad_words : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
+                       facts.message.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::End();
+}
+
+float WindowPanel::side_width(float width) const {
+    return PlaybackBar::is_roomy(width, scale_) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
+}
+
+}  // namespace touchable

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include "player/control/window_command.hpp"
+#include "player/panel/curves_panel.hpp"
+#include "player/panel/felt_panel.hpp"
+#include "player/panel/panel_contents.hpp"
+#include "player/panel/playback_bar.hpp"
+
+namespace touchable {
+
+/// Dear ImGui's part of the window. What a person asks of it comes out as commands.
+class WindowPanel {
+public:
+    /// `scale` as in ScreenSize.
+    explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
+    bool shown = false, help_shown = false;
+
+    /// Between ImGuiLayer's `begin` and `draw`.
+    void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
+    /// The message alone, where there is no clip yet.
+    void draw_message(const PanelFacts& facts, float width);
+    /// Whether something that can be pressed was there in the last picture.
+    bool covers(double x, double y) const;
+    /// Once a picture, whether it is drawn or not.
+    void remember(const PanelFacts& facts, double frame_ms, double tick_us);
+
+private:
+    void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
+    void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    static void draw_view(float scale, std::vector<WindowCommand>& asked);
+    void draw_finger(const PanelFacts& facts, bool roomy, float scale, std::vector<WindowCommand>& asked);
+    void draw_state(const PanelFacts& facts, float width);
+    void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    void draw_hand(const HandFacts& hand, float scale);
+    /// Between what the panel and the forces leave free of the width.
+    struct Free {
+        float from, to;
+    };
+    Free free_of(const PanelFacts& facts, float width) const;
+    float side_width(float width) const;
+
+    struct Box {
+        float x0, y0, x1, y1;
+    };
+    void note_box();
+
+    float scale_;
+    std::vector<Box> boxes_;  // of what can be pressed
+    float state_bottom_ = 0;  // 0: nothing is said of a device
+    PlaybackBar bar_;
+    FeltPanel felt_;
+    CurvesPanel curves_;
+};
+
+}  // namespace touchable

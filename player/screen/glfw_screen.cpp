@@ -1,0 +1,246 @@
+#include <algorithm>
+#include <utility>
+
+#include "player/screen/glfw_keys.hpp"
+#include "player/screen/screen.hpp"
+#include "player/screen/swapchain.hpp"
+#include "player/screen/x_connection.hpp"
+
+#define GLFW_INCLUDE_VULKAN
+#include <GLFW/glfw3.h>
+
+namespace touchable {
+namespace {
+
+/// GLFW's last words about what went wrong.
+std::string zero_force_packets() {
+    const char* words = nullptr;
+    glfwGetError(&words);
+    return words ? words : "no reason given";
+}
+
+Error no_display() {
+    return {ErrorKind::gpu, "there is no display to open a window on (" + zero_force_packets() +
+                                "); run it in a desktop session, or with --headless"};
+}
+
+class GlfwScreen final : public Screen {
+public:
+    ~GlfwScreen() override {
+        swapchain_.reset();
+        if (connection_.is_lost()) return;
+        if (window_) glfwDestroyWindow(window_);
+        glfwTerminate();
+    }
+
+    /// No larger than what the display has for windows.
+    static std::pair<int, int> fitted(const ScreenOptions& options) {
+        int x = 0, y = 0, width = 0, height = 0;
+        if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
+            glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+        if (width <= 0 || height <= 0) return {options.width, options.height};
+        return {std::min(options.width, width), std::min(options.height, height)};
+    }
+
+    Result<void> open(const ScreenOptions& options) {
+        glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
+        if (!glfwInit()) return no_display();
+        connection_.open();
+        if (!glfwVulkanSupported())
+            return Error{
+                ErrorKind::gpu,
+                "there is no Vulkan that can show pictures in a window; touchable check says what there is "
+                "(Debian: mesa-vulkan-drivers)"};
+        glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+        glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+        glfwWindowHint(GLFW_AUTO_ICONIFY, options.stays ? GLFW_FALSE : GLFW_TRUE);
+        const auto [width, height] = fitted(options);
+        window_ = glfwCreateWindow(width, height, "touchable", nullptr, nullptr);
+        if (!window_) return no_display();
+        glfwSetWindowSizeLimits(window_, 320, 200, GLFW_DONT_CARE, GLFW_DONT_CARE);
+        glfwSetWindowUserPointer(window_, this);
+        listen();
+        if (options.fullscreen) set_fullscreen(true);
+        return {};
+    }
+
+    std::vector<std::string> extensions() const override {
+        std::uint32_t count = 0;
+        const char** names = glfwGetRequiredInstanceExtensions(&count);
+        return {names, names + count};
+    }
+
+    Result<void> attach(std::shared_ptr<GpuDevice> device) override {
+        swapchain_.reset();
+        const auto& vulkan = device->vulkan();
+        VkSurfaceKHR surface = VK_NULL_HANDLE;
+        const VkResult result =
+            glfwCreateWindowSurface(vulkan->instance->handle(), window_, nullptr, &surface);
+        if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
+        auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
+        if (!made.ok()) return made.error();
+        swapchain_ = std::move(*made);
+        return {};
+    }
+
+    Result<void> health() const override {
+        if (connection_.has_lost_window())
+            return Error{ErrorKind::gpu, "another program has destroyed the window"};
+        if (!connection_.is_lost()) return {};
+        return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
+    }
+
+    ScreenSize size() const override {
+        if (connection_.is_lost()) return size_;
+        ScreenSize size;
+        glfwGetFramebufferSize(window_, &size.width, &size.height);
+        float scale_x = 1, scale_y = 1;
+        glfwGetWindowContentScale(window_, &scale_x, &scale_y);
+        size.scale = static_cast<double>(scale_x);
+        if (!connection_.is_lost()) size_ = size;
+        return size_;
+    }
+
+    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
+        if (connection_.is_lost()) return {};
+        if (!connection_.is_open()) {
+            glfwWaitEventsTimeout(std::chrono::duration<double>(longest).count());
+            return std::exchange(events_, {});
+        }
+        // GLFW's own wait would never end on a connection that is lost in it.
+        glfwPollEvents();
+        if (events_.empty()) {
+            connection_.wait(longest);
+            glfwPollEvents();
+        }
+        return std::exchange(events_, {});
+    }
+
+    Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
+        const ScreenSize now = size();
+        return swapchain_->present(
+            std::move(commands), canvas,
+            {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
+    }
+
+    void set_title(const std::string& title) override {
+        if (!connection_.is_lost()) glfwSetWindowTitle(window_, title.c_str());
+    }
+
+    void set_fullscreen(bool on) override {
+        if (connection_.is_lost()) return;
+        const bool is = glfwGetWindowMonitor(window_) != nullptr;
+        if (is == on) return;
+        if (on) {
+            glfwGetWindowPos(window_, &place_[0], &place_[1]);
+            glfwGetWindowSize(window_, &place_[2], &place_[3]);
+            GLFWmonitor* const monitor = glfwGetPrimaryMonitor();
+            const GLFWvidmode* const mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+            if (mode)
+                glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+        } else {
+            glfwSetWindowMonitor(window_, nullptr, place_[0], place_[1], place_[2], place_[3], 0);
+        }
+    }
+
+    void set_size(int width, int height) override {
+        if (connection_.is_lost()) return;
+        // Pixels at this display's scale, in the window's own units.
+        const ScreenSize now = size();
+        int units = 1, ignored = 1;
+        glfwGetWindowSize(window_, &units, &ignored);
+        const double unit = now.width > 0 ? now.scale * units / now.width : 1;
+        glfwSetWindowSize(window_, static_cast<int>(width * unit), static_cast<int>(height * unit));
+    }
+
+    void hide_pointer(bool hidden) override {
+        if (hidden == hidden_ || connection_.is_lost()) return;
+        hidden_ = hidden;
+        glfwSetInputMode(window_, GLFW_CURSOR, hidden ? GLFW_CURSOR_HIDDEN : GLFW_CURSOR_NORMAL);
+    }
+
+private:
+    static GlfwScreen& of(GLFWwindow* window) {
+        return *static_cast<GlfwScreen*>(glfwGetWindowUserPointer(window));
+    }
+    InputEvent& add(InputEvent event) { return events_.emplace_back(std::move(event)); }
+
+    /// A place in the window's own units, in pixels of the picture.
+    std::pair<double, double> pixels(double x, double y) const {
+        int width = 1, height = 1, pixels_x = 1, pixels_y = 1;
+        glfwGetWindowSize(window_, &width, &height);
+        glfwGetFramebufferSize(window_, &pixels_x, &pixels_y);
+        if (width < 1 || height < 1) return {x, y};
+        return {x * pixels_x / width, y * pixels_y / height};
+    }
+
+    void listen() {
+        using Kind = InputEvent::Kind;
+        glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+            const auto [px, py] = of(window).pixels(x, y);
+            of(window).add({.kind = Kind::moved, .x = px, .y = py});
+        });
+        glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int entered) {
+            if (!entered) of(window).add({.kind = Kind::left_window});
+        });
+        glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int focused) {
+            if (!focused) of(window).add({.kind = Kind::left_window});
+        });
+        glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int held) {
+            constexpr const char* names[] = {"left", "right", "middle"};
+            if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
+            of(window).add({.kind = action == GLFW_RELEASE ? Kind::released : Kind::pressed,
+                            .word = names[button],
+                            .control = (held & GLFW_MOD_CONTROL) != 0,
+                            .shift = (held & GLFW_MOD_SHIFT) != 0});
+        });
+        glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double notches) {
+            const bool control = glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
+                                 glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
+            of(window).add({.kind = Kind::wheel, .y = notches, .control = control});
+        });
+        glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int code, int action, int held) {
+            of(window).repeats_ = action == GLFW_REPEAT;
+            const std::string name = name_of_key(key, glfwGetKeyName(key, code));
+            if (name.empty()) return;
+            of(window).add({.kind = action == GLFW_RELEASE ? Kind::key_released : Kind::key,
+                            .word = name,
+                            .control = (held & GLFW_MOD_CONTROL) != 0,
+                            .shift = (held & GLFW_MOD_SHIFT) != 0,
+                            .repeated = action == GLFW_REPEAT});
+        });
+        // After the key that it comes of.
+        glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned character) {
+            const std::string name = name_of_sign(character);
+            if (!name.empty())
+                of(window).add({.kind = Kind::key, .word = name, .repeated = of(window).repeats_});
+        });
+        glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
+            of(window).add(
+                {.kind = Kind::resized, .x = static_cast<double>(width), .y = static_cast<double>(height)});
+        });
+        glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+            for (int k = 0; k < count; ++k) of(window).add({.kind = Kind::dropped, .word = paths[k]});
+        });
+        glfwSetWindowCloseCallback(window_,
+                                   [](GLFWwindow* window) { of(window).add({.kind = Kind::close}); });
+    }
+
+    GLFWwindow* window_ = nullptr;
+    XConnection connection_;
+    mutable ScreenSize size_;  // as last known
+    std::unique_ptr<Swapchain> swapchain_;
+    std::vector<InputEvent> events_;
+    int place_[4] = {0, 0, 1280, 720};  // before it became full-screen: x, y, width, height
+    bool hidden_ = false, repeats_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Screen>> open_glfw_screen(const ScreenOptions& options) {
+    auto screen = std::make_unique<GlfwScreen>();
+    if (auto opened = screen->open(options); !opened.ok()) return opened.error();
+    return std::unique_ptr<Screen>(std::move(screen));
+}
+
+}  // namespace touchable
