@@ -155,7 +155,8 @@ TEST_F(Heic, DepthWithoutAScaleIsAssumedAndSaid) {
     for (const auto& [sei, xmp] : {std::pair<std::string, std::string>{"", ""},
                                    {"", apple_xmp("disparity", "0", "1")},
                                    {depth_info_sei({1, unsaid, unsaid, -1, 1}), ""},
-                                   {depth_info_sei({3, 0.5, 4, unsaid, unsaid}), "no <xmp"}}) {
+                                   {depth_info_sei({3, 0.5, 4, unsaid, unsaid}), "no <xmp"},
+                                   {depth_info_sei({280, 0.5, 4, unsaid, unsaid}), ""}}) {
         file.depth_sei = sei;
         file.depth_xmp = xmp;
         const auto clip = open(file.bytes());

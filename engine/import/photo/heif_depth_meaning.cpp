@@ -1,7 +1,9 @@
 #include "engine/import/photo/heif_depth_meaning.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -85,9 +87,18 @@ bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
     return true;
 }
 
+/// How the codec says that depth is represented; nothing where it says a number that H.265 has no meaning
+/// for. libheif hands any number on: only its bytes may be looked at before that is known.
+std::optional<heif_depth_representation_type> representation(const heif_depth_representation_info& info) {
+    std::underlying_type_t<heif_depth_representation_type> number;
+    std::memcpy(&number, &info.depth_representation_type, sizeof number);
+    if (number > heif_depth_representation_type_nonuniform_disparity) return std::nullopt;
+    return info.depth_representation_type;
+}
+
 /// Whether the codec's metadata tell the depths.
-bool describe_by_codec(const heif_depth_representation_info& info, DepthPhoto& photo) {
-    const auto type = info.depth_representation_type;
+bool describe_by_codec(const heif_depth_representation_info& info, heif_depth_representation_type type,
+                       DepthPhoto& photo) {
     if (type == heif_depth_representation_type_nonuniform_disparity) {
         add_remark(
             photo.remarks,
@@ -118,11 +129,11 @@ void describe_heif_depth(const heif_depth_representation_info* info, const std::
     photo.coding.code_max = static_cast<std::uint16_t>((1 << photo.depth.bits) - 1);
     const auto entries = parse_xmp_entries(xmp);
     if (entries && describe_by_apple(*entries, photo)) return;
-    if (info != nullptr && describe_by_codec(*info, photo)) return;
+    const auto type = info != nullptr ? representation(*info) : std::nullopt;
+    if (type && describe_by_codec(*info, *type, photo)) return;
     photo.has_scale = false;
     photo.coding.kind = DepthCodingKind::inverse;
-    photo.coding.near_is_high =
-        info == nullptr || info->depth_representation_type != heif_depth_representation_type_uniform_Z;
+    photo.coding.near_is_high = type != heif_depth_representation_type_uniform_Z;
     if (!photo.coding.near_is_high) photo.coding.kind = DepthCodingKind::linear;
 }
 
