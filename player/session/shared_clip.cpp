@@ -11,10 +11,12 @@
 namespace touchable {
 namespace {
 
-// Of the newest frames: those that a run holds itself, ahead of the hand and in its timeline, cost nothing
-// more. Beyond them there are the ones before its beginning that a filter with a memory sees.
-constexpr std::size_t least_kept = 12, most_kept = 32;
-constexpr std::size_t most_kept_bytes = std::size_t{128} << 20;  // of the newest, and of the first
+// A run by other settings begins where the one before it is. If that reads 12 frames ahead of the hand, and
+// a filter with a memory wants 16 frames before its beginning, 28 must be there: otherwise both take turns at
+// the one decoder, each by a seek. So many of 1920x1080 with all four planes are less than 576 MiB. Of larger
+// frames there are fewer.
+constexpr std::size_t least_kept = 2, most_kept = 32;
+constexpr std::size_t most_newest_bytes = std::size_t{576} << 20, most_first_bytes = std::size_t{128} << 20;
 
 std::size_t kept_bytes_of(const RawFrame& frame) {
     std::size_t bytes = 0;
@@ -114,7 +116,7 @@ void SharedClip::keep(const RawFrame& frame) {
     const std::size_t bytes = kept_bytes_of(frame);
     newest_.push_back(frame);
     newest_bytes_ += bytes;
-    while (newest_.size() > least_kept && (newest_.size() > most_kept || newest_bytes_ > most_kept_bytes)) {
+    while (newest_.size() > least_kept && (newest_.size() > most_kept || newest_bytes_ > most_newest_bytes)) {
         newest_bytes_ -= kept_bytes_of(newest_.front());
         newest_.pop_front();
     }
@@ -123,7 +125,7 @@ void SharedClip::keep(const RawFrame& frame) {
         return;
     first_.push_back(frame);
     first_bytes_ += bytes;
-    if (first_bytes_ > most_kept_bytes) {
+    if (first_bytes_ > most_first_bytes) {
         keeps_first_ = false;
         first_.clear();
     }

@@ -450,12 +450,15 @@ TEST_F(Convert, InterruptedLeavesNothing) {
 
 TEST_F(Convert, FullDiskLeavesNothing) {
     make_clip("noise", at("clip.mkv"), {"--frames", "3"});
-    for (const char* name : {"out/a", "out/a.mkv", "out/a.png"}) {
-        const Outcome run = run_on_full_disk({"convert", at("clip.mkv"), at(name)}, 4);
-        EXPECT_EQ(run.code, 3) << run.err;
-        EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_TRUE(names_in(folder / "out").empty());
-    }
+    for (const char* name : {"out/a", "out/a.mkv", "out/a.png"})
+        for (const bool is_resized : {false, true}) {
+            std::vector<std::string> words{"convert", at("clip.mkv"), at(name)};
+            if (is_resized) words.insert(words.end(), {"--size", "200x150", "--allow-lossy"});
+            const Outcome run = run_on_full_disk(words, 4);
+            EXPECT_EQ(run.code, 3) << run.err;
+            EXPECT_TRUE(run.one_line_of_error()) << run.err;
+            EXPECT_TRUE(names_in(folder / "out").empty());
+        }
 }
 
 }  // namespace

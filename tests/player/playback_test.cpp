@@ -5,8 +5,8 @@
 #include <fstream>
 #include <memory>
 
-#include "player/session/playback_script.hpp"
 #include "player/run/touch_session.hpp"
+#include "player/session/playback_script.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

@@ -159,10 +159,27 @@ TEST_F(Shared, KeepsTheFirstFramesForASurveyUntilItIsMade) {
 TEST_F(Shared, KeepsAFewFramesThoughTheyAreLargeAndNeverMoreThanSome) {
     expect_frames(*reader(), 0, 150);
     EXPECT_EQ(read_.in_memory(), 32 + DepthEstimator::frames);
-    read_ = {};
-    shared_ = std::make_shared<SharedClip>();
-    expect_frames(*reader(50 << 20), 0, 100);
-    EXPECT_EQ(read_.in_memory(), 12);
+    for (const auto& [bytes, kept] : {std::pair{50 << 20, 11}, {300 << 20, 2}}) {
+        read_ = {};
+        shared_ = std::make_shared<SharedClip>();
+        expect_frames(*reader(bytes), 0, 100);
+        EXPECT_EQ(read_.in_memory(), kept) << bytes;
+    }
+}
+
+// Otherwise the run before and the one that takes its place, by a filter that remembers, take turns at one
+// decoder, each by a seek.
+TEST_F(Shared, OfAFullHdClipTwoRunsReadEachFrameOnceThoughOneOfThemFiltersFromSixteenFramesBefore) {
+    constexpr int with_all_planes = 1920 * 1080 * (2 + 3 + 3 + 1);
+    auto before = reader(with_all_planes);
+    expect_frames(*before, 0, 60);
+    auto next = reader(with_all_planes);
+    ASSERT_TRUE(next->seek(60 - 12 - 16).ok());
+    for (int turn = 0; turn < 40; ++turn) {
+        expect_frames(*next, 32 + turn, 33 + turn);
+        expect_frames(*before, 60 + turn, 61 + turn);
+    }
+    EXPECT_EQ(read_.most(), 1);
 }
 
 TEST_F(Shared, AfterDamageItIsKnownAgainWhereTheClipIs) {
