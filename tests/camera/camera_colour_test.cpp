@@ -6,7 +6,7 @@
 #include "engine/camera/v4l2_camera.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/camera/fake_video.hpp"
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

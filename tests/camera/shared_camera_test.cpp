@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "tests/camera/fake_video.hpp"
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/bag_bytes.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/media/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "engine/frame/stored_code.hpp"
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/exif_bytes.hpp"
-#include "tests/media/clip_fixture.hpp"
-#include "tests/media/encoded_picture.hpp"
-#include "tests/media/jpeg_with_xmp.hpp"
+#include "tests/import/jpeg_with_xmp.hpp"
+#include "tests/picture/encoded_picture.hpp"
 
 namespace touchable::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/media/jpeg_with_xmp.hpp"
+#include "tests/import/jpeg_with_xmp.hpp"
 
 namespace touchable::test {
 

@@ -12,7 +12,7 @@
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/video/matroska_writer.hpp"
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

@@ -17,8 +17,8 @@
 
 #include "engine/picture/image_file.hpp"
 #include "engine/stop_request.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/kept_clips.hpp"
-#include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

@@ -6,8 +6,8 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/import/guessed_video.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
-#include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

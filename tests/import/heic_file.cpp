@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "tests/media/jpeg_with_xmp.hpp"
+#include "tests/import/jpeg_with_xmp.hpp"
 
 namespace touchable::test {
 namespace {

@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "engine/import/photo/heif_properties.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/exif_bytes.hpp"
 #include "tests/import/heic_file.hpp"
-#include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

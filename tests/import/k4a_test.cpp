@@ -5,8 +5,8 @@
 
 #include "engine/import/k4a_calibration.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

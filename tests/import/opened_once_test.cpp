@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "engine/picture/image_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/kept_clips.hpp"
-#include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/scene/camera.hpp"
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {

@@ -8,8 +8,8 @@
 
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/media/clip_fixture.hpp"
 #include "tests/sweep.hpp"
 
 namespace touchable::test {

@@ -6,8 +6,8 @@
 
 #include "engine/scene/scene_file.hpp"
 #include "engine/video/video_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
-#include "tests/media/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

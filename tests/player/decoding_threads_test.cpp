@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "engine/video/matroska_writer.hpp"
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {

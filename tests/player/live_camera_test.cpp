@@ -6,7 +6,7 @@
 #include "engine/clip/prefetch.hpp"
 #include "engine/clip/replay_camera.hpp"
 #include "player/session/camera_words.hpp"
-#include "tests/media/clip_fixture.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/standstill.hpp"
 

@@ -10,8 +10,8 @@
 #include "player/session/camera_words.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/camera/fake_video.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
-#include "tests/media/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

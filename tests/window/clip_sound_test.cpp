@@ -11,8 +11,8 @@
 #include "engine/picture/image_file.hpp"
 #include "engine/video/film_writer.hpp"
 #include "player/audio/heard_sound.hpp"
-#include "tests/media/sounding_clip.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/video/sounding_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -17,9 +17,9 @@
 #include "engine/sound/sound_track.hpp"
 #include "player/record/recording.hpp"
 #include "player/record/repeating_hand.hpp"
-#include "tests/media/film_reader.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
+#include "tests/video/film_reader.hpp"
 
 namespace touchable::test {
 namespace {

@@ -13,9 +13,9 @@
 #include "player/control/pointer_fingers.hpp"
 #include "player/control/window_view.hpp"
 #include "player/run/clip_workspace.hpp"
-#include "tests/media/sounding_clip.hpp"
 #include "tests/player/program.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/video/sounding_clip.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

@@ -1,0 +1,273 @@
+// Arrays that NumPy wrote.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "engine/picture/image_file.hpp"
+#include "engine/picture/npy_stack.hpp"
+#include "engine/picture/stored_image.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/limited_memory.hpp"
+#include "tests/real_data.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// Number k*100 + 7*y + x + 1 at y, x of picture k, for floats an eighth of it less 2.
+constexpr const char* numpy_script = R"(
+import numpy as np, sys
+folder = sys.argv[1] + '/'
+k, y, x = np.mgrid[0:3, 0:5, 0:7]
+n = k * 100 + 7 * y + x + 1
+for order in '<>':
+    for kind in ['u1', 'u2', 'i2', 'u4', 'i4', 'u8', 'i8', 'f2', 'f4', 'f8']:
+        a = (n[0] / 8 - 2 if kind[0] == 'f' else n[0]).astype(order + kind)
+        name = folder + kind + ('le' if order == '<' else 'be')
+        np.save(name + '_c', a)
+        np.save(name + '_f', np.asfortranarray(a))
+np.save(folder + 'negative', (n[0] - 5).astype('<i2'))
+np.save(folder + 'large', (n[0] * 100000).astype('<i4'))
+np.save(folder + 'special', np.array([[np.nan, np.inf, -np.inf, 1e300, 1.5]]))
+halves = np.arange(65536).astype('<u2').reshape(256, 256).view('<f2')
+np.save(folder + 'halves', halves)
+np.save(folder + 'as_floats', halves.astype('<f4'))
+np.save(folder + 'with_one', n[0].astype('<u2')[:, :, None])
+np.save(folder + 'stack', n.astype('<u2'))
+late = n.astype('<i4'); late[2, 4, 6] = -1
+np.save(folder + 'late', late)
+np.save(folder + 'colour', np.zeros((9, 8, 3), 'u1'))
+np.save(folder + 'row', np.zeros(9))
+np.save(folder + 'complex', np.zeros((2, 2), 'c8'))
+np.save(folder + 'records', np.zeros((2, 2), [('a', '<f4')]))
+np.save(folder + 'fortran_stack', np.asfortranarray(n))
+for version in [(2, 0), (3, 0)]:
+    with open(folder + 'version%d.npy' % version[0], 'wb') as f:
+        np.lib.format.write_array(f, n[0].astype('<u2'), version)
+u = n.astype('<u2')
+np.savez(folder + 'one.npz', u[0])
+np.savez_compressed(folder + 'named.npz', rgb=np.zeros((4, 4), 'u1'), depth=u[0], depth_error=u[1])
+np.savez_compressed(folder + 'begins.npz', mask=np.zeros((4, 4), 'u1'), depth_mm=u[0], depth_scale=0.001)
+np.savez(folder + 'only.npz', K=np.zeros(9), z=u[0], t=3.0)
+np.savez(folder + 'several.npz', left=u[0], right=u[1])
+np.savez_compressed(folder + 'stack.npz', depth=u)
+)";
+
+class Npy : public ::testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = new TemporaryFolder;
+        write_bytes(*folder_ / "write.py", numpy_script);
+        written_ = std::system(("/usr/bin/python3 '" + (*folder_ / "write.py").string() + "' '" +
+                                folder_->path().string() + "' 2>/dev/null")
+                                   .c_str()) == 0;
+    }
+    static void TearDownTestSuite() { delete folder_; }
+    void SetUp() override {
+        if (!written_) GTEST_SKIP() << "needs Python with NumPy (Debian: python3-matplotlib)";
+    }
+    static std::filesystem::path file(const std::string& name) { return *folder_ / name; }
+    static std::string bytes(const std::string& name) { return read_bytes(file(name)); }
+    static std::string refusal(const std::string& name) {
+        return message(decode_stored_image(bytes(name), "picture"));
+    }
+
+private:
+    static inline TemporaryFolder* folder_ = nullptr;
+    static inline bool written_ = false;
+};
+
+void expect_numbers(const Result<StoredImage>& stored, int first = 1) {
+    ASSERT_EQ(message(stored), "");
+    ASSERT_EQ(stored->image.width, 7);
+    ASSERT_EQ(stored->image.height, 5);
+    for (int y = 0; y < 5; ++y)
+        for (int x = 0; x < 7; ++x) {
+            const int number = first + 7 * y + x;
+            if (stored->values.empty())
+                ASSERT_EQ(stored->image.view().sample(x, y), number);
+            else
+                ASSERT_EQ(stored->values[static_cast<std::size_t>(7 * y + x)],
+                          static_cast<float>(number) / 8 - 2);
+        }
+}
+
+TEST_F(Npy, EveryKindByteOrderOrderOfIndicesAndVersion) {
+    for (const std::string kind : {"u1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", "f4", "f8"})
+        for (const std::string byte_order : {"le", "be"})
+            for (const std::string order : {"_c", "_f"}) {
+                SCOPED_TRACE(kind + byte_order + order);
+                const auto stored = read_stored_image(file(kind + byte_order + order + ".npy"));
+                expect_numbers(stored);
+                const int bits = 8 * (kind[1] - '0');
+                EXPECT_EQ(stored->codec, "npy");
+                EXPECT_EQ(stored->values.empty(), kind[0] != 'f');
+                EXPECT_EQ(stored->bits, kind[0] == 'f' || bits < 16 ? bits : 16);
+                const std::string name = kind[0] == 'f' ? "grayf" + std::to_string(bits) + byte_order
+                                         : kind == "u1" ? "gray"
+                                         : kind == "u2" ? "gray16" + byte_order
+                                                        : "gray16le";
+                EXPECT_EQ(stored->pixel_format, name);
+            }
+    for (const char* name : {"version2.npy", "version3.npy", "with_one.npy"})
+        expect_numbers(read_stored_image(file(name)));
+}
+
+TEST_F(Npy, WhatIsNoCodeIsAFloat) {
+    const auto negative = read_stored_image(file("negative.npy")),
+               large = read_stored_image(file("large.npy"));
+    ASSERT_EQ(message(negative) + message(large), "");
+    EXPECT_EQ(negative->pixel_format + large->pixel_format, "grayf32legrayf32le");
+    EXPECT_EQ(negative->values.front(), -4.0F);
+    EXPECT_EQ(large->values.back(), 3500000.0F);
+
+    const auto special = read_stored_image(file("special.npy"));
+    ASSERT_EQ(message(special), "");
+    EXPECT_TRUE(std::isnan(special->values[0]));
+    for (const std::size_t k : {1U, 3U})
+        EXPECT_EQ(special->values[k], std::numeric_limits<float>::infinity());
+    EXPECT_EQ(special->values[2], -std::numeric_limits<float>::infinity());
+    EXPECT_EQ(special->values[4], 1.5F);
+
+    // Every number of 16 bits.
+    const auto halves = read_stored_image(file("halves.npy")),
+               floats = read_stored_image(file("as_floats.npy"));
+    ASSERT_EQ(message(halves) + message(floats), "");
+    ASSERT_EQ(halves->values.size(), 65536U);
+    for (std::size_t k = 0; k < 65536; ++k) {
+        if (std::isnan(floats->values[k]))
+            ASSERT_TRUE(std::isnan(halves->values[k])) << k;
+        else
+            ASSERT_EQ(std::bit_cast<std::uint32_t>(halves->values[k]),
+                      std::bit_cast<std::uint32_t>(floats->values[k]))
+                << k;
+    }
+}
+
+TEST_F(Npy, AStackIsReadPictureByPictureAndAllAreAlike) {
+    for (const char* name : {"stack.npy", "stack.npz"}) {
+        auto stack = open_npy_stack(file(name));
+        ASSERT_EQ(message(stack), "");
+        ASSERT_EQ(stack->count(), 3);
+        for (const int number : {2, 0, 1, 2}) expect_numbers(stack->image(number), 100 * number + 1);
+        EXPECT_NE(message(stack->image(3)).find("has no picture 3: must be from 0 to 2"), std::string::npos);
+        EXPECT_NE(refusal(name).find("is a stack of 3 pictures of 7x5"), std::string::npos) << refusal(name);
+    }
+    auto single = open_npy_stack(file("u2le_f.npy"));
+    ASSERT_EQ(message(single), "");
+    ASSERT_EQ(single->count(), 1);
+    expect_numbers(single->image(0));
+
+    auto late = open_npy_stack(file("late.npy"));
+    ASSERT_EQ(message(late), "");
+    const auto first = late->image(0), last = late->image(2);
+    ASSERT_EQ(message(first) + message(last), "");
+    EXPECT_EQ(first->pixel_format, last->pixel_format);
+    EXPECT_EQ(first->values.front(), 1.0F);
+    EXPECT_EQ(last->values.back(), -1.0F);
+}
+
+TEST_F(Npy, TheArrayOfDepthAmongSeveralAndWhatIsNone) {
+    for (const char* name : {"one.npz", "named.npz", "begins.npz", "only.npz"}) {
+        SCOPED_TRACE(name);
+        expect_numbers(read_stored_image(file(name)));
+    }
+    EXPECT_EQ(refusal("several.npz"),
+              "picture: has several arrays, and none is the only one named depth or of height x width: left, "
+              "right");
+
+    const std::pair<const char*, const char*> cases[] = {
+        {"colour.npy", "is an array of 9x8x3, with 3 numbers a pixel: must have one"},
+        {"row.npy", "is an array of 9: must be height x width"},
+        {"complex.npy", "is of NumPy's type \"<c8\": must be an integer or float of 8 to 64 bits"},
+        {"records.npy", "is an array of records"},
+        {"fortran_stack.npy", "is a stack in Fortran order"}};
+    for (const auto& [name, words] : cases)
+        EXPECT_NE(refusal(name).find(words), std::string::npos) << refusal(name);
+}
+
+TEST(NpyDamage, ClaimsAreRefusedBeforeAnythingIsAllocated) {
+    const LimitedMemory little(64);
+    const auto refusal = [](const std::string& shape) {
+        std::string text = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + shape + "), }";
+        text.resize(118, ' ');
+        return message(decode_stored_image(std::string("\x93NUMPY\1\0v\0", 10) + text, "picture"));
+    };
+    EXPECT_EQ(refusal("16384, 16384"), "picture: is cut short: has 128 bytes of 2147483776");
+    EXPECT_EQ(refusal("2147483648, 16384, 16384").find("picture: is cut short: has 128 bytes of "), 0U);
+    EXPECT_EQ(refusal("16385, 16384"), "picture: is 16384x16385 pixels: must be from 1x1 to 16384x16384");
+    EXPECT_EQ(refusal("-1, 5"), "picture: is damaged: its header is not NumPy's");
+}
+
+/// The archive's directory says how long a member is; its packed bytes say what is possible.
+TEST_F(Npy, AMemberThatCannotBeAsLongAsIsSaidIsRefused) {
+    const TemporaryFolder folder;
+    std::string archive = bytes("stack.npz");
+    constexpr std::size_t size_in_entry = 24;
+    const auto entry = archive.rfind("PK\1\2");
+    ASSERT_NE(entry, std::string::npos);
+    archive.replace(entry + size_in_entry, 4, "\xff\xff\xff\x0f");
+    write_bytes(folder / "depth.npz", archive);
+    EXPECT_NE(message(open_npy_stack(folder / "depth.npz"))
+                  .find("depth: is damaged: is said to unpack to 268435455"),
+              std::string::npos);
+}
+
+/// A .npy file of so many pictures of 2x2 bytes, its data a hole.
+std::filesystem::path stack_of(const TemporaryFolder& folder, std::int64_t pictures) {
+    std::string dictionary =
+        "{'descr': '|u1', 'fortran_order': False, 'shape': (" + std::to_string(pictures) + ", 2, 2), }";
+    dictionary.resize(117, ' ');
+    write_bytes(folder / "depth.npy", std::string("\x93NUMPY\1\0\x76\0", 10) + dictionary + '\n');
+    std::filesystem::resize_file(folder / "depth.npy", static_cast<std::uintmax_t>(128 + 4 * pictures));
+    return folder / "depth.npy";
+}
+
+/// Frames cost nothing until they are read, however many there are.
+TEST(NpyStack, AHundredMillionFramesTakeTheMemoryOfOne) {
+    const TemporaryFolder folder;
+    constexpr std::int64_t pictures = 100'000'000;
+    stack_of(folder, pictures);
+    Image still{2, 2, 1, 1, {1, 2, 3, 4}};
+    ASSERT_EQ(message(write_png(folder / "height.png", still.view())), "");
+    Scene scene = small_scene(2, 2);
+    scene.folder = FolderSource{"depth.npy", "", "", "height.png", 0, 0};
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    const LimitedMemory little(64);
+    const auto clip = open_clip(folder.path());
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->frame_count(), pictures);
+    EXPECT_EQ((*clip)->inputs().size(), 3U);
+    ASSERT_EQ(message((*clip)->seek(pictures - 1)), "");
+    const auto last = (*clip)->next();
+    ASSERT_EQ(message(last), "");
+    ASSERT_TRUE(*last);
+    EXPECT_EQ((*last)->number, pictures - 1);
+    EXPECT_EQ((*last)->height.sample(1, 1), 4);
+    EXPECT_FALSE(*(*clip)->next());
+}
+
+TEST(NpyStack, AFileThatIsShorterThanItsFramesIsRefused) {
+    const TemporaryFolder folder;
+    const auto file = stack_of(folder, 1'000'000'000);
+    std::filesystem::resize_file(file, 1000);
+    const LimitedMemory little(64);
+    EXPECT_NE(message(open_npy_stack(file)).find("is cut short: has 1000 bytes of 4000000128"),
+              std::string::npos);
+}
+
+TEST(NpyReal, ARelativeDepthThatANetworkGuessed) {
+    const auto file = real_data("stills/midas_moon/moon.npy");
+    TOUCHABLE_NEEDS_DATA(file);
+    const auto stored = read_stored_image(file);
+    ASSERT_EQ(message(stored), "");
+    EXPECT_EQ(stored->pixel_format, "grayf32le");
+    ASSERT_EQ(stored->values.size(), 640U * 640U);
+    const std::string bytes = read_bytes(file);
+    ASSERT_EQ(bytes.size(), 128 + 4 * stored->values.size());
+    EXPECT_EQ(std::memcmp(bytes.data() + 128, stored->values.data(), bytes.size() - 128), 0);
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,187 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include "engine/picture/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/raw_png.hpp"
+#include "tests/sanitizers.hpp"
+
+namespace touchable::test {
+namespace {
+
+Result<Image> read_png(const TemporaryFolder& folder, const std::string& bytes) {
+    std::filesystem::remove(folder / "image.png");
+    write_bytes(folder / "image.png", bytes);
+    return read_image(folder / "image.png");
+}
+
+/// Rows of bytes that are all different from one another, each after filter number 0.
+std::string rows_of(int row_bytes, int rows) {
+    std::string bytes;
+    for (int y = 0; y < rows; ++y) {
+        bytes += '\0';
+        for (int k = 0; k < row_bytes; ++k) bytes += static_cast<char>(7 * k + 13 * y + 1);
+    }
+    return bytes;
+}
+
+TEST(PngKinds, GreyOfFewBitsIsAsItWasStored) {
+    const TemporaryFolder folder;
+    for (const int bits : {2, 4}) {
+        const std::string rows = rows_of(6 * bits, 5);
+        const auto image = read_png(folder, raw_png({48, 5, bits}, rows));
+        ASSERT_EQ(message(image), "") << bits;
+        ASSERT_EQ(image->channels, 1);
+        for (int y = 0; y < 5; ++y)
+            for (int x = 0; x < 48; ++x) {
+                const int byte = static_cast<unsigned char>(
+                    rows[static_cast<std::size_t>(y * (6 * bits + 1) + 1 + x * bits / 8)]);
+                const int stored = byte >> (8 - bits - x * bits % 8) & ((1 << bits) - 1);
+                ASSERT_EQ(image->view().sample(x, y), stored) << bits << " bits, " << x << "," << y;
+            }
+    }
+}
+
+/// Wide enough for rows to be whole pages of memory, and more of them than are copied at once.
+TEST(PngKinds, LargePicturesAreAsTheyWereStored) {
+    const TemporaryFolder folder;
+    constexpr int width = 3000, height = 150;
+    const std::string palette = png_chunk("PLTE", rows_of(3 * 256, 1).substr(1));
+    struct Case {
+        int bits, type, stored, channels;
+        std::string others;
+    };
+    for (const Case& c :
+         {Case{8, 0, 1, 1, ""}, Case{16, 0, 1, 1, ""}, Case{8, 2, 3, 3, ""}, Case{8, 3, 1, 3, palette},
+          Case{8, 4, 2, 1, ""}, Case{16, 4, 2, 1, ""}, Case{8, 6, 4, 3, ""}}) {
+        const int step = c.bits / 8 * c.stored;
+        const std::string rows = rows_of(step * width, height);
+        const auto byte = [&](int y, int k) {
+            return static_cast<unsigned char>(
+                rows[static_cast<std::size_t>(y) * static_cast<std::size_t>(step * width + 1) + 1 +
+                     static_cast<std::size_t>(k)]);
+        };
+        const auto image = read_png(folder, raw_png({width, height, c.bits, c.type}, rows, true, c.others));
+        ASSERT_EQ(message(image), "") << c.type;
+        ASSERT_EQ(image->channels, c.channels);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int channel = 0; channel < c.channels; ++channel) {
+                    const int at = step * x + channel;
+                    const int sample = c.type == 3    ? (7 * (3 * byte(y, x) + channel) + 1) & 255
+                                       : c.bits == 16 ? byte(y, at) << 8 | byte(y, at + 1)
+                                                      : byte(y, at);
+                    ASSERT_EQ(image->view().sample(x, y, channel), sample) << c.type << " " << x << "," << y;
+                }
+    }
+}
+
+/// The most memory that this process has had since it was told to look anew, KiB.
+std::optional<long> most_memory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::stol(line.substr(6));
+    return {};
+}
+
+TEST(PngKinds, WhatStandsBeforeTheHeaderIsRefused) {
+    const TemporaryFolder folder;
+    std::string png = raw_png({48, 5, 4}, rows_of(24, 5));
+    constexpr std::size_t signature = 8;
+    png.insert(signature, png_chunk("prVt", std::string(13, '\0')));
+    EXPECT_NE(message(read_png(folder, png)).find("must begin with its header, IHDR"), std::string::npos);
+}
+
+TEST(PngKinds, LargePicturesAreHeldOnce) {
+#ifdef TOUCHABLE_SANITIZED
+    GTEST_SKIP() << "a sanitizer keeps what is freed";
+#endif
+    const TemporaryFolder folder;
+    constexpr int width = 4096, height = 3000;
+    constexpr long picture = 3L * width * height / 1024;
+    write_bytes(folder / "image.png",
+                raw_png({width, height, 8, 2}, std::string((3 * width + 1) * height, '\0')));
+    if (!(std::ofstream("/proc/self/clear_refs") << 5 << std::flush)) GTEST_SKIP() << "it cannot be measured";
+    const auto before = most_memory();
+    const auto image = read_image(folder / "image.png");
+    ASSERT_EQ(message(image), "");
+    // The file and the decoder's copy of it, which are as large here, beside it.
+    EXPECT_LT(*most_memory() - *before, 3 * picture + picture / 3);
+}
+
+/// A folder of one depth picture of 4 bits, and a colour picture that is the same.
+std::string refusal_of_four_bits(const std::string& depth, std::vector<RawFrame>* frames = nullptr) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "d.png", raw_png({48, 5, 4}, rows_of(24, 5)));
+    write_bytes(
+        folder / "scene.json",
+        R"({"touchable_scene": 1, "width": 48, "height": 5, "camera": {"fx": 50, "fy": 50, "cx": 24, "cy": 2},
+                    "depth": )" +
+            depth + R"(, "folder": {"depth": "d.png", "colour": "d.png"}})");
+    auto reader = open_clip(folder / "scene.json");
+    if (!reader) return reader.error().message;
+    auto read = read_all(**reader);
+    if (frames && read.ok()) *frames = *read;
+    return message(read);
+}
+
+TEST(PngKinds, FewBitsMustHoldTheScenesCodes) {
+    EXPECT_NE(refusal_of_four_bits(R"({"coding": "linear", "near": 10, "far": 20})")
+                  .find("is 4-bit grey, but the scene's depth.code_max is 255: must be at most 15"),
+              std::string::npos);
+    EXPECT_EQ(refusal_of_four_bits(R"({"coding": "linear", "near": 10, "far": 20, "code_max": 15})"), "");
+    std::vector<RawFrame> frames;
+    EXPECT_EQ(refusal_of_four_bits(R"({"coding": "metric", "scale": 1, "far": 20, "bits": 8})", &frames), "");
+    ASSERT_EQ(frames.size(), 1U);
+    for (int x = 0; x < 48; ++x)  // colour is for the eye: white is white
+        ASSERT_EQ(frames[0].colour.sample(x, 1, 2), 17 * frames[0].depth.sample(x, 1)) << x;
+}
+
+TEST(PngKinds, DataThatEndBeforeThePictureAreFoundOut) {
+    const TemporaryFolder folder;
+    const std::string palette = png_chunk("PLTE", std::string(3 * 256, '\x55'));
+    const std::string transparent = png_chunk("tRNS", std::string(2, '\0'));
+    struct Case {
+        PngKind kind;
+        int row_bytes;
+        std::string others;
+    };
+    for (const auto& [kind, row_bytes, others] :
+         {Case{{20, 9}, 20, ""}, Case{{20, 9, 16}, 40, ""}, Case{{20, 9, 8, 2}, 60, ""},
+          Case{{20, 9, 4}, 10, ""}, Case{{20, 9, 2}, 5, ""}, Case{{1, 9}, 1, ""},
+          Case{{20, 9, 8, 3}, 20, palette}, Case{{20, 9, 8, 0}, 20, transparent},
+          Case{{20, 9, 16, 0}, 40, transparent}}) {
+        const std::string rows = rows_of(row_bytes, 9);
+        ASSERT_EQ(message(read_png(folder, raw_png(kind, rows, true, others))), "") << kind.bits;
+        for (std::size_t length = 0; length < rows.size(); ++length)
+            for (const bool ended : {true, false})
+                ASSERT_NE(message(read_png(folder, raw_png(kind, rows.substr(0, length), ended, others))), "")
+                    << length << " of " << rows.size() << " bytes, bits " << kind.bits << ", kind "
+                    << kind.colour;
+    }
+}
+
+TEST(PngKinds, InterlacedPicturesAreSeenButNotTouched) {
+    const TemporaryFolder folder;
+    // 4x1: passes 1 (pixel 0), 4 (pixel 2) and 6 (pixels 1 and 3).
+    write_bytes(folder / "i.png", raw_png({4, 1, 8, 0, 1}, std::string("\0\x0a\0\x0c\0\x0b\x0d", 7)));
+    const auto image = read_image(folder / "i.png");
+    ASSERT_EQ(message(image), "");
+    EXPECT_EQ(image->samples, (Samples{10, 11, 12, 13}));
+    write_bytes(folder / "d.png", raw_png({4, 1}, std::string("\0\x0a\x0b\x0c\x0d", 5)));
+    Scene scene = small_scene(4, 1);
+    scene.folder = FolderSource{.depth = "d.png", .colour = "i.png", .haptic = "", .height = ""};
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    EXPECT_EQ(message(open_clip(folder / "scene.json")), "");
+    scene.folder->depth = "i.png";
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    EXPECT_NE(message(open_clip(folder / "scene.json")).find("i.png (depth, frame 0): is an interlaced PNG"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchable::test

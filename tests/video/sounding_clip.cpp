@@ -1,0 +1,113 @@
+#include "tests/video/sounding_clip.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "engine/ffmpeg/ffmpeg.hpp"
+
+namespace touchable::test {
+namespace {
+
+// Matroska's times are whole milliseconds, and so are these packets.
+constexpr int packets_per_second = 50;
+
+struct SoundInputCloser {
+    void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
+};
+using SoundInput = std::unique_ptr<AVFormatContext, SoundInputCloser>;
+
+void expect_done(int status) {
+    EXPECT_GE(status, 0) << ffmpeg_text(status);
+}
+
+AVStream* add_sound_stream(AVFormatContext& out, int rate) {
+    AVStream* stream = avformat_new_stream(&out, nullptr);
+    AVCodecParameters& codec = *stream->codecpar;
+    codec.codec_type = AVMEDIA_TYPE_AUDIO;
+    codec.codec_id = AV_CODEC_ID_PCM_F32LE;
+    codec.format = AV_SAMPLE_FMT_FLT;
+    codec.sample_rate = rate;
+    codec.bits_per_coded_sample = 32;
+    codec.block_align = sizeof(StereoSample);
+    av_channel_layout_default(&codec.ch_layout, 2);
+    stream->time_base = {1, rate};
+    return stream;
+}
+
+SoundInput copy_streams(const std::filesystem::path& file, AVFormatContext& out) {
+    AVFormatContext* opened = nullptr;
+    expect_done(avformat_open_input(&opened, file_url(file).c_str(), nullptr, nullptr));
+    SoundInput in(opened);
+    av_dict_copy(&out.metadata, in->metadata, 0);
+    for (unsigned k = 0; k < in->nb_streams; ++k) {
+        AVStream* to = avformat_new_stream(&out, nullptr);
+        avcodec_parameters_copy(to->codecpar, in->streams[k]->codecpar);
+        av_dict_copy(&to->metadata, in->streams[k]->metadata, 0);
+        to->time_base = in->streams[k]->time_base;
+        to->disposition = in->streams[k]->disposition;
+        if (to->codecpar->codec_id != AV_CODEC_ID_NONE) to->codecpar->codec_tag = 0;
+    }
+    return in;
+}
+
+void write_sound(AVFormatContext& out, const AVStream& stream, const std::vector<StereoSample>& sound,
+                 int rate, int later_ms) {
+    const auto most = static_cast<std::size_t>(rate / packets_per_second);
+    for (std::size_t at = 0; at < sound.size(); at += most) {
+        const std::size_t count = std::min(most, sound.size() - at);
+        AVPacket* packet = av_packet_alloc();
+        expect_done(av_new_packet(packet, static_cast<int>(count * sizeof(StereoSample))));
+        std::memcpy(packet->data, &sound[at], count * sizeof(StereoSample));
+        packet->stream_index = stream.index;
+        packet->pts = packet->dts =
+            av_rescale_q(static_cast<std::int64_t>(at) + std::int64_t{rate} * later_ms / 1000, {1, rate},
+                         stream.time_base);
+        packet->duration = av_rescale_q(static_cast<std::int64_t>(count), {1, rate}, stream.time_base);
+        packet->flags |= AV_PKT_FLAG_KEY;
+        expect_done(av_interleaved_write_frame(&out, packet));
+        av_packet_free(&packet);
+    }
+}
+
+}  // namespace
+
+void write_sounding_clip(const std::filesystem::path& file, const std::vector<StereoSample>& sound,
+                         const std::filesystem::path& pictures, int rate, int sound_later_ms,
+                         int pictures_later_ms) {
+    AVFormatContext* out = nullptr;
+    expect_done(avformat_alloc_output_context2(&out, nullptr, "matroska", nullptr));
+    SoundInput in;
+    if (!pictures.empty()) in = copy_streams(pictures, *out);
+    AVStream* stream = add_sound_stream(*out, rate);
+    expect_done(avio_open(&out->pb, file_url(file).c_str(), AVIO_FLAG_WRITE));
+    AVDictionary* options = nullptr;
+    av_dict_set_int(&options, "write_crc32", 1, 0);
+    expect_done(avformat_write_header(out, &options));
+    av_dict_free(&options);
+    write_sound(*out, *stream, sound, rate, sound_later_ms);
+    AVPacket* packet = av_packet_alloc();
+    while (in && av_read_frame(in.get(), packet) >= 0) {
+        packet->pts += pictures_later_ms;
+        packet->dts = packet->pts;
+        expect_done(av_interleaved_write_frame(out, packet));
+    }
+    av_packet_free(&packet);
+    expect_done(av_write_trailer(out));
+    avio_closep(&out->pb);
+    avformat_free_context(out);
+}
+
+std::vector<StereoSample> tone(double hertz, double seconds, int rate) {
+    std::vector<StereoSample> sound(static_cast<std::size_t>(seconds * rate));
+    for (std::size_t k = 0; k < sound.size(); ++k) {
+        const double value = 0.5 * std::sin(2 * 3.14159265358979 * hertz * static_cast<double>(k) / rate);
+        sound[k] = {static_cast<float>(value), static_cast<float>(0.5 * value)};
+    }
+    return sound;
+}
+
+}  // namespace touchable::test
