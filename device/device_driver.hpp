@@ -76,9 +76,9 @@ public:
     /// Whether nothing will come any more, as of a log that has been told to its end.
     virtual bool is_over() const { return false; }
     /// What it waits for, for the person who holds it ("pull the grip out, then push it in"); empty: nothing.
-    virtual std::string wish() const { return {}; }
-    /// Any thread: what it knows of why no position ever came; empty: no more than `wish` says.
-    virtual std::string absence() const { return {}; }
+    virtual std::string prompt() const { return {}; }
+    /// Any thread: what it knows of why no position ever came; empty: no more than `prompt` says.
+    virtual std::string why_no_position() const { return {}; }
 };
 
 }  // namespace touchable

@@ -95,17 +95,17 @@ bool DeviceGroup::is_over() const {
                        [](const auto& device) { return device->is_over(); });
 }
 
-std::string DeviceGroup::wish() const {
-    std::string wishes;
+std::string DeviceGroup::prompt() const {
+    std::string prompts;
     for (const auto& device : devices_)
-        if (const std::string wish = device->wish(); !wish.empty())
-            wishes += (wishes.empty() ? "" : "; ") + wish;
-    return wishes;
+        if (const std::string prompt = device->prompt(); !prompt.empty())
+            prompts += (prompts.empty() ? "" : "; ") + prompt;
+    return prompts;
 }
 
-std::string DeviceGroup::absence() const {
+std::string DeviceGroup::why_no_position() const {
     std::string all;
-    for (const auto& device : devices_) all += (all.empty() ? "" : "; ") + device->absence();
+    for (const auto& device : devices_) all += (all.empty() ? "" : "; ") + device->why_no_position();
     return all;
 }
 

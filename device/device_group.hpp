@@ -26,8 +26,8 @@ public:
     std::uint32_t buttons() override;  ///< that are pressed on any of them
     double age_s() const override;     ///< of the oldest
     bool is_over() const override;     ///< all of them are
-    std::string wish() const override;
-    std::string absence() const override;
+    std::string prompt() const override;
+    std::string why_no_position() const override;
     Result<void> health() const override;
 
 private:

@@ -22,8 +22,8 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr microseconds a_tick{1000};
-constexpr microseconds slowest_bus{5000};  // that a driver is given to answer, where it waits itself
-constexpr std::int64_t spoken_again_ns = 5'000'000;  // zeros for hardware that nobody asks anything of
+constexpr microseconds slowest_bus{5000};          // that a driver is given to answer, where it waits itself
+constexpr std::int64_t sent_again_ns = 5'000'000;  // zeros for hardware that nobody asks anything of
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Of a moment that may never have been.
@@ -64,11 +64,12 @@ Result<void> DrivenDevice::open() {
     if (wake_ < 0) return Error{ErrorKind::internal, "no eventfd can be had for the " + name_};
     stopping_ = false;
     misuse_ = nullptr;
-    told_.write({});
+    latest_.write({});
     asked_.write({});
     lost_ = over_ = false;
     auto held = take_hold();
-    if (held.ok() && settings_.own_thread) held = start_thread(thread_, "of the device", [this] { drive(); });
+    if (held.ok() && settings_.own_thread)
+        held = start_thread(thread_, "device", "of the device", [this] { drive(); });
     if (!held.ok()) {
         driver_->disconnect();
         ::close(std::exchange(wake_, -1));
@@ -92,14 +93,15 @@ bool DrivenDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (!open_.load(std::memory_order_acquire) || lost_.load(std::memory_order_acquire) || misuse_.load())
         return false;
     assert(device_metres.size() == static_cast<std::size_t>(fingers_));
-    const Told& told = told_.read();
+    const Received& latest = latest_.read();
     const std::int64_t now = settings_.clock();
-    told_ns_ = told.time_ns;
-    age_s_ = age_of(told.time_ns, now);
-    buttons_ = age_s_ <= oldest_s ? told.sample.buttons : 0;
+    received_ns_ = latest.time_ns;
+    age_s_ = age_of(latest.time_ns, now);
+    buttons_ = age_s_ <= oldest_s ? latest.sample.buttons : 0;
     for (std::size_t finger = 0; finger < device_metres.size(); ++finger)
-        device_metres[finger] = age_of(told.place_ns[finger], now) <= oldest_s ? told.sample.metres[finger]
-                                                                               : glm::dvec3(no_number);
+        device_metres[finger] = age_of(latest.place_ns[finger], now) <= oldest_s
+                                    ? latest.sample.metres[finger]
+                                    : glm::dvec3(no_number);
     return true;
 }
 
@@ -119,20 +121,20 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
             newtons[finger] * (length > limits_.max_force ? limits_.max_force / length : 1.0);
     }
     asked.time_ns = settings_.clock();
-    asked.told_ns = told_ns_;
+    asked.received_ns = received_ns_;
     asked_.write(asked);
     wake();
     return true;
 }
 
-std::string DrivenDevice::wish() const {
+std::string DrivenDevice::prompt() const {
     const std::lock_guard lock(words_mutex_);
-    return wish_;
+    return prompt_;
 }
 
-std::string DrivenDevice::absence() const {
-    const std::string known = driver_->absence();
-    return known.empty() ? HapticDevice::absence() : known;
+std::string DrivenDevice::why_no_position() const {
+    const std::string known = driver_->why_no_position();
+    return known.empty() ? HapticDevice::why_no_position() : known;
 }
 
 Result<void> DrivenDevice::health() const {
@@ -161,19 +163,19 @@ bool DrivenDevice::given_up() const {
 /// Whoever was held before is new: nothing that was heard of it counts.
 Result<void> DrivenDevice::take_hold() {
     auto held = answer_of(name_, [this] { return driver_->connect([this] { return given_up(); }); });
-    const auto word = held.ok() && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
-    if (word && !kept_) {
+    const auto packet = held.ok() && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
+    if (packet && !kept_) {
         auto kept = SafetyWatchdog::keep(settings_.watchdog);
         if (!kept.ok()) return kept.error();
         kept_.emplace(std::move(*kept));
     }
-    if (word) held = kept_->say(*word);
+    if (packet) held = kept_->set_packet(*packet);
     if (!held.ok()) return held;
     for (PlausibleMotion& motion : motions_) motion.forget();
-    heard_ = {};
+    received_ = {};
     exerts_since_ns_ = {};
     held_ = true;
-    set_words(std::nullopt, driver_->wish());
+    set_words(std::nullopt, driver_->prompt());
     return {};
 }
 
@@ -202,54 +204,54 @@ bool DrivenDevice::turn() {
 Result<void> DrivenDevice::serve() {
     const int descriptor = driver_->descriptor();
     if (descriptor < 0) {
-        if (auto spoken = speak(); !spoken.ok()) return spoken;
-        return hear(slowest_bus);
+        if (auto sent = send(); !sent.ok()) return sent;
+        return receive(slowest_bus);
     }
     pollfd waited_for[] = {{wake_, POLLIN, 0}, {descriptor, POLLIN, 0}};
     const timespec patience{0, settings_.own_thread ? std::chrono::nanoseconds(a_tick).count() : 0};
     ppoll(waited_for, 2, &patience, nullptr);
     if (waited_for[1].revents != 0)
-        if (auto came = hear(microseconds(0)); !came.ok()) return came;
+        if (auto came = receive(microseconds(0)); !came.ok()) return came;
     const bool asked = waited_for[0].revents != 0;
     if (asked) {
         std::uint64_t count = 0;
         [[maybe_unused]] const auto read = ::read(wake_, &count, sizeof count);
     }
     // A force that answers an older place than the newest is followed by one that does not.
-    const bool answers = asked && asked_.read().told_ns >= heard_.time_ns;
-    return answers || settings_.clock() - spoken_ns_ >= spoken_again_ns ? speak() : Result<void>{};
+    const bool answers = asked && asked_.read().received_ns >= received_.time_ns;
+    return answers || settings_.clock() - sent_ns_ >= sent_again_ns ? send() : Result<void>{};
 }
 
-Result<void> DrivenDevice::hear(microseconds patience) {
+Result<void> DrivenDevice::receive(microseconds patience) {
     DeviceSample sample;
     sample.metres.fill(glm::dvec3(no_number));
     const auto came = driver_->receive(sample, patience);
     left_out_.store(driver_->left_out(), std::memory_order_relaxed);
     if (!came.ok()) return came.error();
     over_.store(driver_->is_over(), std::memory_order_release);
-    pass_on_wish();
+    pass_on_prompt();
     // What waited while this thread stood still is older than it seems.
     if (!*came || (kept_ && kept_->was_made_unpowered())) return {};
-    heard_.time_ns = settings_.clock() - sample.kept_ns;
-    heard_.sample.buttons = sample.buttons;
+    received_.time_ns = settings_.clock() - sample.kept_ns;
+    received_.sample.buttons = sample.buttons;
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
-        std::int64_t& place_ns = heard_.place_ns[finger];
+        std::int64_t& place_ns = received_.place_ns[finger];
         if (std::isnan(sample.metres[finger].x)) {
             place_ns = 0;
             continue;
         }
-        const auto place = motions_[finger].believe(sample.metres[finger], heard_.time_ns);
+        const auto place = motions_[finger].believe(sample.metres[finger], received_.time_ns);
         if (!place) {
             ++implausible_;
             continue;
         }
-        if (age_of(place_ns, heard_.time_ns) > oldest_s) found_ns_[finger] = heard_.time_ns;
-        heard_.sample.metres[finger] = *place;
-        place_ns = heard_.time_ns;
+        if (age_of(place_ns, received_.time_ns) > oldest_s) found_ns_[finger] = received_.time_ns;
+        received_.sample.metres[finger] = *place;
+        place_ns = received_.time_ns;
     }
     ++samples_;
-    told_.write(heard_);
-    if (settings_.as_it_hears) settings_.as_it_hears(heard_.time_ns);
+    latest_.write(received_);
+    if (settings_.on_received) settings_.on_received(received_.time_ns);
     return {};
 }
 
@@ -260,7 +262,8 @@ DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
     Forces newtons{};
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
         std::int64_t& since_ns = exerts_since_ns_[finger];
-        if (!lives || age_of(heard_.place_ns[finger], now) > oldest_s || asked.time_ns < found_ns_[finger]) {
+        if (!lives || age_of(received_.place_ns[finger], now) > oldest_s ||
+            asked.time_ns < found_ns_[finger]) {
             since_ns = 0;
             continue;
         }
@@ -281,16 +284,16 @@ Result<void> DrivenDevice::beat() {
     return driver_->forget_what_came();
 }
 
-Result<void> DrivenDevice::speak() {
+Result<void> DrivenDevice::send() {
     if (auto kept = beat(); !kept.ok()) return kept;
     const std::int64_t now = settings_.clock();
     const Forces newtons = due_forces(now);
-    spoken_ns_ = now;
+    sent_ns_ = now;
     ++sent_;
     auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
-    if (settings_.as_it_speaks) settings_.as_it_speaks(settings_.clock());
+    if (settings_.on_sent) settings_.on_sent(settings_.clock());
     // Also of hardware from which nothing comes.
-    if (sent.ok()) pass_on_wish();
+    if (sent.ok()) pass_on_prompt();
     return sent;
 }
 
@@ -301,7 +304,7 @@ void DrivenDevice::let_go(const Error& why) {
     held_ = false;
     ++losses_;
     gone_ns_ = looked_ns_ = settings_.clock();
-    told_.write({});
+    latest_.write({});
     lost_why_ = why;
     set_words(why, "looking for the " + name_ + " again");
 }
@@ -329,14 +332,14 @@ bool DrivenDevice::look_for_it() {
     return false;
 }
 
-void DrivenDevice::pass_on_wish() {
-    if (std::string wish = driver_->wish(); wish != wish_) set_words(std::nullopt, std::move(wish));
+void DrivenDevice::pass_on_prompt() {
+    if (std::string prompt = driver_->prompt(); prompt != prompt_) set_words(std::nullopt, std::move(prompt));
 }
 
-void DrivenDevice::set_words(std::optional<Error> fault, std::string wish) {
+void DrivenDevice::set_words(std::optional<Error> fault, std::string prompt) {
     const std::lock_guard lock(words_mutex_);
     fault_ = std::move(fault);
-    wish_ = std::move(wish);
+    prompt_ = std::move(prompt);
 }
 
 }  // namespace touchable

@@ -30,7 +30,7 @@ struct DrivenSettings {
     std::function<std::int64_t()> clock{};  ///< ns, never backward, never 0; nothing: the system's steady one
     /// Called by the device's thread with the moment (ns) at which a position had come, and at which a force
     /// had gone out; they may not wait.
-    std::function<void(std::int64_t)> as_it_hears{}, as_it_speaks{};
+    std::function<void(std::int64_t)> on_received{}, on_sent{};
     /// False: whoever opens it calls `turn` in its place, and waits in its place, as a test in virtual time.
     bool own_thread = true;
 };
@@ -73,8 +73,8 @@ public:
     std::uint32_t buttons() override { return buttons_; }
     double age_s() const override { return age_s_; }
     bool is_over() const override { return over_.load(std::memory_order_acquire); }
-    std::string wish() const override;
-    std::string absence() const override;
+    std::string prompt() const override;
+    std::string why_no_position() const override;
     Result<void> health() const override;
 
     /// A step of the device's thread: a force out, a position in, or a look for hardware that is gone. False:
@@ -85,7 +85,7 @@ public:
 
 private:
     using Forces = std::array<glm::dvec3, DeviceSample::most_fingers>;
-    struct Told {
+    struct Received {
         DeviceSample sample{};                                            // as believed
         std::int64_t time_ns = 0;                                         // 0: nothing yet
         std::array<std::int64_t, DeviceSample::most_fingers> place_ns{};  // of each finger's place; 0: none
@@ -93,21 +93,21 @@ private:
     struct Asked {
         Forces newtons{};
         std::int64_t time_ns = 0;
-        std::int64_t told_ns = 0;  // what it answers
+        std::int64_t received_ns = 0;  // of the position that it answers
     };
 
     bool given_up() const;
     void drive();
     Result<void> take_hold();
     Result<void> serve();
-    Result<void> hear(std::chrono::microseconds patience);
-    Result<void> speak();
+    Result<void> receive(std::chrono::microseconds patience);
+    Result<void> send();
     Result<void> beat();
     Forces due_forces(std::int64_t now);
     void let_go(const Error& why);
     bool look_for_it();
-    void pass_on_wish();
-    void set_words(std::optional<Error> fault, std::string wish);
+    void pass_on_prompt();
+    void set_words(std::optional<Error> fault, std::string prompt);
     void wake() const;
 
     const std::unique_ptr<DeviceDriver> driver_;
@@ -125,23 +125,23 @@ private:
     std::atomic<std::int64_t> samples_{0}, implausible_{0}, sent_{0}, losses_{0}, left_out_{-1};
     mutable std::mutex words_mutex_;  // never taken by the haptic thread
     std::optional<Error> fault_;
-    std::string wish_;
-    NewestValue<Told> told_;
+    std::string prompt_;
+    NewestValue<Received> latest_;
     NewestValue<Asked> asked_;
     // The device thread's.
     std::array<PlausibleMotion, DeviceSample::most_fingers> motions_;
-    Told heard_;  // newest, as believed
+    Received received_;  // newest, as believed
     // When each finger's place began to be known after it was not: a force from before answers none of it.
     std::array<std::int64_t, DeviceSample::most_fingers> found_ns_{};
     std::array<std::int64_t, DeviceSample::most_fingers> exerts_since_ns_{};  // 0: it does not
-    std::int64_t spoken_ns_ = 0;
+    std::int64_t sent_ns_ = 0;
     bool held_ = false;  // otherwise it is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;
     Error lost_why_;  // while it is looked for
     std::optional<SafetyWatchdog::Kept> kept_;
     // The haptic thread's.
     std::uint32_t buttons_ = 0;
-    std::int64_t told_ns_ = 0;
+    std::int64_t received_ns_ = 0;
     double age_s_;
 };
 

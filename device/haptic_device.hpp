@@ -74,10 +74,10 @@ public:
     /// Whether no position will come of it any more, as of a log that has been told; any thread.
     virtual bool is_over() const { return false; }
     /// What it waits for, for the person who holds it; empty: nothing. May allocate, as `health`.
-    virtual std::string wish() const { return {}; }
+    virtual std::string prompt() const { return {}; }
     /// Why there was no position, for the end of a run that had none. May allocate; any thread.
-    virtual std::string absence() const {
-        const std::string waits = wish();
+    virtual std::string why_no_position() const {
+        const std::string waits = prompt();
         return "the " + name() + " never told a position" + (waits.empty() ? "" : ": " + waits);
     }
     /// Nothing wrong, or why the device is unpowered (ErrorKind::device). May allocate: ask from another

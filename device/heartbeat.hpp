@@ -27,26 +27,26 @@ class HeartWatch {
 public:
     /// In one silence, a `longest_ns` apart: a thread that is stopped again before its next beat may have
     /// sent one more force.
-    static constexpr int most_words = 20;
+    static constexpr int most_packets = 20;
     static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
     /// When a word is due, should there be no other beat than this newest one.
     std::int64_t due_ns(std::int64_t beat_ns) {
-        if (beat_ns != heard_ns_) {
-            heard_ns_ = beat_ns;
-            words_ = 0;
+        if (beat_ns != beat_ns_) {
+            beat_ns_ = beat_ns;
+            packets_ = 0;
         }
-        if (beat_ns == 0 || words_ == most_words) return never;
-        return (words_ == 0 ? beat_ns : spoken_ns_) + Heartbeat::longest_ns;
+        if (beat_ns == 0 || packets_ == most_packets) return never;
+        return (packets_ == 0 ? beat_ns : sent_ns_) + Heartbeat::longest_ns;
     }
-    void spoke(std::int64_t now) {
-        spoken_ns_ = now;
-        ++words_;
+    void sent(std::int64_t now) {
+        sent_ns_ = now;
+        ++packets_;
     }
 
 private:
-    std::int64_t heard_ns_ = 0, spoken_ns_ = 0;
-    int words_ = 0;
+    std::int64_t beat_ns_ = 0, sent_ns_ = 0;
+    int packets_ = 0;
 };
 
 /// How the process that watches hearts is watched itself, by each of those threads. A moment counts only
@@ -57,16 +57,16 @@ public:
     static constexpr std::int64_t longest_ns = 1'000'000'000;  ///< long: a busy machine must not end a run
 
     /// Whether it lives, by the number of its beats at this moment.
-    bool hears(std::uint32_t beats, std::int64_t now) {
+    bool is_alive(std::uint32_t beats, std::int64_t now) {
         const std::int64_t watched_ns = std::min(now - looked_ns_, Heartbeat::longest_ns);
-        silent_ns_ = beats == heard_ ? silent_ns_ + watched_ns : 0;
-        heard_ = beats;
+        silent_ns_ = beats == beats_ ? silent_ns_ + watched_ns : 0;
+        beats_ = beats;
         looked_ns_ = now;
         return silent_ns_ <= longest_ns;
     }
 
 private:
-    std::uint32_t heard_ = 0;
+    std::uint32_t beats_ = 0;
     std::int64_t looked_ns_ = 0, silent_ns_ = 0;
 };
 

@@ -23,11 +23,11 @@ Error not_started(const char* what) {
             std::string(what) + " that leaves devices unpowered: " + std::strerror(errno)};
 }
 
-WatchdogOrder::Word word_of(const std::vector<std::byte>& bytes) {
-    WatchdogOrder::Word word;
-    word.bytes = static_cast<std::uint32_t>(bytes.size());
-    std::copy(bytes.begin(), bytes.end(), word.text);
-    return word;
+WatchdogOrder::Packet packet_of(const std::vector<std::byte>& bytes) {
+    WatchdogOrder::Packet packet;
+    packet.bytes = static_cast<std::uint32_t>(bytes.size());
+    std::copy(bytes.begin(), bytes.end(), packet.text);
+    return packet;
 }
 
 /// Whether the process at the other end of the socket ends by then: nobody else holds that end.
@@ -114,7 +114,7 @@ bool SafetyWatchdog::is_done(std::uint32_t number) const {
     }
 }
 
-Result<void> SafetyWatchdog::tell(std::size_t place, const ZeroForcePacket* word) {
+Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket* packet) {
     const std::lock_guard lock(mutex_);
     if (auto lives = health(); !lives.ok()) return lives;
     WatchdogOrder order;
@@ -125,19 +125,19 @@ Result<void> SafetyWatchdog::tell(std::size_t place, const ZeroForcePacket* word
     msghdr message{};
     message.msg_iov = &part;
     message.msg_iovlen = 1;
-    if (word) {
-        if (std::max(word->bytes.size(), word->meanwhile.size()) > most_bytes)
+    if (packet) {
+        if (std::max(packet->bytes.size(), packet->meanwhile.size()) > most_bytes)
             return Error{ErrorKind::internal, "a device's last word is too long to be kept"};
-        order.endpoint = word->usb_endpoint ? *word->usb_endpoint : -1;
-        order.last = word_of(word->bytes);
-        order.meanwhile = word_of(word->meanwhile);
+        order.endpoint = packet->usb_endpoint ? *packet->usb_endpoint : -1;
+        order.last = packet_of(packet->bytes);
+        order.meanwhile = packet_of(packet->meanwhile);
         message.msg_control = ancillary;
         message.msg_controllen = sizeof ancillary;
         cmsghdr* header = CMSG_FIRSTHDR(&message);
         header->cmsg_level = SOL_SOCKET;
         header->cmsg_type = SCM_RIGHTS;
         header->cmsg_len = CMSG_LEN(sizeof(int));
-        std::memcpy(CMSG_DATA(header), &word->descriptor, sizeof(int));
+        std::memcpy(CMSG_DATA(header), &packet->descriptor, sizeof(int));
     }
     hearts_.devices[place].beat_ns = 0;
     ssize_t sent = 0;
@@ -160,16 +160,16 @@ SafetyWatchdog::Kept& SafetyWatchdog::Kept::operator=(Kept&& other) noexcept {
 
 SafetyWatchdog::Kept::~Kept() {
     if (!watchdog_) return;
-    if (auto told = watchdog_->tell(place_, nullptr); !told.ok()) return;
+    if (auto given = watchdog_->give_order(place_, nullptr); !given.ok()) return;
     const std::lock_guard lock(watchdog_->mutex_);
     watchdog_->taken_[place_] = false;
 }
 
 /// Told again even where it reads the same: a device that was opened anew has often the number of its old
 /// descriptor, and the watchdog would hold the old one.
-Result<void> SafetyWatchdog::Kept::say(const ZeroForcePacket& word) {
+Result<void> SafetyWatchdog::Kept::set_packet(const ZeroForcePacket& packet) {
     silences_ = watchdog_->hearts_.devices[place_].silences;
-    return watchdog_->tell(place_, &word);
+    return watchdog_->give_order(place_, &packet);
 }
 
 bool SafetyWatchdog::Kept::was_made_unpowered() const {
@@ -178,7 +178,7 @@ bool SafetyWatchdog::Kept::was_made_unpowered() const {
 
 Result<bool> SafetyWatchdog::Kept::beat() {
     const std::int64_t now = boot_ns();
-    if (!watch_.hears(watchdog_->hearts_.watchdog_beats, now)) watchdog_->stands_still_ = true;
+    if (!watch_.is_alive(watchdog_->hearts_.watchdog_beats, now)) watchdog_->stands_still_ = true;
     if (auto lives = watchdog_->health(); !lives.ok()) return lives.error();
     Heartbeat& heart = watchdog_->hearts_.devices[place_];
     heart.beat_ns = now;

@@ -46,7 +46,7 @@ public:
         ~Kept();
         /// Another word, or another descriptor, in place of the last. Said anew of hardware that came back:
         /// its descriptor may have the number that the lost one had. No beat is expected until the next one.
-        Result<void> say(const ZeroForcePacket& word);
+        Result<void> set_packet(const ZeroForcePacket& packet);
         /// By the thread that speaks with the device, before it speaks: it lives. From the first one on they
         /// are expected, `Heartbeat::longest_ns` apart at most. False: the device was made unpowered since
         /// the last one, so that what it is told now is a beginning. Error (device):
@@ -70,7 +70,7 @@ public:
 private:
     SafetyWatchdog(int socket, pid_t process, WatchdogHeartbeats& hearts)
         : socket_(socket), process_(process), hearts_(hearts) {}
-    Result<void> tell(std::size_t place, const ZeroForcePacket* word);
+    Result<void> give_order(std::size_t place, const ZeroForcePacket* packet);
     bool is_done(std::uint32_t number) const;
 
     const int socket_;

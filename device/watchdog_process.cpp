@@ -32,16 +32,16 @@ struct Keeping {
     int descriptor = nothing_kept;
     WatchdogOrder order;
     HeartWatch watch;
-    pid_t speaker = 0;  // a process that speaks, or has spoken; 0: there was none
+    pid_t sender = 0;  // a process that sends, or has sent; 0: there was none
 };
 
 /// Twice: a receiver may be in the middle of something that a first one ends.
-void speak(const Keeping& kept, const WatchdogOrder::Word& word) {
+void send_packet(const Keeping& kept, const WatchdogOrder::Packet& packet) {
     for (int again = 0; again < 2; ++again) {
         if (kept.order.endpoint < 0) {
-            [[maybe_unused]] const auto written = write(kept.descriptor, word.text, word.bytes);
+            [[maybe_unused]] const auto written = write(kept.descriptor, packet.text, packet.bytes);
         } else {
-            WatchdogOrder::Word copy = word;
+            WatchdogOrder::Packet copy = packet;
             usbdevfs_bulktransfer transfer{static_cast<unsigned>(kept.order.endpoint), copy.bytes, 50,
                                            copy.text};
             ioctl(kept.descriptor, USBDEVFS_BULK, &transfer);
@@ -49,21 +49,21 @@ void speak(const Keeping& kept, const WatchdogOrder::Word& word) {
     }
 }
 
-bool is_speaking(const Keeping& kept) {
-    return kept.speaker > 0 && waitpid(kept.speaker, nullptr, WNOHANG) == 0;
+bool is_sending(const Keeping& kept) {
+    return kept.sender > 0 && waitpid(kept.sender, nullptr, WNOHANG) == 0;
 }
 
 /// Beside other devices by a process of its own, so that one that takes no bytes keeps no other waiting.
-template <class Speak>
-void speak_beside_others(Keeping& kept, bool is_alone, Speak&& speaks) {
-    if (is_alone) return speaks();
-    kept.speaker = _Fork();
-    if (kept.speaker > 0) return;
-    if (kept.speaker < 0) return speaks();
+template <class Send>
+void send_beside_others(Keeping& kept, bool is_alone, Send&& sends) {
+    if (is_alone) return sends();
+    kept.sender = _Fork();
+    if (kept.sender > 0) return;
+    if (kept.sender < 0) return sends();
     const auto its_own = static_cast<unsigned>(kept.descriptor);
     if (its_own > 0) close_range(0, its_own - 1, 0);
     close_range(its_own + 1, ~0U, 0);
-    speaks();
+    sends();
     _exit(0);
 }
 
@@ -73,18 +73,18 @@ bool is_alone(std::span<const Keeping> kept) {
 }
 
 /// The heart is looked at last of all before the word: this process may have been late, and not the other.
-void speak_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
+void send_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
     const auto is_due = [&] { return kept.watch.due_ns(heart.beat_ns) <= boot_ns(); };
     if (!is_due()) return;
     ++heart.silences;
     if (!is_due()) return;
-    const WatchdogOrder::Word& meanwhile = kept.order.meanwhile;
+    const WatchdogOrder::Packet& meanwhile = kept.order.meanwhile;
     // A word that is still on its way counts as this one.
-    if (!is_speaking(kept))
-        speak_beside_others(kept, is_alone, [&] {
-            if (is_due()) speak(kept, meanwhile.bytes > 0 ? meanwhile : kept.order.last);
+    if (!is_sending(kept))
+        send_beside_others(kept, is_alone, [&] {
+            if (is_due()) send_packet(kept, meanwhile.bytes > 0 ? meanwhile : kept.order.last);
         });
-    kept.watch.spoke(boot_ns());
+    kept.watch.sent(boot_ns());
 }
 
 /// The next order; false once nobody can give one any more. `descriptor`: what came with it, or -1.
@@ -133,15 +133,16 @@ void keep(int socket, std::span<Keeping> kept, WatchdogHeartbeats& hearts) {
             int descriptor = nothing_kept;
             if (!next_order(socket, order, descriptor)) return;
             Keeping& place = kept[order.place % kept.size()];
-            if (is_speaking(place)) kill(place.speaker, SIGKILL);
+            if (is_sending(place)) kill(place.sender, SIGKILL);
             if (place.descriptor != nothing_kept) close(place.descriptor);
             place = {descriptor, order, {}, 0};
-            [[maybe_unused]] const auto told = send(socket, &order.number, sizeof order.number, MSG_NOSIGNAL);
+            [[maybe_unused]] const auto answered =
+                send(socket, &order.number, sizeof order.number, MSG_NOSIGNAL);
         }
         const bool alone = is_alone(kept);
         for (std::size_t place = 0; place < kept.size(); ++place)
             if (kept[place].descriptor != nothing_kept)
-                speak_if_due(kept[place], hearts.devices[place], alone);
+                send_if_due(kept[place], hearts.devices[place], alone);
     }
 }
 
@@ -181,7 +182,7 @@ void watch_until_alone(int socket, WatchdogHeartbeats& hearts, std::span<char> c
     const bool alone = is_alone(kept);
     for (Keeping& place : kept)
         if (place.descriptor != nothing_kept)
-            speak_beside_others(place, alone, [&place] { speak(place, place.order.last); });
+            send_beside_others(place, alone, [&place] { send_packet(place, place.order.last); });
     // A device that takes nothing keeps no other's descriptor from being let go of.
     for (const Keeping& place : kept)
         if (place.descriptor != nothing_kept) close(place.descriptor);

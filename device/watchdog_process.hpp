@@ -16,14 +16,14 @@ namespace touchable {
 struct WatchdogOrder {
     static constexpr int most_devices = 8;
     static constexpr std::size_t most_bytes = 512;
-    struct Word {
+    struct Packet {
         std::uint32_t bytes = 0;
         std::byte text[most_bytes] = {};
     };
     std::uint32_t number = 0;
     std::uint32_t place = 0;     ///< the device's, and its heart's: below most_devices
     std::int32_t endpoint = -1;  ///< -1: write(2)
-    Word last, meanwhile;        ///< ZeroForcePacket's
+    Packet last, meanwhile;      ///< ZeroForcePacket's
 };
 
 /// In memory that both processes share.

@@ -45,7 +45,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
     };
     const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
     std::thread thread;
-    if (start_thread(thread, "that does what may take long", [errand] { errand->run(); }))
+    if (start_thread(thread, "interruptible", "that does what may take long", [errand] { errand->run(); }))
         thread.detach();
     else
         errand->run();

@@ -43,7 +43,7 @@ HapticLoop::~HapticLoop() {
 Result<void> HapticLoop::start() {
     if (started_) return Error{ErrorKind::internal, "a haptic loop runs once; make another"};
     ended_.store(false, std::memory_order_release);
-    auto begun = start_thread(thread_, "of the hand", [this] { run(); });
+    auto begun = start_thread(thread_, "haptic-loop", "of the hand", [this] { run(); });
     started_ = begun.ok();
     if (!started_) ended_.store(true, std::memory_order_release);
     return begun;

@@ -141,7 +141,7 @@ Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds pat
     }
     if (!newest) return newest;
     unanswered_ = 0;
-    heard_ns_ = came_ns;
+    received_ns_ = came_ns;
     return newest;
 }
 
@@ -150,10 +150,10 @@ Result<bool> FalconDriver::receive(DeviceSample& sample, microseconds patience) 
     if (!report.ok()) return report.error();
     if (*report) {
         take(**report, sample);
-        sample.kept_ns = clock_() - heard_ns_;
+        sample.kept_ns = clock_() - received_ns_;
         return true;
     }
-    if (static_cast<double>(clock_() - heard_ns_) * 1e-9 > silent_s)
+    if (static_cast<double>(clock_() - received_ns_) * 1e-9 > silent_s)
         return Error{ErrorKind::device, "Novint Falcon: does not answer any more; is its power plugged in?"};
     return false;
 }
@@ -165,7 +165,7 @@ Result<void> FalconDriver::forget_what_came() {
     if (auto purged = transport_->purge(); !purged.ok()) return purged;
     reader_.forget();
     unanswered_ = packets_at_a_time;
-    heard_ns_ = clock_();  // its silence begins now
+    received_ns_ = clock_();  // its silence begins now
     return {};
 }
 
@@ -189,7 +189,7 @@ std::optional<ZeroForcePacket> FalconDriver::zero_force_packet() const {
     return ZeroForcePacket{transport_->usbfs(), {packet.begin(), packet.end()}, usb_endpoint_out, {}};
 }
 
-std::string FalconDriver::wish() const {
+std::string FalconDriver::prompt() const {
     constexpr int no_chance = 200;
     if (!transport_) return {};
     if (is_homed())

@@ -26,7 +26,7 @@ struct FalconSettings {
 using FalconPlug = std::function<Result<std::unique_ptr<UsbPort>>()>;
 
 /// A Novint Falcon. `connect` loads its firmware where it has none. It then has no position and no force
-/// until a person has moved its grip over the marks of its encoders (`wish` asks for that).
+/// until a person has moved its grip over the marks of its encoders (`prompt` asks for that).
 class FalconDriver final : public DeviceDriver {
 public:
     static constexpr std::uint8_t usb_endpoint_out = 0x02;
@@ -47,7 +47,7 @@ public:
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override;
     std::optional<ZeroForcePacket> zero_force_packet() const override;
-    std::string wish() const override;
+    std::string prompt() const override;
 
     std::int64_t left_out() const override { return reader_.damaged(); }
 
@@ -66,7 +66,7 @@ private:
     bool runs_ = false;  // its firmware does, so that motor words mean something
     FalconReader reader_;
     int unanswered_ = 0;
-    std::int64_t heard_ns_ = 0;
+    std::int64_t received_ns_ = 0;
     int homed_in_a_row_ = 0, impossible_in_a_row_ = 0;
     std::optional<FalconPose> pose_;  // of the newest report
 };

@@ -63,8 +63,9 @@ Result<void> greet(FtdiTransport& transport, milliseconds patience, const GivenU
             if (!came.ok()) return came.error();
             more = *came > 0;
             filled += *came;
-            const auto heard = std::span(room).first(filled);
-            if (std::search(heard.begin(), heard.end(), welcome.begin(), welcome.end()) != heard.end())
+            const auto received = std::span(room).first(filled);
+            if (std::search(received.begin(), received.end(), welcome.begin(), welcome.end()) !=
+                received.end())
                 return {};
         }
     }

@@ -177,15 +177,15 @@ Result<std::size_t> LibusbPort::read(std::span<std::byte> room, microseconds pat
 fs::path find_usb_device(const std::string& vendor, const std::string& product, const UsbFolders& folders) {
     std::vector<fs::path> nodes;
     std::error_code fault;
-    for (fs::directory_iterator entry(folders.told, fault), end; !fault && entry != end;
+    for (fs::directory_iterator entry(folders.devices, fault), end; !fault && entry != end;
          entry.increment(fault)) {
-        const fs::path& told = entry->path();
-        if (word_in(told / "idVendor") != vendor || word_in(told / "idProduct") != product) continue;
+        const fs::path& device = entry->path();
+        if (word_in(device / "idVendor") != vendor || word_in(device / "idProduct") != product) continue;
         const auto three_digits = [](const std::string& word) {
             return std::string(3 - std::min<std::size_t>(3, word.size()), '0') + word;
         };
-        nodes.push_back(folders.nodes / three_digits(word_in(told / "busnum")) /
-                        three_digits(word_in(told / "devnum")));
+        nodes.push_back(folders.nodes / three_digits(word_in(device / "busnum")) /
+                        three_digits(word_in(device / "devnum")));
     }
     return nodes.empty() ? fs::path() : *std::min_element(nodes.begin(), nodes.end());
 }

@@ -10,7 +10,7 @@ namespace touchable {
 
 /// Where Linux tells of USB devices, and where it has them.
 struct UsbFolders {
-    std::filesystem::path told = "/sys/bus/usb/devices";
+    std::filesystem::path devices = "/sys/bus/usb/devices";
     std::filesystem::path nodes = "/dev/bus/usb";
 };
 

@@ -170,7 +170,7 @@ std::optional<ZeroForcePacket> WoodenHapticsDriver::zero_force_packet() const {
     return ZeroForcePacket{transport_->spare_descriptor(), {unpowered.begin(), unpowered.end()}, {}, {}};
 }
 
-std::string WoodenHapticsDriver::wish() const {
+std::string WoodenHapticsDriver::prompt() const {
     if (homed_ == Homed::yes) return {};
     if (build_.homing == WoodenParameters::Homing::start)
         return "it was away: put the handle in its home pose, and press the button of its board or start "

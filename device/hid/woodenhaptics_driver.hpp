@@ -39,7 +39,7 @@ public:
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override;
     std::optional<ZeroForcePacket> zero_force_packet() const override;
-    std::string wish() const override;
+    std::string prompt() const override;
 
     std::int64_t left_out() const override { return left_out_; }  ///< reports that cannot be, so far
 

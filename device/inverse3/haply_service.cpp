@@ -275,7 +275,8 @@ Result<std::string> LocalHaplyService::get(const std::string& path, milliseconds
     return no_haply_service(address(), line.failure);
 }
 
-Result<std::unique_ptr<Transport>> LocalHaplyService::speak(milliseconds patience, const GivenUp& given_up) {
+Result<std::unique_ptr<Transport>> LocalHaplyService::connect(milliseconds patience,
+                                                              const GivenUp& given_up) {
     auto connection = std::make_unique<ServiceConnection>(port_, "/", nullptr);
     if (auto settled = settle(*connection, patience, given_up); !settled.ok()) return settled.error();
     if (connection->line().state != ServiceLine::State::open)

@@ -24,8 +24,8 @@ public:
     virtual Result<std::string> get(const std::string& path, std::chrono::milliseconds patience,
                                     const GivenUp& given_up) = 0;
     /// A transport of texts.
-    virtual Result<std::unique_ptr<Transport>> speak(std::chrono::milliseconds patience,
-                                                     const GivenUp& given_up) = 0;
+    virtual Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds patience,
+                                                       const GivenUp& given_up) = 0;
 };
 
 /// By libwebsockets. It says nothing on its own, and leaves SIGPIPE as it was.
@@ -38,8 +38,8 @@ public:
     std::string address() const override { return "ws://localhost:" + std::to_string(port_); }
     Result<std::string> get(const std::string& path, std::chrono::milliseconds patience,
                             const GivenUp& given_up) override;
-    Result<std::unique_ptr<Transport>> speak(std::chrono::milliseconds patience,
-                                             const GivenUp& given_up) override;
+    Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds patience,
+                                               const GivenUp& given_up) override;
 
 private:
     const std::uint16_t port_;

@@ -58,15 +58,15 @@ Result<void> Inverse3Driver::connect(const GivenUp& given_up) {
     unanswered_ = nonsense_ = 0;
     pushed_ = false;
     if (auto learnt = learn_version(given_up); !learnt.ok()) return learnt;
-    auto spoken = service_->speak(connecting, given_up);
-    if (!spoken.ok()) return spoken.error();
-    transport_ = std::move(*spoken);
+    auto connected = service_->connect(connecting, given_up);
+    if (!connected.ok()) return connected.error();
+    transport_ = std::move(*connected);
     // The first message comes by itself and has the arms' configurations.
     answered_ns_ = said_ns_ = clock_();
     const auto inventory = await([](const Inverse3Message&) { return true; }, given_up);
     if (!inventory.ok()) return inventory.error();
     if (auto chosen = choose(inventory->arms); !chosen.ok()) return chosen;
-    if (auto unpowered = say(zero()); !unpowered.ok()) return unpowered;
+    if (auto unpowered = send_text(zero()); !unpowered.ok()) return unpowered;
     const auto unpowered =
         await([](const Inverse3Message& message) { return !message.arms.empty(); }, given_up);
     return unpowered.ok() ? Result<void>{} : unpowered.error();
@@ -104,15 +104,15 @@ Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Messa
     const std::int64_t since = clock_();
     for (bool asked = false;;) {
         if (given_up && given_up()) return Error{ErrorKind::interrupted, "stopped while it was connecting"};
-        auto heard = hear(milliseconds(20));
-        if (!heard.ok()) return heard.error();
-        if (*heard && enough(**heard)) return std::move(**heard);
+        auto received = receive_message(milliseconds(20));
+        if (!received.ok()) return received.error();
+        if (*received && enough(**received)) return std::move(**received);
         const nanoseconds waited(ns_since(since));
         if (waited > connecting)
             return Error{ErrorKind::device, "the Haply service at " + service_->address() +
                                                 " does not tell the state of its devices; restart it"};
         if (waited > first_word && !std::exchange(asked, true))
-            if (auto said = say(encode_inverse3_full_state_request()); !said.ok()) return said.error();
+            if (auto sent = send_text(encode_inverse3_full_state_request()); !sent.ok()) return sent.error();
     }
 }
 
@@ -146,11 +146,11 @@ Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
 void Inverse3Driver::disconnect() noexcept {
     try {
         if (transport_ && !id_.empty()) {
-            [[maybe_unused]] const auto said = say(zero());
+            [[maybe_unused]] const auto sent = send_text(zero());
             // A connection that is closed with something unread may lose what was written last.
             const std::int64_t since = clock_();
             while (unanswered_ > 0 && nanoseconds(ns_since(since)) < last_answer)
-                if (!hear(milliseconds(5)).ok()) break;
+                if (!receive_message(milliseconds(5)).ok()) break;
         }
         transport_.reset();
     } catch (...) {
@@ -166,12 +166,12 @@ Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
     std::this_thread::sleep_for(shortest_turn - nanoseconds(ns_since(said_ns_)));
     // A service that makes every force longer is given shorter ones: no force is longer than the limit says.
     const double longer = std::max(1.0, settings_.force_scale.value_or(1));
-    auto said = say(encode_inverse3_force(dialect_, id_, newtons[0] / longer));
+    auto sent = send_text(encode_inverse3_force(dialect_, id_, newtons[0] / longer));
     pushed_ = pushes;
-    return said;
+    return sent;
 }
 
-Result<void> Inverse3Driver::say(const std::string& text) {
+Result<void> Inverse3Driver::send_text(const std::string& text) {
     if (auto sent = transport_->send(bytes_of(text)); !sent.ok()) return sent;
     said_ns_ = clock_();
     if (unanswered_++ == 0) answered_ns_ = said_ns_;
@@ -179,7 +179,7 @@ Result<void> Inverse3Driver::say(const std::string& text) {
 }
 
 /// One message, if one comes. What cannot be read is an answer all the same.
-Result<std::optional<Inverse3Message>> Inverse3Driver::hear(microseconds patience) {
+Result<std::optional<Inverse3Message>> Inverse3Driver::receive_message(microseconds patience) {
     const auto count = transport_->receive(room_, patience);
     if (!count.ok()) return count.error();
     if (*count == 0) return std::optional<Inverse3Message>();
@@ -202,11 +202,11 @@ Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience
     for (int most = 64; most > 0; --most) {
         const int nonsense = nonsense_;
         const auto left = std::chrono::floor<microseconds>(patience - nanoseconds(ns_since(since)));
-        const auto heard = hear(any ? microseconds(0) : std::max(left, microseconds(0)));
-        if (!heard.ok()) return heard.error();
-        if (!*heard && nonsense_ == nonsense) break;
-        if (!*heard) continue;
-        const auto taken = take(**heard, sample);
+        const auto received = receive_message(any ? microseconds(0) : std::max(left, microseconds(0)));
+        if (!received.ok()) return received.error();
+        if (!*received && nonsense_ == nonsense) break;
+        if (!*received) continue;
+        const auto taken = take(**received, sample);
         if (!taken.ok()) return taken;
         any = any || *taken;
     }
@@ -247,7 +247,7 @@ std::optional<ZeroForcePacket> Inverse3Driver::zero_force_packet() const {
     return ZeroForcePacket{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}, {}};
 }
 
-std::string Inverse3Driver::wish() const {
+std::string Inverse3Driver::prompt() const {
     if (id_.empty()) return {};
     if (!trouble_.empty()) return "Inverse3 " + id_ + " " + trouble_;
     const std::string altered = altered_forces(settings_);

@@ -48,7 +48,7 @@ public:
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override;
     std::optional<ZeroForcePacket> zero_force_packet() const override;
-    std::string wish() const override;
+    std::string prompt() const override;
 
     /// What the service said of itself when it was connected: its version, the arm, the settings that change
     /// forces. Empty: it was not.
@@ -59,8 +59,8 @@ private:
     Result<void> learn_version(const GivenUp& given_up);
     Result<Inverse3Message> await(bool (*enough)(const Inverse3Message&), const GivenUp& given_up);
     Result<void> choose(const std::vector<Inverse3Arm>& arms);
-    Result<void> say(const std::string& text);
-    Result<std::optional<Inverse3Message>> hear(std::chrono::microseconds patience);
+    Result<void> send_text(const std::string& text);
+    Result<std::optional<Inverse3Message>> receive_message(std::chrono::microseconds patience);
     Result<bool> take(const Inverse3Message& message, DeviceSample& sample);
     std::string zero() const;
 

@@ -28,13 +28,13 @@ struct WatchFigures {
     Percentiles age_s;        ///< of the newest position, at a reading
     Percentiles going_out_s;  ///< from asking for a force until it had gone out
     Percentiles
-        until_heard_s;  ///< from a force that had gone out to the next report, where no other went between
+        until_received_s;  ///< from a force that had gone out to the next report, where no other went between
     double longest_call_s = 0;  ///< that the reader gave to the device in one tick, reading and writing
     RestFigures rest;           ///< first finger, a place for each reading that had a new one
 };
 
-/// Reads it so many ticks. It is open, its reports are told to `times`. Error: it failed (ErrorKind::device);
-/// given up (ErrorKind::interrupted).
+/// Reads it so many ticks. It is open, `times` receives when its reports come. Error: it failed
+/// (ErrorKind::device); given up (ErrorKind::interrupted).
 Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times, const TickPace& pace,
                                   int ticks);
 

@@ -11,14 +11,14 @@ namespace touchable {
 /// keeps waiting, read by another.
 class DriveTimes {
 public:
-    explicit DriveTimes(std::size_t room) : heard_(room), spoken_(room) {}
+    explicit DriveTimes(std::size_t room) : received_(room), sent_(room) {}
 
-    void heard(std::int64_t time_ns) { heard_.add(time_ns); }
-    void spoken(std::int64_t time_ns) { spoken_.add(time_ns); }
+    void received(std::int64_t time_ns) { received_.add(time_ns); }
+    void sent(std::int64_t time_ns) { sent_.add(time_ns); }
 
     /// Those from one moment to before another, in order, as far as there was room.
-    std::vector<std::int64_t> heard_within(std::int64_t from_ns, std::int64_t to_ns) const;
-    std::vector<std::int64_t> spoken_within(std::int64_t from_ns, std::int64_t to_ns) const;
+    std::vector<std::int64_t> received_within(std::int64_t from_ns, std::int64_t to_ns) const;
+    std::vector<std::int64_t> sent_within(std::int64_t from_ns, std::int64_t to_ns) const;
 
 private:
     /// The newest of them; a reader takes what was there when it began, and leaves out what was overwritten.
@@ -32,7 +32,7 @@ private:
         std::vector<std::atomic<std::int64_t>> times_;
         std::atomic<std::size_t> count_{0};
     };
-    Ring heard_, spoken_;
+    Ring received_, sent_;
 };
 
 }  // namespace touchable

@@ -69,9 +69,9 @@ SpringTrial::SpringTrial(HapticDevice& device, const TickPace& pace, double most
 Result<glm::dvec3> SpringTrial::read() {
     if (!device_.read_positions(metres_)) return failure_of(device_);
     if (std::isfinite(metres_[0].x + metres_[0].y + metres_[0].z)) return metres_[0];
-    const std::string wish = device_.wish();
+    const std::string prompt = device_.prompt();
     return Error{ErrorKind::device, device_.name() + ": lost its position while a spring was tried" +
-                                        (wish.empty() ? "" : "; " + wish)};
+                                        (prompt.empty() ? "" : "; " + prompt)};
 }
 
 Result<void> SpringTrial::push(const glm::dvec3& newtons) {

@@ -82,7 +82,7 @@ Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
     if (!peer_) return {};
     const bool zeros = std::all_of(newtons.begin(), newtons.end(),
                                    [](const glm::dvec3& force) { return force == glm::dvec3(0); });
-    const bool is_gone = static_cast<double>(clock_() - peer_->heard_ns) * 1e-9 > peer_gone_s;
+    const bool is_gone = static_cast<double>(clock_() - peer_->received_ns) * 1e-9 > peer_gone_s;
     if (is_gone) {
         part();
         return {};
@@ -194,7 +194,7 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
     is_answer_due_ = true;
     peer_->sequence = packet.sequence;
     peer_->time_ns = packet.time_ns;
-    peer_->heard_ns = clock_();
+    peer_->received_ns = clock_();
     return true;
 }
 
@@ -206,13 +206,13 @@ std::optional<ZeroForcePacket> NetworkDriver::zero_force_packet() const {
     return ZeroForcePacket{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
 }
 
-std::string NetworkDriver::wish() const {
+std::string NetworkDriver::prompt() const {
     if (peer_) return {};
     const std::string waits = "waiting for a hand at " + listens_at_ + who_may_touch();
     return trouble_.empty() ? waits : waits + "; " + trouble_;
 }
 
-std::string NetworkDriver::absence() const {
+std::string NetworkDriver::why_no_position() const {
     const std::lock_guard lock(words_mutex_);
     if (any_peer_) return {};
     std::string words = "no hand ever came to " + listens_at_;

@@ -53,8 +53,8 @@ public:
     Result<void> forget_what_came() override;
     int descriptor() const override { return socket_->descriptor(); }
     std::optional<ZeroForcePacket> zero_force_packet() const override;
-    std::string wish() const override;
-    std::string absence() const override;
+    std::string prompt() const override;
+    std::string why_no_position() const override;
 
     std::uint16_t port() const { return socket_->port(); }        ///< while connected
     std::int64_t left_out() const override { return left_out_; }  ///< packets so far
@@ -64,7 +64,7 @@ private:
         UdpAddress address;
         std::uint32_t sequence = 0;
         std::uint64_t time_ns = 0;  // its own
-        std::int64_t heard_ns = 0;
+        std::int64_t received_ns = 0;
     };
     /// Packets that were left out for the same reason.
     struct LeftOut {

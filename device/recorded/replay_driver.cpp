@@ -84,7 +84,7 @@ Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microsecon
     return true;
 }
 
-std::string ReplayDriver::wish() const {
+std::string ReplayDriver::prompt() const {
     return over_ ? "the log " + printable(file_) + " has ended: nothing holds the handle any more"
                  : std::string();
 }

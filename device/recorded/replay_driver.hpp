@@ -39,7 +39,7 @@ public:
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     bool is_over() const override { return over_; }
-    std::string wish() const override;
+    std::string prompt() const override;
 
 private:
     std::chrono::nanoseconds time_of(std::size_t tick) const;

@@ -4,7 +4,7 @@
 
 namespace touchable {
 
-std::vector<std::string> told_of(const ClipReader& clip) {
+std::vector<std::string> clip_notes(const ClipReader& clip) {
     std::vector<std::string> told;
     for (const Remark& remark : clip.scene().remarks) told.push_back(remark_in_words(remark));
     told.insert(told.end(), clip.notes().begin(), clip.notes().end());

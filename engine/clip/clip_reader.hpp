@@ -83,6 +83,6 @@ private:
 };
 
 /// All a person should know of a clip: what was guessed or remarked of its scene, then the reader's notes.
-std::vector<std::string> told_of(const ClipReader& clip);
+std::vector<std::string> clip_notes(const ClipReader& clip);
 
 }  // namespace touchable

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
-#include <system_error>
+
+#include "engine/start_thread.hpp"
 
 namespace touchable {
 namespace {
@@ -52,10 +53,15 @@ void RowBands::run(Job job) {
 }
 
 /// Where the system grants no more threads, those that there are do all the work.
-void RowBands::start_others() try {
-    while (static_cast<int>(others_.size()) < threads_ - 1)
-        others_.emplace_back([this, thread = static_cast<int>(others_.size()) + 1] { serve(thread); });
-} catch (const std::system_error&) {
+void RowBands::start_others() {
+    while (static_cast<int>(others_.size()) < threads_ - 1) {
+        const int thread = static_cast<int>(others_.size()) + 1;
+        others_.emplace_back();
+        if (start_thread(others_.back(), "row-bands", "that shares rows", [this, thread] { serve(thread); }))
+            continue;
+        others_.pop_back();
+        return;
+    }
 }
 
 /// Until none is left. `lock` is held but while a band is worked on.

@@ -68,7 +68,8 @@ void TrackThread::push(Demuxer& file) {
     lock.unlock();
     changed_.notify_all();
     if (!threaded_ || thread_.joinable()) return;
-    if (auto started = start_thread(thread_, "that decodes a track", [this] { run(); }); !started)
+    if (auto started = start_thread(thread_, "track-decoder", "that decodes a track", [this] { run(); });
+        !started)
         give(started.error());
 }
 

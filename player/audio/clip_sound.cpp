@@ -27,7 +27,7 @@ void ClipSound::open(const std::filesystem::path& file) {
         wanted_ = 0;
     }
     if (thread_.joinable()) return news_.notify_all();
-    const auto begun = start_thread(thread_, "of the clip's sound", [this] { run(); });
+    const auto begun = start_thread(thread_, "clip-sound", "of the clip's sound", [this] { run(); });
     if (begun.ok()) return;
     const std::lock_guard lock(mutex_);
     fault_ = begun.error().message;

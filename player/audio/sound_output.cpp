@@ -71,7 +71,7 @@ void open_and_play(SoundOutput::Shared& shared) {
 
 SoundOutput::SoundOutput(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
     shared_->ticks = std::move(ticks);
-    const auto begun = start_thread(thread_, "of the sound", [shared = shared_] {
+    const auto begun = start_thread(thread_, "sound-output", "of the sound", [shared = shared_] {
         open_and_play(*shared);
         shared->end();
     });

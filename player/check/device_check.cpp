@@ -54,8 +54,8 @@ Result<MeasuredDevice> take_device(const std::string& words) {
     DrivenSettings driven;
     driven.watchdog = *watchdog;
     driven.as_thread_begins = [] { become_fifo(); };
-    driven.as_it_hears = [times = measured.times](std::int64_t moment) { times->heard(moment); };
-    driven.as_it_speaks = [times = measured.times](std::int64_t moment) { times->spoken(moment); };
+    driven.on_received = [times = measured.times](std::int64_t moment) { times->received(moment); };
+    driven.on_sent = [times = measured.times](std::int64_t moment) { times->sent(moment); };
     auto device = make_device(words, driven);
     if (!device.ok()) return device.error();
     measured.device = std::move(*device);
@@ -71,12 +71,12 @@ Result<void> wait_for_position(HapticDevice& device, int seconds) {
     while (!interrupted()) {
         if (!device.read_positions(metres)) return failure_of(device);
         if (std::isfinite(metres[0].x + metres[0].y + metres[0].z)) return {};
-        const std::string wish = device.wish();
+        const std::string prompt = device.prompt();
         if (std::chrono::steady_clock::now() >= until)
             return Error{ErrorKind::device,
                          device.name() + ": no position within " + std::to_string(seconds) + " s" +
-                             (wish.empty() ? "" : "; " + wish) + " (--wait S waits longer)"};
-        if (line.is_due()) line.show(wish.empty() ? "waiting for a position" : wish);
+                             (prompt.empty() ? "" : "; " + prompt) + " (--wait S waits longer)"};
+        if (line.is_due()) line.show(prompt.empty() ? "waiting for a position" : prompt);
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return interrupted_error();
@@ -112,7 +112,7 @@ auto in_real_time(RealtimeGrant& grant, Work&& work, Show&& show) -> decltype(wo
     std::optional<decltype(work())> answer;
     std::atomic<bool> over{false};
     std::thread thread;
-    const auto started = start_thread(thread, "that reads the device", [&] {
+    const auto started = start_thread(thread, "device-check", "that reads the device", [&] {
         grant = become_realtime();
         answer.emplace(work());
         over = true;
@@ -221,7 +221,7 @@ DeviceReport describe(const HapticDevice& device, const std::string& words) {
     return report;
 }
 
-Result<void> tell(const DeviceReport& report, const DeviceCheckOptions& options, OutputFile* file) {
+Result<void> report_to(const DeviceReport& report, const DeviceCheckOptions& options, OutputFile* file) {
     if (options.json)
         std::cout << to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
     else
@@ -251,7 +251,7 @@ Result<void> run_device_check(const DeviceCheckOptions& options) {
     const auto tried = find_out_stiffness(*measured, options.hands_off, report);
     device.close();
     if (!tried.ok() && tried.error().kind == ErrorKind::interrupted) return tried;
-    if (auto told = tell(report, options, file.get()); !told.ok()) return told;
+    if (auto written = report_to(report, options, file.get()); !written.ok()) return written;
     return tried;
 }
 

@@ -64,7 +64,7 @@ void tell_times(std::ostream& out, const DeviceReport& report) {
     out << (report.capabilities.answers
                 ? "answer    round trip, from a force to the position that answers it: "
                 : "answer    from a force to the next position, which comes by itself: ");
-    out << times_in_words(watch.until_heard_s) << '\n'
+    out << times_in_words(watch.until_received_s) << '\n'
         << "calls     of the thread that reads and writes, longest " << digits_of(watch.longest_call_s * 1e3)
         << " ms\n";
 }
@@ -178,7 +178,7 @@ nlohmann::ordered_json to_json(const DeviceReport& report) {
             {"interval_ms", percentiles_json(watch.interval_s)},
             {"age_ms", percentiles_json(watch.age_s)},
             {"going_out_ms", percentiles_json(watch.going_out_s)},
-            {"until_heard_ms", percentiles_json(watch.until_heard_s)},
+            {"until_heard_ms", percentiles_json(watch.until_received_s)},
             {"longest_call_ms", watch.longest_call_s * 1e3},
             {"rest",
              {{"places", watch.rest.places},

@@ -217,16 +217,16 @@ std::string of_its_forces(const HapticDevice& device, const HandControl& control
 }  // namespace
 
 std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal) {
-    const std::string forces = of_its_forces(device, control, has_terminal), wish = device.wish();
-    return wish.empty() ? forces : forces + "; " + wish;
+    const std::string forces = of_its_forces(device, control, has_terminal), prompt = device.prompt();
+    return prompt.empty() ? forces : forces + "; " + prompt;
 }
 
 std::string state_of(const HapticDevice& device, const HandControl& control) {
-    const std::string wish = device.wish();
+    const std::string prompt = device.prompt();
     std::string forces = control.force_is_asked() ? "forces on" : "forces off";
     if (control.is_repositioned()) forces = "no force while the hand is repositioned";
     if (device.capabilities().axes_driven == 0) forces = "no force from this device";
-    return wish.empty() ? forces : forces + "; " + wish;
+    return prompt.empty() ? forces : forces + "; " + prompt;
 }
 
 }  // namespace touchable

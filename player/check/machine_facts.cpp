@@ -19,6 +19,7 @@ extern "C" {
 #include <libavutil/avutil.h>
 }
 
+#include "engine/start_thread.hpp"
 #include "haptics_cpu/realtime.hpp"
 
 namespace touchable {
@@ -34,11 +35,13 @@ double nanoseconds(const timespec& t) {
 /// Tried on a thread of its own, which ends with what it was given.
 bool may_run_realtime() {
     bool permitted = false;
-    std::thread([&] {
+    std::thread trial;
+    const auto started = start_thread(trial, "realtime-trial", "that tries to be real-time", [&] {
         sched_param priority = {};
         priority.sched_priority = haptic_priority;
         permitted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
-    }).join();
+    });
+    if (started.ok()) trial.join();
     return permitted;
 }
 

@@ -68,7 +68,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
     facts.tracks = clip->reader->tracks();
     facts.frames = clip->reader->frame_count();
-    facts.notes = told_of(*clip->reader);
+    facts.notes = clip_notes(*clip->reader);
     add_first_frame(**first, facts);
 
     const Camera& camera = facts.scene.camera;

@@ -293,7 +293,7 @@ Result<void> Conversion::run(std::string& at_work) {
     if (!clip.ok()) return clip.error();
     at_work = frames_in_words((*clip)->scene());
     if (auto free = check_places(options_, **clip); !free.ok()) return free;
-    done_.notes = told_of(**clip);
+    done_.notes = clip_notes(**clip);
     part_ = part_of(options_, **clip);
     from_ns_ = (*clip)->scene().rate.time_ns(part_.first);
     auto source = part_of_clip(std::move(*clip), part_);

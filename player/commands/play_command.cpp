@@ -131,7 +131,7 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
                            ": is held by a hand of touchable touch; in a window you hold what is there, or "
                            "lead by the mouse");
     if (!options.session.held_device) return {};
-    options.hand = std::make_shared<HeldHand>(std::move(options.session.held_device));
+    options.hand = std::make_shared<PersistentDevice>(std::move(options.session.held_device));
     options.session.held_device.reset();
     options.session.control.reset();  // each session has its own
     return {};

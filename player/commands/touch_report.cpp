@@ -35,7 +35,7 @@ std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigure
         notes.push_back("the clip ends at " + in_seconds(clip) + "; its last frame stands still until " +
                         in_seconds(run));
     if (setup.held_device && setup.held_device->is_over())
-        notes.push_back(setup.held_device->name() + ": " + setup.held_device->wish() +
+        notes.push_back(setup.held_device->name() + ": " + setup.held_device->prompt() +
                         (setup.settings.ticks ? "" : "; the run ends there"));
     if (setup.film)
         notes.push_back("the camera's frames are kept as " + setup.film->file().string() +
@@ -243,8 +243,8 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
         report["painter_device_name"] = gpu.empty() ? cpu : gpu;
     }
     const bool is_absent = setup.control && was_never_there(report);
-    report["warnings"] =
-        touch_warnings(report, *setup.feed, live, is_absent ? setup.held_device->absence() : std::string());
+    report["warnings"] = touch_warnings(report, *setup.feed, live,
+                                        is_absent ? setup.held_device->why_no_position() : std::string());
     return report;
 }
 

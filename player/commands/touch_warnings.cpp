@@ -36,15 +36,15 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
 }  // namespace
 
 std::vector<std::string> touch_warnings(const nlohmann::ordered_json& report, const SurfaceFeed& feed,
-                                        const LiveFacts* live, const std::string& absence) {
+                                        const LiveFacts* live, const std::string& why_no_position) {
     std::vector<std::string> warnings;
     if (live)
         add_live_warnings(*live, feed.frames(), feed.dropped_frames(), feed.reader().remarks(), warnings);
     if (!feed.any_valid())
         warnings.emplace_back(
             "100 % of the pixels are invalid: there is no surface; is depth.invalid of the scene right?");
-    if (!absence.empty())
-        warnings.push_back(absence);
+    if (!why_no_position.empty())
+        warnings.push_back(why_no_position);
     else if (report.at("contact_ticks") == 0)
         warnings.emplace_back("no finger touched anything");
     return warnings;

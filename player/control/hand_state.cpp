@@ -6,7 +6,7 @@ namespace touchable {
 namespace {
 
 /// Of a device that has failed; nothing of one that works.
-std::string words_of_fault(const HeldHand& hand) {
+std::string words_of_fault(const PersistentDevice& hand) {
     if (hand.is_looked_for()) return "looking for the " + hand.name();
     const auto health = hand.health();
     const std::string why = health.ok() ? hand.name() + " has failed" : health.error().message;
@@ -16,10 +16,10 @@ std::string words_of_fault(const HeldHand& hand) {
 
 }  // namespace
 
-HandState hand_state(const HeldHand& hand, const HandControl& control, bool is_inside) {
+HandState hand_state(const PersistentDevice& hand, const HandControl& control, bool is_inside) {
     using Mood = HandState::Mood;
     if (std::string fault = words_of_fault(hand); !fault.empty()) return {Mood::away, std::move(fault), {}};
-    std::string remark = hand.wish();
+    std::string remark = hand.prompt();
     if (remark.empty() && !(hand.age_s() <= HapticDevice::oldest_s)) remark = "no position comes from it";
     if (!remark.empty()) remark = hand.name() + ": " + remark;
     const DeviceCapabilities has = hand.capabilities();

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "device/hand_control.hpp"
-#include "player/control/held_hand.hpp"
+#include "player/control/persistent_device.hpp"
 
 namespace touchable {
 
@@ -16,7 +16,7 @@ struct HandState {
 };
 
 /// `is_inside`: the guard keeps a finger's force back until it has been free.
-HandState hand_state(const HeldHand& hand, const HandControl& control, bool is_inside = false);
+HandState hand_state(const PersistentDevice& hand, const HandControl& control, bool is_inside = false);
 
 /// What the panel shows of it.
 struct HandFacts {

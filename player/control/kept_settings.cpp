@@ -19,9 +19,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_settings_bytes = 1 << 20;
 
-Json to_json(const FeltSettings& felt) {
+Json to_json(const SessionSettings& settings) {
     Json json = Json::object();
-    for (const auto& [name, value] : felt.values())
+    for (const auto& [name, value] : settings.values())
         json[name] = number_of(value) ? Json::parse(value) : Json(value);
     return json;
 }
@@ -42,22 +42,22 @@ std::optional<int> whole_in(const Json& json, int least, int most) {
 }
 
 /// What is wrong with the set of that name; what is right is taken.
-std::string read_felt(const std::string& set_name, const Json& json, FeltSettings& felt) {
+std::string read_settings(const std::string& set_name, const Json& json, SessionSettings& settings) {
     if (!json.is_object()) return "'" + set_name + "' must be an object";
     std::string wrong;
     const auto complain = [&](const std::string& what) {
         wrong += (wrong.empty() ? "" : "; ") + ("'" + set_name + "': ") + what;
     };
     // "filters" is before those that differ from it.
-    for (const FeltSetting& setting : felt_settings()) {
+    for (const SessionSetting& setting : session_settings()) {
         const auto member = json.find(setting.name);
         if (member == json.end()) continue;
         std::string value = member->is_string() ? member->get<std::string>() : "";
         if (member->is_number()) value = member->dump();
-        if (const auto set = felt.set(setting.name, value); !set.ok()) complain(set.error().message);
+        if (const auto set = settings.set(setting.name, value); !set.ok()) complain(set.error().message);
     }
     for (const auto& [name, value] : json.items())
-        if (!felt_setting(name)) complain("'" + printable(name) + "' is unknown");
+        if (!session_setting(name)) complain("'" + printable(name) + "' is unknown");
     return wrong;
 }
 
@@ -88,8 +88,8 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         kept.height = *height;
         return "";
     }
-    if (name == "a") return read_felt(name, value, kept.a);
-    if (name == "b") return read_felt(name, value, kept.b.emplace());
+    if (name == "a") return read_settings(name, value, kept.a);
+    if (name == "b") return read_settings(name, value, kept.b.emplace());
     return quoted + "is unknown";
 }
 

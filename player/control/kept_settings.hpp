@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/result.hpp"
-#include "player/control/felt_settings.hpp"
+#include "player/control/session_settings.hpp"
 
 namespace touchable {
 
@@ -14,8 +14,8 @@ struct KeptSettings {
     bool panel = false;  ///< shown
     int fingers = 1;
     int width = 0, height = 0;  ///< of the window, as `--size` has it; 0: nobody knows
-    FeltSettings a;
-    std::optional<FeltSettings> b;
+    SessionSettings a;
+    std::optional<SessionSettings> b;
     bool operator==(const KeptSettings&) const = default;
 };
 

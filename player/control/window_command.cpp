@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "player/control/felt_settings.hpp"
+#include "player/control/session_settings.hpp"
 #include "player/overlay/overlays.hpp"
 
 namespace touchable {
@@ -137,8 +137,8 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
     const auto* const named =
         std::find_if(std::begin(named_verbs), std::end(named_verbs),
                      [&name](const NamedVerb& candidate) { return name == candidate.name; });
-    if (felt_setting(name)) {
-        FeltSettings tried;
+    if (session_setting(name)) {
+        SessionSettings tried;
         if (auto set = tried.set(name, rest); !set.ok()) return set.error();
         return WindowCommand{WindowVerb::feel, 0, words};
     }
@@ -146,7 +146,7 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         std::string known;
         for (const NamedVerb& verb : named_verbs)
             known += (known.empty() ? "" : ", ") + std::string(verb.name);
-        for (const FeltSetting& setting : felt_settings()) known += ", " + std::string(setting.name);
+        for (const SessionSetting& setting : session_settings()) known += ", " + std::string(setting.name);
         return usage_error("'" + name + "' is no command of the window; there are " + known);
     }
     WindowCommand command{named->verb, 0, ""};

@@ -37,7 +37,7 @@ enum class WindowVerb {
     size,         ///< `width` x `height`: of the window, pixels
     screenshot,   ///< `word`: the file; empty: a new name in the working folder
     open,         ///< `word`: a clip
-    feel,         ///< `word`: a setting of what is felt and its value, "median 5" (felt_settings.hpp)
+    feel,         ///< `word`: a setting of what is felt and its value, "median 5" (session_settings.hpp)
     settings,     ///< `word`: "a" or "b", the set of settings that is in effect; empty: the other one
     reset,        ///< everything that is kept from one window to the next
     quit

@@ -11,7 +11,8 @@ namespace touchable {
 ForceKeys::ForceKeys(HandControl& control) : control_(control) {
     if (isatty(STDIN_FILENO) == 0) return;
     tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before meant something else
-    [[maybe_unused]] const auto started = start_thread(thread_, "that reads keys", [this] { listen(); });
+    [[maybe_unused]] const auto started =
+        start_thread(thread_, "force-keys", "that reads keys", [this] { listen(); });
 }
 
 ForceKeys::~ForceKeys() {

@@ -26,8 +26,8 @@ ImU32 black(float opacity) {
 }
 
 /// In the middle of the width, with a soft dark edge: it has to be read over any picture.
-void draw_words(ImDrawList& list, ImFont* font, float size, const char* words, float middle, float top,
-                float opacity) {
+void draw_centred(ImDrawList& list, ImFont* font, float size, const char* words, float middle, float top,
+                  float opacity) {
     const float wide = font->CalcTextSizeA(size, 1e6F, 0, words).x;
     const ImVec2 at(middle - wide / 2, top);
     const float shift = std::max(1.0F, size / 28);
@@ -50,8 +50,8 @@ void draw_large(const char* words, const char* small_words, float opacity, float
     list.AddRectFilledMultiColor(ImVec2(0, middle), ImVec2(width, height), black(0.62F * opacity),
                                  black(0.62F * opacity), black(0.85F * opacity), black(0.85F * opacity));
     const float top = height * at;
-    draw_words(list, font, large, words, width / 2, top, opacity);
-    draw_words(list, font, small, small_words, width / 2, top + large * 1.25F, 0.85F * opacity);
+    draw_centred(list, font, large, words, width / 2, top, opacity);
+    draw_centred(list, font, small, small_words, width / 2, top + large * 1.25F, 0.85F * opacity);
 }
 
 }  // namespace

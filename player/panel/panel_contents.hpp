@@ -8,7 +8,7 @@
 #include "player/control/finger_halos.hpp"
 #include "player/control/hand_state.hpp"
 #include "player/overlay/overlays.hpp"
-#include "player/panel/felt_panel.hpp"
+#include "player/panel/settings_panel.hpp"
 
 namespace touchable {
 
@@ -35,7 +35,7 @@ struct PanelFacts {
     double most_newtons = 1;        ///< of the bar
     std::vector<FingerHalo> halos;
     PlaceFacts place;
-    FeltFacts felt;
+    SettingsFacts settings;
     std::vector<std::string> figures;  ///< of the machine, a line each
     std::int64_t late_ticks = 0, dropped_frames = 0;
     std::string message;  ///< of the moment: what a key did, or why a file cannot be opened

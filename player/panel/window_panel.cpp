@@ -177,8 +177,8 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
     draw_title(facts, scale, asked);
     draw_finger(facts, roomy, scale, asked);
-    if (draw_fold("What is felt", true)) felt_.draw(facts.felt, scale, asked);
-    if (draw_fold("Filters of depth", tall)) felt_.draw_filters(facts.felt, scale, asked);
+    if (draw_fold("What is felt", true)) settings_.draw(facts.settings, scale, asked);
+    if (draw_fold("Filters of depth", tall)) settings_.draw_filters(facts.settings, scale, asked);
     if (draw_fold("How it goes", tall)) {
         curves_.draw(facts.most_newtons, scale);
         for (const std::string& line : facts.figures) draw_remark(line);

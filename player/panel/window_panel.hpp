@@ -4,9 +4,9 @@
 
 #include "player/control/window_command.hpp"
 #include "player/panel/curves_panel.hpp"
-#include "player/panel/felt_panel.hpp"
 #include "player/panel/panel_contents.hpp"
 #include "player/panel/playback_bar.hpp"
+#include "player/panel/settings_panel.hpp"
 
 namespace touchable {
 
@@ -50,7 +50,7 @@ private:
     std::vector<Box> boxes_;  // of what can be pressed
     float state_bottom_ = 0;  // 0: nothing is said of a device
     PlaybackBar bar_;
-    FeltPanel felt_;
+    SettingsPanel settings_;
     CurvesPanel curves_;
 };
 

@@ -32,8 +32,11 @@ FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead,
       coming_(ahead_.next_epoch()) {}
 
 Result<void> FeedThreads::start() {
-    auto begun = start_thread(decoder_, "that decodes", [this] { guarded(&FeedThreads::decode); });
-    if (begun.ok()) begun = start_thread(builder_, "that builds", [this] { guarded(&FeedThreads::build); });
+    auto begun =
+        start_thread(decoder_, "feed-decoder", "that decodes", [this] { guarded(&FeedThreads::decode); });
+    if (begun.ok())
+        begun =
+            start_thread(builder_, "feed-builder", "that builds", [this] { guarded(&FeedThreads::build); });
     if (!begun.ok()) stop();
     return begun;
 }

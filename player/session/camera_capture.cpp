@@ -85,7 +85,7 @@ Result<void> CameraCapture::open(const std::filesystem::path& file, Existing exi
         const std::lock_guard lock(mutex_);
         open_ = true;
     }
-    return start_thread(thread_, "that keeps the camera's frames", [this] {
+    return start_thread(thread_, "camera-capture", "that keeps the camera's frames", [this] {
         try {
             write();
         } catch (const std::exception& fault) {

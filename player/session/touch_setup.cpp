@@ -60,7 +60,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
 /// The clip's frames on their way to the surface.
 Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& options) {
     setup.scene = std::move(clip.scene);
-    setup.notes = told_of(*clip.reader);
+    setup.notes = clip_notes(*clip.reader);
     setup.filters = std::move(clip.chosen);
     if (!setup.gpu) setup.gpu = options.gpu ? options.gpu : std::make_shared<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;

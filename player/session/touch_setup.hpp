@@ -21,7 +21,7 @@ namespace touchable {
 struct TouchSetup {
     ClipChoice clip;
     Scene scene;                           ///< as this run applies it
-    std::vector<std::string> notes;        ///< what is told of the clip (told_of)
+    std::vector<std::string> notes;        ///< what is told of the clip (clip_notes)
     std::optional<ChosenFilters> filters;  ///< nothing: all were stated
     BuilderChoice builder;                 ///< not auto any more
     std::string builder_why;  ///< why auto, or another than was asked for; empty: it was asked for by name

@@ -27,7 +27,8 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     TouchSetup& s = *session->setup_;
     session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.settings, session->log_);
     session->running_.store(true, std::memory_order_release);
-    auto begun = start_thread(session->thread_, "of the session", [it = session.get()] { it->run(); });
+    auto begun =
+        start_thread(session->thread_, "session", "of the session", [it = session.get()] { it->run(); });
     if (begun.ok()) return session;
     session->close_devices();
     return begun.error();

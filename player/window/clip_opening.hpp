@@ -90,10 +90,11 @@ private:
         work_->words = std::move(next_->words);
         work_->make = std::move(next_->make);
         next_.reset();
-        const auto started = start_thread(work_->thread, "that opens clips", [work = work_.get()] {
-            work->made = made_by(*work);
-            work->done.store(true, std::memory_order_release);
-        });
+        const auto started =
+            start_thread(work_->thread, "clip-opening", "that opens clips", [work = work_.get()] {
+                work->made = made_by(*work);
+                work->done.store(true, std::memory_order_release);
+            });
         if (started.ok()) return;
         work_->made = started.error();
         work_->done.store(true, std::memory_order_release);

@@ -11,11 +11,12 @@
 namespace touchable {
 namespace {
 
-/// A device that stays open from one session to the next, so that its fingers stay where they are.
-class StaysOpen final : public HapticDevice {
+/// The pointer's device: it stays open from one session to the next, so that its fingers stay where they are.
+/// Where it fails, unlike a PersistentDevice, the session fails, and the next one opens it again.
+class PersistentPointer final : public HapticDevice {
 public:
-    explicit StaysOpen(std::shared_ptr<PointerDevice> device) : device_(std::move(device)) {}
-    ~StaysOpen() override { device_->close(); }
+    explicit PersistentPointer(std::shared_ptr<PointerDevice> device) : device_(std::move(device)) {}
+    ~PersistentPointer() override { device_->close(); }
     std::string name() const override { return device_->name(); }
     DeviceLimits limits() const override { return device_->limits(); }
     int fingers() const override { return device_->fingers(); }
@@ -50,20 +51,20 @@ OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, Windo
       clip_(clip),
       sound_(sound),
       device_(std::make_shared<PointerDevice>(PointerFingers::most, glm::dvec3(0.0))),
-      held_(std::make_shared<StaysOpen>(device_)) {
+      held_(std::make_shared<PersistentPointer>(device_)) {
     if (clip_.plugged) clip_.shared_camera = std::make_shared<SharedCamera>();
     clip_.share_clip();
 }
 
 Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip,
-                                                     const FeltSettings& felt, WindowSound& sound,
+                                                     const SessionSettings& settings, WindowSound& sound,
                                                      const std::stop_token& given_up) {
     std::unique_ptr<OpenedClip> made(new OpenedClip(options, clip, sound));
-    if (auto ready = made->make_ready(felt, given_up); !ready.ok()) return ready.error();
+    if (auto ready = made->make_ready(settings, given_up); !ready.ok()) return ready.error();
     return made;
 }
 
-SessionOptions OpenedClip::session_options(const FeltSettings& felt) const {
+SessionOptions OpenedClip::session_options(const SessionSettings& settings) const {
     SessionOptions session = options_.session;
     session.clip = clip_;
     if (!clip_.is_camera()) session.camera.reset();  // of another clip, which was there before
@@ -78,7 +79,7 @@ SessionOptions OpenedClip::session_options(const FeltSettings& felt) const {
     // and the ramp is for that. No hand is pushed out of what it did not come into.
     session.start_buried = !options_.hand;
     session.recorded = options_.record.has_value();
-    return with_felt(std::move(session), felt);
+    return with_settings(std::move(session), settings);
 }
 
 /// The arrow of the greatest force stays within a third of the picture.
@@ -90,10 +91,10 @@ MarkSizes OpenedClip::sizes_for(double max_newtons) const {
 }
 
 /// What a setup says of the clip by these settings.
-void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
+void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& settings) {
     scene_ = setup.scene;
-    felt_ = felt;
-    in_effect_ = felt_in(setup);
+    settings_ = settings;
+    in_effect_ = settings_in_effect(setup);
     filters_ = filters_in_words(setup.scene, setup.filters);
     builder_why_ = setup.builder_why;
     notes_ = setup.notes;
@@ -102,10 +103,10 @@ void OpenedClip::take_over(const TouchSetup& setup, const FeltSettings& felt) {
     if (clip_.shared_clip) clip_.shared_clip->forget_first_frames();
 }
 
-Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_token& given_up) {
+Result<void> OpenedClip::make_ready(const SessionSettings& settings, const std::stop_token& given_up) {
     if (options_.hand)
         if (auto opened = options_.hand->open(); !opened.ok()) return opened;
-    SessionOptions session = session_options(felt);
+    SessionOptions session = session_options(settings);
     session.given_up = given_up;
     auto setup = setup_from_options(session);
     if (!setup.ok()) return setup.error();
@@ -113,7 +114,7 @@ Result<void> OpenedClip::make_ready(const FeltSettings& felt, const std::stop_to
     name_ = s.clip.file.filename().empty() ? s.clip.file.parent_path().filename().string()
                                            : s.clip.file.filename().string();
     frames_ = s.feed->reader().frame_count().value_or(0);
-    take_over(s, felt);
+    take_over(s, settings);
     workspace_ = s.workspace;
     workspace_.metres_per_scene_unit *= session.hand_scale;
     // No surface is before the clip's camera.
@@ -217,13 +218,13 @@ std::vector<PlaybackCommand> OpenedClip::choose_begin(Change& change, std::int64
     return commands;
 }
 
-Result<OpenedClip::Change> OpenedClip::prepare(const FeltSettings& felt,
+Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
                                                const std::stop_token& given_up) const {
     using Clock = std::chrono::steady_clock;
     Change change;
-    change.felt = felt;
+    change.settings = settings;
     Clock::time_point chosen_at;
-    SessionOptions session = session_options(felt);
+    SessionOptions session = session_options(settings);
     session.given_up = given_up;
     session.workspace = workspace_;
     // A camera's time only goes on, and begins with each of its runs.
@@ -293,7 +294,7 @@ Result<void> OpenedClip::take(Change change) {
     ended_ = before;
     constexpr std::int64_t least_ns = 20'000'000, most_ns = 3'000'000'000;
     reading_ns_ = std::clamp(change.reading_ns, least_ns, most_ns);
-    take_over(session_->setup(), change.felt);
+    take_over(session_->setup(), change.settings);
     sizes_ = sizes_for(session_->setup().settings.guard.max_force);
     trails_ = FingerTrails();
     if (!clip_.is_camera() && !goes_on_to(change, now)) lead_from(change, now);

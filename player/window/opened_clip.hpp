@@ -12,8 +12,8 @@
 #include "device/pointer_device.hpp"
 #include "haptics_cpu/force_hash.hpp"
 #include "player/audio/touch_listener.hpp"
-#include "player/control/felt_settings.hpp"
 #include "player/control/pointer_fingers.hpp"
+#include "player/control/session_settings.hpp"
 #include "player/control/window_view.hpp"
 #include "player/record/recording.hpp"
 #include "player/session/watched_session.hpp"
@@ -30,7 +30,7 @@ public:
     /// As `options` say, which outlive it, over `clip` and by these settings; ready to be begun. `sound`
     /// outlives it too. Takes long; on any thread. Once it was `given_up`, an error of kind interrupted.
     static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip,
-                                                    const FeltSettings& felt, WindowSound& sound,
+                                                    const SessionSettings& settings, WindowSound& sound,
                                                     const std::stop_token& given_up = {});
     /// Begins its session, and a recording of it where one is asked for. Once, when no other clip runs any
     /// more.
@@ -42,7 +42,7 @@ public:
 
     /// The same clip by other settings, ready to be changed to.
     struct Change {
-        FeltSettings felt;
+        SessionSettings settings;
         std::unique_ptr<TouchSetup> setup;
         PlaybackState state;          // that the clip was in when its begin was chosen
         std::int64_t begin_ns = 0;    // of the clip, where it begins
@@ -50,7 +50,7 @@ public:
     };
     /// Takes long; on any thread, while the session goes on and is not changed. Refused mostly
     /// (ErrorKind::usage) where the clip does not go with the settings.
-    Result<Change> prepare(const FeltSettings& felt, const std::stop_token& given_up = {}) const;
+    Result<Change> prepare(const SessionSettings& settings, const std::stop_token& given_up = {}) const;
     /// Whether the clip, as it plays, has come to where the change begins, or will not.
     bool has_come_to(const Change& change) const;
     /// Ends the session, and begins another one by those settings at the moment, speed and loop of now.
@@ -64,7 +64,7 @@ public:
     PointerFingers& fingers() { return *fingers_; }
     const PointerFingers& fingers() const { return *fingers_; }
     /// That leads the fingers; null: the pointer does.
-    const HeldHand* hand() const { return options_.hand.get(); }
+    const PersistentDevice* hand() const { return options_.hand.get(); }
     /// How many fingers are to be seen.
     int shown() const { return options_.hand ? options_.hand->fingers() : fingers_->shown(); }
     /// Of that device in the session; null likewise.
@@ -83,7 +83,7 @@ public:
     const std::string& name() const { return name_; }
     /// Those that it was opened with or changed to; what they make of the clip; and its filters, each with
     /// the reason.
-    const FeltSettings& felt() const { return felt_; }
+    const SessionSettings& settings() const { return settings_; }
     const std::map<std::string, std::string>& in_effect() const { return in_effect_; }
     const std::string& filters() const { return filters_; }
     /// Why this builder makes the surface; empty: it was asked for.
@@ -111,12 +111,12 @@ public:
 
 private:
     OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);
-    SessionOptions session_options(const FeltSettings& felt) const;
-    Result<void> make_ready(const FeltSettings& felt, const std::stop_token& given_up);
+    SessionOptions session_options(const SessionSettings& settings) const;
+    Result<void> make_ready(const SessionSettings& settings, const std::stop_token& given_up);
     bool goes_on_to(const Change& change, const PlaybackState& now) const;
     std::vector<PlaybackCommand> choose_begin(Change& change, std::int64_t reading_ns) const;
     bool is_left_behind(const Change& change) const;
-    void take_over(const TouchSetup& setup, const FeltSettings& felt);
+    void take_over(const TouchSetup& setup, const SessionSettings& settings);
     Result<void> start_session(std::unique_ptr<TouchSetup> setup);
     void end_session();
     void begin_listening();
@@ -138,7 +138,7 @@ private:
     const PlayOptions& options_;
     ClipChoice clip_;
     WindowSound& sound_;
-    FeltSettings felt_;
+    SessionSettings settings_;
     std::map<std::string, std::string> in_effect_;
     std::string name_, filters_, builder_why_;
     std::vector<std::string> notes_;

@@ -83,7 +83,7 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.overlay = name_of(picture.overlay());
     facts.scale = picture.scale();
     facts.force_on = clip.force_is_on();
-    if (const HeldHand* const hand = clip.hand())
+    if (const PersistentDevice* const hand = clip.hand())
         facts.hand = HandFacts{
             hand->name(), hand_state(*hand, *clip.control(), is_inside(moment.felt)), hand->age_s(),
             clip.scene().metres_per_unit / clip.control()->mapping().workspace.metres_per_scene_unit,
@@ -95,8 +95,8 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     for (std::size_t k = 0; k < fingers; ++k)
         facts.forces.push_back(glm::length(moment.felt.fingers[k].force.force));
     facts.place.lines = place_words(clip, moment, field, camera);
-    facts.felt = {clip.felt().values(), clip.in_effect(), clip.filters()};
-    facts.felt.has_device = clip.hand() != nullptr;
+    facts.settings = {clip.settings().values(), clip.in_effect(), clip.filters()};
+    facts.settings.has_device = clip.hand() != nullptr;
     facts.figures = figure_words(clip, picture, moment);
     const WatchedFigures figures = clip.session().figures();
     facts.late_ticks = figures.ticks.late;

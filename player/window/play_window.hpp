@@ -8,8 +8,8 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "player/control/held_hand.hpp"
 #include "player/control/kiosk.hpp"
+#include "player/control/persistent_device.hpp"
 #include "player/control/window_script.hpp"
 #include "player/screen/screen.hpp"
 #include "player/session/session_options.hpp"
@@ -19,7 +19,7 @@ namespace touchable {
 /// A window, and what becomes of it.
 struct PlayOptions {
     SessionOptions session;
-    std::shared_ptr<HeldHand> hand{};  ///< that leads the fingers; nothing: the mouse does
+    std::shared_ptr<PersistentDevice> hand{};  ///< that leads the fingers; nothing: the mouse does
     ScreenOptions screen;
     bool headless = false;
     std::optional<KioskTimes> kiosk{};  ///< nobody watches over it; it loops and keeps nothing

@@ -43,7 +43,8 @@ Result<void> Screenshots::keep(Image image, std::filesystem::path name) {
     }
     changed_.notify_one();
     if (thread_.joinable()) return {};
-    auto started = start_thread(thread_, "that writes pictures of the window", [this] { write_all(); });
+    auto started =
+        start_thread(thread_, "screenshots", "that writes pictures of the window", [this] { write_all(); });
     if (!started.ok()) waiting_.clear();
     return started;
 }

@@ -12,7 +12,8 @@ Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::pa
     auto film = FilmWriter::create(file, existing);
     if (!film.ok()) return film.error();
     std::unique_ptr<WindowFilm> made(new WindowFilm(std::move(*film)));
-    auto begun = start_thread(made->thread_, "of the film", [it = made.get()] { it->encode(); });
+    auto begun =
+        start_thread(made->thread_, "film-encoder", "of the film", [it = made.get()] { it->encode(); });
     if (!begun.ok()) return begun.error();
     return made;
 }

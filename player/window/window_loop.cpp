@@ -16,10 +16,10 @@ namespace touchable {
 
 Result<void> WindowLoop::open() {
     if (options_.kiosk) kiosk_.emplace(*options_.kiosk);
-    if (options_.settings_file) settings_ = SettingsFile(*options_.settings_file);
-    const KeptSettings& kept = settings_.read();
-    if (!options_.filters_are_stated) felt_.kept = {kept.a, kept.b};
-    if (!settings_.message().empty()) say(settings_.message(), true);
+    if (options_.settings_file) settings_file_ = SettingsFile(*options_.settings_file);
+    const KeptSettings& kept = settings_file_.read();
+    if (!options_.filters_are_stated) settings_.kept = {kept.a, kept.b};
+    if (!settings_file_.message().empty()) say(settings_file_.message(), true);
     auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
     if (!sound.ok()) return sound.error();
     sound_ = std::move(*sound);
@@ -85,7 +85,8 @@ Result<PlayFigures> WindowLoop::run() {
     }
     opening_.give_up();
     // Whatever ended it: what was touched until then is kept.
-    if (auto written = settings_.write(to_keep()); !written.ok()) figures_.not_kept = written.error().message;
+    if (auto written = settings_file_.write(to_keep()); !written.ok())
+        figures_.not_kept = written.error().message;
     const Result<void> recorded = clip_->finish(), heard = sound_->finish();
     sum_up();
     if (!failure_) failure_ = clip_->failure();

@@ -16,6 +16,7 @@
 #include "player/panel/window_panel.hpp"
 #include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
+#include "player/window/drawn_state.hpp"
 #include "player/window/force_scale.hpp"
 #include "player/window/frames_shown.hpp"
 #include "player/window/opened_clip.hpp"
@@ -23,7 +24,6 @@
 #include "player/window/play_window.hpp"
 #include "player/window/playback_control.hpp"
 #include "player/window/screenshots.hpp"
-#include "player/window/what_is_seen.hpp"
 #include "player/window/window_film.hpp"
 
 namespace touchable {
@@ -63,20 +63,20 @@ private:
     void open_other(const std::string& file);
     Result<void> keep_picture(const std::filesystem::path& name);
     /// A and B as they are kept, and as they are in effect: without what the clip would not go with.
-    struct WindowFelt {
+    struct WindowSettings {
         TwoSettings kept, in_effect;
-        bool operator==(const WindowFelt&) const = default;
+        bool operator==(const WindowSettings&) const = default;
     };
     void feel(const WindowCommand& command);
     /// What was made ready on a thread of its own: another clip, or a change of the one that is there.
     struct Ready {
         std::unique_ptr<OpenedClip> clip;
         std::optional<OpenedClip::Change> change{};
-        WindowFelt felt;       // to be in effect then
-        std::string remark{};  // that something is not as it was wanted
+        WindowSettings settings;  // to be in effect then
+        std::string remark{};     // that something is not as it was wanted
     };
     void ask_for_clip(ClipChoice choice);
-    void ask_for_change(const WindowFelt& wanted);
+    void ask_for_change(const WindowSettings& wanted);
     Result<void> wait_for_clip();
     void go_on_opening();
     Result<void> take(Ready& ready);
@@ -137,13 +137,13 @@ private:
     double tried_again_s_ = 0;      // to open its clip
     double begun_anew_s_ = 0, shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
-    SettingsFile settings_;
-    WindowFelt felt_;
-    std::optional<WindowFelt> wanted_felt_;  // to be changed to
-    std::optional<WindowFelt> asked_felt_;   // that `opening_` makes ready
-    Clock::time_point renew_after_;          // the session, by one that takes more commands
-    std::int64_t changed_at_ = 0;            // figures_.pictures at the last change
-    std::optional<Error> failure_;           // the first of all clips
+    SettingsFile settings_file_;
+    WindowSettings settings_;
+    std::optional<WindowSettings> wanted_settings_;  // to be changed to
+    std::optional<WindowSettings> asked_settings_;   // that `opening_` makes ready
+    Clock::time_point renew_after_;                  // the session, by one that takes more commands
+    std::int64_t changed_at_ = 0;                    // figures_.pictures at the last change
+    std::optional<Error> failure_;                   // the first of all clips
     PointerInput pointer_;
     glm::dvec2 pointer_at_{0.0};
     std::vector<InputEvent> events_;  // since the last picture
@@ -154,7 +154,7 @@ private:
     double begun_cpu_ms_ = 0;
     Clock::time_point last_picture_, last_event_, message_at_;
     std::optional<Clock::time_point> first_event_;  // not in a picture yet
-    WhatIsSeen seen_;
+    DrawnState seen_;
     std::string message_, shown_message_, sound_fault_;
     std::set<std::string> file_faults_;  // that were said
     std::size_t place_lines_ = 0;

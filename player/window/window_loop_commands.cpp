@@ -128,9 +128,9 @@ void WindowLoop::set_overlay(const std::string& name) {
 }
 
 void WindowLoop::feel(const WindowCommand& command) {
-    WindowFelt wanted = wanted_felt_.value_or(felt_);
+    WindowSettings wanted = wanted_settings_.value_or(settings_);
     const std::size_t space = command.word.find(' ');
-    const FeltSetting* const setting = felt_setting(command.word.substr(0, space));
+    const SessionSetting* const setting = session_setting(command.word.substr(0, space));
     if (setting && setting->of_device && !options_.hand)
         return say(std::string(setting->name) + " is of a --device that is held; there is none", true);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
@@ -142,11 +142,11 @@ void WindowLoop::feel(const WindowCommand& command) {
             return say(set.error().message, true);
         }
     }
-    wanted_felt_ = wanted;
+    wanted_settings_ = wanted;
 }
 
 void WindowLoop::reset() {
-    wanted_felt_.emplace();
+    wanted_settings_.emplace();
     panel_->shown = false;
     clip_->fingers().set_count(KeptSettings().fingers);
     picture_.set_overlay(Overlay::colour);
@@ -154,13 +154,13 @@ void WindowLoop::reset() {
 }
 
 KeptSettings WindowLoop::to_keep() const {
-    KeptSettings kept = settings_.read();
+    KeptSettings kept = settings_file_.read();
     kept.panel = panel_->shown;
     kept.fingers = clip_->fingers().count();
     if (!options_.filters_are_stated) {
-        const TwoSettings felt = wanted_felt_.value_or(felt_).kept;
-        kept.a = felt.a;
-        kept.b = felt.b;
+        const TwoSettings settings = wanted_settings_.value_or(settings_).kept;
+        kept.a = settings.a;
+        kept.b = settings.b;
     }
     const ScreenSize size = screen_->size();
     if (options_.size_is_stated || fullscreen_ || size.width < 1) return kept;

@@ -11,7 +11,7 @@ namespace touchable {
 
 /// Once a turn. (That forces are off once nobody was there for a second, HandControl sees to.)
 void WindowLoop::look_after_hand(const WatchedMoment* moment) {
-    HeldHand& hand = *options_.hand;
+    PersistentDevice& hand = *options_.hand;
     if (const bool gone = hand.is_gone(); gone != std::exchange(hand_is_gone_, gone) && gone) {
         last_event_ = Clock::now();
         if (const auto health = hand.health(); !health.ok()) tell(health.error().message);
@@ -33,7 +33,7 @@ void WindowLoop::power_hand_off() {
 }
 
 void WindowLoop::take_of_hand(const WindowCommand& command) {
-    HeldHand& hand = *options_.hand;
+    PersistentDevice& hand = *options_.hand;
     switch (command.verb) {
         case WindowVerb::force:
             // It comes back without forces: nobody may be there by then.
@@ -60,10 +60,10 @@ void WindowLoop::take_of_hand(const WindowCommand& command) {
 /// A setting like the others, by steps.
 void WindowLoop::change_scale(double times) {
     const char* const name = "hand-scale";
-    const auto chosen = wanted_felt_.value_or(felt_).in_effect.now().values();
+    const auto chosen = wanted_settings_.value_or(settings_).in_effect.now().values();
     const auto found = chosen.find(name);
     const std::string now = found != chosen.end() ? found->second : clip_->in_effect().at(name);
-    const FeltSetting& setting = *felt_setting(name);
+    const SessionSetting& setting = *session_setting(name);
     const double scale = std::clamp(number_of(now).value_or(1) * times, setting.least, setting.most);
     feel({WindowVerb::feel, 0, name + (" " + std::to_string(scale))});
 }

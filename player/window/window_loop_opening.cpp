@@ -25,16 +25,16 @@ void WindowLoop::ask_for_clip(ClipChoice choice) {
     std::string name = choice.file.filename().string();
     if (name.empty()) name = choice.file.string();
     opening_.ask("opening " + name,
-                 [this, choice, kept = felt_.kept](const std::stop_token& given_up) -> Result<Ready> {
+                 [this, choice, kept = settings_.kept](const std::stop_token& given_up) -> Result<Ready> {
                      auto opened = OpenedClip::open(options_, choice, kept.now(), *sound_, given_up);
-                     if (opened.ok()) return Ready{.clip = std::move(*opened), .felt = {kept, kept}};
-                     if (kept.now() == FeltSettings{} || given_up.stop_requested()) return opened.error();
+                     if (opened.ok()) return Ready{.clip = std::move(*opened), .settings = {kept, kept}};
+                     if (kept.now() == SessionSettings{} || given_up.stop_requested()) return opened.error();
                      auto plain = OpenedClip::open(options_, choice, {}, *sound_, given_up);
                      if (!plain.ok()) return plain.error();
                      TwoSettings in_effect = kept;
                      (kept.b_is_on ? *in_effect.b : in_effect.a) = {};
                      return Ready{.clip = std::move(*plain),
-                                  .felt = {kept, in_effect},
+                                  .settings = {kept, in_effect},
                                   .remark = "felt as the clip says: " + opened.error().message};
                  });
 }
@@ -45,16 +45,16 @@ void WindowLoop::open_other(const std::string& file) {
     choice.file = file;
     message_.clear();
     ready_.reset();
-    asked_felt_.reset();  // given up, and asked for again once the clip is there
+    asked_settings_.reset();  // given up, and asked for again once the clip is there
     ask_for_clip(choice);
 }
 
-void WindowLoop::ask_for_change(const WindowFelt& wanted) {
+void WindowLoop::ask_for_change(const WindowSettings& wanted) {
     opening_.ask("changing to " + wanted.in_effect.in_words(),
                  [clip = clip_.get(), wanted](const std::stop_token& given_up) -> Result<Ready> {
                      auto change = clip->prepare(wanted.in_effect.now(), given_up);
                      if (!change.ok()) return change.error();
-                     return Ready{.clip = nullptr, .change = std::move(*change), .felt = wanted};
+                     return Ready{.clip = nullptr, .change = std::move(*change), .settings = wanted};
                  });
 }
 
@@ -67,45 +67,45 @@ void WindowLoop::go_on_opening() {
         else
             say(made->error().message, true);
         // Of settings that are refused.
-        if (!made->ok() && wanted_felt_ == asked_felt_) wanted_felt_.reset();
-        asked_felt_.reset();
+        if (!made->ok() && wanted_settings_ == asked_settings_) wanted_settings_.reset();
+        asked_settings_.reset();
     }
     if (ready_ && (ready_->clip || clip_->has_come_to(*ready_->change))) {
         Ready ready = *std::exchange(ready_, std::nullopt);
         say(take(ready));
     }
     const bool was_seen = figures_.pictures > changed_at_ || !clip_->session().running();
-    if (!wanted_felt_ && Clock::now() > renew_after_ && clip_->is_nearly_full() && was_seen && !ready_ &&
+    if (!wanted_settings_ && Clock::now() > renew_after_ && clip_->is_nearly_full() && was_seen && !ready_ &&
         !opening_.is_busy()) {
         renew_after_ = Clock::now() + renew_pause;
-        return ask_for_change(felt_);
+        return ask_for_change(settings_);
     }
-    if (!wanted_felt_ || !was_seen || ready_ || opening_.is_busy()) return;
-    if (wanted_felt_->in_effect.now() == clip_->felt()) {
-        felt_ = *std::exchange(wanted_felt_, std::nullopt);
-        return say(felt_.in_effect.in_words());
+    if (!wanted_settings_ || !was_seen || ready_ || opening_.is_busy()) return;
+    if (wanted_settings_->in_effect.now() == clip_->settings()) {
+        settings_ = *std::exchange(wanted_settings_, std::nullopt);
+        return say(settings_.in_effect.in_words());
     }
-    asked_felt_ = wanted_felt_;
-    ask_for_change(*wanted_felt_);
+    asked_settings_ = wanted_settings_;
+    ask_for_change(*wanted_settings_);
 }
 
 Result<void> WindowLoop::take(Ready& ready) {
     changed_at_ = figures_.pictures;
-    const bool is_another = !(felt_ == ready.felt);
-    felt_ = ready.felt;
+    const bool is_another = !(settings_ == ready.settings);
+    settings_ = ready.settings;
     if (ready.clip) {
         if (auto shown = show(std::move(ready.clip)); !shown.ok()) return shown;
         if (!ready.remark.empty()) say(std::move(ready.remark), true);
         return {};
     }
-    if (wanted_felt_ == ready.felt) wanted_felt_.reset();
+    if (wanted_settings_ == ready.settings) wanted_settings_.reset();
     const bool had_failed = clip_->failure().has_value();
     const Result<void> changed = clip_->take(std::move(*ready.change));
     const bool has_failed = !had_failed && note_failure();
     if (!changed.ok()) return changed;
     picture_.forget();
     frames_shown_.forget();
-    if (is_another && !has_failed) say(felt_.in_effect.in_words());
+    if (is_another && !has_failed) say(settings_.in_effect.in_words());
     return {};
 }
 

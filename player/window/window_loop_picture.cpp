@@ -156,7 +156,7 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
 PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& field,
                                 const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
-    facts.felt.b_is_on = felt_.in_effect.b_is_on;
+    facts.settings.b_is_on = settings_.in_effect.b_is_on;
     facts.most_newtons = force_scale_.most_newtons(facts.forces, now_s());
     facts.figures.push_back(sound_->state());
     facts.is_kiosk = kiosk_.has_value();

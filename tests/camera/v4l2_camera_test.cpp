@@ -165,7 +165,7 @@ TEST_F(Camera, WithoutATimeOfItsOwnIsTimedByArrival) {
     const auto since = steady_clock::now();
     const auto camera = running();
     std::string notes;
-    for (const std::string& note : told_of(*camera)) notes += note + '\n';
+    for (const std::string& note : clip_notes(*camera)) notes += note + '\n';
     EXPECT_NE(notes.find("count from their arrival"), std::string::npos) << notes;
     std::int64_t before = 0;
     for (int n = 2; n < 6; ++n) {
@@ -413,7 +413,7 @@ TEST_F(Camera, SaysWhatItAssumes) {
     // The last thousandth of 8 pictures of 20x12 pixels is one pixel and a part: the second deepest.
     EXPECT_NEAR(scene.depth.far, 2 * 0.001 * (500 + (w - 1) + 3 * (h - 1) + 7 * 7 - 1), 1e-9);
     std::string notes;
-    for (const std::string& note : told_of(**camera)) notes += note + '\n';
+    for (const std::string& note : clip_notes(**camera)) notes += note + '\n';
     for (const char* fragment : {"RealSense(TM) Depth Ca: Z16, 20x12 at 30 frames/s", "--preset realsense",
                                  "79 degrees", "deeper than 1.2 m is no depth"})
         EXPECT_NE(notes.find(fragment), std::string::npos) << fragment << " is not in\n" << notes;
@@ -439,7 +439,7 @@ TEST_F(Camera, ACodeOfZ16IsAMillimetreAndOneOfY16AsItsSizeSays) {
         ASSERT_EQ(said(camera), "");
         EXPECT_EQ((*camera)->scene().depth.scale, scale);
         std::string notes;
-        for (const std::string& note : told_of(**camera)) notes += note + '\n';
+        for (const std::string& note : clip_notes(**camera)) notes += note + '\n';
         EXPECT_EQ(notes.find("a code is 1 mm, as most cameras of Z16 have it") != std::string::npos,
                   scale == 0.001)
             << notes;
@@ -465,7 +465,7 @@ TEST_F(Camera, IsJudgedByThePictureThatSeesMost) {
     const auto camera = open_v4l2_camera(choice, known);
     ASSERT_EQ(said(camera), "");
     std::string notes;
-    for (const std::string& note : told_of(**camera)) notes += note + '\n';
+    for (const std::string& note : clip_notes(**camera)) notes += note + '\n';
     EXPECT_NE(notes.find("the median depth is 1500 m"), std::string::npos) << "picture 5\n" << notes;
 }
 

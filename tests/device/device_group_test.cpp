@@ -12,8 +12,8 @@ namespace {
 /// Says of itself what a test wants.
 class ToldDevice final : public HapticDevice {
 public:
-    ToldDevice(std::string name, bool over, std::string wish, const char* first_button = nullptr)
-        : name_(std::move(name)), over_(over), wish_(std::move(wish)) {
+    ToldDevice(std::string name, bool over, std::string prompt, const char* first_button = nullptr)
+        : name_(std::move(name)), over_(over), prompt_(std::move(prompt)) {
         if (first_button) can_.first_button = first_button;
     }
     std::string name() const override { return name_; }
@@ -25,13 +25,13 @@ public:
     bool read_positions(std::span<glm::dvec3>) override { return true; }
     bool write_forces(std::span<const glm::dvec3>) override { return true; }
     bool is_over() const override { return over_; }
-    std::string wish() const override { return wish_; }
+    std::string prompt() const override { return prompt_; }
     Result<void> health() const override { return {}; }
 
 private:
     std::string name_;
     bool over_;
-    std::string wish_;
+    std::string prompt_;
     DeviceCapabilities can_;
 };
 
@@ -51,7 +51,8 @@ TEST(DeviceGroup, IsOverOnceAllOfItAre) {
 TEST(DeviceGroup, SaysOfEachWhyItNeverToldAPosition) {
     const DeviceGroup group = group_of(std::make_unique<ToldDevice>("grip", false, "pull it out"),
                                        std::make_unique<ToldDevice>("pen", false, ""));
-    EXPECT_EQ(group.absence(), "the grip never told a position: pull it out; the pen never told a position");
+    EXPECT_EQ(group.why_no_position(),
+              "the grip never told a position: pull it out; the pen never told a position");
 }
 
 TEST(DeviceGroup, NamesAFirstButtonThatAllOfThemHave) {

@@ -34,8 +34,8 @@ protected:
     DriveTimes times{10'000};
     DrivenDevice device{std::make_unique<FakeDriver>(hardware),
                         {.clock = [this] { return now; },
-                         .as_it_hears = [this](std::int64_t moment) { times.heard(moment); },
-                         .as_it_speaks = [this](std::int64_t moment) { times.spoken(moment); },
+                         .on_received = [this](std::int64_t moment) { times.received(moment); },
+                         .on_sent = [this](std::int64_t moment) { times.sent(moment); },
                          .own_thread = false}};
 };
 
@@ -49,7 +49,7 @@ TEST_F(Watched, FiguresAreThoseOfItsTurns) {
     EXPECT_NEAR(figures->interval_s.greatest, 0.001, 1e-12);
     EXPECT_NEAR(figures->age_s.median, 0.0007, 1e-12);
     EXPECT_NEAR(figures->going_out_s.median, 0.0003, 1e-12);
-    EXPECT_EQ(figures->until_heard_s.greatest, 0) << "the fake answers at once";
+    EXPECT_EQ(figures->until_received_s.greatest, 0) << "the fake answers at once";
     EXPECT_EQ(figures->rest.places, 1000);
     EXPECT_NEAR(figures->rest.step_m.x, 50e-6, 1e-12);
     EXPECT_NEAR(figures->rest.deviation_m.x, 25e-6, 1e-12);

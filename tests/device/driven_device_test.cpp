@@ -220,7 +220,7 @@ TEST_F(Driven, AnUnpluggedDeviceIsLookedForAndComesBackWithoutForce) {
     EXPECT_TRUE(reads && writes);
     EXPECT_TRUE(std::isnan(place.x));
     EXPECT_EQ(device.health().error().message, "fake: gone");
-    EXPECT_EQ(device.wish(), "looking for the fake again");
+    EXPECT_EQ(device.prompt(), "looking for the fake again");
     for (int turns = 0; turns < 500; ++turns) EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0));
     hardware.plugged = true;
     for (int turns = 0; turns < 101 && !hardware.connected; ++turns) tick({0, 0, 1});
@@ -251,9 +251,9 @@ TEST_F(Driven, WhatKeepsItFromComingBackIsSaid) {
     hardware.plugged = false;
     tick({0, 0, 1});
     hardware.not_opened_because = "fake: may not be opened";
-    while (device.wish() == "looking for the fake again" && turn()) {
+    while (device.prompt() == "looking for the fake again" && turn()) {
     }
-    EXPECT_EQ(device.wish(), "looking for the fake again: fake: may not be opened");
+    EXPECT_EQ(device.prompt(), "looking for the fake again: fake: may not be opened");
     EXPECT_EQ(device.health().error().message, "fake: gone; now fake: may not be opened");
     for (int turns = 0; turns < 300; ++turns) turn();
     EXPECT_EQ(device.health().error().message, "fake: gone; now fake: may not be opened") << "said once";
@@ -294,9 +294,9 @@ TEST_F(Driven, ClosingLeavesNoForce) {
 }
 
 TEST_F(Driven, TellsWhatItWaitsFor) {
-    hardware.wish = "pull the grip out, then push it in";
+    hardware.prompt = "pull the grip out, then push it in";
     turn();
-    EXPECT_EQ(device.wish(), hardware.wish);
+    EXPECT_EQ(device.prompt(), hardware.prompt);
 }
 
 /// Faults of every kind at random moments, each for a random time: whatever happens, no force goes out that

@@ -116,7 +116,7 @@ TEST(DrivenThreads, FaultsAtRandomMomentsUnderASecondThread) {
     for (int fault = 0; fault < 100; ++fault) {
         (fault % 2 == 0 ? hardware.plugged : hardware.throws) = fault % 2 != 0;
         std::this_thread::sleep_for(microseconds(random() % 1000));
-        [[maybe_unused]] const auto words = device.wish() + (device.health().ok() ? "" : "?");
+        [[maybe_unused]] const auto words = device.prompt() + (device.health().ok() ? "" : "?");
         hardware.plugged = true;
         hardware.throws = false;
         std::this_thread::sleep_for(microseconds(random() % 3000));

@@ -33,7 +33,7 @@ public:
     Fault fault = Fault::none;
     glm::dvec3 place{0.0};
     std::uint32_t buttons = 0;
-    std::string wish;
+    std::string prompt;
     std::optional<ZeroForcePacket> zero_force_packet;
     std::string not_opened_because;  ///< what it says when it is connected without being plugged; empty: gone
     std::int64_t kept_ns = 0;        ///< for how long it has had what it tells
@@ -102,7 +102,7 @@ public:
     }
     int descriptor() const override { return hardware_.descriptor; }
     bool is_over() const override { return hardware_.over; }
-    std::string wish() const override { return hardware_.wish; }
+    std::string prompt() const override { return hardware_.prompt; }
     std::optional<ZeroForcePacket> zero_force_packet() const override { return hardware_.zero_force_packet; }
 
 private:

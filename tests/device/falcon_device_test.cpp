@@ -67,14 +67,14 @@ class Plugged : public ::testing::Test {
 protected:
     void plug(const std::string& name, const std::string& vendor, const std::string& product,
               const std::string& bus, const std::string& number) {
-        const fs::path told = folders.told / name;
-        write_file(told / "idVendor", vendor + "\n");
-        write_file(told / "idProduct", product + "\n");
-        write_file(told / "busnum", bus + "\n");
-        write_file(told / "devnum", number + "\n");
+        const fs::path device = folders.devices / name;
+        write_file(device / "idVendor", vendor + "\n");
+        write_file(device / "idProduct", product + "\n");
+        write_file(device / "busnum", bus + "\n");
+        write_file(device / "devnum", number + "\n");
     }
     TemporaryFolder folder;
-    UsbFolders folders{folder / "told", folder / "nodes"};
+    UsbFolders folders{folder / "devices", folder / "nodes"};
 };
 
 TEST_F(Plugged, TheFirstOfItsKindIsFound) {
@@ -85,7 +85,7 @@ TEST_F(Plugged, TheFirstOfItsKindIsFound) {
     plug("2-1", "0403", "cb48", "2", "4");
     plug("1-1", "0403", "cb48", "1", "12");
     EXPECT_EQ(find_usb_device("0403", "cb48", folders), folders.nodes / "001" / "012");
-    fs::create_directories(folders.told / "1-1:1.0");  // an interface, which has no identity of its own
+    fs::create_directories(folders.devices / "1-1:1.0");  // an interface, which has no identity of its own
     EXPECT_EQ(find_usb_device("0403", "cb48", folders), folders.nodes / "001" / "012");
 }
 

@@ -60,8 +60,8 @@ protected:
         return driver.receive(sample, patience);
     }
     void home(FalconDriver& driver) {
-        for (int go = 0; go < 20 && !driver.wish().empty(); ++go) ASSERT_TRUE(turn(driver).ok());
-        ASSERT_EQ(driver.wish(), "");
+        for (int go = 0; go < 20 && !driver.prompt().empty(); ++go) ASSERT_TRUE(turn(driver).ok());
+        ASSERT_EQ(driver.prompt(), "");
     }
     void move_to(const glm::dvec3& place) {
         const auto angles = falcon_angles(place);
@@ -189,7 +189,7 @@ TEST_F(Falcon, BeforeItIsHomedThereIsNeitherPlaceNorForce) {
         EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
         EXPECT_EQ(falcon->state, 9);  // homing, red
     }
-    EXPECT_EQ(driver->wish(), "pull the Falcon's grip out, then push it in, until its ring is green");
+    EXPECT_EQ(driver->prompt(), "pull the Falcon's grip out, then push it in, until its ring is green");
     falcon->homed = true;
     int reports = 0;
     while (std::isnan(sample.metres[0].x)) {
@@ -199,7 +199,7 @@ TEST_F(Falcon, BeforeItIsHomedThereIsNeitherPlaceNorForce) {
     }
     EXPECT_EQ(reports, FalconDriver::homed_reports);  // one false report homes nothing
     ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
-    EXPECT_EQ(driver->wish(), "");
+    EXPECT_EQ(driver->prompt(), "");
     EXPECT_EQ(falcon->state, 3);  // homing, green
     EXPECT_LT(falcon->motors[0], 0);
     falcon->homed = false;
@@ -238,11 +238,11 @@ TEST_F(Falcon, EncodersThatFitNoPlaceGiveNone) {
         if (go == 0) continue;
         EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
     }
-    EXPECT_NE(driver->wish().find("cannot reach"), std::string::npos);
+    EXPECT_NE(driver->prompt().find("cannot reach"), std::string::npos);
     move_to({0.01, 0, 0});
     ASSERT_TRUE(turn(*driver).ok());
     EXPECT_NEAR(sample.metres[0].x, 0.01, 1e-4);
-    EXPECT_EQ(driver->wish(), "");
+    EXPECT_EQ(driver->prompt(), "");
 }
 
 TEST_F(Falcon, AnAnswerThatComesLateLeavesNoLag) {
@@ -353,7 +353,7 @@ TEST_F(Falcon, UnpluggedInTheMiddleIsAnErrorAndNoMore) {
     EXPECT_FALSE(driver->connect([] { return false; }).ok());
     falcon->plugged = true;
     connect(*driver);
-    EXPECT_NE(driver->wish(), "");  // homing is believed anew
+    EXPECT_NE(driver->prompt(), "");  // homing is believed anew
     home(*driver);
 }
 
@@ -400,7 +400,7 @@ TEST_F(Falcon, OneThatLostItsPowerIsLoadedAgain) {
     connect(*driver);
     EXPECT_EQ(falcon->loaded, falcon->image);
     ASSERT_TRUE(turn(*driver).ok());
-    EXPECT_NE(driver->wish(), "");
+    EXPECT_NE(driver->prompt(), "");
 }
 
 TEST_F(Falcon, TheWatchdogIsGivenTheSameBytes) {

@@ -104,7 +104,7 @@ protected:
         falcon.time.pass(VirtualTime::ms);
         ASSERT_TRUE(driver->connect([] { return false; }).ok());
         for (int turns = 0; turns < 20; ++turns) turn();
-        ASSERT_EQ(driver->wish(), "");
+        ASSERT_EQ(driver->prompt(), "");
     }
     /// How far the place that a turn tells is from where the grip was when it was asked for, metres.
     double turn() {

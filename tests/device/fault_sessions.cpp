@@ -67,7 +67,7 @@ private:
         ASSERT_TRUE(opened.ok()) << opened.error().message;
         driven_ = &driven;
         for (int fault = 0; fault < faults_of_a_session && violation_.empty(); ++fault) {
-            device_.tend(driven.wish());
+            device_.tend(driven.prompt());
             play(one_in(10) ? 150 * a_millisecond : below_ms(20));
             begin_a_fault();
             play(until_ns_ - time_.now_ns());

@@ -27,7 +27,7 @@ public:
     virtual std::unique_ptr<DeviceDriver> driver() = 0;
     /// Each millisecond: its hand is at this angle of a circle that it goes around, rad.
     virtual void live(double angle) = 0;
-    /// What a person does who is told this wish.
+    /// What a person does who is told this prompt.
     virtual void tend(const std::string&) {}
     /// A fault that no other device has; they come seldom, because it takes long to recover from them.
     virtual void suffer_its_own() { line.begin(Fault::unplugged, 5 * VirtualTime::ms); }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t beat_ms = 1'000'000;
 
-TEST(HeartWatch, WantsAWordTwentyMillisecondsAfterTheLastBeat) {
+TEST(HeartWatch, WantsAPacketTwentyMillisecondsAfterTheLastBeat) {
     HeartWatch watch;
     EXPECT_EQ(watch.due_ns(1000 * beat_ms), 1020 * beat_ms);
     EXPECT_EQ(watch.due_ns(1001 * beat_ms), 1021 * beat_ms) << "it beats";
@@ -19,7 +19,7 @@ TEST(HeartWatch, WaitsForAFirstBeat) {
     EXPECT_EQ(watch.due_ns(0), HeartWatch::never);
 }
 
-TEST(HeartWatch, SpeaksAgainInTheSameSilenceAndThenStops) {
+TEST(HeartWatch, SendsAgainInTheSameSilenceAndThenStops) {
     HeartWatch watch;
     std::int64_t now = 0;
     for (int word = 0; word < 20; ++word) {
@@ -29,16 +29,16 @@ TEST(HeartWatch, SpeaksAgainInTheSameSilenceAndThenStops) {
             EXPECT_EQ(due, now + 20 * beat_ms);
         }
         now = due + 3 * beat_ms;  // it is late itself
-        watch.spoke(now);
+        watch.sent(now);
     }
     EXPECT_EQ(watch.due_ns(1000 * beat_ms), HeartWatch::never) << "of a program that is stopped for an hour";
 }
 
 TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
     HeartWatch watch;
-    while (watch.due_ns(1000 * beat_ms) != HeartWatch::never) watch.spoke(5000 * beat_ms);
+    while (watch.due_ns(1000 * beat_ms) != HeartWatch::never) watch.sent(5000 * beat_ms);
     EXPECT_EQ(watch.due_ns(9000 * beat_ms), 9020 * beat_ms);
-    watch.spoke(9020 * beat_ms);
+    watch.sent(9020 * beat_ms);
     EXPECT_EQ(watch.due_ns(9000 * beat_ms), 9040 * beat_ms);
     EXPECT_EQ(watch.due_ns(0), HeartWatch::never) << "another device in its place";
 }
@@ -46,26 +46,26 @@ TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
 TEST(WatchdogMonitor, KnowsAfterASecondThatNothingBeats) {
     WatchdogMonitor watch;
     std::int64_t now = 5'000'000 * beat_ms;
-    EXPECT_TRUE(watch.hears(7, now));
+    EXPECT_TRUE(watch.is_alive(7, now));
     int looks = 0;
-    while (watch.hears(7, now += beat_ms)) ASSERT_LT(++looks, 2000);
+    while (watch.is_alive(7, now += beat_ms)) ASSERT_LT(++looks, 2000);
     EXPECT_EQ(looks, 1000);
-    EXPECT_TRUE(watch.hears(8, now)) << "it beats again";
+    EXPECT_TRUE(watch.is_alive(8, now)) << "it beats again";
 }
 
 TEST(WatchdogMonitor, OneThatBeatsSeldomLives) {
     WatchdogMonitor watch;
     std::int64_t now = 0;
     for (std::uint32_t beats = 0xfffffff0; beats != 0x10; ++beats)
-        for (int looks = 0; looks < 900; ++looks) ASSERT_TRUE(watch.hears(beats, now += beat_ms));
+        for (int looks = 0; looks < 900; ++looks) ASSERT_TRUE(watch.is_alive(beats, now += beat_ms));
 }
 
 /// On a machine that sleeps nobody beats.
 TEST(WatchdogMonitor, TimeInWhichNobodyLookedDoesNotCount) {
     WatchdogMonitor watch;
     std::int64_t now = 0;
-    watch.hears(7, now);
-    for (int sleeps = 0; sleeps < 40; ++sleeps) ASSERT_TRUE(watch.hears(7, now += 3'600'000 * beat_ms));
+    watch.is_alive(7, now);
+    for (int sleeps = 0; sleeps < 40; ++sleeps) ASSERT_TRUE(watch.is_alive(7, now += 3'600'000 * beat_ms));
 }
 
 }  // namespace

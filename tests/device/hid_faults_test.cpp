@@ -67,7 +67,7 @@ public:
         board_.counters[0] = static_cast<int>(std::lround(450 * std::sin(angle)));
         board_.counters[2] += static_cast<int>(std::lround(450 * std::cos(angle)));
     }
-    void tend(const std::string& wish) override { board_.pressed = board_.pressed || !wish.empty(); }
+    void tend(const std::string& prompt) override { board_.pressed = board_.pressed || !prompt.empty(); }
     void suffer_its_own() override { board_.pressed = true; }
 
 private:

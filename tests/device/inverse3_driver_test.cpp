@@ -68,7 +68,7 @@ public:
     Result<std::string> get(const std::string& path, std::chrono::milliseconds, const GivenUp&) override {
         return path == "/version" ? wire_.version : R"({"ok":true,"data":)" + wire_.scale + "}";
     }
-    Result<std::unique_ptr<Transport>> speak(std::chrono::milliseconds, const GivenUp&) override {
+    Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds, const GivenUp&) override {
         wire_.coming.push_front(wire_.state);
         return std::unique_ptr<Transport>(std::make_unique<WireTransport>(wire_));
     }
@@ -253,7 +253,7 @@ TEST(Inverse3Driver, AnArmThatIsNotCalibratedHasNoPlaceAndSaysSo) {
         driven.wire.coming.assign(1, Wire::arm_text("049D", R"("status":)" + status + ","));
         DeviceSample sample;
         EXPECT_TRUE(*driven.driver.receive(sample, no_time));
-        return std::make_pair(std::isnan(sample.metres[0].x), driven.driver.wish());
+        return std::make_pair(std::isnan(sample.metres[0].x), driven.driver.prompt());
     };
     EXPECT_EQ(tells(R"({"calibrated":false,"power_supply":true})"),
               std::make_pair(

@@ -78,7 +78,7 @@ private:
             if (to_.line.is_cut()) return cut();
             return path == "/version" ? std::string(R"({"project_version":"3.5.0.0"})") : std::string();
         }
-        Result<std::unique_ptr<Transport>> speak(std::chrono::milliseconds, const GivenUp&) override {
+        Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds, const GivenUp&) override {
             if (to_.line.is_cut()) return cut();
             to_.line.clear();
             to_.answer();

@@ -62,11 +62,11 @@ TEST(Rest, OfAHandThatWentIsCalledSo) {
 
 TEST(DriveTimes, GiveWhatWasWithinAndKeepTheNewest) {
     DriveTimes times(4);
-    for (std::int64_t moment = 1; moment <= 6; ++moment) times.heard(moment * 10);
-    times.spoken(35);
-    EXPECT_EQ(times.heard_within(0, 1000), (std::vector<std::int64_t>{30, 40, 50, 60}));
-    EXPECT_EQ(times.heard_within(40, 60), (std::vector<std::int64_t>{40, 50}));
-    EXPECT_EQ(times.spoken_within(0, 1000), (std::vector<std::int64_t>{35}));
+    for (std::int64_t moment = 1; moment <= 6; ++moment) times.received(moment * 10);
+    times.sent(35);
+    EXPECT_EQ(times.received_within(0, 1000), (std::vector<std::int64_t>{30, 40, 50, 60}));
+    EXPECT_EQ(times.received_within(40, 60), (std::vector<std::int64_t>{40, 50}));
+    EXPECT_EQ(times.sent_within(0, 1000), (std::vector<std::int64_t>{35}));
 }
 
 }  // namespace

@@ -118,10 +118,10 @@ protected:
 
 TEST_F(NetworkHand, TellsPlacesAndGetsForces) {
     const Peer peer(driver.port());
-    EXPECT_NE(driver.wish().find("waiting for a hand at UDP 127.0.0.1:"), std::string::npos);
+    EXPECT_NE(driver.prompt().find("waiting for a hand at UDP 127.0.0.1:"), std::string::npos);
     peer.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
-    EXPECT_EQ(driver.wish(), "");
+    EXPECT_EQ(driver.prompt(), "");
     exert({0, 0, 2.5});
     const auto answer = peer.hear();
     EXPECT_EQ(answer.kind, NetworkPacket::Kind::forces);
@@ -145,11 +145,12 @@ TEST(NetworkHandFrom, OnlyPacketsOfTheAddressThatIsNamedCount) {
         settings.from = from;
         NetworkDriver driver(settings);
         ASSERT_TRUE(driver.connect([] { return false; }).ok());
-        EXPECT_NE(driver.wish().find(std::string(", from ") + from + " alone"), std::string::npos)
-            << driver.wish();
+        EXPECT_NE(driver.prompt().find(std::string(", from ") + from + " alone"), std::string::npos)
+            << driver.prompt();
         EXPECT_EQ(takes_one_from_here(driver), counts) << from;
         EXPECT_EQ(driver.left_out(), counts ? 0 : 1);
-        EXPECT_EQ(driver.wish().find("not from 192.0.2.7") != std::string::npos, !counts) << driver.wish();
+        EXPECT_EQ(driver.prompt().find("not from 192.0.2.7") != std::string::npos, !counts)
+            << driver.prompt();
     }
 }
 
@@ -159,7 +160,7 @@ TEST(NetworkHandFrom, ThatAnybodyMayTouchIsSaidWhereThatIsSo) {
           std::pair{"127.0.0.2", false}, std::pair{"::1", false}}) {
         NetworkDriver driver({.listen = listen, .port = free_port()});
         if (!driver.connect([] { return false; }).ok()) continue;  // a machine without IPv6
-        EXPECT_EQ(driver.wish().find("ANY machine") != std::string::npos, anybody) << driver.wish();
+        EXPECT_EQ(driver.prompt().find("ANY machine") != std::string::npos, anybody) << driver.prompt();
     }
 }
 
@@ -184,7 +185,7 @@ TEST_F(NetworkHand, PlacesThatWaitedAreForgottenAndAnswered) {
     EXPECT_EQ(peer.hear().sequence, 149U);
     peer.say(150, {0.03, 0, 0}, true);
     ASSERT_TRUE(driver.forget_what_came().ok());
-    EXPECT_NE(driver.wish(), "") << "it has said that it ends";
+    EXPECT_NE(driver.prompt(), "") << "it has said that it ends";
 }
 
 TEST_F(NetworkHand, TheNewestCountsWhateverOrderTheyComeIn) {
@@ -211,10 +212,10 @@ TEST_F(NetworkHand, GarbageIsLeftOutAndNamed) {
     const Peer peer(driver.port());
     peer.say(std::vector<std::byte>(100, std::byte{7}));
     EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(driver.wish().find("does not begin with TCHD"), std::string::npos) << driver.wish();
+    EXPECT_NE(driver.prompt().find("does not begin with TCHD"), std::string::npos) << driver.prompt();
     peer.say(1, {0, 0, 0}, false, 2);
     EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(driver.wish().find("--device network:fingers=2"), std::string::npos) << driver.wish();
+    EXPECT_NE(driver.prompt().find("--device network:fingers=2"), std::string::npos) << driver.prompt();
     peer.say(2, {0.01, 0, 0});
     EXPECT_TRUE(hears({0.01, 0, 0}));
     peer.say(std::vector<std::byte>(0));
@@ -230,19 +231,20 @@ TEST_F(NetworkHand, ForcesAreNoPlaces) {
     packet.sequence = 1;
     peer.say(encode(packet));
     EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(driver.wish().find("kind 1"), std::string::npos) << driver.wish();
+    EXPECT_NE(driver.prompt().find("kind 1"), std::string::npos) << driver.prompt();
 }
 
 TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
-    EXPECT_EQ(driver.absence(), "no hand ever came to UDP 127.0.0.1:" + std::to_string(driver.port()));
+    EXPECT_EQ(driver.why_no_position(),
+              "no hand ever came to UDP 127.0.0.1:" + std::to_string(driver.port()));
     const Peer peer(driver.port());
     for (std::uint32_t sequence = 1; sequence <= 3; ++sequence) peer.say(sequence, {0, 0, 0}, false, 2);
     EXPECT_TRUE(hears_nothing());
     EXPECT_NE(
-        driver.wish().find("; packets with 2 fingers came and 1 is expected: --device network:fingers=2 "
-                           "(from 127.0.0.1:"),
+        driver.prompt().find("; packets with 2 fingers came and 1 is expected: --device network:fingers=2 "
+                             "(from 127.0.0.1:"),
         std::string::npos)
-        << driver.wish();
+        << driver.prompt();
     NetworkPacket newer;
     auto bytes = encode(newer);
     bytes[4] = std::byte{9};
@@ -251,19 +253,19 @@ TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
     bytes.back() ^= std::byte{1};
     peer.say(bytes);
     EXPECT_TRUE(hears_nothing());
-    const std::string words = driver.absence();
+    const std::string words = driver.why_no_position();
     for (const char* part :
          {"packets with 2 fingers came and 1 is expected: --device network:fingers=2 (3 packets)",
           "version 9; this program speaks version 1 (1 packet)", "CRC-32"})
         EXPECT_NE(words.find(part), std::string::npos) << part << " in " << words;
     for (int size = 1; size < 40; ++size) peer.say(std::vector<std::byte>(static_cast<std::size_t>(size)));
     EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(driver.absence().find("and others ("), std::string::npos) << driver.absence();
-    EXPECT_LT(driver.absence().size(), 1500u) << "whatever somebody sends";
+    EXPECT_NE(driver.why_no_position().find("and others ("), std::string::npos) << driver.why_no_position();
+    EXPECT_LT(driver.why_no_position().size(), 1500u) << "whatever somebody sends";
     EXPECT_EQ(driver.left_out(), 44);
     peer.say(4, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
-    EXPECT_EQ(driver.absence(), "");
+    EXPECT_EQ(driver.why_no_position(), "");
 }
 
 TEST_F(NetworkHand, OnePeerAtATimeUntilItEnds) {
@@ -283,7 +285,7 @@ TEST_F(NetworkHand, OnePeerAtATimeUntilItEnds) {
     second.say(1, {0.09, 0, 0});
     EXPECT_TRUE(hears_nothing()) << "forces may still be on";
     EXPECT_EQ(comes_to_be_heard_after(second), 1200);
-    EXPECT_EQ(driver.wish(), "");
+    EXPECT_EQ(driver.prompt(), "");
 }
 
 TEST_F(NetworkHand, PlacesOfAHandThatHasGoneAtOnceDoNotCount) {
@@ -291,7 +293,7 @@ TEST_F(NetworkHand, PlacesOfAHandThatHasGoneAtOnceDoNotCount) {
     peer.say(1, {0.01, 0, 0});
     peer.say(2, {0.02, 0, 0}, true);
     EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(driver.wish().find("waiting for a hand"), std::string::npos);
+    EXPECT_NE(driver.prompt().find("waiting for a hand"), std::string::npos);
 }
 
 TEST_F(NetworkHand, PlacesOfAnotherDoNotCountWhileAHandIsThere) {
@@ -309,14 +311,14 @@ TEST_F(NetworkHand, APeerThatIsSilentForASecondIsToldToBeLimpAndMakesRoomLater) 
     ASSERT_TRUE(hears({0.01, 0, 0}));
     pass(1000);
     exert({0, 0, 0});
-    EXPECT_EQ(driver.wish(), "") << "it may still speak";
+    EXPECT_EQ(driver.prompt(), "") << "it may still speak";
     first.hear_all();
     pass(1);
     exert({0, 0, 5});
     const auto last = first.hear();
     EXPECT_TRUE(last.last);
     EXPECT_EQ(last.vectors[0], glm::dvec3(0));
-    EXPECT_NE(driver.wish().find("waiting for a hand"), std::string::npos);
+    EXPECT_NE(driver.prompt().find("waiting for a hand"), std::string::npos);
     EXPECT_EQ(comes_to_be_heard_after(second), 1200);
 }
 

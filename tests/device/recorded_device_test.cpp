@@ -75,12 +75,12 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_EQ(sample.metres[0], glm::dvec3(0.11, 0.2, 0.3)) << "forces move nothing";
     EXPECT_TRUE(std::isnan(sample.metres[1].x));
     EXPECT_EQ(sample.buttons, 5u);
-    EXPECT_EQ(driver->wish(), "");
+    EXPECT_EQ(driver->prompt(), "");
     EXPECT_FALSE(driver->is_over()) << "its last place stands for a tick";
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_TRUE(std::isnan(sample.metres[0].x));
     EXPECT_EQ(sample.buttons, 0u);
-    EXPECT_NE(driver->wish().find("has ended"), std::string::npos);
+    EXPECT_NE(driver->prompt().find("has ended"), std::string::npos);
     EXPECT_TRUE(driver->is_over());
     EXPECT_FALSE(*driver->receive(sample, milliseconds(5)));
     driver->disconnect();
@@ -191,7 +191,7 @@ TEST(RecordedDevice, IsADeviceLikeAnyOther) {
             EXPECT_EQ((*device)->buttons(), 3u);
             seen = true;
         }
-        ended = seen && std::isnan(place.x) && !(*device)->wish().empty();
+        ended = seen && std::isnan(place.x) && !(*device)->prompt().empty();
     }
     EXPECT_TRUE(ended);
     EXPECT_TRUE((*device)->health().ok());

@@ -46,7 +46,7 @@ std::string zero_force_packet_of_one_that(End&& ends) {
         auto watchdog = SafetyWatchdog::start();
         if (!watchdog.ok()) _exit(1);
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept.ok() || !kept->say({device[1], bytes_of("zero"), {}}).ok()) _exit(1);
+        if (!kept.ok() || !kept->set_packet({device[1], bytes_of("zero"), {}}).ok()) _exit(1);
         for (int force = 0; force < 100; ++force)
             if (::send(device[1], "force", 5, 0) != 5) _exit(1);
         ends(*kept);
@@ -94,11 +94,11 @@ TEST(SafetyWatchdog, SaysNothingForADeviceThatWasLetGoOf) {
               "force");
 }
 
-TEST(SafetyWatchdog, KeepsTheNewestWord) {
+TEST(SafetyWatchdog, KeepsTheNewestPacket) {
     EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
                   int other[2];
                   if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, other) != 0) _exit(1);
-                  if (!kept.say({other[1], bytes_of("other"), {}}).ok()) _exit(1);
+                  if (!kept.set_packet({other[1], bytes_of("other"), {}}).ok()) _exit(1);
                   ::close(other[1]);
                   raise(SIGKILL);
               }),
@@ -111,7 +111,7 @@ TEST(SafetyWatchdog, RefusesAWordThatIsTooLong) {
     ASSERT_TRUE(watchdog.ok());
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
-    EXPECT_FALSE(kept->say({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}).ok());
 }
 
 TEST(SafetyWatchdog, KeepsAFewDevicesAndHasRoomAgainAfterwards) {

@@ -105,11 +105,11 @@ private:
         std::optional<SafetyWatchdog::Kept> other;  // which is spoken to first
         if (beside >= 0) {
             auto also_kept = SafetyWatchdog::keep(*watchdog);
-            if (!also_kept.ok() || !also_kept->say({beside, word("last"), {}, {}}).ok()) _exit(1);
+            if (!also_kept.ok() || !also_kept->set_packet({beside, word("last"), {}, {}}).ok()) _exit(1);
             other.emplace(std::move(*also_kept));
         }
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept.ok() || !kept->say({device, word("last"), {}, word("meanwhile")}).ok()) _exit(1);
+        if (!kept.ok() || !kept->set_packet({device, word("last"), {}, word("meanwhile")}).ok()) _exit(1);
         const pid_t guardian = (*watchdog)->process();
         if (write(told, &guardian, sizeof guardian) != sizeof guardian) _exit(1);
         for (int force = 0;; ++force) {
@@ -226,10 +226,10 @@ TEST(WatchdogProcess, IsNotEndedByWhatEndsPrograms) {
     ASSERT_TRUE(watchdog.ok());
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
-    ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it has begun";
+    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << "it has begun";
     for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) {
         kill((*watchdog)->process(), signal);
-        EXPECT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << signal;
+        EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << signal;
     }
     EXPECT_TRUE((*watchdog)->health().ok());
 }
@@ -248,10 +248,10 @@ TEST(WatchdogProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
     const pid_t process = (*watchdog)->process();
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
-    ASSERT_TRUE(kept->say({ends[1], word("zero"), {}, {}}).ok());
+    ASSERT_TRUE(kept->set_packet({ends[1], word("zero"), {}, {}}).ok());
     ::close(ends[1]);
     kill(process, SIGSTOP);
-    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
     kill(process, SIGCONT);
     char byte = 0;
     EXPECT_EQ(recv(ends[0], &byte, 1, 0), 0) << "it obeys, and lets go of what it held";
@@ -261,9 +261,9 @@ TEST(WatchdogProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
     };
     while (!sleeps()) usleep(1000);  // it has answered
     kill(process, SIGSTOP);
-    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
     kill(process, SIGCONT);
-    EXPECT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it is relied on again";
+    EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << "it is relied on again";
     ::close(ends[0]);
 }
 
@@ -298,7 +298,7 @@ TEST(WatchdogProcess, HoldsNothingOpenThatItDoesNotNeed) {
     ASSERT_TRUE(watchdog.ok());
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
-    ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok()) << "it has begun";
+    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << "it has begun";
     ::close(ends[1]);
     pollfd end{ends[0], POLLIN, 0};
     EXPECT_EQ(poll(&end, 1, 0), 1);
@@ -385,7 +385,7 @@ TEST(WatchdogProcess, ThatItIsGoneIsKnown) {
                                         ") is gone"),
               std::string::npos)
         << beat.error().message;
-    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
 }
 
 TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
@@ -393,7 +393,7 @@ TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
     ASSERT_TRUE(watchdog.ok());
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept.ok());
-    ASSERT_TRUE(kept->say({0, word("zero"), {}, {}}).ok());
+    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok());
     kill((*watchdog)->process(), SIGSTOP);
     int beats = 0;
     Result<bool> beat = true;
@@ -410,7 +410,7 @@ TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
     EXPECT_GE(beats, 50) << "a busy machine may keep it waiting for a while";
     kill((*watchdog)->process(), SIGCONT);
     EXPECT_FALSE(kept->beat().ok()) << "nobody relies on it again";
-    EXPECT_FALSE(kept->say({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
 }
 
 /// Whether it was known to be stopped or not. (In a process of its own, which would hang.)

@@ -32,7 +32,7 @@ TEST(WoodenDriver, StartsInItsHomePoseWithoutForce) {
     ASSERT_TRUE(came.ok() && *came);
     EXPECT_NEAR(bench.sample.metres[0].y, 0.205, 1e-9);
     EXPECT_NEAR(bench.sample.metres[0].z, 0.025, 1e-9);
-    EXPECT_TRUE(bench.driver->wish().empty());
+    EXPECT_TRUE(bench.driver->prompt().empty());
 }
 
 TEST(WoodenDriver, ForcesAreCurrentsAndPartingIsLimp) {
@@ -71,14 +71,14 @@ TEST(WoodenDriver, WithAButtonItHasNoPlaceUntilItWasPressed) {
         ASSERT_FALSE(bench.has_place());
         ASSERT_EQ(bench.wire->last_sent(), unpowered);
     }
-    EXPECT_NE(bench.driver->wish().find("button"), std::string::npos);
+    EXPECT_NE(bench.driver->prompt().find("button"), std::string::npos);
     bench.board->pressed = true;
     for (int turn = 0; turn < 6; ++turn) ASSERT_TRUE(bench.turn({0, 0, 0}).ok());
     EXPECT_TRUE(bench.has_place());
     EXPECT_FALSE(bench.board->pressed);
     EXPECT_EQ(bench.board->counters[2], 6000);
     EXPECT_NEAR(bench.sample.metres[0].y, 0.205, 1e-9);
-    EXPECT_TRUE(bench.driver->wish().empty());
+    EXPECT_TRUE(bench.driver->prompt().empty());
 }
 
 TEST(WoodenDriver, TwoDamagedReadingsOfItsButtonHomeNothing) {
@@ -142,7 +142,7 @@ TEST(WoodenDriver, OneThatWasAwayIsNotTakenToBeAtHome) {
     for (int turn = 0; turn < 10; ++turn) ASSERT_TRUE(bench.turn({0, 1, 0}).ok());
     EXPECT_FALSE(bench.has_place());
     EXPECT_EQ(bench.wire->last_sent(), unpowered);
-    EXPECT_NE(bench.driver->wish().find("away"), std::string::npos);
+    EXPECT_NE(bench.driver->prompt().find("away"), std::string::npos);
     bench.board->pressed = true;
     for (int turn = 0; turn < 6; ++turn) ASSERT_TRUE(bench.turn({0, 0, 0}).ok());
     EXPECT_TRUE(bench.has_place());

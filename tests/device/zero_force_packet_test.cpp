@@ -20,8 +20,8 @@ TEST(ZeroForcePacket, GoesToTheDeviceThatCameBackUnderTheSameNumber) {
         auto watchdog = SafetyWatchdog::start();
         if (!watchdog.ok()) _exit(1);
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept.ok() || !kept->say(word).ok()) _exit(1);
-        if (dup2(found[1], lost[1]) < 0 || !kept->say(word).ok()) _exit(1);
+        if (!kept.ok() || !kept->set_packet(word).ok()) _exit(1);
+        if (dup2(found[1], lost[1]) < 0 || !kept->set_packet(word).ok()) _exit(1);
         _exit(0);
     }
     close(lost[1]);

@@ -26,7 +26,7 @@ std::filesystem::path kept_bag(const std::string& name) {
 
 std::string all_notes(const ClipReader& reader) {
     std::string all;
-    for (const std::string& note : told_of(reader)) all += note + "\n";
+    for (const std::string& note : clip_notes(reader)) all += note + "\n";
     return all;
 }
 void expect_note(const ClipReader& reader, const std::string& words) {

@@ -26,7 +26,7 @@ SourceDescription camera_of(double fx, double fy, std::optional<double> unit) {
 }
 
 bool notes_have(const ClipReader& reader, const std::string& words) {
-    const std::vector<std::string> told = told_of(reader);
+    const std::vector<std::string> told = clip_notes(reader);
     return std::any_of(told.begin(), told.end(),
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }

@@ -77,7 +77,7 @@ protected:
     }
     static std::string notes(const ClipReader& clip) {
         std::string all;
-        for (const std::string& note : told_of(clip)) all += note + "\n";
+        for (const std::string& note : clip_notes(clip)) all += note + "\n";
         return all;
     }
     TemporaryFolder folder;

@@ -68,7 +68,7 @@ Result<std::unique_ptr<ClipReader>> open_bytes(const TemporaryFolder& folder, co
 }
 
 bool has_note(const ClipReader& clip, const std::string& word) {
-    for (const std::string& note : told_of(clip))
+    for (const std::string& note : clip_notes(clip))
         if (note.find(word) != std::string::npos) return true;
     return false;
 }

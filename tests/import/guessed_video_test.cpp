@@ -13,7 +13,7 @@ namespace touchable::test {
 namespace {
 
 bool is_noted(const ClipReader& reader, const std::string& words) {
-    const std::vector<std::string> told = told_of(reader);
+    const std::vector<std::string> told = clip_notes(reader);
     return std::any_of(told.begin(), told.end(),
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }

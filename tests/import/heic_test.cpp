@@ -61,7 +61,7 @@ protected:
         return open_clip(folder / "photo.heic", std::nullopt, fov ? std::optional(known) : std::nullopt);
     }
     static bool says(const ClipReader& clip, const std::string& words) {
-        for (const std::string& note : told_of(clip))
+        for (const std::string& note : clip_notes(clip))
             if (note.find(words) != std::string::npos) return true;
         return false;
     }

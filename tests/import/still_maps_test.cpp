@@ -306,7 +306,7 @@ TEST_F(StillMapsTest, LieUnderEveryFrame) {
                    bumps = write_picture(folder / "h.png", {6, 4});
         auto clip = with_still_maps(small_clip(folder, has_haptic), {folder / "m.png", folder / "h.png"});
         ASSERT_EQ(message(clip), "");
-        const auto notes = told_of(**clip);
+        const auto notes = clip_notes(**clip);
         EXPECT_EQ(has_note(notes, "m.png is haptic of every frame, in place of the clip's own"), has_haptic);
         EXPECT_TRUE(has_note(notes, "haptic is 3x2: resampled"));
         EXPECT_FALSE(has_note(notes, "no haptic plane"));

@@ -18,7 +18,7 @@ int code_at(int x, int y, int frame, int most) {
 }
 
 bool some_note_has(const ClipReader& reader, const std::string& words) {
-    const std::vector<std::string> told = told_of(reader);
+    const std::vector<std::string> told = clip_notes(reader);
     return std::any_of(told.begin(), told.end(),
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }

@@ -207,9 +207,9 @@ TEST_F(PluggedCamera, InAWindowARecordingThatIsFullKeepsWhatItHas) {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         ASSERT_TRUE(clip.record_fault());
         ASSERT_FALSE(clip.session().setup().film->fault()) << "the recording is to be full, not its film";
-        FeltSettings felt = clip.felt();
-        ASSERT_EQ(message(felt.set("median", "5")), "");
-        auto change = clip.prepare(felt);
+        SessionSettings settings = clip.settings();
+        ASSERT_EQ(message(settings.set("median", "5")), "");
+        auto change = clip.prepare(settings);
         ASSERT_EQ(message(change), "");
         ASSERT_EQ(message(clip.take(std::move(*change))), "");
         const auto done = clip.finish();
@@ -249,9 +249,9 @@ TEST_F(PluggedCamera, InAWindowGoesOnWithOtherSettings) {
         ASSERT_NE(seen, nullptr);
         EXPECT_TRUE(seen->colour.has_value());
         EXPECT_EQ(clip.session().ask(PlaybackVerb::seek, 0).error().kind, ErrorKind::usage);
-        FeltSettings felt = clip.felt();
-        ASSERT_EQ(message(felt.set("median", "5")), "");
-        auto change = clip.prepare(felt);
+        SessionSettings settings = clip.settings();
+        ASSERT_EQ(message(settings.set("median", "5")), "");
+        auto change = clip.prepare(settings);
         ASSERT_EQ(message(change), "");
         EXPECT_TRUE(clip.has_come_to(*change));
         ASSERT_EQ(message(clip.take(std::move(*change))), "");

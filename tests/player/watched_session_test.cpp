@@ -6,8 +6,12 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <set>
+#include <string>
 #include <thread>
 
 #include "player/record/recording.hpp"
@@ -222,6 +226,24 @@ TEST_F(Watched, TheHandIsLimpBeforeItsEndIsWaitedFor) {
     steps.keeps_waiting = false;
     stops.join();
     EXPECT_FALSE(session->failure()) << session->failure()->message;
+}
+
+/// As `top -H` and a debugger show them.
+std::set<std::string> thread_names() {
+    std::set<std::string> names;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+        std::string name;
+        std::getline(std::ifstream(task.path() / "comm"), name);
+        names.insert(name);
+    }
+    return names;
+}
+
+TEST_F(Watched, ItsThreadsCarryNames) {
+    start(options());
+    const std::set<std::string> names = thread_names();
+    for (const char* name : {"session", "haptic-loop", "feed-decoder", "feed-builder"})
+        EXPECT_TRUE(names.contains(name)) << name;
 }
 
 TEST_F(Watched, ASeekOfAPausedClipIsFeltAndFadesIn) {

@@ -46,7 +46,7 @@ public:
         const std::lock_guard lock(mutex_);
         return std::isnan(place_.x) ? std::numeric_limits<double>::infinity() : 0.001;
     }
-    std::string wish() const override { return is_away ? "looking for the fake again" : ""; }
+    std::string prompt() const override { return is_away ? "looking for the fake again" : ""; }
     Result<void> health() const override {
         if (is_away || has_failed) return *health_of_unplugged();
         return {};

@@ -34,7 +34,7 @@ protected:
     /// The window, with forces on and the other clip asked for, led by a script.
     Result<PlayFigures> play(const std::string& script, double seconds) {
         PlayOptions options;
-        options.hand = std::make_shared<HeldHand>(fake_);
+        options.hand = std::make_shared<PersistentDevice>(fake_);
         options.session.builder.name = "cpu";
         options.session.clip.file = clip_;
         options.session.late_playback = [this, openings = std::make_shared<int>(0)] {

@@ -42,9 +42,9 @@ protected:
         return false;
     }
     Result<void> change(const char* name, const char* value) {
-        FeltSettings felt = clip_->felt();
-        if (auto set = felt.set(name, value); !set.ok()) return set;
-        auto change = clip_->prepare(felt);
+        SessionSettings settings = clip_->settings();
+        if (auto set = settings.set(name, value); !set.ok()) return set;
+        auto change = clip_->prepare(settings);
         if (!change.ok()) return change.error();
         EXPECT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
         return clip_->take(std::move(*change));
@@ -88,7 +88,7 @@ TEST_F(ChangedClip, GoesOnWhereItWasAsItWas) {
 
 TEST_F(ChangedClip, GoesWhereItWasLedMeanwhile) {
     ASSERT_TRUE(comes_true([this] { return now().moment.time_ns > 0; }));
-    auto change = clip_->prepare(clip_->felt());
+    auto change = clip_->prepare(clip_->settings());
     ASSERT_TRUE(change.ok()) << change.error().message;
     WatchedSession& before = clip_->session();
     ASSERT_TRUE(before.ask(PlaybackVerb::rate, 700).ok());
@@ -107,14 +107,14 @@ TEST_F(ChangedClip, GoesWhereItWasLedMeanwhile) {
 TEST_F(ChangedClip, LosesNoCommandThatIsGivenWhenItChanges) {
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::loop, 0, 1'500'000'000).ok());
     ASSERT_TRUE(comes_true([this] { return now().loops; }));
-    auto change = clip_->prepare(clip_->felt());
+    auto change = clip_->prepare(clip_->settings());
     ASSERT_TRUE(change.ok()) << change.error().message;
     ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::loop, 0, 1'800'000'000).ok());
     ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
     ASSERT_TRUE(clip_->take(std::move(*change)).ok());
     EXPECT_TRUE(comes_true([this] { return now().loop_end_ns == 1'800'000'000; })) << now().loop_end_ns;
-    auto other = clip_->prepare(clip_->felt());
+    auto other = clip_->prepare(clip_->settings());
     ASSERT_TRUE(other.ok()) << other.error().message;
     ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*other); }));
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause).ok());
@@ -124,7 +124,7 @@ TEST_F(ChangedClip, LosesNoCommandThatIsGivenWhenItChanges) {
 }
 
 TEST_F(ChangedClip, StillSaysWhyASessionBeforeEnded) {
-    auto change = clip_->prepare(clip_->felt());
+    auto change = clip_->prepare(clip_->settings());
     ASSERT_TRUE(change.ok()) << change.error().message;
     std::filesystem::resize_file(choice_.file, 3000);
     ASSERT_TRUE(comes_true([this] { return clip_->session().clip_failure().has_value(); }));
@@ -155,7 +155,7 @@ TEST_F(ChangedClip, IsTouchedAtTheScaleThatItWasOpenedWith) {
     auto opened = OpenedClip::open(options_, noise, {}, *sound_);
     ASSERT_TRUE(opened.ok()) << opened.error().message;
     ASSERT_TRUE((*opened)->begin().ok());
-    FeltSettings smooth;
+    SessionSettings smooth;
     ASSERT_TRUE(smooth.set("median", "5").ok());
     auto anew = OpenedClip::open(options_, noise, smooth, *sound_);
     ASSERT_TRUE(anew.ok());
@@ -245,9 +245,9 @@ TEST_F(CountedClip, AnotherSettingIsFeltWithinATenthOfASecondAfterAFewFramesAreF
     ASSERT_TRUE(comes_true([this] { return now().rate == 200 && now().moment.time_ns > 900'000'000; }));
     for (const auto& [name, value, most_frames] :
          {std::tuple("median", "5", 3), {"temporal", "on", temporal_warm_up_frames + 3}}) {
-        FeltSettings felt = clip_->felt();
-        ASSERT_TRUE(felt.set(name, value).ok());
-        const auto change = clip_->prepare(felt);
+        SessionSettings settings = clip_->settings();
+        ASSERT_TRUE(settings.set(name, value).ok());
+        const auto change = clip_->prepare(settings);
         ASSERT_TRUE(change.ok()) << change.error().message;
         int filtered = 0;
         for (const FrameRun& run : change->setup->feed->built()) filtered += static_cast<int>(run.count);
@@ -306,7 +306,7 @@ TEST_F(ChangedClip, KeepsItsSessionWhereItDoesNotGoWithTheSettings) {
     EXPECT_EQ(&clip_->session(), before);
     EXPECT_TRUE(clip_->session().running());
     EXPECT_TRUE(comes_true([this] { return now().playing; }));
-    EXPECT_EQ(clip_->felt(), FeltSettings());
+    EXPECT_EQ(clip_->settings(), SessionSettings());
 }
 
 TEST_F(ChangedClip, FingerStaysPressedInAndIsFeltAgain) {

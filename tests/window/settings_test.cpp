@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-FeltSettings felt(std::initializer_list<std::pair<const char*, const char*>> values) {
-    FeltSettings settings;
+SessionSettings felt(std::initializer_list<std::pair<const char*, const char*>> values) {
+    SessionSettings settings;
     for (const auto& [name, value] : values) EXPECT_TRUE(settings.set(name, value).ok()) << name;
     return settings;
 }
@@ -29,23 +29,23 @@ std::string words_in(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(FeltSettings, FiltersAtOnceTakeThePlaceOfThoseOneByOne) {
-    FeltSettings settings =
+TEST(SessionSettings, FiltersAtOnceTakeThePlaceOfThoseOneByOne) {
+    SessionSettings settings =
         felt({{"median", "5"}, {"max-force", "2.50"}, {"filters", "off"}, {"temporal", "on"}});
     EXPECT_EQ(settings.in_words(), "max-force 2.5 N, filters off, temporal on");
     EXPECT_TRUE(settings.set("filters", "clip").ok());
     EXPECT_EQ(settings, felt({{"max-force", "2.5"}}));
-    EXPECT_EQ(FeltSettings().in_words(), "as the clip says");
+    EXPECT_EQ(SessionSettings().in_words(), "as the clip says");
 }
 
-TEST(FeltSettings, MakeTheOptionsOfARun) {
+TEST(SessionSettings, MakeTheOptionsOfARun) {
     SessionOptions typed;
     typed.clip.median = 3;
     typed.clip.temporal = TemporalChoice{true, DepthLength{2, 0}};
-    const SessionOptions as_typed = with_felt(typed, {});
+    const SessionOptions as_typed = with_settings(typed, {});
     EXPECT_EQ(as_typed.clip.median, 3);
     EXPECT_FALSE(as_typed.clip.filters);
-    const SessionOptions off = with_felt(
+    const SessionOptions off = with_settings(
         typed, felt({{"filters", "off"}, {"fill-holes", "2"}, {"metric", "pixel"}, {"max-stiffness", "2"}}));
     EXPECT_FALSE(off.clip.median) << "what the command line says of filters";
     EXPECT_FALSE(off.clip.temporal);
@@ -54,11 +54,11 @@ TEST(FeltSettings, MakeTheOptionsOfARun) {
     EXPECT_EQ(off.clip.fill_holes, 2);
     EXPECT_EQ(off.metric, TouchMetric::pixel);
     EXPECT_EQ(off.guard.max_stiffness, 2000);
-    EXPECT_EQ(with_felt(typed, felt({{"filters", "auto"}})).clip.filters->unstated, all_unstated);
-    EXPECT_EQ(with_felt(typed, felt({{"terraces", "auto"}})).clip.terraces, TerraceRemoval::automatic);
-    EXPECT_EQ(with_felt(typed, felt({{"interpolation", "hold"}})).clip.interpolation,
+    EXPECT_EQ(with_settings(typed, felt({{"filters", "auto"}})).clip.filters->unstated, all_unstated);
+    EXPECT_EQ(with_settings(typed, felt({{"terraces", "auto"}})).clip.terraces, TerraceRemoval::automatic);
+    EXPECT_EQ(with_settings(typed, felt({{"interpolation", "hold"}})).clip.interpolation,
               FrameInterpolation::hold);
-    EXPECT_EQ(with_felt(typed, felt({{"max-force", "5"}})).guard.max_force, 5);
+    EXPECT_EQ(with_settings(typed, felt({{"max-force", "5"}})).guard.max_force, 5);
 }
 
 TEST(TwoSettings, BBeginsAsAWithoutFiltersAndStaysAsItWasLeft) {

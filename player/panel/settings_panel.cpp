@@ -1,4 +1,4 @@
-#include "player/panel/felt_panel.hpp"
+#include "player/panel/settings_panel.hpp"
 
 #include <imgui.h>
 
@@ -17,12 +17,13 @@ std::string value_in(const std::map<std::string, std::string>& values, const cha
     return value == values.end() ? otherwise : value->second;
 }
 
-void ask_for(const FeltSetting& setting, const std::string& value, std::vector<WindowCommand>& asked) {
+void ask_for(const SessionSetting& setting, const std::string& value, std::vector<WindowCommand>& asked) {
     asked.push_back({WindowVerb::feel, 0, setting.name + (" " + value)});
 }
 
 /// What was chosen by hand, otherwise what is in effect.
-void draw_choice(const FeltSetting& setting, const FeltFacts& facts, std::vector<WindowCommand>& asked) {
+void draw_choice(const SessionSetting& setting, const SettingsFacts& facts,
+                 std::vector<WindowCommand>& asked) {
     const bool by_hand = facts.by_hand.contains(setting.name);
     const std::string value =
         value_in(by_hand ? facts.by_hand : facts.in_effect, setting.name, setting.words.front());
@@ -59,11 +60,11 @@ void draw_reasons(const std::string& words) {
     }
 }
 
-bool is_of_filters(const FeltSetting& setting) {
+bool is_of_filters(const SessionSetting& setting) {
     return setting.filter || std::string_view(setting.name) == "filters";
 }
 
-std::string shown_number(const FeltSetting& setting, float value) {
+std::string shown_number(const SessionSetting& setting, float value) {
     char words[32];
     std::snprintf(words, sizeof words, setting.whole ? "%.0f" : (setting.by_ratio ? "%.3g" : "%.2g"),
                   static_cast<double>(value));
@@ -73,8 +74,8 @@ std::string shown_number(const FeltSetting& setting, float value) {
 }  // namespace
 
 /// Takes effect when the slider is let go.
-void FeltPanel::draw_number(const FeltSetting& setting, const FeltFacts& facts,
-                            std::vector<WindowCommand>& asked) {
+void SettingsPanel::draw_number(const SessionSetting& setting, const SettingsFacts& facts,
+                                std::vector<WindowCommand>& asked) {
     const auto in_effect = number_of(value_in(facts.in_effect, setting.name)).value_or(setting.least);
     const std::string id = std::string("##") + setting.name;
     auto value = held_ == setting.name ? dragged_ : static_cast<float>(in_effect);
@@ -91,8 +92,8 @@ void FeltPanel::draw_number(const FeltSetting& setting, const FeltFacts& facts,
     if (ImGui::IsItemDeactivatedAfterEdit()) ask_for(setting, shown_number(setting, dragged_), asked);
 }
 
-void FeltPanel::draw_row(const FeltSetting& setting, const FeltFacts& facts,
-                         std::vector<WindowCommand>& asked) {
+void SettingsPanel::draw_row(const SessionSetting& setting, const SettingsFacts& facts,
+                             std::vector<WindowCommand>& asked) {
     std::string label = std::string_view(setting.name) == "filters" ? "all at once" : setting.name;
     std::replace(label.begin(), label.end(), '-', ' ');
     draw_label(label, scale_);
@@ -103,21 +104,21 @@ void FeltPanel::draw_row(const FeltSetting& setting, const FeltFacts& facts,
     explain_row(setting.what);
 }
 
-void FeltPanel::draw(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+void SettingsPanel::draw(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     scale_ = scale;
     draw_label("settings", scale_);
     if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
         asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
     explain_row(
         "Two sets of settings, to feel the difference. The key B switches; B begins without filters.");
-    for (const FeltSetting& setting : felt_settings())
+    for (const SessionSetting& setting : session_settings())
         if (!is_of_filters(setting) && (facts.has_device || !setting.of_device))
             draw_row(setting, facts, asked);
 }
 
-void FeltPanel::draw_filters(const FeltFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+void SettingsPanel::draw_filters(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     scale_ = scale;
-    for (const FeltSetting& setting : felt_settings())
+    for (const SessionSetting& setting : session_settings())
         if (is_of_filters(setting)) draw_row(setting, facts, asked);
     draw_reasons(facts.filters);
 }

@@ -1,4 +1,4 @@
-#include "player/window/what_is_seen.hpp"
+#include "player/window/drawn_state.hpp"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
@@ -17,12 +17,12 @@ const void* colour_of(const WatchedMoment& moment) {
 
 }  // namespace
 
-bool WhatIsSeen::is_other_frame(const WatchedMoment& moment) const {
+bool DrawnState::is_other_frame(const WatchedMoment& moment) const {
     const FramePair& pair = moment.held.pair;
     return pair.epoch != epoch_ || pair.prev.number != prev_;
 }
 
-bool WhatIsSeen::differs(const WatchedMoment& moment, int count, double small) const {
+bool DrawnState::differs(const WatchedMoment& moment, int count, double small) const {
     const FramePair& pair = moment.held.pair;
     if (is_other_frame(moment) || pair.next.number != next_ || pair.blend != blend_ ||
         colour_of(moment) != colour_ || shown_of(moment, count) != fingers_.size())
@@ -37,7 +37,7 @@ bool WhatIsSeen::differs(const WatchedMoment& moment, int count, double small) c
     return false;
 }
 
-void WhatIsSeen::remember(const WatchedMoment& moment, int count) {
+void DrawnState::remember(const WatchedMoment& moment, int count) {
     const FramePair& pair = moment.held.pair;
     epoch_ = pair.epoch;
     prev_ = pair.prev.number;

@@ -11,11 +11,11 @@ namespace touchable {
 
 /// A device that a person holds in a window, for sessions that come and go: it stays open from one to the
 /// next. Where it has failed for good the session goes on without a hand, until it is looked for again.
-class HeldHand final : public HapticDevice {
+class PersistentDevice final : public HapticDevice {
 public:
     /// Not opened yet.
-    explicit HeldHand(std::shared_ptr<HapticDevice> device);
-    ~HeldHand() override;  ///< closes the device
+    explicit PersistentDevice(std::shared_ptr<HapticDevice> device);
+    ~PersistentDevice() override;  ///< closes the device
 
     std::string name() const override { return device_->name(); }
     DeviceLimits limits() const override { return device_->limits(); }
@@ -29,8 +29,8 @@ public:
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override;
     double age_s() const override { return age_s_.load(std::memory_order_relaxed); }  ///< any thread may ask
-    std::string wish() const override { return device_->wish(); }
-    std::string absence() const override { return device_->absence(); }
+    std::string prompt() const override { return device_->prompt(); }
+    std::string why_no_position() const override { return device_->why_no_position(); }
     Result<void> health() const override { return device_->health(); }
 
     // The window's.

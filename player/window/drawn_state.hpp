@@ -9,7 +9,7 @@
 namespace touchable {
 
 /// What a picture was of: where nothing of it is different it need not be drawn again.
-class WhatIsSeen {
+class DrawnState {
 public:
     /// Whether the moment is at another frame than the last picture; whatever its blend with the next.
     bool is_other_frame(const WatchedMoment& moment) const;

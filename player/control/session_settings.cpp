@@ -1,4 +1,4 @@
-#include "player/control/felt_settings.hpp"
+#include "player/control/session_settings.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -22,7 +22,7 @@ std::string short_number(double number) {
 }
 
 /// What the setting can be, for whoever meant something else.
-std::string right_values(const FeltSetting& setting) {
+std::string right_values(const SessionSetting& setting) {
     if (setting.words.empty()) {
         const std::string range = short_number(setting.least) + " to " + short_number(setting.most);
         return (setting.whole ? "a whole number from " : "a number from ") + range +
@@ -37,7 +37,7 @@ std::string right_values(const FeltSetting& setting) {
 }
 
 /// The value as it is kept; nothing where it is none.
-std::optional<std::string> settled(const FeltSetting& setting, const std::string& value) {
+std::optional<std::string> settled(const SessionSetting& setting, const std::string& value) {
     if (!setting.words.empty()) {
         const bool known =
             std::find(setting.words.begin(), setting.words.end(), value) != setting.words.end();
@@ -98,7 +98,7 @@ void apply_filters(const std::string& value, SessionOptions& options) {
 
 using Options = SessionOptions;
 
-std::vector<FeltSetting> force_settings() {
+std::vector<SessionSetting> force_settings() {
     // Of the pointer as a device, which exerts no more.
     const DeviceLimits most = PointerSettings{}.limits;
     return {
@@ -150,7 +150,7 @@ std::vector<FeltSetting> force_settings() {
          .in_effect = [](const TouchSetup& s) { return short_number(s.hand_scale); }}};
 }
 
-std::vector<FeltSetting> filter_settings() {
+std::vector<SessionSetting> filter_settings() {
     return {
         {.name = "filters",
          .what = "What cleans the depth before it is felt: as the clip asks for, as measured in its first "
@@ -191,9 +191,9 @@ std::vector<FeltSetting> filter_settings() {
          .in_effect = [](const TouchSetup& s) { return word_for(off_and_on, s.scene.filter.temporal); }}};
 }
 
-std::vector<FeltSetting> all_settings() {
-    std::vector<FeltSetting> all = force_settings();
-    for (FeltSetting& filter : filter_settings()) all.push_back(std::move(filter));
+std::vector<SessionSetting> all_settings() {
+    std::vector<SessionSetting> all = force_settings();
+    for (SessionSetting& filter : filter_settings()) all.push_back(std::move(filter));
     return all;
 }
 
@@ -206,22 +206,22 @@ std::optional<double> number_of(const std::string& word) {
     return value;
 }
 
-std::span<const FeltSetting> felt_settings() {
-    static const std::vector<FeltSetting> settings = all_settings();
+std::span<const SessionSetting> session_settings() {
+    static const std::vector<SessionSetting> settings = all_settings();
     return settings;
 }
 
-const FeltSetting* felt_setting(const std::string& name) {
-    for (const FeltSetting& setting : felt_settings())
+const SessionSetting* session_setting(const std::string& name) {
+    for (const SessionSetting& setting : session_settings())
         if (name == setting.name) return &setting;
     return nullptr;
 }
 
-Result<void> FeltSettings::set(const std::string& name, const std::string& value) {
-    const FeltSetting* const setting = felt_setting(name);
+Result<void> SessionSettings::set(const std::string& name, const std::string& value) {
+    const SessionSetting* const setting = session_setting(name);
     if (!setting) {
         std::string known;
-        for (const FeltSetting& other : felt_settings())
+        for (const SessionSetting& other : session_settings())
             known += (known.empty() ? "" : ", ") + std::string(other.name);
         return usage_error("'" + name + "' is no setting of what is felt; there are " + known);
     }
@@ -232,16 +232,16 @@ Result<void> FeltSettings::set(const std::string& name, const std::string& value
         values_[name] = *kept;
         return {};
     }
-    for (const FeltSetting& other : felt_settings())
+    for (const SessionSetting& other : session_settings())
         if (other.filter) values_.erase(other.name);
     values_.erase(name);
     if (*kept != "clip") values_[name] = *kept;
     return {};
 }
 
-std::string FeltSettings::in_words() const {
+std::string SessionSettings::in_words() const {
     std::string words;
-    for (const FeltSetting& setting : felt_settings())
+    for (const SessionSetting& setting : session_settings())
         if (const auto value = values_.find(setting.name); value != values_.end())
             words += (words.empty() ? "" : ", ") + value->first + " " + value->second +
                      (*setting.unit ? std::string(" ") + setting.unit : "");
@@ -256,16 +256,16 @@ void TwoSettings::turn_to(bool to_b) {
     b_is_on = to_b;
 }
 
-SessionOptions with_felt(SessionOptions options, const FeltSettings& felt) {
-    for (const FeltSetting& setting : felt_settings())
-        if (const auto value = felt.values().find(setting.name); value != felt.values().end())
+SessionOptions with_settings(SessionOptions options, const SessionSettings& settings) {
+    for (const SessionSetting& setting : session_settings())
+        if (const auto value = settings.values().find(setting.name); value != settings.values().end())
             setting.apply(value->second, options);
     return options;
 }
 
-std::map<std::string, std::string> felt_in(const TouchSetup& setup) {
+std::map<std::string, std::string> settings_in_effect(const TouchSetup& setup) {
     std::map<std::string, std::string> values;
-    for (const FeltSetting& setting : felt_settings())
+    for (const SessionSetting& setting : session_settings())
         if (setting.in_effect) values[setting.name] = setting.in_effect(setup);
     return values;
 }

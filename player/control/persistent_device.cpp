@@ -1,4 +1,4 @@
-#include "player/control/held_hand.hpp"
+#include "player/control/persistent_device.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -13,28 +13,28 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-HeldHand::HeldHand(std::shared_ptr<HapticDevice> device)
+PersistentDevice::PersistentDevice(std::shared_ptr<HapticDevice> device)
     : device_(std::move(device)),
       age_s_(never),
       zeros_(static_cast<std::size_t>(device_->fingers()), glm::dvec3(0)) {}
 
-HeldHand::~HeldHand() {
+PersistentDevice::~PersistentDevice() {
     if (looking_.joinable()) looking_.join();
     device_->close();
 }
 
-Result<void> HeldHand::open() {
+Result<void> PersistentDevice::open() {
     if (state() != State::closed) return {};
     if (auto opened = device_->open(); !opened.ok()) return opened;
     state_.store(State::open, std::memory_order_release);
     return {};
 }
 
-void HeldHand::close() {
+void PersistentDevice::close() {
     if (state() == State::open) device_->write_forces(zeros_);
 }
 
-bool HeldHand::read_positions(std::span<glm::dvec3> device_metres) {
+bool PersistentDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (state() == State::closed) return false;
     if (state() == State::open && device_->read_positions(device_metres)) {
         age_s_.store(device_->age_s(), std::memory_order_relaxed);
@@ -48,7 +48,7 @@ bool HeldHand::read_positions(std::span<glm::dvec3> device_metres) {
     return true;
 }
 
-bool HeldHand::write_forces(std::span<const glm::dvec3> newtons) {
+bool PersistentDevice::write_forces(std::span<const glm::dvec3> newtons) {
     if (state() == State::closed) return false;
     const bool is_unpowered = is_unpowered_.load(std::memory_order_acquire);
     if (state() == State::open && !device_->write_forces(is_unpowered ? zeros_ : newtons))
@@ -56,15 +56,15 @@ bool HeldHand::write_forces(std::span<const glm::dvec3> newtons) {
     return true;
 }
 
-std::uint32_t HeldHand::buttons() {
+std::uint32_t PersistentDevice::buttons() {
     return state() == State::open ? device_->buttons() : 0;
 }
 
-void HeldHand::look_again() {
+void PersistentDevice::look_again() {
     if (state() != State::gone) return;
     if (looking_.joinable()) looking_.join();
     state_.store(State::looked_for, std::memory_order_release);
-    const auto begun = start_thread(looking_, "that looks for the device", [this] {
+    const auto begun = start_thread(looking_, "device-search", "that looks for the device", [this] {
         const bool is_there = device_->open().ok();
         state_.store(is_there ? State::open : State::gone, std::memory_order_release);
     });

@@ -13,7 +13,7 @@
 namespace touchable {
 
 /// Something that a person can set about what is felt, and what it can be set to.
-struct FeltSetting {
+struct SessionSetting {
     const char* name;                ///< as commands and the settings file have it
     const char* what = "";           ///< for who sees it for the first time
     std::vector<const char*> words;  ///< what it can be; empty: a number
@@ -29,12 +29,12 @@ struct FeltSetting {
     std::string (*in_effect)(const TouchSetup& setup) = nullptr;
 };
 /// The one table of them. "filters" is before the ones that it sets together.
-std::span<const FeltSetting> felt_settings();
+std::span<const SessionSetting> session_settings();
 /// Null where there is none of that name.
-const FeltSetting* felt_setting(const std::string& name);
+const SessionSetting* session_setting(const std::string& name);
 
 /// What was set by hand, by name and in words. What was not is as the command line and the clip say.
-class FeltSettings {
+class SessionSettings {
 public:
     /// "median", "5". "filters" sets all of them, whatever they were set to one by one. Refused
     /// (ErrorKind::usage) with what would be right.
@@ -42,7 +42,7 @@ public:
     const std::map<std::string, std::string>& values() const { return values_; }
     /// "median 5, metric pixel", or that nothing was set.
     std::string in_words() const;
-    bool operator==(const FeltSettings&) const = default;
+    bool operator==(const SessionSettings&) const = default;
 
 private:
     std::map<std::string, std::string> values_;
@@ -50,12 +50,12 @@ private:
 
 /// Two sets of settings to compare, of which one is in effect.
 struct TwoSettings {
-    FeltSettings a;
-    std::optional<FeltSettings> b;  ///< nothing: nobody has looked at it yet
+    SessionSettings a;
+    std::optional<SessionSettings> b;  ///< nothing: nobody has looked at it yet
     bool b_is_on = false;
 
-    const FeltSettings& now() const { return b_is_on ? *b : a; }
-    /// Of those in effect, as FeltSettings has it.
+    const SessionSettings& now() const { return b_is_on ? *b : a; }
+    /// Of those in effect, as SessionSettings has it.
     Result<void> set(const std::string& name, const std::string& value) {
         return (b_is_on ? *b : a).set(name, value);
     }
@@ -66,9 +66,9 @@ struct TwoSettings {
 };
 
 /// The options of a run with these settings.
-SessionOptions with_felt(SessionOptions options, const FeltSettings& felt);
+SessionOptions with_settings(SessionOptions options, const SessionSettings& settings);
 /// Every setting but "filters" as a run has it, by name and in words.
-std::map<std::string, std::string> felt_in(const TouchSetup& setup);
+std::map<std::string, std::string> settings_in_effect(const TouchSetup& setup);
 
 /// The whole of a word; nothing where it is no number.
 std::optional<double> number_of(const std::string& word);

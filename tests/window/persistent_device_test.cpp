@@ -40,7 +40,7 @@ protected:
         const SceneOptions globe{.width = 64, .height = 48, .properties = true};
         ASSERT_TRUE(write_generated_clip("globe", choice_.file, globe, 2).ok());
         options_.session.builder.name = "cpu";
-        options_.hand = std::make_shared<HeldHand>(fake_);
+        options_.hand = std::make_shared<PersistentDevice>(fake_);
         auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
         ASSERT_TRUE(opened.ok()) << opened.error().message;
         clip_ = std::move(*opened);
@@ -76,9 +76,9 @@ protected:
         ASSERT_TRUE(felt);
     }
     Result<void> change(const char* name, const char* value) {
-        FeltSettings felt = clip_->felt();
-        if (auto set = felt.set(name, value); !set.ok()) return set;
-        auto change = clip_->prepare(felt);
+        SessionSettings settings = clip_->settings();
+        if (auto set = settings.set(name, value); !set.ok()) return set;
+        auto change = clip_->prepare(settings);
         if (!change.ok()) return change.error();
         EXPECT_TRUE(soon([&] { return clip_->has_come_to(*change); }));
         return clip_->take(std::move(*change));
@@ -253,10 +253,10 @@ TEST_F(HeldClip, IsLostAndLookedForAgain) {
     feel();
 }
 
-TEST(HeldHand, ThatExertsNoForceSaysSo) {
+TEST(PersistentDevice, ThatExertsNoForceSaysSo) {
     const auto fake = std::make_shared<FakeHand>();
     fake->axes = 0;
-    HeldHand hand(fake);
+    PersistentDevice hand(fake);
     ASSERT_TRUE(hand.open().ok());
     const HandControl control(1, {});
     const HandState state = hand_state(hand, control);
@@ -264,10 +264,10 @@ TEST(HeldHand, ThatExertsNoForceSaysSo) {
     EXPECT_EQ(state.remark, "fake: no position comes from it") << "nobody has read one yet";
 }
 
-TEST(HeldHand, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
+TEST(PersistentDevice, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
     const auto fake = std::make_shared<FakeHand>();
     fake->pressed = 1;
-    HeldHand hand(fake);
+    PersistentDevice hand(fake);
     ASSERT_TRUE(hand.open().ok());
     glm::dvec3 place;
     ASSERT_TRUE(hand.read_positions(std::span(&place, 1)));
@@ -284,9 +284,9 @@ TEST(HeldHand, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
     }
 }
 
-TEST(HeldHand, ThatHasFailedFeelsNothingUntilItIsLookedFor) {
+TEST(PersistentDevice, ThatHasFailedFeelsNothingUntilItIsLookedFor) {
     const auto fake = std::make_shared<FakeHand>();
-    HeldHand hand(fake);
+    PersistentDevice hand(fake);
     ASSERT_TRUE(hand.open().ok());
     const glm::dvec3 push(0, 0, 3);
     const auto write = [&] { return hand.write_forces(std::span(&push, 1)); };
@@ -306,9 +306,9 @@ TEST(HeldHand, ThatHasFailedFeelsNothingUntilItIsLookedFor) {
     EXPECT_EQ(fake->newtons, 3);
 }
 
-TEST(HeldHand, ClosingLeavesNoForceAndTheDeviceOpen) {
+TEST(PersistentDevice, ClosingLeavesNoForceAndTheDeviceOpen) {
     const auto fake = std::make_shared<FakeHand>();
-    HeldHand hand(fake);
+    PersistentDevice hand(fake);
     ASSERT_TRUE(hand.open().ok());
     const glm::dvec3 push(0, 0, 3);
     ASSERT_TRUE(hand.write_forces(std::span(&push, 1)));
@@ -318,9 +318,9 @@ TEST(HeldHand, ClosingLeavesNoForceAndTheDeviceOpen) {
     EXPECT_EQ(fake->openings, 1);
 }
 
-TEST(HeldHand, ThatIsLeftLimpGetsNoForceWhoeverWritesOne) {
+TEST(PersistentDevice, ThatIsLeftLimpGetsNoForceWhoeverWritesOne) {
     const auto fake = std::make_shared<FakeHand>();
-    HeldHand hand(fake);
+    PersistentDevice hand(fake);
     ASSERT_TRUE(hand.open().ok());
     const glm::dvec3 force(0, 0, 2);
     EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
@@ -330,10 +330,10 @@ TEST(HeldHand, ThatIsLeftLimpGetsNoForceWhoeverWritesOne) {
     EXPECT_EQ(fake->newtons, 0);
 }
 
-TEST(HeldHand, ThatIsNotThereIsRefused) {
+TEST(PersistentDevice, ThatIsNotThereIsRefused) {
     const auto fake = std::make_shared<FakeHand>();
     fake->is_unplugged = true;
-    HeldHand hand(fake);
+    PersistentDevice hand(fake);
     const auto opened = hand.open();
     ASSERT_FALSE(opened.ok());
     EXPECT_EQ(opened.error().kind, ErrorKind::device);
@@ -365,7 +365,7 @@ protected:
     }
     Result<PlayFigures> play_once(const std::string& script) {
         PlayOptions options;
-        options.hand = std::make_shared<HeldHand>(fake_);
+        options.hand = std::make_shared<PersistentDevice>(fake_);
         options.session.builder.name = "cpu";
         options.session.clip.file = clip_;
         options.painter = "cpu";
