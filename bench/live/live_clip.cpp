@@ -29,8 +29,8 @@ void keep_planes(const LiveClip& clip, RawFrame& frame) {
 
 Result<void> write_clip(const ScenePictures& pictures, const LiveClip& clip,
                         const std::filesystem::path& file) {
-    Scene described = pictures.scene;
-    described.unstated = all_unstated;  // as `touchable make` writes it
+    SceneDescription described(pictures.scene);
+    described.unstated.filters = all_unstated;  // as `touchable make` writes it
     auto writer = create_clip(file, described, {.archive = clip.archive});
     if (!writer.ok()) return writer.error();
     for (std::int64_t n = 0; n < clip.frames; ++n) {

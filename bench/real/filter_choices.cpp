@@ -18,7 +18,6 @@ template <int median, bool temporal, bool terraces>
 Scene with_filters(const std::vector<RawFrame>& first, Scene scene) {
     const DepthLength noise = scene.filter.temporal_noise;
     scene.filter = {};
-    scene.unstated = {};
     scene.filter.median = median;
     scene.filter.temporal = temporal;
     scene.filter.temporal_noise = noise;
@@ -39,8 +38,7 @@ Scene with_wide_gate(const std::vector<RawFrame>& first, Scene scene) {
 /// What the program settles on where nothing is stated.
 Scene chosen(const std::vector<RawFrame>& first, Scene scene) {
     scene.filter = {};
-    scene.unstated = all_unstated;
-    choose_filters(measured(first, scene), scene);
+    choose_filters(measured(first, scene), all_unstated, scene);
     return scene;
 }
 

@@ -65,23 +65,33 @@ std::optional<std::uint16_t> deep_code(std::span<const PlaneView> pictures, cons
 }
 
 /// Twice as far as what is seen at first: a hand that goes away may show what was behind it.
-Result<void> settle_far(DepthMeaning& meaning, std::span<const PlaneView> first, const std::string& node) {
-    Scene& scene = meaning.scene;
-    scene.far_from_frames = false;
-    const auto deep = deep_code(first, scene.depth);
+Result<double> far_beyond(std::span<const PlaneView> first, const DepthCoding& depth) {
+    const auto deep = deep_code(first, depth);
     if (!deep)
-        return input_error(node +
-                           ": sees no depth in its first frames; is it pointed at something that is "
-                           "near and far enough for it?");
-    const double seen = scene.depth.depth(*deep);
-    scene.depth.far = std::min(2 * seen, scene.depth.scale * scene.depth.code_max);
-    derive_valid_range(scene.depth);
-    if (auto valid = validate(scene); !valid) return input_error(node + ": " + valid.error().message);
-    char words[200];
-    std::snprintf(words, sizeof words, "deeper than %.3g m is no depth: twice what the first frames show",
-                  scene.depth.far * scene.metres_per_unit);
-    add_remark(scene.remarks, {words, true, "a scene file's depth.far says otherwise"});
-    return {};
+        return input_error(
+            "sees no depth in its first frames; is it pointed at something that is near and far enough for "
+            "it?");
+    return std::min(2 * depth.depth(*deep), depth.scale * depth.code_max);
+}
+
+/// A far plane that is open lies well beyond what the first pictures show.
+Result<DepthMeaning> settled(const SceneDescription& described, std::vector<std::filesystem::path> inputs,
+                             std::span<const PlaneView> first, const std::string& node) {
+    FoundInClip found;
+    if (described.unstated.far) {
+        const auto far = far_beyond(first, described.scene.depth);
+        if (!far) return input_error(node + ": " + far.error().message);
+        found.far = *far;
+    }
+    auto scene = settle(described, found);
+    if (!scene) return input_error(node + ": " + scene.error().message);
+    if (found.far) {
+        char words[200];
+        std::snprintf(words, sizeof words, "deeper than %.3g m is no depth: twice what the first frames show",
+                      *found.far * scene->metres_per_unit);
+        add_remark(scene->remarks, {words, true, "a scene file's depth.far says otherwise"});
+    }
+    return DepthMeaning{std::move(*scene), described.unstated.filters, std::move(inputs)};
 }
 
 /// What the driver tells of the camera stands in for what nobody says.
@@ -111,31 +121,27 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
 
 Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
                                       std::span<const PlaneView> first, const SourceDescription& known) {
-    DepthMeaning meaning;
     std::vector<Remark> remarks;
     const SourceDescription all = with_card(facts, format, known, remarks);
     auto guessed =
         guess_scene(std::filesystem::path(facts.node).parent_path(), picture_of(fullest(first)), all);
     if (!guessed) return Error{guessed.error().kind, facts.node + ": " + guessed.error().message};
-    meaning.scene = std::move(guessed->scene);
-    meaning.inputs = std::move(guessed->inputs);
-    if (!meaning.scene.stored.is_plain() || meaning.scene.depth.kind != DepthCodingKind::metric)
+    Scene& scene = guessed->scene;
+    if (!scene.stored.is_plain() || scene.depth.kind != DepthCodingKind::metric)
         return usage_error(facts.node +
                            ": a camera's codes are lengths: --depth-unit METRES says what a stored 1 stands "
                            "for, such as 0.001" +
                            (all.preset.empty() ? "" : "; --preset " + all.preset + " is of other pictures"));
-    meaning.scene.remarks = joined_remarks(std::move(remarks), meaning.scene.remarks);
-    meaning.scene.name = facts.card;
-    if (auto settled = settle_far(meaning, first, facts.node); !settled) return settled.error();
-    return meaning;
+    scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
+    scene.name = facts.card;
+    return settled(*guessed, std::move(guessed->inputs), first, facts.node);
 }
 
 Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const PlaneView> first,
                                      const std::filesystem::path& scene_file) {
-    auto scene = read_scene_file(scene_file);
-    if (!scene) return scene.error();
-    DepthMeaning meaning{std::move(*scene), {scene_file}};
-    Scene& made = meaning.scene;
+    auto described = read_scene_file(scene_file);
+    if (!described) return described.error();
+    Scene& made = described->scene;
     made.folder.reset();
     made.video.reset();
     const std::string of_file = scene_file.string() + ": ";
@@ -143,7 +149,7 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
         return input_error(of_file +
                            "a camera gives codes of 16 bits: depth.bits must be 16, and its coding "
                            "metric, linear or inverse");
-    if (made.camera_from_frames)
+    if (described->unstated.camera)
         return input_error(of_file + "camera is missing: must be given, as folder.cameras are of pictures");
     if (made.width != first.front().width || made.height != first.front().height)
         return input_error(of_file + "is of " + std::to_string(made.width) + "x" +
@@ -154,9 +160,7 @@ Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const Pla
         return input_error(of_file +
                            "camera.distortion and colour_camera are of recordings: of a camera that is "
                            "plugged in must be left out");
-    if (made.far_from_frames)
-        if (auto settled = settle_far(meaning, first, facts.node); !settled) return settled.error();
-    return meaning;
+    return settled(*described, {scene_file}, first, facts.node);
 }
 
 }  // namespace touchable

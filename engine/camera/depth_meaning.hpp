@@ -10,13 +10,14 @@
 #include "engine/frame/plane_view.hpp"
 #include "engine/import/guess/source_description.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 
 namespace touchable {
 
 /// What a camera's depth means, and as its remarks what was assumed.
 struct DepthMeaning {
-    Scene scene;                                  ///< far plane and all
+    Scene scene;  ///< far plane and all, but for the rate
+    UnstatedFilters unstated_filters{};
     std::vector<std::filesystem::path> inputs{};  ///< files that were read for it
 };
 

@@ -15,6 +15,7 @@ public:
         for (const auto& input : camera().inputs()) add_input(input);
     }
     const Scene& scene() const override { return camera().scene(); }
+    UnstatedFilters unstated_filters() const override { return camera().unstated_filters(); }
     const std::vector<TrackInfo>& tracks() const override { return camera().tracks(); }
     std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
     const std::vector<std::string>& notes() const override { return camera().notes(); }

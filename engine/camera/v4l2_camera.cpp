@@ -43,6 +43,7 @@ public:
     Result<void> open(const SourceDescription& known, const std::optional<std::filesystem::path>& scene_file);
 
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return unstated_filters_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
     std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -80,6 +81,7 @@ private:
     std::unique_ptr<ColourBeside> colour_;  // null: none, or it has stopped
     std::optional<Plane> last_colour_;      // stays where that camera stops: a film has it in every frame
     Scene scene_;
+    UnstatedFilters unstated_filters_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
     Wake wake_;
@@ -103,10 +105,10 @@ Result<void> V4l2Camera::open_depth(const std::optional<std::filesystem::path>& 
     if (!format) return format.error();
     ModeWish wish{choice_.width, choice_.height, choice_.rate};
     if (scene_file && wish.width == 0) {
-        const auto scene = read_scene_file(*scene_file);
-        if (!scene) return scene.error();
-        wish.width = scene->width;
-        wish.height = scene->height;
+        const auto described = read_scene_file(*scene_file);
+        if (!described) return described.error();
+        wish.width = described->scene.width;
+        wish.height = described->scene.height;
     }
     auto stream = V4l2Stream::open(system_, facts_, **format, wish);
     if (!stream) return stream.error();
@@ -130,8 +132,8 @@ Result<void> V4l2Camera::look_first(const SourceDescription& known,
                               : meaning_of_depth(facts_, format.code, views, known);
     if (!meaning) return meaning.error();
     scene_ = std::move(meaning->scene);
+    unstated_filters_ = meaning->unstated_filters;
     scene_.interpolation = FrameInterpolation::hold;
-    scene_.rate_unstated = false;
     scene_.rate = depth_->rate().value_or(FrameRate{30, 1});
     for (const auto& input : meaning->inputs) add_input(input);
     const bool sized = choice_.width > 0 || scene_file;

@@ -12,7 +12,7 @@
 
 #include "engine/frame/raw_frame.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 
 namespace touchable {
 
@@ -32,6 +32,14 @@ class ClipReader {
 public:
     virtual ~ClipReader() = default;
     virtual const Scene& scene() const = 0;
+    /// Filters that its description leaves open, which are off in `scene`.
+    virtual UnstatedFilters unstated_filters() const { return {}; }
+    /// The clip as it is to be described where it is written again: those filters stay open.
+    SceneDescription described() const {
+        SceneDescription described(scene());
+        described.unstated.filters = unstated_filters();
+        return described;
+    }
     virtual const std::vector<TrackInfo>& tracks() const = 0;
     /// As the container says; nullopt where only reading would tell.
     virtual std::optional<std::int64_t> frame_count() const = 0;

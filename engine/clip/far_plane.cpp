@@ -7,6 +7,7 @@
 
 #include "engine/clip/prefetch.hpp"
 #include "engine/clip/reader_around.hpp"
+#include "engine/scene/scene_description.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -88,10 +89,11 @@ Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
         beyond += here;
     }
     const double depth = coding_.depth(static_cast<std::uint16_t>(deepest));
-    scene.depth.far = depth * margin;
-    scene.far_from_frames = false;
-    derive_valid_range(scene.depth);
-    if (auto settled = validate(scene); !settled) return settled.error();
+    SceneDescription open(scene);
+    open.unstated.far = true;
+    auto settled = touchable::settle(open, {.far = depth * margin});
+    if (!settled) return settled.error();
+    scene = std::move(*settled);
     // Some of the strays are within the margin.
     std::int64_t lost = 0;
     for (int code = deepest + 1; code < 65536; ++code)
@@ -109,9 +111,9 @@ Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
     return note;
 }
 
-Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip,
+Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip, bool far_is_open,
                                                    const std::filesystem::path& file) {
-    if (!clip->scene().far_from_frames) return clip;
+    if (!far_is_open) return clip;
     Scene scene = clip->scene();
     FarPlaneEstimator estimator(scene.depth);
     Prefetch ahead(std::move(clip));

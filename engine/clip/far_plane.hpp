@@ -25,7 +25,7 @@ class FarPlaneEstimator {
 public:
     explicit FarPlaneEstimator(const DepthCoding& coding) : coding_(coding), pixels_(65536) {}
     void add(const PlaneView& depth);
-    /// Settles the scene's coding; the note says what was found. An error where no depth was valid.
+    /// Gives this scene that far plane; the note says what was found. An error where no depth was valid.
     Result<std::string> settle(Scene& scene) const;
 
 private:
@@ -34,10 +34,11 @@ private:
     int frames_ = 0;
 };
 
-/// A clip at its beginning, with its far plane settled and said by a note; unchanged where it gives one.
-/// Where it cannot seek, its first frames tell all. A later frame that is damaged tells nothing; who plays it
-/// learns of that then. Errors name `file`.
-Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip,
+/// A clip at its beginning. Where its description leaves the far plane open (Unstated::far), so that it is
+/// the deepest code's so far, it is settled, and a note says it; otherwise the clip is unchanged. Where it
+/// cannot seek, its first frames tell all. A later frame that is damaged tells nothing; who plays it learns
+/// of that then. Errors name `file`.
+Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip, bool far_is_open,
                                                    const std::filesystem::path& file);
 
 }  // namespace touchable

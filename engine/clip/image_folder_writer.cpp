@@ -35,9 +35,9 @@ std::string numbered(PlaneRole role, std::int64_t frame) {
     return std::string(role_name(role)) + digits.data();
 }
 
-Result<void> write_scene(const fs::path& path, const Scene& scene, const fs::path& name) {
+Result<void> write_scene(const fs::path& path, const SceneDescription& described, const fs::path& name) {
     std::ofstream out(path, std::ios::binary);
-    out << scene_to_json(scene);
+    out << scene_to_json(described);
     out.close();
     return out ? Result<void>{} : input_error(name.string() + ": cannot be written");
 }
@@ -75,8 +75,11 @@ private:
 /// What both kinds have in common: frames come in order, into a hidden folder, and are whole or nothing.
 class PictureWriter : public ClipWriter {
 public:
-    PictureWriter(const fs::path& place, const Scene& scene)
-        : place_(place), scene_(scene), hidden_(place.parent_path()) {}
+    PictureWriter(const fs::path& place, const SceneDescription& described)
+        : place_(place),
+          scene_(described.scene),
+          unstated_(described.unstated),
+          hidden_(place.parent_path()) {}
     Result<void> open() const {
         return hidden_.failure() ? unwritable(place_, hidden_.failure()) : Result<void>{};
     }
@@ -117,17 +120,19 @@ protected:
     Result<void> write_picture(const std::string& name, const PlaneView& plane) const {
         return write_png_to(hidden_.path() / name, plane, place_ / name, PngEffort::quick);
     }
-    /// The scene of the pictures that are here, without their names.
-    Scene scene_of_pictures() const {
-        Scene scene = scene_;
-        scene.video.reset();
-        scene.folder.emplace();
-        scene.stored = {};  // codes
-        return scene;
+    /// What describes the pictures that are here, without their names.
+    SceneDescription described_pictures() const {
+        SceneDescription described(scene_);
+        described.unstated = unstated_;
+        described.scene.video.reset();
+        described.scene.folder.emplace();
+        described.scene.stored = {};  // codes
+        return described;
     }
 
     fs::path place_;
     Scene scene_;
+    Unstated unstated_;
     HiddenFolder hidden_;
     std::int64_t frames_ = 0;
     bool complete_ = false;
@@ -135,8 +140,8 @@ protected:
 
 class FolderWriter final : public PictureWriter {
 public:
-    FolderWriter(const fs::path& place, const Scene& scene, Existing existing)
-        : PictureWriter(place, scene), existing_(existing) {}
+    FolderWriter(const fs::path& place, const SceneDescription& described, Existing existing)
+        : PictureWriter(place, described), existing_(existing) {}
 
 private:
     Result<void> write_frame(const RawFrame& frame) override {
@@ -168,7 +173,8 @@ private:
     }
 
     Result<void> end() override {
-        Scene scene = scene_of_pictures();
+        SceneDescription described = described_pictures();
+        Scene& scene = described.scene;
         scene.folder->count = static_cast<int>(frames_);
         for (const PlaneRole role : all_roles) {
             const PlaneView& plane = plane_of(first_, role);
@@ -184,7 +190,7 @@ private:
             scene.folder->count = 0;  // as long as the list
             if (auto written = write_times(); !written) return written;
         }
-        return write_scene(hidden_.path() / scene_name, scene, place_ / scene_name);
+        return write_scene(hidden_.path() / scene_name, described, place_ / scene_name);
     }
 
     /// Seconds and name of each picture of depth, as TUM's recordings have them.
@@ -241,8 +247,8 @@ private:
 
 class StillWriter final : public PictureWriter {
 public:
-    StillWriter(const fs::path& place, const Scene& scene, Existing existing)
-        : PictureWriter(place, scene), existing_(existing) {}
+    StillWriter(const fs::path& place, const SceneDescription& described, Existing existing)
+        : PictureWriter(place, described), existing_(existing) {}
 
 private:
     std::string name_of(PlaneRole role) const {
@@ -254,7 +260,8 @@ private:
 
     Result<void> write_frame(const RawFrame& frame) override {
         if (frames_ > 0) return Error{ErrorKind::internal, place_.string() + ": is of one frame"};
-        Scene scene = scene_of_pictures();
+        SceneDescription described = described_pictures();
+        Scene& scene = described.scene;
         for (const PlaneRole role : all_roles) {
             const PlaneView& plane = plane_of(frame, role);
             if (plane.empty()) continue;
@@ -263,7 +270,7 @@ private:
             if (auto written = write_picture(names_.back(), plane); !written) return written;
         }
         names_.push_back(own_scene_name());
-        return write_scene(hidden_.path() / names_.back(), scene, place_);
+        return write_scene(hidden_.path() / names_.back(), described, place_);
     }
     Result<void> end() override { return {}; }
     fs::path opens_by() const override { return own_scene_name(); }
@@ -300,24 +307,25 @@ fs::path whole_name(const fs::path& path) {
     return whole.has_filename() ? whole : whole.parent_path();
 }
 
-Result<void> check_place(const fs::path& place, const Scene& scene) {
+Result<void> check_place(const fs::path& place, const SceneDescription& described) {
     std::error_code failure;
     if (!fs::is_directory(place.parent_path(), failure))
         return input_error(place.string() + ": cannot be written: there is no folder " +
                            place.parent_path().string());
-    Scene pictures = scene;
-    pictures.folder.reset();
-    pictures.video.reset();
+    SceneDescription pictures = described;
+    pictures.scene.folder.reset();
+    pictures.scene.video.reset();
     if (auto valid = validate(pictures); !valid)
         return input_error(place.string() + ": " + valid.error().message);
     return {};
 }
 
 template <class Writer>
-Result<std::unique_ptr<ClipWriter>> opened(const fs::path& path, const Scene& scene, Existing existing) {
+Result<std::unique_ptr<ClipWriter>> opened(const fs::path& path, const SceneDescription& described,
+                                           Existing existing) {
     const fs::path place = whole_name(path);
-    if (auto checked = check_place(place, scene); !checked) return checked.error();
-    auto writer = std::make_unique<Writer>(place, scene, existing);
+    if (auto checked = check_place(place, described); !checked) return checked.error();
+    auto writer = std::make_unique<Writer>(place, described, existing);
     if (auto able = writer->open(); !able) return able.error();
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }
@@ -346,16 +354,17 @@ bool is_image_folder(const fs::path& folder) {
     return !failure;
 }
 
-Result<std::unique_ptr<ClipWriter>> create_image_folder(const fs::path& folder, const Scene& scene,
+Result<std::unique_ptr<ClipWriter>> create_image_folder(const fs::path& folder,
+                                                        const SceneDescription& described,
                                                         Existing existing) {
-    return opened<FolderWriter>(folder, scene, existing);
+    return opened<FolderWriter>(folder, described, existing);
 }
 
-Result<std::unique_ptr<ClipWriter>> create_still(const fs::path& picture, const Scene& scene,
+Result<std::unique_ptr<ClipWriter>> create_still(const fs::path& picture, const SceneDescription& described,
                                                  Existing existing) {
     if (!is_still(picture.filename().string()))
         return usage_error(picture.string() + ": has a % in its name, which stands for numbers");
-    return opened<StillWriter>(picture, scene, existing);
+    return opened<StillWriter>(picture, described, existing);
 }
 
 std::vector<fs::path> still_files(const fs::path& picture) {

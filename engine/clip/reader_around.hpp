@@ -14,6 +14,7 @@ namespace touchable {
 class ReaderAround : public ClipReader {
 public:
     const Scene& scene() const override { return reader_->scene(); }
+    UnstatedFilters unstated_filters() const override { return reader_->unstated_filters(); }
     const std::vector<TrackInfo>& tracks() const override { return reader_->tracks(); }
     std::optional<std::int64_t> frame_count() const override { return reader_->frame_count(); }
     const std::vector<std::string>& notes() const override { return reader_->notes(); }

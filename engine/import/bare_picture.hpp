@@ -7,13 +7,14 @@
 #include "engine/clip/clip_reader.hpp"
 #include "engine/import/guess/read_pictures.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 
 namespace touchable {
 
 /// One picture of depth, which `scene` describes; `notes` and `pictures` as for
 /// open_image_folder.
-Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::path& file, Scene scene,
+Result<std::unique_ptr<ClipReader>> open_bare_picture(const std::filesystem::path& file,
+                                                      SceneDescription described,
                                                       std::vector<std::string> notes = {},
                                                       Colour colour = Colour::wanted,
                                                       std::shared_ptr<ReadPictures> pictures = nullptr);

@@ -23,9 +23,11 @@ public:
     explicit DepthkitReader(const SourceFile& video) : source_(video), file_(video.string()) {
         add_input(video.path());
     }
-    Result<void> open(const std::filesystem::path& metadata, const std::optional<Scene>& replacement);
+    Result<void> open(const std::filesystem::path& metadata,
+                      const std::optional<SceneDescription>& replacement);
 
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return unstated_filters_; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return promised_; }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -46,6 +48,7 @@ private:
     SourceFile source_;
     std::string file_;
     Scene scene_;
+    UnstatedFilters unstated_filters_;
     FrameRate recorded_rate_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
@@ -61,24 +64,21 @@ private:
 };
 
 Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
-                                  const std::optional<Scene>& replacement) {
+                                  const std::optional<SceneDescription>& replacement) {
     add_input(metadata);
     if (auto opened = rewind(); !opened) return opened;
     auto rate = read_rate();
     if (!rate) return rate.error();
     recorded_rate_ = *rate;
     is_all_keys_ = demuxer_->is_all_keys(stream_);
-    if (replacement) {
-        scene_ = *replacement;
-        if (std::exchange(scene_.rate_unstated, false)) scene_.rate = recorded_rate_;
-        if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
-    } else {
-        auto scene = read_depthkit_metadata(metadata);
-        if (!scene) return scene.error();
-        scene_ = std::move(*scene);
-        scene_.name = source_.path().stem().string();
-        scene_.rate = recorded_rate_;
-    }
+    auto described = replacement ? Result<SceneDescription>(*replacement) : read_depthkit_metadata(metadata);
+    if (!described) return described.error();
+    if (!replacement) described->scene.name = source_.path().stem().string();
+    auto scene = settle(*described, {.rate = recorded_rate_});
+    if (!scene) return input_error(file_ + ": " + scene.error().message);
+    scene_ = std::move(*scene);
+    unstated_filters_ = described->unstated.filters;
+    if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
     const auto first = next();
     if (!first) return first.error();
     if (!*first) return input_error(file_ + ": has no frames");
@@ -230,9 +230,9 @@ std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem:
 
 Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const SourceFile& video,
                                                        const std::filesystem::path& metadata,
-                                                       const std::optional<Scene>& scene) {
+                                                       const std::optional<SceneDescription>& described) {
     auto reader = std::make_unique<DepthkitReader>(video);
-    if (auto opened = reader->open(metadata, scene); !opened) return opened.error();
+    if (auto opened = reader->open(metadata, described); !opened) return opened.error();
     return std::unique_ptr<ClipReader>(std::move(reader));
 }
 

@@ -14,10 +14,10 @@ std::filesystem::path depthkit_metadata_name(const std::filesystem::path& video)
 std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem::path& video);
 
 /// A Depthkit video, QuickTime or MP4: colour in the upper half of each picture, depth as hue in the lower.
-/// `metadata` is the Unity asset that describes it, of one perspective, uncropped. `scene` replaces the scene
-/// made from it.
+/// `metadata` is the Unity asset that describes it, of one perspective, uncropped. `described` replaces the
+/// scene made from it.
 Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const SourceFile& video,
                                                        const std::filesystem::path& metadata,
-                                                       const std::optional<Scene>& scene);
+                                                       const std::optional<SceneDescription>& described);
 
 }  // namespace touchable

@@ -133,11 +133,13 @@ Result<void> check_layout(const Metadata& metadata, int width, int height) {
     return {};
 }
 
-Result<Scene> scene_from(const Metadata& metadata) {
-    Scene scene;
+Result<SceneDescription> scene_from(const Metadata& metadata) {
+    SceneDescription described;
+    described.unstated.rate = true;
+    described.unstated.filters = {.terraces = true, .temporal = true, .flying_pixels = true};
+    Scene& scene = described.scene;
     scene.metres_per_unit = 1;
     scene.filter = usual_filter;
-    scene.unstated = {.terraces = true, .temporal = true, .flying_pixels = true};
     const auto width = whole(metadata, "depthImageSize", metadata.component("depthImageSize", "x"));
     if (!width) return width.error();
     const auto height = whole(metadata, "depthImageSize", metadata.component("depthImageSize", "y"));
@@ -166,12 +168,12 @@ Result<Scene> scene_from(const Metadata& metadata) {
     derive_valid_range(scene.depth);
     if (auto valid = validate(scene); !valid)
         return input_error(metadata.file() + ": " + valid.error().message);
-    return scene;
+    return described;
 }
 
 }  // namespace
 
-Result<Scene> read_depthkit_metadata(const std::filesystem::path& file) {
+Result<SceneDescription> read_depthkit_metadata(const std::filesystem::path& file) {
     const auto metadata = Metadata::read(file);
     if (!metadata) return metadata.error();
     return scene_from(*metadata);

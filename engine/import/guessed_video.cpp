@@ -170,7 +170,7 @@ Result<GuessedScene> VideoGuess::of_grey(VideoPicture& picture, const PicturePar
     Scene& scene = guessed->scene;
     scene.depth_bits = bits;
     scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
-    if (scene.far_from_frames) scene.depth.far = scene.depth.scale * scene.depth.code_max;
+    if (guessed->unstated.far) scene.depth.far = scene.depth.scale * scene.depth.code_max;
     derive_valid_range(scene.depth);
     return guessed;
 }

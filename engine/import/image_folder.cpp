@@ -21,14 +21,15 @@ namespace {
 
 class ImageFolderReader final : public ClipReader {
 public:
-    ImageFolderReader(std::filesystem::path folder, const Scene& scene, std::vector<std::string> notes,
-                      std::shared_ptr<ReadPictures> pictures)
+    ImageFolderReader(std::filesystem::path folder, SceneDescription described,
+                      std::vector<std::string> notes, std::shared_ptr<ReadPictures> pictures)
         : folder_(std::move(folder)),
-          scene_(scene),
+          described_(std::move(described)),
           notes_(std::move(notes)),
           pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()),
-          values_(scene) {}
+          values_(described_) {}
     Result<void> open();
+    bool leaves_far_open() const { return values_.leaves_far_open(); }
     /// The folder, or the one picture that is read.
     std::string name() const {
         const auto& files = tracks_.front().files.files;
@@ -36,6 +37,7 @@ public:
     }
 
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return described_.unstated.filters; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return count_; }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -62,7 +64,8 @@ private:
                std::string(role_name(track.role)) + ", frame " + std::to_string(frame) + ")";
     }
     Result<void> find_files();
-    Result<void> read_cameras(const PictureFiles& depth);
+    Result<std::vector<Camera>> read_cameras(const PictureFiles& depth);
+    Result<void> settle_scene(const PictureFiles& depth);
     Result<void> read_first();
     Result<void> look_at_some(const StoredImage& first);
     Result<StoredImage> read(const Track& track, std::int64_t frame) const;
@@ -70,6 +73,7 @@ private:
     Result<Plane> plane(const Track& track, std::int64_t frame) const;
 
     std::filesystem::path folder_;
+    const SceneDescription described_;
     Scene scene_;
     std::vector<Track> tracks_;  // depth is the first
     std::vector<TrackInfo> infos_;
@@ -93,7 +97,7 @@ Result<void> ImageFolderReader::open() {
 
 /// Every track has every frame, or the first that is missing is named.
 Result<void> ImageFolderReader::find_files() {
-    const FolderSource& source = *scene_.folder;
+    const FolderSource& source = *described_.scene.folder;
     auto depth = depth_files(folder_, source);
     if (!depth) return depth.error();
     if (!depth->remark.empty()) notes_.push_back(depth->remark);
@@ -112,35 +116,43 @@ Result<void> ImageFolderReader::find_files() {
             if (inputs().empty() || inputs().back() != file) add_input(file);
         tracks_.push_back({role, std::move(*found), role == PlaneRole::depth ? *stack : nullptr});
     }
-    if (!source.cameras.empty())
-        if (auto read = read_cameras(*depth); !read) return read;
     count_ = static_cast<std::int64_t>(depth->count());
-    if (!std::exchange(scene_.rate_unstated, false)) return {};
-    scene_.rate = own_rate_of(*depth).value_or(scene_.rate);
-    if (const std::string why = unusable_times(*depth); !why.empty())
+    return settle_scene(*depth);
+}
+
+/// What the scene does not say of its camera and its times, the files do.
+Result<void> ImageFolderReader::settle_scene(const PictureFiles& depth) {
+    FoundInClip found{.rate = own_rate_of(depth)};
+    std::vector<Camera> cameras;
+    if (!described_.scene.folder->cameras.empty()) {
+        auto read = read_cameras(depth);
+        if (!read) return read.error();
+        cameras = std::move(*read);
+        if (described_.unstated.camera) found.camera = median_camera(cameras);
+    }
+    auto scene = settle(described_, found);
+    if (!scene) return input_error(name() + ": " + scene.error().message);
+    scene_ = std::move(*scene);
+    if (described_.unstated.camera) notes_.emplace_back("the camera is the median of those of the frames");
+    const bool differ = std::any_of(cameras.begin(), cameras.end(),
+                                    [&](const Camera& camera) { return !(camera == scene_.camera); });
+    if (differ) cameras_ = std::move(cameras);
+    if (!described_.unstated.rate) return {};
+    if (const std::string why = unusable_times(depth); !why.empty())
         notes_.push_back(why + ": played at " + short_number(scene_.rate.per_second()) +
                          " frames a second (the scene's rate says otherwise)");
     return {};
 }
 
-/// The scene's camera stays, or is their median where it has none.
-Result<void> ImageFolderReader::read_cameras(const PictureFiles& depth) {
-    auto found = camera_files(folder_, *scene_.folder, depth);
+/// Of the frames.
+Result<std::vector<Camera>> ImageFolderReader::read_cameras(const PictureFiles& depth) {
+    auto found = camera_files(folder_, *described_.scene.folder, depth);
     if (!found) return found.error();
     if (!found->remark.empty()) notes_.push_back(found->remark);
     if (!found->list.empty()) add_input(found->list);
     for (const auto& file : found->files)
         if (inputs().empty() || inputs().back() != file) add_input(file);
-    auto cameras = read_frame_cameras(*found, scene_.width, scene_.height);
-    if (!cameras) return cameras.error();
-    if (std::exchange(scene_.camera_from_frames, false)) {
-        scene_.camera = median_camera(*cameras);
-        notes_.push_back("the camera is the median of those of the frames");
-    }
-    const bool differ = std::any_of(cameras->begin(), cameras->end(),
-                                    [&](const Camera& camera) { return !(camera == scene_.camera); });
-    if (differ) cameras_ = std::move(*cameras);
-    return {};
+    return read_frame_cameras(*found, described_.scene.width, described_.scene.height);
 }
 
 /// How frame 0 is stored stands for all.
@@ -260,24 +272,27 @@ Result<std::optional<RawFrame>> ImageFolderReader::next() {
 
 }  // namespace
 
-Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
+Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder,
+                                                      const SceneDescription& described,
                                                       std::vector<std::string> notes, Colour colour,
                                                       std::shared_ptr<ReadPictures> opened) {
-    if (!scene.folder)
+    if (!described.scene.folder)
         return input_error(
             folder.string() +
             ": is a folder, but its scene file has no member \"folder\" that says which images to read");
     StillMaps maps;
-    Scene pictures = scene;
-    if (is_surface_file(scene.folder->haptic)) {
-        maps.haptic = folder / scene.folder->haptic;
-        pictures.folder->haptic.clear();
+    SceneDescription pictures = described;
+    if (std::string& haptic = pictures.scene.folder->haptic; is_surface_file(haptic)) {
+        maps.haptic = folder / haptic;
+        haptic.clear();
     }
-    auto reader = std::make_unique<ImageFolderReader>(folder, pictures, std::move(notes), std::move(opened));
+    auto reader =
+        std::make_unique<ImageFolderReader>(folder, std::move(pictures), std::move(notes), std::move(opened));
     if (auto opened = reader->open(); !opened) return opened.error();
     if (colour == Colour::left_out) reader->leave_out_colour();
     const auto name = reader->name();
-    return with_still_maps(with_far_plane(std::move(reader), name), maps);
+    const bool far_is_open = reader->leaves_far_open();
+    return with_still_maps(with_far_plane(std::move(reader), far_is_open, name), maps);
 }
 
 }  // namespace touchable

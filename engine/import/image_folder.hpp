@@ -13,7 +13,8 @@ namespace touchable {
 /// Pictures in `folder`, found by the patterns of the scene's FolderSource. `notes`: what a person should
 /// know of how the scene came about, before what the reader has to say; `pictures`: those of them that were
 /// read before.
-Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder, const Scene& scene,
+Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::path& folder,
+                                                      const SceneDescription& described,
                                                       std::vector<std::string> notes = {},
                                                       Colour colour = Colour::wanted,
                                                       std::shared_ptr<ReadPictures> pictures = nullptr);

@@ -44,7 +44,7 @@ constexpr std::size_t telling_bytes = 12;  // that tell what kind of file it is
 /// A file that may be a clip.
 struct Candidate {
     const SourceFile& source;
-    const std::optional<Scene>& scene;  ///< to replace its own
+    const std::optional<SceneDescription>& described;  ///< to replace its own
     const SourceDescription& known;
     const Colour colour;
     const std::filesystem::path& file = source.path();
@@ -104,60 +104,62 @@ Opened with_inputs(Opened reader, const std::vector<std::filesystem::path>& inpu
 }
 
 /// As a scene in `folder` describes it, whose depth is in this file.
-Opened open_described_video(const std::filesystem::path& folder, const SourceFile& depth, const Scene& scene,
-                            Colour colour) {
+Opened open_described_video(const std::filesystem::path& folder, const SourceFile& depth,
+                            const SceneDescription& described, Colour colour) {
     auto opened = VideoFile::open(depth, PlaneRole::depth);
     if (!opened) return opened.error();
-    return open_video_clip(folder, scene, colour, std::move(*opened));
+    return open_video_clip(folder, described, colour, std::move(*opened));
 }
 
 /// A scene stands for what is in it, also where it speaks of another file.
 Opened open_video(const Candidate& candidate) {
     const auto folder = candidate.file.parent_path();
-    if (!candidate.scene) {
+    if (!candidate.described) {
         auto guessed = is_azure_kinect(candidate) ? guess_k4a(candidate.source, candidate.known)
                                                   : guess_video(candidate.source, candidate.known);
         if (!guessed) return guessed.error();
-        return with_inputs(open_video_clip(folder, guessed->scene, candidate.colour, guessed->video),
+        return with_inputs(open_video_clip(folder, *guessed, candidate.colour, guessed->video),
                            guessed->inputs);
     }
-    Scene scene = *candidate.scene;
+    SceneDescription described = *candidate.described;
+    Scene& scene = described.scene;
     scene.folder.reset();
     if (!scene.video) scene.video.emplace().values = usual_values(scene.depth.kind);
     scene.video->depth = candidate.file.filename().string();
     if (is_azure_kinect(candidate) && scene.colour_camera) scene.video->colour = scene.video->depth;
-    return open_described_video(folder, candidate.source, scene, candidate.colour);
+    return open_described_video(folder, candidate.source, described, candidate.colour);
 }
 
 /// What `init-scene` and `convert` write beside a picture.
 struct SceneBeside {
     std::filesystem::path file;
-    Scene scene;
+    SceneDescription described;
 };
 std::optional<SceneBeside> scene_beside(const std::filesystem::path& picture) {
     std::filesystem::path file = picture;
     file.replace_extension(".json");
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) return {};
-    auto scene = read_scene_file(file);
-    if (!scene || !scene->folder || scene->folder->depth != picture.filename()) return {};
-    return SceneBeside{std::move(file), std::move(*scene)};
+    auto described = read_scene_file(file);
+    if (!described) return {};
+    const auto& folder = described->scene.folder;
+    if (!folder || folder->depth != picture.filename()) return {};
+    return SceneBeside{std::move(file), std::move(*described)};
 }
 
 Opened open_picture(const Candidate& candidate) {
     const auto opened = std::make_shared<ReadPictures>(candidate.source);
-    if (candidate.scene)
-        return open_bare_picture(candidate.file, *candidate.scene, {}, candidate.colour, opened);
+    if (candidate.described)
+        return open_bare_picture(candidate.file, *candidate.described, {}, candidate.colour, opened);
     if (auto own = scene_beside(candidate.file); own && candidate.known == SourceDescription())
         return with_inputs(
-            open_bare_picture(candidate.file, std::move(own->scene),
+            open_bare_picture(candidate.file, std::move(own->described),
                               {"described by " + own->file.filename().string()}, candidate.colour, opened),
             {own->file});
     auto guessed = guess_picture(candidate.source, candidate.known);
     if (!guessed) return guessed.error();
-    return with_inputs(
-        open_bare_picture(candidate.file, std::move(guessed->scene), {}, candidate.colour, guessed->pictures),
-        guessed->inputs);
+    return with_inputs(open_bare_picture(candidate.file, *guessed, {}, candidate.colour, guessed->pictures),
+                       guessed->inputs);
 }
 
 /// With depth in its metadata, or of depth itself where somebody says what it is.
@@ -165,7 +167,7 @@ Opened open_jpeg(const Candidate& candidate) {
     const bool is_described = !(candidate.known == SourceDescription());
     return is_described && !has_jpeg_depth(candidate.source)
                ? open_picture(candidate)
-               : open_jpeg_depth(candidate.source, candidate.scene, candidate.known);
+               : open_jpeg_depth(candidate.source, candidate.described, candidate.known);
 }
 
 /// The first that recognises a file opens it.
@@ -176,24 +178,26 @@ struct Format {
 };
 constexpr Format formats[] = {
     {is_matroska,
-     [](const Candidate& c) { return open_matroska_clip(c.source, c.scene, c.colour); },
+     [](const Candidate& c) { return open_matroska_clip(c.source, c.described, c.colour); },
      {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
     {is_jpeg,
      open_jpeg,
      {"a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"}},
     {is_heic,
-     [](const Candidate& c) { return open_heic_image(c.source, c.scene, c.known); },
+     [](const Candidate& c) { return open_heic_image(c.source, c.described, c.known); },
      {"a phone's HEIC, HEIF or AVIF with depth (portraits)", "touchable play portrait.heic"}},
     {is_picture,
      open_picture,
      {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
       "touchable play depth.png --intrinsics 525,525 --depth-unit 0.001"}},
     {is_ros_recording,
-     [](const Candidate& c) { return open_bag_clip(c.source, c.scene, c.known, c.colour); },
+     [](const Candidate& c) { return open_bag_clip(c.source, c.described, c.known, c.colour); },
      {"a recording of a RealSense or of ROS 1 (.bag), plain or packed by LZ4 or bzip2",
       "touchable play recording.bag"}},
     {is_depthkit,
-     [](const Candidate& c) { return open_depthkit_clip(c.source, *depthkit_metadata_of(c.file), c.scene); },
+     [](const Candidate& c) {
+         return open_depthkit_clip(c.source, *depthkit_metadata_of(c.file), c.described);
+     },
      {"a Depthkit video with its metadata beside it", "touchable play Take.mp4"}},
     {is_azure_kinect,
      open_video,
@@ -206,9 +210,9 @@ constexpr Format formats[] = {
       "touchable play depth.webm"}},
 };
 
-Opened open_file(const SourceFile& source, const std::optional<Scene>& scene, const SourceDescription& known,
-                 Colour colour) {
-    const Candidate candidate{source, scene, known, colour};
+Opened open_file(const SourceFile& source, const std::optional<SceneDescription>& described,
+                 const SourceDescription& known, Colour colour) {
+    const Candidate candidate{source, described, known, colour};
     const std::filesystem::path& file = candidate.file;
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
@@ -216,7 +220,7 @@ Opened open_file(const SourceFile& source, const std::optional<Scene>& scene, co
         return usage_error(file.string() +
                            ": is no picture, so --intrinsics, --fov, --depth-unit and --preset say "
                            "nothing of it: leave them out");
-    if (describes_itself && scene && !scene->stored.is_plain())
+    if (describes_itself && described && !described->scene.stored.is_plain())
         return usage_error(file.string() +
                            ": the scene's depth.coding is of pictures in files, not of videos");
     if (file.extension() == ".r3d")
@@ -235,16 +239,17 @@ Opened open_file(const SourceFile& source, const std::optional<Scene>& scene, co
 
 Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& path,
                                                    const std::filesystem::path& scene_file, Colour colour) {
-    auto scene = read_scene_file(scene_file);
-    if (!scene) return scene.error();
+    const auto described = read_scene_file(scene_file);
+    if (!described) return described.error();
+    const auto& video_source = described->scene.video;
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
-    const SourceFile video(path / (scene->video ? scene->video->depth : ""));
-    const bool is_recording = scene->video && is_bag(first_bytes(video, telling_bytes));
-    auto reader = is_file        ? open_file(path, *scene, {}, colour)
-                  : is_recording ? open_file(video, *scene, {}, colour)
-                  : scene->video ? open_described_video(path, video, *scene, colour)
-                                 : open_image_folder(path, *scene, {}, colour);
+    const SourceFile video(path / (video_source ? video_source->depth : ""));
+    const bool is_recording = video_source && is_bag(first_bytes(video, telling_bytes));
+    auto reader = is_file        ? open_file(path, *described, {}, colour)
+                  : is_recording ? open_file(video, *described, {}, colour)
+                  : video_source ? open_described_video(path, video, *described, colour)
+                                 : open_image_folder(path, *described, {}, colour);
     if (reader) (*reader)->add_input(scene_file);
     return reader;
 }
@@ -262,8 +267,7 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
     if (has_own) return open_described(folder, own, colour);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
-    return with_inputs(open_image_folder(folder, guessed->scene, {}, colour, guessed->pictures),
-                       guessed->inputs);
+    return with_inputs(open_image_folder(folder, *guessed, {}, colour, guessed->pictures), guessed->inputs);
 }
 
 /// With the pixels of depth and colour as they are stored.
@@ -300,7 +304,7 @@ Result<GuessedScene> guess_stored(const std::filesystem::path& path, const Sourc
     if (std::filesystem::is_directory(status)) return guess_folder(path, known);
     if (!std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
-    const std::optional<Scene> none;
+    const std::optional<SceneDescription> none;
     const SourceFile source(path);
     const Candidate candidate{source, none, known, Colour::wanted};
     return is_ros_recording(candidate)  ? guess_bag(source, known)
@@ -341,10 +345,6 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               std::stop_token given_up) {
     const WorkUntil until(std::move(given_up));
     auto reader = open_stored(path, scene_file, known, colour);
-    if (reader && (*reader)->scene().camera_from_frames)
-        return input_error(
-            (scene_file ? *scene_file : path).string() +
-            ": camera is missing: must be given, as folder.cameras are of the pictures of its folder alone");
     return unless_given_up(reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader), path);
 }
 

@@ -20,11 +20,16 @@ std::string size_text(int width, int height) {
 
 class VideoReader final : public ClipReader {
 public:
-    VideoReader(std::filesystem::path folder, const Scene& scene, std::shared_ptr<VideoFile> depth)
-        : folder_(std::move(folder)), scene_(scene), source_(*scene.video), depth_(std::move(depth)) {}
+    VideoReader(std::filesystem::path folder, SceneDescription described, std::shared_ptr<VideoFile> depth)
+        : folder_(std::move(folder)),
+          described_(std::move(described)),
+          source_(*described_.scene.video),
+          depth_(std::move(depth)) {}
     Result<void> open();
+    bool leaves_far_open() const { return described_.unstated.far; }
 
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return described_.unstated.filters; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return depth_->count(); }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -45,8 +50,9 @@ private:
     bool has_colour() const { return colour_ != nullptr || source_.layout != VideoLayout::alone; }
 
     std::filesystem::path folder_;
+    const SceneDescription described_;
     Scene scene_;
-    const VideoSource source_;
+    const VideoSource& source_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::shared_ptr<VideoFile> depth_, colour_;  // colour_: where it is a track of its own
@@ -60,8 +66,8 @@ private:
 };
 
 Result<void> VideoReader::open() {
-    if (scene_.stored.kind == StoredDepth::Kind::disparity || scene_.stored.bytes_swapped ||
-        scene_.stored.rotated > 0)
+    const StoredDepth& stored = described_.scene.stored;
+    if (stored.kind == StoredDepth::Kind::disparity || stored.bytes_swapped || stored.rotated > 0)
         return input_error(
             (folder_ / source_.depth).string() +
             ": depth.coding disparity, depth.bytes and depth.rotated are of pictures in files, "
@@ -81,11 +87,11 @@ Result<void> VideoReader::open_files() {
         return begun;
     }
     if (depth_->note()) notes_.push_back(*depth_->note());
-    if (scene_.rate_unstated)
-        scene_.rate = depth_->rate();
-    else if (auto note = clip_tags::rate_note(scene_.rate, depth_->rate()))
-        notes_.push_back(std::move(*note));
-    scene_.rate_unstated = false;
+    auto scene = settle(described_, {.rate = depth_->rate()});
+    if (!scene) return input_error((folder_ / source_.depth).string() + ": " + scene.error().message);
+    scene_ = std::move(*scene);
+    if (!described_.unstated.rate)
+        if (auto note = clip_tags::rate_note(scene_.rate, depth_->rate())) notes_.push_back(std::move(*note));
     if (source_.colour.empty()) return {};
     const bool is_one_file = source_.colour == source_.depth;
     add_input(folder_ / source_.colour);
@@ -244,15 +250,18 @@ bool begins_like_video(std::string_view begin) {
     return std::find(std::begin(boxes), std::end(boxes), box) != std::end(boxes);
 }
 
-Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
-                                                    Colour colour, std::shared_ptr<VideoFile> depth) {
-    auto reader = std::make_unique<VideoReader>(folder, scene, std::move(depth));
+Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder,
+                                                    const SceneDescription& described, Colour colour,
+                                                    std::shared_ptr<VideoFile> depth) {
+    auto reader = std::make_unique<VideoReader>(folder, described, std::move(depth));
     if (auto opened = reader->open(); !opened) return opened.error();
     StillMaps maps;
-    if (!scene.video->haptic.empty()) maps.haptic = folder / scene.video->haptic;
-    if (!scene.video->height.empty()) maps.height = folder / scene.video->height;
+    const VideoSource& source = *described.scene.video;
+    if (!source.haptic.empty()) maps.haptic = folder / source.haptic;
+    if (!source.height.empty()) maps.height = folder / source.height;
     if (colour == Colour::left_out) reader->leave_out_colour();
-    return with_still_maps(with_far_plane(std::move(reader), folder / scene.video->depth), maps);
+    const bool far_is_open = reader->leaves_far_open();
+    return with_still_maps(with_far_plane(std::move(reader), far_is_open, folder / source.depth), maps);
 }
 
 }  // namespace touchable

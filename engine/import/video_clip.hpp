@@ -8,7 +8,7 @@
 
 #include "engine/clip/clip_reader.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 #include "engine/video/video_file.hpp"
 
 namespace touchable {
@@ -19,7 +19,8 @@ bool begins_like_video(std::string_view begin);
 
 /// The video, or the two, that the scene's VideoSource names in `folder`; `depth`: the first of them, where
 /// it was opened already.
-Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder, const Scene& scene,
+Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder,
+                                                    const SceneDescription& described,
                                                     Colour colour = Colour::wanted,
                                                     std::shared_ptr<VideoFile> depth = nullptr);
 

@@ -237,8 +237,7 @@ Result<void> check_filter(const Scene& scene) {
         return input_error(
             "filter.temporal_noise is [0, 0]: must be [constant, quadratic], how noisy depth is in scene "
             "units, because filter.temporal is on");
-    // Of metric codes without `far` the largest is not known yet.
-    if (filter.terraces == TerraceRemoval::on && !scene.far_from_frames && !terrace_scale(scene))
+    if (filter.terraces == TerraceRemoval::on && !terrace_scale(scene))
         return input_error("filter.terraces is on: must be off or auto where depth codes go beyond " +
                            std::to_string(largest_code_with_terraces) +
                            " (or less, with large filter.levels), because they leave no room for finer ones");

@@ -80,15 +80,6 @@ struct FilterSettings {
     bool operator==(const FilterSettings&) const = default;
 };
 
-/// Which filters a scene leaves open. Whoever opens a clip to play it settles them by what its first frames
-/// tell (choose_filters) and clears this; until then they are off.
-struct UnstatedFilters {
-    bool median = false, fill_holes = false, terraces = false, temporal = false, flying_pixels = false;
-    bool any() const { return median || fill_holes || terraces || temporal || flying_pixels; }
-    bool operator==(const UnstatedFilters&) const = default;
-};
-inline constexpr UnstatedFilters all_unstated{true, true, true, true, true};
-
 /// Numbers of a plane whose pictures are not numbered as depth's are. What is left out is as of depth.
 struct PictureNumbers {
     std::optional<int> first{};
@@ -152,18 +143,15 @@ struct StoredDepth {
     bool operator==(const StoredDepth&) const = default;
 };
 
-/// What a clip means. Everything but the pictures.
+/// What a clip means. Everything but the pictures. What a scene file leaves open is settled before there is a
+/// scene (scene_description.hpp).
 struct Scene {
     std::string name;
     std::vector<Remark> remarks{};  ///< for people: what was guessed of the rest; changes nothing
     int width = 0, height = 0;      ///< of the depth plane, 1 to 16384 pixels
     FrameRate rate;
-    bool rate_unstated = false;  ///< the frames' own times stand then, as whoever reads them finds them
     double metres_per_unit = 0.001;
     Camera camera;
-    /// No camera but those of `folder.cameras`: the reader takes their median, and clears this. Until then
-    /// `camera` is only one that could be.
-    bool camera_from_frames = false;
     LensDistortion
         lens;  ///< of depth as it is stored; whoever opens a clip undoes it (registered_colour.hpp)
     /// Of colour as it is stored; without it colour has depth's pixels. Whoever opens a clip brings it there.
@@ -178,15 +166,11 @@ struct Scene {
     /// Without it a hole is as stiff as its pixels are otherwise.
     std::optional<double> hole_stiffness;
     FilterSettings filter;
-    UnstatedFilters unstated{};
     FrameInterpolation interpolation = FrameInterpolation::linear;
     /// Device metres per scene unit (S of F = k S (P - G)); without it the Workspace's default.
     std::optional<double> device_metres_per_unit;
     std::optional<FolderSource> folder;
     std::optional<VideoSource> video;  ///< beside a folder: neither, or one of them
-    /// Metric coding without `far`: the reader finds it in the frames (largest valid depth plus 5 %), derives
-    /// the valid range anew and clears this. Until then depth.far is the depth of code_max.
-    bool far_from_frames = false;
 };
 
 /// Everything that cannot be is refused here by a message that names the member and its number: sizes,

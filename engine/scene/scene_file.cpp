@@ -115,7 +115,8 @@ void read_disparity(const Node& node, Scene& scene) {
     scene.depth.far = scene.camera.fx * stored.baseline;
 }
 
-void read_depth(const Node& node, Scene& scene) {
+void read_depth(const Node& node, SceneDescription& described) {
+    Scene& scene = described.scene;
     DepthCoding& depth = scene.depth;
     node.allow_only({"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is",
                      "least_sum", "invalid", "baseline", "offset", "bytes", "rotated"});
@@ -145,8 +146,8 @@ void read_depth(const Node& node, Scene& scene) {
     if (disparity) return read_disparity(node, scene);
     if (metric) depth.scale = node["scale"].number();
     if (!metric || node.has("near")) depth.near = node["near"].number();
-    scene.far_from_frames = metric && !node.has("far");
-    depth.far = scene.far_from_frames ? depth.scale * depth.code_max : node["far"].number();
+    described.unstated.far = metric && !node.has("far");
+    depth.far = described.unstated.far ? depth.scale * depth.code_max : node["far"].number();
 }
 
 void read_height_map(const Node& node, HeightCoding& height) {
@@ -226,62 +227,64 @@ std::vector<Remark> read_remarks(const Node& node) {
     return remarks;
 }
 
-Scene read_scene(const Node& node) {
+SceneDescription read_scene(const Node& node) {
     check_version(node["touchable_scene"]);  // first: a newer format may well have more members
     node.allow_only({"touchable_scene", "name", "width", "height", "rate", "metres_per_unit", "camera",
                      "colour_camera", "depth", "height_map", "haptic", "default_properties", "hole_stiffness",
                      "filter", "interpolation", "device_metres_per_unit", "folder", "video", "remarks"});
-    Scene scene;
+    SceneDescription described;
+    Scene& scene = described.scene;
+    Unstated& open = described.unstated;
     if (node.has("remarks")) scene.remarks = read_remarks(node["remarks"]);
     if (node.has("name")) scene.name = node["name"].text();
     scene.width = node["width"].whole();
     scene.height = node["height"].whole();
-    scene.rate_unstated = !node.has("rate");
+    open.rate = !node.has("rate");
     if (node.has("rate")) scene.rate = read_rate(node["rate"]);
     if (node.has("metres_per_unit")) scene.metres_per_unit = node["metres_per_unit"].number();
-    scene.camera_from_frames = !node.has("camera") && node.has("folder") && node["folder"].has("cameras");
-    if (scene.camera_from_frames)
+    open.camera = !node.has("camera") && node.has("folder") && node["folder"].has("cameras");
+    if (open.camera)
         scene.camera = {1.0 * scene.width, 1.0 * scene.width, 0.5 * scene.width, 0.5 * scene.height};
     else
         read_camera(node["camera"], scene);
     if (node.has("colour_camera")) scene.colour_camera = read_colour_camera(node["colour_camera"]);
-    read_depth(node["depth"], scene);
+    read_depth(node["depth"], described);
     if (node.has("height_map")) read_height_map(node["height_map"], scene.height_coding);
     if (node.has("haptic")) read_haptic(node["haptic"], scene.haptic);
     if (node.has("default_properties"))
         read_default_properties(node["default_properties"], scene.default_properties);
     if (node.has("hole_stiffness")) scene.hole_stiffness = node["hole_stiffness"].number();
-    scene.unstated = all_unstated;
-    if (node.has("filter")) read_filter(node["filter"], scene.filter, scene.unstated);
+    open.filters = all_unstated;
+    if (node.has("filter")) read_filter(node["filter"], scene.filter, open.filters);
     if (node.has("interpolation")) scene.interpolation = node["interpolation"].one_of(interpolation_names);
     if (node.has("device_metres_per_unit"))
         scene.device_metres_per_unit = node["device_metres_per_unit"].number();
     if (node.has("folder")) scene.folder = read_folder(node["folder"]);
     if (node.has("video")) scene.video = read_video(node["video"], scene);
-    return scene;
+    return described;
 }
 
 }  // namespace
 
-Result<Scene> parse_scene(std::string_view json, std::string_view where) {
+Result<SceneDescription> parse_scene(std::string_view json, std::string_view where) {
     const auto refusal = [&](const std::string& message) {
         return input_error(std::string(where) + ": " + message);
     };
-    Scene scene;
+    SceneDescription described;
     try {
         const checked_json::Json text = checked_json::parse(json);
-        scene = read_scene(Node(text, ""));
+        described = read_scene(Node(text, ""));
     } catch (const checked_json::Refusal& reason) {
         return refusal(reason.message);
     } catch (const checked_json::Json::exception& fault) {
         return refusal(fault.what());
     }
-    derive_valid_range(scene.depth);
-    if (const auto valid = validate(scene); !valid) return refusal(valid.error().message);
-    return scene;
+    derive_valid_range(described.scene.depth);
+    if (const auto valid = validate(described); !valid) return refusal(valid.error().message);
+    return described;
 }
 
-Result<Scene> read_scene_file(const std::filesystem::path& file) {
+Result<SceneDescription> read_scene_file(const std::filesystem::path& file) {
     const auto text = read_given_file(file, file.string(), "a scene file (JSON, docs/scene_file.md)",
                                       checked_json::largest_text);
     if (!text) return text.error();

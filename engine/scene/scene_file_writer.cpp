@@ -43,7 +43,8 @@ OrderedJson write_colour_camera(const ColourCamera& colour) {
     return json;
 }
 
-OrderedJson write_depth(const Scene& scene) {
+OrderedJson write_depth(const SceneDescription& described) {
+    const Scene& scene = described.scene;
     const DepthCoding& depth = scene.depth;
     const StoredDepth& stored = scene.stored;
     const bool metric = depth.kind == DepthCodingKind::metric;
@@ -54,7 +55,7 @@ OrderedJson write_depth(const Scene& scene) {
     if (disparity)
         json.update({{"baseline", stored.baseline}, {"scale", stored.scale}, {"offset", stored.offset}});
     if (!disparity) json["near"] = depth.near;
-    if (!scene.far_from_frames && !disparity) json["far"] = depth.far;
+    if (!described.unstated.far && !disparity) json["far"] = depth.far;
     json["bits"] = scene.depth_bits;
     if (stored.bytes_swapped) json["bytes"] = "swapped";
     if (stored.rotated > 0) json["rotated"] = stored.rotated;
@@ -89,10 +90,8 @@ OrderedJson write_default_properties(const HapticProperties& properties) {
     return json;
 }
 
-/// Filters that the scene leaves open stay open.
-OrderedJson write_filter(const Scene& scene) {
-    const FilterSettings& filter = scene.filter;
-    const UnstatedFilters& open = scene.unstated;
+/// Those that are left open stay open.
+OrderedJson write_filter(const FilterSettings& filter, const UnstatedFilters& open) {
     OrderedJson json = OrderedJson::object();
     if (!open.median) json["median"] = filter.median;
     if (!open.fill_holes) json["fill_holes"] = filter.fill_holes;
@@ -119,22 +118,24 @@ OrderedJson write_video(const VideoSource& video) {
 
 }  // namespace
 
-std::string scene_to_json(const Scene& scene) {
+std::string scene_to_json(const SceneDescription& described) {
+    const Scene& scene = described.scene;
+    const Unstated& open = described.unstated;
     OrderedJson json = {{"touchable_scene", scene_format_version}};
     if (!scene.remarks.empty()) json["remarks"] = write_remarks(scene.remarks);
     json.update({{"name", scene.name}, {"width", scene.width}, {"height", scene.height}});
-    if (!scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
+    if (!open.rate && !scene.rate.own_times) json["rate"] = {scene.rate.num, scene.rate.den};
     json["metres_per_unit"] = scene.metres_per_unit;
-    if (!scene.camera_from_frames) json["camera"] = write_camera(scene.camera, scene.lens);
+    if (!open.camera) json["camera"] = write_camera(scene.camera, scene.lens);
     if (scene.colour_camera) json["colour_camera"] = write_colour_camera(*scene.colour_camera);
-    json.update({{"depth", write_depth(scene)},
+    json.update({{"depth", write_depth(described)},
                  {"height_map", write_height_map(scene.height_coding)},
                  {"haptic",
                   {{"stiffness", write_range(scene.haptic.stiffness)},
                    {"static_friction", write_range(scene.haptic.static_friction)},
                    {"dynamic_friction", write_range(scene.haptic.dynamic_friction)}}},
                  {"default_properties", write_default_properties(scene.default_properties)},
-                 {"filter", write_filter(scene)},
+                 {"filter", write_filter(scene.filter, open.filters)},
                  {"interpolation", name_of(interpolation_names, scene.interpolation)}});
     if (scene.hole_stiffness) json["hole_stiffness"] = *scene.hole_stiffness;
     if (scene.device_metres_per_unit) json["device_metres_per_unit"] = *scene.device_metres_per_unit;

@@ -45,10 +45,9 @@ bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
     return terrace_scale(with_levels) && measured.kappa >= kappa_of_terraces;
 }
 
-void choose_filters(const std::optional<MeasuredDepth>& measured, Scene& scene) {
+void choose_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
+                    Scene& scene) {
     FilterSettings& filter = scene.filter;
-    const UnstatedFilters unstated = scene.unstated;
-    scene.unstated = {};
     if (!measured) {
         if (filter.terraces == TerraceRemoval::automatic) filter.terraces = TerraceRemoval::off;
         return;

@@ -25,9 +25,11 @@ public:
     explicit MatroskaReader(const SourceFile& source) : source_(source), file_(source.string()) {
         add_input(source.path());
     }
-    Result<void> open(const std::optional<Scene>& replacement);
+    Result<void> open(const std::optional<SceneDescription>& replacement);
+    bool leaves_far_open() const { return unstated_.far; }
 
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return unstated_.filters; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return promised_; }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -48,8 +50,8 @@ private:
     Result<void> open_file();
     Result<void> start();
     Result<void> read_version_and_rate();
-    Result<void> read_scene(const std::optional<Scene>& replacement);
-    void take_rate();
+    Result<void> read_scene(const std::optional<SceneDescription>& replacement);
+    Result<SceneDescription> attached_scene() const;
     Result<void> open_tracks();
     Result<void> describe();
     Result<bool> begin_at(std::int64_t frame);
@@ -71,6 +73,7 @@ private:
     SourceFile source_;
     std::string file_;
     Scene scene_;
+    Unstated unstated_;  // by whoever described it
     FrameRate recorded_rate_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
@@ -86,7 +89,7 @@ private:
     std::optional<RawFrame> first_;  // read to learn the tracks' formats, not yet given away
 };
 
-Result<void> MatroskaReader::open(const std::optional<Scene>& replacement) {
+Result<void> MatroskaReader::open(const std::optional<SceneDescription>& replacement) {
     if (auto opened = open_file(); !opened) return opened;
     if (auto read = read_version_and_rate(); !read) return read;
     if (auto read = read_scene(replacement); !read) return read;
@@ -192,32 +195,31 @@ Result<void> MatroskaReader::read_version_and_rate() {
     return {};
 }
 
-Result<void> MatroskaReader::read_scene(const std::optional<Scene>& replacement) {
-    if (replacement) {
-        scene_ = *replacement;
-        take_rate();
-        return {};
-    }
-    const auto json = demuxer_->attachment(clip_tags::scene_file);
-    if (!json) return refuse("has no scene.json attached: describe it with --scene FILE");
-    auto scene = parse_scene(*json, file_ + ": scene.json");
-    if (!scene) return scene.error();
-    if (!scene->rate_unstated && !clip_tags::same_rate(scene->rate, recorded_rate_))
-        return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded_rate_) +
-                      ", but its scene.json says " + clip_tags::rate_text(scene->rate));
+Result<void> MatroskaReader::read_scene(const std::optional<SceneDescription>& replacement) {
+    auto described = replacement ? Result<SceneDescription>(*replacement) : attached_scene();
+    if (!described) return described.error();
+    if (!described->unstated.rate)
+        if (auto note = clip_tags::rate_note(described->scene.rate, recorded_rate_))
+            notes_.push_back(std::move(*note));
+    auto scene = settle(*described, {.rate = recorded_rate_});
+    if (!scene) return refuse(scene.error().message);
     scene_ = std::move(*scene);
-    scene_.rate_unstated = true;  // is the recorded one
-    take_rate();
+    unstated_ = described->unstated;
     return {};
 }
 
-void MatroskaReader::take_rate() {
-    if (!scene_.rate_unstated) {
-        if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
-        return;
-    }
-    scene_.rate = recorded_rate_;
-    scene_.rate_unstated = false;
+/// Its rate is the recorded one, of which it does not say the frames' own times.
+Result<SceneDescription> MatroskaReader::attached_scene() const {
+    const auto json = demuxer_->attachment(clip_tags::scene_file);
+    if (!json) return refuse("has no scene.json attached: describe it with --scene FILE");
+    auto described = parse_scene(*json, file_ + ": scene.json");
+    if (!described) return described;
+    const FrameRate& rate = described->scene.rate;
+    if (!described->unstated.rate && !clip_tags::same_rate(rate, recorded_rate_))
+        return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded_rate_) +
+                      ", but its scene.json says " + clip_tags::rate_text(rate));
+    described->unstated.rate = true;
+    return described;
 }
 
 /// Opens the tracks of a file just opened and reads frame 0.
@@ -399,11 +401,13 @@ Result<void> MatroskaReader::check_end(const std::vector<std::string>& present,
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
-                                                       const std::optional<Scene>& scene, Colour colour) {
+                                                       const std::optional<SceneDescription>& described,
+                                                       Colour colour) {
     auto reader = std::make_unique<MatroskaReader>(file);
-    if (auto opened = reader->open(scene); !opened) return opened.error();
+    if (auto opened = reader->open(described); !opened) return opened.error();
     if (colour == Colour::left_out) reader->leave_out_colour();
-    return with_far_plane(std::move(reader), file.path());
+    const bool far_is_open = reader->leaves_far_open();
+    return with_far_plane(std::move(reader), far_is_open, file.path());
 }
 
 }  // namespace touchable

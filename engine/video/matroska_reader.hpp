@@ -9,9 +9,9 @@
 
 namespace touchable {
 
-/// A touchable Matroska clip; `scene` replaces the one attached to it.
+/// A touchable Matroska clip; `described` replaces the one attached to it.
 Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
-                                                       const std::optional<Scene>& scene,
+                                                       const std::optional<SceneDescription>& described,
                                                        Colour colour = Colour::wanted);
 
 }  // namespace touchable

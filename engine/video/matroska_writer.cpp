@@ -39,9 +39,13 @@ struct MuxerCloser {
 
 class MatroskaWriter final : public ClipWriter {
 public:
-    MatroskaWriter(const std::filesystem::path& path, Scene scene, const ClipStorage& storage,
-                   Existing existing, std::unique_ptr<StoredSound> sound)
-        : scene_(std::move(scene)), storage_(storage), output_(path, existing), sound_(std::move(sound)) {}
+    MatroskaWriter(const std::filesystem::path& path, const SceneDescription& described,
+                   const ClipStorage& storage, Existing existing, std::unique_ptr<StoredSound> sound)
+        : scene_(described.scene),
+          unstated_(described.unstated),
+          storage_(storage),
+          output_(path, existing),
+          sound_(std::move(sound)) {}
     Result<void> open();
     Result<void> write(const RawFrame& frame) override { return keep(write_frame(frame)); }
     PlaneView stored_colour() const override {
@@ -83,6 +87,7 @@ private:
     }
 
     Scene scene_;
+    Unstated unstated_;
     ClipStorage storage_;
     NewFile output_;
     std::unique_ptr<StoredSound> sound_;  // null: none
@@ -144,11 +149,14 @@ Result<void> MatroskaWriter::check_frame(const RawFrame& frame) const {
 }
 
 Result<void> MatroskaWriter::attach_scene() {
-    Scene scene = scene_;
+    SceneDescription described(scene_);
+    described.unstated = unstated_;
+    Scene& scene = described.scene;
     scene.folder.reset();  // the frames are here now
     scene.video.reset();
     scene.stored = {};  // as codes
-    if (auto attached = attach(clip_tags::scene_file, "application/json", scene_to_json(scene)); !attached)
+    if (auto attached = attach(clip_tags::scene_file, "application/json", scene_to_json(described));
+        !attached)
         return attached;
     return scene.rate.own_times ? attach(clip_tags::times_file, "text/plain", frame_times_text(scene.rate))
                                 : Result<void>{};
@@ -299,13 +307,14 @@ Result<void> MatroskaWriter::end() {
 
 }  // namespace
 
-Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
-                                                const ClipStorage& storage, Existing existing,
-                                                const std::optional<SoundPart>& sound) {
+Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
+                                                const SceneDescription& described, const ClipStorage& storage,
+                                                Existing existing, const std::optional<SoundPart>& sound) {
     silence_ffmpeg();
-    if (auto valid = validate(scene); !valid)
+    const Scene& scene = described.scene;
+    if (auto valid = validate(described); !valid)
         return input_error(path.string() + ": " + valid.error().message);
-    if (scene.far_from_frames)
+    if (described.unstated.far)
         return input_error(path.string() + ": not written: the scene's depth.far is not known yet");
     if (clip_tags::is_too_fast(scene.rate))
         return input_error(path.string() + ": not written: the scene's rate is " +
@@ -317,7 +326,7 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
         if (!opened) return opened.error();
         heard = std::move(*opened);
     }
-    auto writer = std::make_unique<MatroskaWriter>(path, scene, storage, existing, std::move(heard));
+    auto writer = std::make_unique<MatroskaWriter>(path, described, storage, existing, std::move(heard));
     if (auto opened = writer->open(); !opened) return opened.error();
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }

@@ -7,7 +7,7 @@
 #include "engine/clip/clip_writer.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 #include "engine/sound/stored_sound.hpp"
 
 namespace touchable {
@@ -27,9 +27,11 @@ struct ClipStorage {
     bool gives_colour = false;  ///< whoever writes asks for ClipWriter::stored_colour; costs decoding it
 };
 
-/// A touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON. A size
-/// that no clip can hold is told by the first `write`, as an error of kind usage.
-Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path, const Scene& scene,
+/// A touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON; filters
+/// may be left open there. A size that no clip can hold is told by the first `write`, as an error of kind
+/// usage.
+Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
+                                                const SceneDescription& described,
                                                 const ClipStorage& storage = {},
                                                 Existing existing = Existing::replace,
                                                 const std::optional<SoundPart>& sound = {});

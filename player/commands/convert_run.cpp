@@ -148,6 +148,7 @@ class Conversion::Source final : public ClipReader {
 public:
     explicit Source(Conversion& conversion) : conversion_(conversion) {}
     const Scene& scene() const override { return clip().scene(); }
+    UnstatedFilters unstated_filters() const override { return clip().unstated_filters(); }
     const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
     std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
     const std::vector<std::string>& notes() const override { return clip().notes(); }
@@ -193,21 +194,23 @@ std::optional<SoundPart> Conversion::chosen_sound() {
 }
 
 Result<void> Conversion::open_writer() {
-    done_.scene = source_->scene();
-    if (options_.size) done_.scene = resized_scene(done_.scene, options_.size->width, options_.size->height);
+    SceneDescription described = source_->described();
+    if (options_.size)
+        described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
+    done_.scene = described.scene;
     auto writer = [&]() -> Result<std::unique_ptr<ClipWriter>> {
         const auto sound = chosen_sound();
         switch (options_.form) {
             case ClipForm::folder:
-                return create_image_folder(options_.out, done_.scene, options_.existing);
+                return create_image_folder(options_.out, described, options_.existing);
             case ClipForm::still:
-                return create_still(options_.out, done_.scene, options_.existing);
+                return create_still(options_.out, described, options_.existing);
             case ClipForm::archive:
                 break;
         }
         ClipStorage storage = options_.storage;
         storage.gives_colour = true;
-        return create_clip(options_.out, done_.scene, storage, options_.existing, sound);
+        return create_clip(options_.out, described, storage, options_.existing, sound);
     }();
     if (!writer.ok()) return writer.error();
     writer_ = std::move(*writer);

@@ -49,7 +49,7 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free.ok()) return free;
     if (std::filesystem::exists(target, ignored) && !read_scene_file(target).ok())
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
-    if (auto written = write_text(target, scene_to_json(guessed->scene), options.existing); !written.ok())
+    if (auto written = write_text(target, scene_to_json(*guessed), options.existing); !written.ok())
         return written;
     std::cout << target.string() << " is written; touchable " << target.string() << " opens it\n";
     for (const Remark& remark : guessed->scene.remarks) std::cout << "  " << remark_in_words(remark) << '\n';

@@ -131,8 +131,8 @@ Result<void> run_make(const MakeOptions& options) {
     const auto scene = make_scene(options.scene, options.generator);
     if (!scene.ok()) return scene.error();
     const AnalyticScene& source = **scene;
-    Scene described = source.scene();
-    described.unstated = all_unstated;  // what its frames ask for
+    SceneDescription described(source.scene());
+    described.unstated.filters = all_unstated;  // what its frames ask for
     auto writer = create_clip(options.out, described, options.storage, options.existing);
     if (!writer.ok()) return writer.error();
 

@@ -77,7 +77,7 @@ CameraCapture::~CameraCapture() {
 }
 
 Result<void> CameraCapture::open(const std::filesystem::path& file, Existing existing) {
-    auto writer = create_clip(file, scene_, {}, existing);
+    auto writer = create_clip(file, described_, {}, existing);
     if (!writer.ok()) return writer.error();
     writer_ = std::move(*writer);
     file_ = file;
@@ -128,7 +128,7 @@ void CameraCapture::write() {
             changed_.notify_all();
         }
         frame.number = number;
-        frame.time_ns = scene_.rate.time_ns(number);
+        frame.time_ns = described_.scene.rate.time_ns(number);
         auto written = writer_->write(frame);
         const std::lock_guard lock(mutex_);
         if (written.ok()) ++written_;

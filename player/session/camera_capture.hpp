@@ -14,6 +14,7 @@
 #include "engine/clip/clip_writer.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "engine/scene/scene_description.hpp"
 
 namespace touchable {
 
@@ -29,8 +30,8 @@ using CapturedFrames = std::vector<CapturedFrame>;
 /// becomes full it ends there, and what is given after that is not kept.
 class CameraCapture {
 public:
-    /// `scene`: the camera's.
-    explicit CameraCapture(Scene scene) : scene_(std::move(scene)) {}
+    /// `described`: the camera.
+    explicit CameraCapture(SceneDescription described) : described_(std::move(described)) {}
     ~CameraCapture();  ///< without `finish` nothing is left behind
     CameraCapture(const CameraCapture&) = delete;
     CameraCapture& operator=(const CameraCapture&) = delete;
@@ -58,7 +59,7 @@ private:
     void write();
     void stop();
 
-    const Scene scene_;
+    const SceneDescription described_;
     std::filesystem::path file_;
     CapturedFrames frames_;
     std::unique_ptr<ClipWriter> writer_;

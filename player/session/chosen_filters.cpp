@@ -27,19 +27,20 @@ Result<MeasuredFrames> measure_depth(std::unique_ptr<ClipReader>& reader, const 
     return MeasuredFrames{estimator.measured(), damage};
 }
 
-Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene,
+Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
+                                                    const UnstatedFilters& unstated, Scene& scene,
                                                     const std::optional<MeasuredFrames>& known,
                                                     const std::stop_token& given_up) {
     const bool needs_levels =
         scene.filter.terraces != TerraceRemoval::off && scene.filter.levels == DepthLength{};
     const bool needs_noise = scene.filter.temporal && scene.filter.temporal_noise == DepthLength{};
     const bool automatic = scene.filter.terraces == TerraceRemoval::automatic;
-    ChosenFilters chosen{scene.unstated, {}};
+    ChosenFilters chosen{unstated, {}};
     chosen.chosen.terraces = chosen.chosen.terraces || automatic;
     if (!chosen.chosen.any() && !needs_levels && !needs_noise) return std::optional<ChosenFilters>();
     auto measured = known ? Result<MeasuredFrames>(*known) : measure_depth(reader, scene, given_up);
     if (!measured.ok()) return measured.error();
-    choose_filters(measured->depth, scene);
+    choose_filters(measured->depth, unstated, scene);
     if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})
         return usage_error(
             "the temporal filter is to be on, but the scene does not say how noisy its depth is, and its "

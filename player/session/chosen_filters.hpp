@@ -7,7 +7,7 @@
 
 #include "engine/clip/clip_reader.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
@@ -28,10 +28,11 @@ struct ChosenFilters {
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel is valid
     std::string damage{};                   ///< as MeasuredFrames has it
 };
-/// Settles what the scene leaves open (choose_filters), and levels that terrace removal needs. Nothing where
-/// it leaves nothing open: then no frame is read. `known`: what the frames said when they were measured
+/// Settles in the scene what is unstated (choose_filters), and levels that terrace removal needs. Nothing
+/// where nothing is open: then no frame is read. `known`: what the frames said when they were measured
 /// before; nothing: nobody has.
-Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader, Scene& scene,
+Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
+                                                    const UnstatedFilters& unstated, Scene& scene,
                                                     const std::optional<MeasuredFrames>& known = {},
                                                     const std::stop_token& given_up = {});
 

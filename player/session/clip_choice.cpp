@@ -8,7 +8,7 @@ namespace touchable {
 
 namespace {
 
-void apply(const FiltersChoice& filters, Scene& scene) {
+void apply(const FiltersChoice& filters, Scene& scene, UnstatedFilters& unstated) {
     scene.filter.median = filters.settings.median;
     scene.filter.fill_holes = filters.settings.fill_holes;
     scene.filter.terraces = filters.settings.terraces;
@@ -16,12 +16,12 @@ void apply(const FiltersChoice& filters, Scene& scene) {
     scene.filter.flying_pixels = filters.settings.flying_pixels;
     if (filters.settings.temporal_noise != DepthLength{})
         scene.filter.temporal_noise = filters.settings.temporal_noise;
-    scene.unstated = filters.unstated;
+    unstated = filters.unstated;
 }
 
-void apply(const TemporalChoice& temporal, Scene& scene) {
+void apply(const TemporalChoice& temporal, Scene& scene, UnstatedFilters& unstated) {
     scene.filter.temporal = temporal.on;
-    scene.unstated.temporal = false;
+    unstated.temporal = false;
     if (temporal.noise) scene.filter.temporal_noise = *temporal.noise;
 }
 
@@ -33,20 +33,23 @@ void apply(const std::optional<Value>& wanted, Value& value, bool& unstated) {
     unstated = false;
 }
 
-Result<Scene> applied(const ClipChoice& choice, Scene scene) {
+/// What the clip is, and what is wanted of it.
+Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription described) {
+    Scene& scene = described.scene;
     FilterSettings& filter = scene.filter;
-    if (choice.filters) apply(*choice.filters, scene);
-    apply(choice.median, filter.median, scene.unstated.median);
-    apply(choice.fill_holes, filter.fill_holes, scene.unstated.fill_holes);
-    apply(choice.terraces, filter.terraces, scene.unstated.terraces);
-    if (choice.temporal) apply(*choice.temporal, scene);
+    UnstatedFilters& unstated = described.unstated.filters;
+    if (choice.filters) apply(*choice.filters, scene, unstated);
+    apply(choice.median, filter.median, unstated.median);
+    apply(choice.fill_holes, filter.fill_holes, unstated.fill_holes);
+    apply(choice.terraces, filter.terraces, unstated.terraces);
+    if (choice.temporal) apply(*choice.temporal, scene, unstated);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
     // Levels, which decide whether there is room for terrace removal, and noise are still to be measured.
     Scene without = scene;
     without.filter.terraces = TerraceRemoval::off;
     without.filter.temporal = false;
     if (auto valid = validate(without); !valid.ok()) return usage_error(valid.error().message);
-    return scene;
+    return described;
 }
 
 }  // namespace
@@ -87,11 +90,11 @@ Result<OpenClip> open_chosen(const ClipChoice& choice, Colour colour, const std:
     const WorkUntil until(given_up);
     auto reader = choice.open(colour);
     if (!reader.ok()) return reader.error();
-    auto scene = applied(choice, (*reader)->scene());
-    if (!scene.ok()) return scene.error();
-    auto chosen = settle_filters(*reader, *scene, choice.measured, given_up);
+    auto wanted = applied(choice, (*reader)->described());
+    if (!wanted.ok()) return wanted.error();
+    auto chosen = settle_filters(*reader, wanted->unstated.filters, wanted->scene, choice.measured, given_up);
     if (!chosen.ok()) return chosen.error();
-    return OpenClip{std::move(*reader), std::move(*scene), std::move(*chosen)};
+    return OpenClip{std::move(*reader), std::move(wanted->scene), std::move(*chosen)};
 }
 
 }  // namespace touchable

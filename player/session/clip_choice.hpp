@@ -13,7 +13,7 @@
 #include "engine/import/open_clip.hpp"
 #include "engine/import/touch_maps/still_maps.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 #include "player/session/camera_capture.hpp"
 #include "player/session/camera_words.hpp"
 #include "player/session/chosen_filters.hpp"

@@ -256,7 +256,7 @@ std::string read_facts(const Json& facts, TouchSetup& setup) {
 
 }  // namespace
 
-Result<Scene> read_recorded_facts(const Json& facts, const std::string& name, TouchSetup& setup) {
+Result<SceneDescription> read_recorded_facts(const Json& facts, const std::string& name, TouchSetup& setup) {
     std::string scene;
     try {
         scene = read_facts(facts, setup);

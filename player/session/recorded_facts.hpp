@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/result.hpp"
+#include "engine/scene/scene_description.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {
@@ -21,7 +22,7 @@ std::optional<std::vector<FrameRun>> built_frames(const nlohmann::ordered_json& 
 /// Fills in what those facts say of the run, but for what is opened and made of it, and gives the scene that
 /// was touched. An error of kind input that begins with `name` where something is missing, of another kind or
 /// impossible.
-Result<Scene> read_recorded_facts(const nlohmann::ordered_json& facts, const std::string& name,
-                                  TouchSetup& setup);
+Result<SceneDescription> read_recorded_facts(const nlohmann::ordered_json& facts, const std::string& name,
+                                             TouchSetup& setup);
 
 }  // namespace touchable

@@ -39,6 +39,7 @@ public:
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
     const Scene& scene() const override { return clip().scene(); }
+    UnstatedFilters unstated_filters() const override { return clip().unstated_filters(); }
     const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
     std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
     const std::vector<std::string>& notes() const override { return clip().notes(); }

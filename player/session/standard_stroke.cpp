@@ -45,7 +45,8 @@ public:
 Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) {
     reader->leave_out_colour();
     Scene scene = reader->scene();
-    if (auto settled = settle_filters(reader, scene); !settled.ok()) return settled.error();
+    if (auto settled = settle_filters(reader, reader->unstated_filters(), scene); !settled.ok())
+        return settled.error();
     auto builder = make_cpu_builder(scene);
     SurfaceFeed feed(std::move(reader), std::move(builder), scene);
     feed.leave_out_hash();

@@ -221,7 +221,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
         open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out, options.given_up);
     if (!clip.ok()) return clip.error();
     if (options.recorded && options.clip.plugged) {
-        setup->film = std::make_shared<CameraCapture>(clip->reader->scene());
+        setup->film = std::make_shared<CameraCapture>(clip->reader->described());
         clip->reader = with_film(std::move(clip->reader), setup->film);
     }
     if (auto made = make_feed(*setup, std::move(*clip), options); !made.ok()) return made.error();
@@ -256,8 +256,8 @@ Error gone(Error error, const TouchSetup& setup, const std::filesystem::path& fi
 }
 
 /// The recorded clip, or the one it is now, as the `recorded` scene.
-Result<OpenClip> open_recorded(TouchSetup& setup, Scene recorded, const std::filesystem::path& file,
-                               const ClipChoice& instead) {
+Result<OpenClip> open_recorded(TouchSetup& setup, const SceneDescription& recorded,
+                               const std::filesystem::path& file, const ClipChoice& instead) {
     if (!instead.file.empty()) setup.clip.file = instead.file;
     if (instead.scene_file) {
         setup.clip.scene_file = instead.scene_file;
@@ -265,16 +265,18 @@ Result<OpenClip> open_recorded(TouchSetup& setup, Scene recorded, const std::fil
     }
     if (instead.maps.haptic) setup.clip.maps.haptic = instead.maps.haptic;
     if (instead.maps.height) setup.clip.maps.height = instead.maps.height;
-    if (setup.clip.as_camera && !recorded.rate_unstated) setup.clip.as_camera->rate = recorded.rate;
+    if (setup.clip.as_camera && !recorded.unstated.rate) setup.clip.as_camera->rate = recorded.scene.rate;
     auto reader = setup.clip.open(Colour::left_out);
     if (!reader.ok()) return gone(reader.error(), setup, file, instead);
     const Scene& stored = (*reader)->scene();
-    if (stored.width != recorded.width || stored.height != recorded.height)
+    if (stored.width != recorded.scene.width || stored.height != recorded.scene.height)
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
                            std::to_string(stored.height) + ", the recording was made on " +
-                           std::to_string(recorded.width) + "x" + std::to_string(recorded.height));
-    if (std::exchange(recorded.rate_unstated, false)) recorded.rate = stored.rate;
-    return OpenClip{std::move(*reader), std::move(recorded), {}};
+                           std::to_string(recorded.scene.width) + "x" +
+                           std::to_string(recorded.scene.height));
+    auto scene = settle(recorded, {.rate = stored.rate});
+    if (!scene.ok()) return input_error(file.string() + ": its scene: " + scene.error().message);
+    return OpenClip{std::move(*reader), std::move(*scene), {}};
 }
 
 /// Ticks at the times that were recorded, and of a live run with the frames they found: that was a matter of

@@ -408,7 +408,6 @@ TEST_F(Camera, SaysWhatItAssumes) {
     const Scene& scene = (*camera)->scene();
     EXPECT_EQ(scene.depth.scale, 0.001);
     EXPECT_EQ(scene.metres_per_unit, 1);
-    EXPECT_FALSE(scene.far_from_frames);
     EXPECT_NEAR(scene.camera.fx, 0.5 * w / std::tan(79.0 / 2 / 180 * 3.14159265358979), 1e-9);
     // The last thousandth of 8 pictures of 20x12 pixels is one pixel and a part: the second deepest.
     EXPECT_NEAR(scene.depth.far, 2 * 0.001 * (500 + (w - 1) + 3 * (h - 1) + 7 * 7 - 1), 1e-9);

@@ -30,7 +30,6 @@ Scene scene_without_far() {
     scene.camera = {150, 150, 100, 50};
     scene.depth = millimetres();
     scene.depth_bits = 16;
-    scene.far_from_frames = true;
     return scene;
 }
 
@@ -101,7 +100,6 @@ TEST(FarPlane, IsNotThatOfStrayPixels) {
         EXPECT_DOUBLE_EQ(scene.depth.far, (left_out ? 5.0 : 19.7) * 1.05) << strays;
         EXPECT_EQ(scene.depth.is_valid(19700), !left_out) << strays;
         EXPECT_EQ(note->find("count as holes") != std::string::npos, strays == 1 || strays == 2) << *note;
-        EXPECT_FALSE(scene.far_from_frames);
     }
 }
 
@@ -128,12 +126,11 @@ TEST(FarPlane, TakesAsManyFramesOfAnHourAsOfASecond) {
     auto made = std::make_unique<MadeClip>(108'000);
     MadeClip& clip = *made;
     clip.deepest_ = {{107'999, 9000}, {20'000, 12'000}};
-    const auto settled = with_far_plane(std::move(made), "made");
+    const auto settled = with_far_plane(std::move(made), true, "made");
     ASSERT_TRUE(settled.ok()) << settled.error().message;
     EXPECT_EQ(clip.read_, telling_frames(108'000));
     // Of 640 000 pixels 64 may be beyond.
     EXPECT_NEAR((*settled)->scene().depth.far, 9.0 * 1.05, 0.1);
-    EXPECT_FALSE((*settled)->scene().far_from_frames);
     EXPECT_EQ((*settled)->notes().size(), 1U);
     // Whoever plays it reads none of the first frames again.
     for (std::int64_t number = 0; number < 20; ++number) {
@@ -150,8 +147,7 @@ TEST(FarPlane, TakesAsManyFramesOfAnHourAsOfASecond) {
 TEST(FarPlane, ThatIsGivenStays) {
     auto made = std::make_unique<MadeClip>(100);
     MadeClip& clip = *made;
-    clip.scene_.far_from_frames = false;
-    const auto settled = with_far_plane(std::move(made), "made");
+    const auto settled = with_far_plane(std::move(made), false, "made");
     ASSERT_TRUE(settled.ok());
     EXPECT_EQ(settled->get(), &clip);
     EXPECT_TRUE(clip.read_.empty());
@@ -162,7 +158,7 @@ TEST(FarPlane, OfAClipThatCannotSeekIsThatOfItsFirstFrames) {
     MadeClip& clip = *made;
     clip.can_seek_ = false;
     clip.deepest_ = {{15, 7000}, {99, 9000}};
-    const auto settled = with_far_plane(std::move(made), "made");
+    const auto settled = with_far_plane(std::move(made), true, "made");
     ASSERT_TRUE(settled.ok());
     EXPECT_EQ(clip.read_.size(), 16U);
     EXPECT_EQ(clip.seeks_, 0);
@@ -173,13 +169,13 @@ TEST(FarPlane, DamageInALaterFrameIsNoMatter) {
     auto made = std::make_unique<MadeClip>(100);
     MadeClip& clip = *made;
     clip.damaged_ = {5, 99};
-    const auto settled = with_far_plane(std::move(made), "made");
+    const auto settled = with_far_plane(std::move(made), true, "made");
     ASSERT_TRUE(settled.ok());
     EXPECT_DOUBLE_EQ((*settled)->scene().depth.far, 5.0 * 1.05);
     EXPECT_EQ(clip.number_, 0) << "read anew, so that whoever plays it meets the damage";
     auto hopeless = std::make_unique<MadeClip>(100);
     hopeless->damaged_ = {0};
-    EXPECT_FALSE(with_far_plane(std::move(hopeless), "hopeless").ok());
+    EXPECT_FALSE(with_far_plane(std::move(hopeless), true, "hopeless").ok());
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ TEST(ImageFolderWriter, OpensAsItIsWithEveryValueAndStillsOnce) {
         for (std::size_t n = 0; n < frames.size(); ++n) EXPECT_TRUE(same_frame((*read)[n], frames[n])) << n;
         auto again = read_scene_file(folder / "clip/scene.json");
         ASSERT_EQ(message(again), "");
-        EXPECT_EQ(again->folder->count, 4);
-        again->folder.reset();
+        EXPECT_EQ(again->scene.folder->count, 4);
+        again->scene.folder.reset();
         EXPECT_EQ(scene_to_json(*again), scene_to_json(scene));
     }
 }

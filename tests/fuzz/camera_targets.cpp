@@ -108,8 +108,9 @@ bool parse_world_from_camera(std::string_view bytes) {
 /// A scene of two cameras, small; its pictures have what its own bytes give.
 bool parse_colour_registration(std::string_view bytes) {
     constexpr int most_side = 96;
-    auto scene = parse_scene(bytes, "scene.json");
-    if (!is_taken(scene) || !scene->colour_camera || scene->far_from_frames) return false;
+    const auto described = parse_scene(bytes, "scene.json");
+    if (!is_taken(described) || !described->scene.colour_camera || described->unstated.far) return false;
+    const Scene* const scene = &described->scene;
     const ColourCamera& beside = *scene->colour_camera;
     if (std::max({scene->width, scene->height, beside.width, beside.height}) > most_side) return false;
     std::uint32_t state = 1;

@@ -89,9 +89,10 @@ bool parse_pattern(std::string_view bytes) {
     source.count = static_cast<int>(taken.byte());
     source.depth = taken.line();
     source.colour = taken.line();
-    Scene scene = *parse_scene(R"({"touchable_scene": 1, "width": 8, "height": 6,
+    Scene scene = parse_scene(R"({"touchable_scene": 1, "width": 8, "height": 6,
         "camera": {"fx": 9, "fy": 9, "cx": 3, "cy": 2}, "depth": {"coding": "linear", "near": 1, "far": 2}})",
-                               "scene.json");
+                              "scene.json")
+                      ->scene;
     scene.folder = source;
     if (!is_taken(validate(scene))) return false;
     // Folders of others may be large, or their names devices.

@@ -7,9 +7,10 @@ namespace touchable::fuzz {
 namespace {
 
 bool is_haptic_map(const std::filesystem::path& file) {
-    Scene scene = *parse_scene(R"({"touchable_scene": 1, "width": 8, "height": 6,
+    Scene scene = parse_scene(R"({"touchable_scene": 1, "width": 8, "height": 6,
         "camera": {"fx": 9, "fy": 9, "cx": 3, "cy": 2}, "depth": {"coding": "linear", "near": 1, "far": 2}})",
-                               "scene.json");
+                              "scene.json")
+                      ->scene;
     const auto map = read_haptic_map(file, scene);
     if (!is_taken(map)) return false;
     const PlaneView& view = map->plane.view;

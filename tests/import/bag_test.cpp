@@ -153,7 +153,7 @@ TEST(Bag, ItsGuessedSceneDescribesIt) {
     std::filesystem::copy_file(kept_bag("realsense_lz4.bag"), folder / "my.bag");
     const auto guessed = guess_clip(folder / "my.bag", {});
     ASSERT_EQ(message(guessed), "");
-    write_bytes(folder / "my.json", scene_to_json(guessed->scene));
+    write_bytes(folder / "my.json", scene_to_json(*guessed));
     const auto described = opened_bag(folder / "my.json"), itself = opened_bag(folder / "my.bag");
     ASSERT_EQ(described.frames.size(), 3U);
     for (std::size_t n = 0; n < 3; ++n) EXPECT_TRUE(same_frame(described.frames[n], itself.frames[n])) << n;

@@ -46,7 +46,6 @@ TEST(BarePicture, ACameraIsEnough) {
         EXPECT_EQ(scene.metres_per_unit, 1);
         EXPECT_FALSE(scene.depth.is_valid(0));
         EXPECT_EQ(scene.depth.depth(1000), 0.5);
-        EXPECT_FALSE(scene.far_from_frames);
         EXPECT_FALSE(notes_have(**reader, "guessed"));
         const auto frames = read_all(**reader);
         ASSERT_EQ(message(frames), "");
@@ -114,7 +113,7 @@ TEST(BarePicture, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
         write_picture(folder / "my.png", memory, bytes);
         const auto guessed = guess_picture(folder / "my.png", {});
         ASSERT_EQ(message(guessed), "");
-        write_bytes(folder / "my.json", scene_to_json(guessed->scene));
+        write_bytes(folder / "my.json", scene_to_json(*guessed));
         auto described = open_clip(folder / "my.json"), bare = open_clip(folder / "my.png");
         ASSERT_EQ(message(described), "");
         EXPECT_TRUE(notes_have(**bare, "described by my.json"));

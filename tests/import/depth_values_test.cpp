@@ -40,6 +40,13 @@ double depth_at(const Scene& scene, const Image& codes, int x) {
     return scene.depth.is_valid(code) ? scene.depth.depth(code) : 0;
 }
 
+/// The same, but for a far plane that is stated.
+SceneDescription without_far(const Scene& scene) {
+    SceneDescription described(scene);
+    described.unstated.far = true;
+    return described;
+}
+
 TEST(DepthValues, FloatsComeBackWithinHalfACode) {
     const float inf = std::numeric_limits<float>::infinity();
     const std::vector<float> depths{0.4F, 1, 1.7F, 2.5F, 3.999F, 0, -1, NAN, inf, -inf};
@@ -50,10 +57,9 @@ TEST(DepthValues, FloatsComeBackWithinHalfACode) {
         scene.depth.scale = metres;
         scene.depth.near = 0;
         scene.depth.far = 65.535;
-        scene.far_from_frames = true;
         std::vector<float> stored;
         for (const float depth : depths) stored.push_back(static_cast<float>(depth / metres));
-        DepthValues values(scene);
+        DepthValues values(without_far(scene));
         ASSERT_TRUE(values.needs_looks(floats(10, stored)));
         values.look(floats(10, stored));
         const auto said = values.settle(scene);
@@ -79,8 +85,7 @@ TEST(DepthValues, FarSkiesDoNotTakeTheStepsFromWhatIsNear) {
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.scale = 1;
     scene.depth.near = 0;
-    scene.far_from_frames = true;
-    DepthValues values(scene);
+    DepthValues values(without_far(scene));
     values.look(floats(1000, stored));
     ASSERT_EQ(message(values.settle(scene)), "");
     EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
@@ -97,8 +102,7 @@ TEST(DepthValues, ValuesBeyondAllMeasureAreNoDepth) {
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.scale = 1;
     scene.depth.near = 0;
-    scene.far_from_frames = true;
-    DepthValues values(scene);
+    DepthValues values(without_far(scene));
     values.look(floats(1000, stored));
     ASSERT_EQ(message(values.settle(scene)), "");
     const Image codes = values.codes(floats(1000, stored));
@@ -132,8 +136,7 @@ TEST(DepthValues, NearerThanAllThatWasSeenIsAtTheNearPlaneAndFartherIsNoDepth) {
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.scale = 1;
     scene.depth.near = 0;
-    scene.far_from_frames = true;
-    DepthValues values(scene);
+    DepthValues values(without_far(scene));
     values.look(floats(4, {1, 2, 3, 4}));
     ASSERT_EQ(message(values.settle(scene)), "");
     const Image codes = values.codes(floats(4, {0.5F, 2, 4.1F, 4.3F}));

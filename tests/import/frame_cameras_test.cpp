@@ -261,7 +261,6 @@ TEST(FrameCameras, GiveTheirMedianWhereTheSceneHasNoCamera) {
     auto reader = open_clip(folder.path());
     ASSERT_EQ(message(reader), "");
     EXPECT_EQ((*reader)->scene().camera, (Camera{80, 83, 46.5, 36.25})) << "of each number alone";
-    EXPECT_FALSE((*reader)->scene().camera_from_frames);
     const std::vector<Camera> two{{1, 8, 3, 4}, {5, 6, 7, 2}};
     EXPECT_EQ(median_camera(two), (Camera{1, 6, 3, 2})) << "the lower";
 }
@@ -368,12 +367,12 @@ TEST(FrameCameras, AreReadAsTheyAreWritten) {
     auto scene =
         parse_scene(scene_json("", "range", R"(, "cameras": {"files": "k%d.json", "first": 5})"), "scene");
     ASSERT_EQ(message(scene), "");
-    EXPECT_TRUE(scene->camera_from_frames);
+    EXPECT_TRUE(scene->unstated.camera);
     const auto again = parse_scene(scene_to_json(*scene), "again");
     ASSERT_EQ(message(again), "");
-    EXPECT_TRUE(again->camera_from_frames);
-    EXPECT_EQ(again->folder->cameras, "k%d.json");
-    EXPECT_EQ(again->folder->camera_numbers, (PictureNumbers{5, {}}));
+    EXPECT_TRUE(again->unstated.camera);
+    EXPECT_EQ(again->scene.folder->cameras, "k%d.json");
+    EXPECT_EQ(again->scene.folder->camera_numbers, (PictureNumbers{5, {}}));
 }
 
 }  // namespace

@@ -159,9 +159,10 @@ TEST(GdepthJpeg, ASceneFileReplacesWhatIsAssumed) {
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.scale = 3;
     scene.depth.near = 0;
-    scene.far_from_frames = true;
     scene.depth.far = 3 * 255;
-    write_bytes(folder / "scene.json", scene_to_json(scene));
+    SceneDescription without_far(scene);
+    without_far.unstated.far = true;
+    write_bytes(folder / "scene.json", scene_to_json(without_far));
     write_bytes(folder / "still.jpg", Gdepth().file());
     auto clip = open_clip(folder / "still.jpg", folder / "scene.json");
     ASSERT_EQ(message(clip), "");

@@ -121,7 +121,7 @@ TEST_F(GuessedFolder, OpensTheSameFromTheSceneFileThatIsWritten) {
     }
     const auto guessed = frames();
     const GuessedScene scene = guess();
-    write_bytes(folder / "scene.json", scene_to_json(scene.scene));
+    write_bytes(folder / "scene.json", scene_to_json(scene));
     const auto described = frames();
     ASSERT_EQ(described.size(), guessed.size());
     for (std::size_t n = 0; n < guessed.size(); ++n) EXPECT_TRUE(same_frame(described[n], guessed[n])) << n;
@@ -169,7 +169,7 @@ TEST_F(GuessedFolder, OfArkitScenesHasTheCamerasOfItsFrames) {
     EXPECT_EQ(read[4].depth.sample(15, 5), 0);
     EXPECT_EQ(read[4].depth.sample(2, 5), 1004) << "7.5 - 5.5 x 1.3 = 0.35";
     EXPECT_EQ(read[4].depth.sample(12, 5), 1004 + 130) << "7.5 + 4.5 x 1.3 = 13.35";
-    write_bytes(folder / "scene.json", scene_to_json(guessed.scene));
+    write_bytes(folder / "scene.json", scene_to_json(guessed));
     const auto again = frames();
     ASSERT_EQ(again.size(), 5U);
     for (std::size_t n = 0; n < 5; ++n) EXPECT_TRUE(same_frame(again[n], read[n])) << n;

@@ -193,7 +193,7 @@ TEST(GuessedVideo, TheSceneThatIsGuessedCanBeWrittenAndOpened) {
     for (const char* name : {"grey.mkv", "deep.mkv", "hue.mov", "halves.mov"}) {
         const auto guessed = guess_video(folder / name, {});
         ASSERT_EQ(message(guessed), "") << name;
-        write_bytes(folder / "scene.json", scene_to_json(guessed->scene));
+        write_bytes(folder / "scene.json", scene_to_json(*guessed));
         auto described = open_clip(folder / "scene.json"),
              again = open_clip(folder / name, folder / "scene.json");
         ASSERT_EQ(message(described), "") << name;

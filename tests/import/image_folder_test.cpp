@@ -298,7 +298,8 @@ TEST(ImageFolder, FarPlaneMissingFromTheSceneIsFoundInAllFrames) {
     scene.depth.scale = 0.25;
     scene.depth.code_max = 65535;
     scene.depth.invalid_code_count = 1;  // 0
-    scene.far_from_frames = true;
+    SceneDescription without_far(scene);
+    without_far.unstated.far = true;
     for (const int deepest : {4000, 65535}) {
         for (int n = 0; n < 3; ++n) {
             Samples memory;
@@ -307,11 +308,10 @@ TEST(ImageFolder, FarPlaneMissingFromTheSceneIsFoundInAllFrames) {
             if (n == 2) std::memcpy(memory.data() + 6, &code, 2);
             ASSERT_EQ(message(write_png(folder / ("depth_00" + std::to_string(n) + ".png"), depth)), "");
         }
-        write_bytes(folder / "scene.json", scene_to_json(scene));
+        write_bytes(folder / "scene.json", scene_to_json(without_far));
         auto reader = open_clip(folder / "scene.json");
         ASSERT_EQ(message(reader), "");
         EXPECT_DOUBLE_EQ((*reader)->scene().depth.far, 0.25 * deepest * 1.05);
-        EXPECT_FALSE((*reader)->scene().far_from_frames);
         EXPECT_EQ((*reader)->scene().depth.valid_max, std::min<int>(65535, int(deepest * 1.05)));
         EXPECT_EQ(message(validate((*reader)->scene())), "");
         EXPECT_NE((*reader)->notes().back().find("depth.far is "), std::string::npos);

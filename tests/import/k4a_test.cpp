@@ -190,7 +190,7 @@ TEST(AzureKinect, ItsLensIsUndoneAndItsSceneDescribesIt) {
     EXPECT_EQ(guessed->scene.lens, lens);
     EXPECT_EQ(guessed->scene.colour_camera->from_depth.translation, (std::array{-0.032, -0.002, 0.004}));
     EXPECT_EQ(guessed->scene.colour_camera->camera.cy, 0.5 * 960 - 120 - 0.5);
-    write_bytes(folder / "k.json", scene_to_json(guessed->scene));
+    write_bytes(folder / "k.json", scene_to_json(*guessed));
     auto itself = open_clip(folder / "k.mkv"), described = open_clip(folder / "k.json");
     ASSERT_EQ(message(itself), "");
     ASSERT_EQ(message(described), "");

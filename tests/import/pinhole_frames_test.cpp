@@ -153,8 +153,9 @@ void expect_colour_where_a_plain_twin_has_it(const std::filesystem::path& castle
     ASSERT_EQ(message(frames), "");
     ASSERT_EQ(frames->size(), 2U);
     EXPECT_FALSE((*reader)->scene().colour_camera) << "colour has depth's pixels now";
-    const auto scene = parse_scene(castle_scene(), "scene");
-    ASSERT_EQ(message(scene), "");
+    const auto described = parse_scene(castle_scene(), "scene");
+    ASSERT_EQ(message(described), "");
+    const Scene* const scene = &described->scene;
     const Image depth = *read_image(castle / "depth_0001.png"), grey = *read_image(castle / "image_0001.png");
     EXPECT_TRUE(same_plane(frames->at(1).depth, depth.view())) << "depth is never resampled";
     const auto twin = [&](int x, int y) {
@@ -208,15 +209,16 @@ TEST(PinholeFrames, ColourOfItsStandInIsWhereAPlainTwinHasIt) {
 }
 
 TEST(PinholeFrames, ASceneWithAColourCameraIsReadAsItIsWritten) {
-    auto scene = parse_scene(castle_scene(), "scene");
-    ASSERT_EQ(message(scene), "");
-    scene->lens.terms = {0.1, -0.2, 0.003, 0.004, 0.05, 0.06, 0.07, 0.08};
-    scene->colour_camera->lens.terms = {0.01, 0.02};
-    const auto again = parse_scene(scene_to_json(*scene), "again");
+    auto described = parse_scene(castle_scene(), "scene");
+    ASSERT_EQ(message(described), "");
+    Scene& scene = described->scene;
+    scene.lens.terms = {0.1, -0.2, 0.003, 0.004, 0.05, 0.06, 0.07, 0.08};
+    scene.colour_camera->lens.terms = {0.01, 0.02};
+    const auto again = parse_scene(scene_to_json(*described), "again");
     ASSERT_EQ(message(again), "");
-    EXPECT_EQ(again->lens, scene->lens);
-    EXPECT_EQ(again->colour_camera->lens, scene->colour_camera->lens);
-    EXPECT_EQ(again->colour_camera->from_depth, scene->colour_camera->from_depth);
+    EXPECT_EQ(again->scene.lens, scene.lens);
+    EXPECT_EQ(again->scene.colour_camera->lens, scene.colour_camera->lens);
+    EXPECT_EQ(again->scene.colour_camera->from_depth, scene.colour_camera->from_depth);
     std::string skewed = castle_scene();
     skewed.replace(skewed.find("0.99999225"), 5, "0.5555");
     EXPECT_NE(message(parse_scene(skewed, "scene")).find("does not begin with a rotation"),

@@ -391,7 +391,7 @@ TEST_F(StillMapsTest, SceneFilesNameThem) {
     expect_range((*video)->scene().haptic.stiffness, 0, 5);
     EXPECT_TRUE(same_plane(read_all(**video)->at(1).haptic, read_all(**clip)->at(1).haptic));
     EXPECT_EQ((*video)->tracks().size(), 3U);
-    EXPECT_EQ(parse_scene(scene_to_json(named), "again")->video->height, "h.png");
+    EXPECT_EQ(parse_scene(scene_to_json(named), "again")->scene.video->height, "h.png");
 }
 
 TEST_F(StillMapsTest, BombsDoNoHarm) {

@@ -153,6 +153,7 @@ TEST_F(Convert, AFolderPacksIntoOneClipAndOneMapServesAWholeVideo) {
     for (std::size_t k = 0; k < grey.size(); ++k) grey[k] = static_cast<std::uint8_t>(k % 64 * 4);
     ASSERT_TRUE(write_png(at("folder/haptic.png"), PlaneView{grey.data(), 64, 64, 48, 1, 1}).ok());
     auto scene = nlohmann::json::parse(file_contents(at("folder/scene.json")));
+    EXPECT_TRUE(scene.at("filter").empty()) << "what the clip leaves open stays open";
     scene["folder"]["haptic"] = "haptic.png";
     std::ofstream(at("folder/scene.json")) << scene;
     const std::string hash = hash_of(at("folder"));

@@ -83,11 +83,12 @@ TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
                                  "--fill-holes", "2", "--builder", builder, "--overwrite"})
                       .code,
                   0);
-        const auto scene = read_scene_file(out("scene.json"));
-        ASSERT_TRUE(scene.ok()) << scene.error().message;
-        EXPECT_EQ(scene->filter, (FilterSettings{5, 2}));
+        const auto written = read_scene_file(out("scene.json"));
+        ASSERT_TRUE(written.ok()) << written.error().message;
+        const Scene& scene = written->scene;
+        EXPECT_EQ(scene.filter, (FilterSettings{5, 2}));
         SurfaceFrame built;
-        ASSERT_TRUE(make_reference_builder(*scene)->build(frame(0), built).ok());
+        ASSERT_TRUE(make_reference_builder(scene)->build(frame(0), built).ok());
         const Image codes = image_of(out("codes.png"));
         int different = 0;
         for (int y = 0; y < 48; ++y)
@@ -170,11 +171,12 @@ TEST_F(Export, CodesWithoutTerracesAreFiner) {
         run_touchable({"make", "globe", clip(), "--size", "96x64", "--frames", "1", "--bits", "8"}).code, 0);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--terraces", "auto"}).code,
               0);
-    const auto scene = read_scene_file(out("scene.json"));
-    ASSERT_TRUE(scene.ok()) << scene.error().message;
-    EXPECT_EQ(scene->filter.terraces, TerraceRemoval::on) << "what the clip's first frames decided";
+    const auto written = read_scene_file(out("scene.json"));
+    ASSERT_TRUE(written.ok()) << written.error().message;
+    const Scene& scene = written->scene;
+    EXPECT_EQ(scene.filter.terraces, TerraceRemoval::on) << "what the clip's first frames decided";
     SurfaceFrame built;
-    ASSERT_TRUE(make_reference_builder(*scene)->build(frame(0), built).ok());
+    ASSERT_TRUE(make_reference_builder(scene)->build(frame(0), built).ok());
     const Image codes = image_of(out("codes.png"));
     int finer = 0;
     for (int y = 0; y < 64; ++y)

@@ -32,9 +32,10 @@ void write_noisy_clip(const std::string& file) {
     scene.depth.far = 1000;
     scene.depth.code_max = 65535;
     scene.depth.invalid_code_count = 1;
-    scene.unstated = all_unstated;
     derive_valid_range(scene.depth);
-    auto writer = create_clip(file, scene);
+    SceneDescription described(scene);
+    described.unstated.filters = all_unstated;
+    auto writer = create_clip(file, described);
     ASSERT_TRUE(writer.ok()) << writer.error().message;
     SplitMix64 random(5);
     for (int n = 0; n < 20; ++n) {

@@ -13,8 +13,8 @@ Result<void> write_generated_clip(const std::string& scene, const std::filesyste
                                   const SceneOptions& options, int frames) {
     const auto source = make_scene(scene, options);
     if (!source.ok()) return source.error();
-    Scene described = (*source)->scene();
-    described.unstated = all_unstated;
+    SceneDescription described((*source)->scene());
+    described.unstated.filters = all_unstated;
     auto writer = create_clip(file, described, {}, Existing::replace);
     if (!writer.ok()) return writer.error();
     for (int n = 0; n < frames; ++n)

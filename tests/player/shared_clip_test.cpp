@@ -42,6 +42,7 @@ class Counted final : public ClipReader {
 public:
     Counted(ReadFrames& read, int width) : read_(read) { scene_.width = width; }
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return {.median = true}; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
     std::optional<std::int64_t> frame_count() const override { return shared_frames; }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -108,6 +109,7 @@ TEST_F(Shared, ARunThatBeginsWhereAnotherOneIsReadsNothingAgain) {
     before.reset();
     expect_frames(*next, 70, shared_frames);
     EXPECT_FALSE(next->next()->has_value());
+    EXPECT_TRUE(next->unstated_filters().median) << "as the clip itself leaves it open";
     EXPECT_EQ(read_.opened, 1);
     EXPECT_EQ(read_.most(), 1);
     ASSERT_TRUE(next->rewind().ok());

@@ -48,7 +48,7 @@ TEST(SceneFile, RecordingIsReadAsWritten) {
     EXPECT_EQ(scene.depth.invalid_codes[1], 65535);
     EXPECT_EQ(scene.depth_bits, 16);
     EXPECT_EQ(scene.depth.code_max, 65535);
-    EXPECT_FALSE(scene.far_from_frames);
+    EXPECT_FALSE(described(recording).unstated.far);
     EXPECT_DOUBLE_EQ(scene.default_properties.stiffness, 400);  // N/mm in the file
     EXPECT_EQ(scene.hole_stiffness, 0.1);
     EXPECT_EQ(scene.default_properties.static_friction, 0.5);
@@ -141,9 +141,10 @@ TEST(SceneFile, SemanticsPolarityAndCodeMaxCanBeGiven) {
 }
 
 TEST(SceneFile, MetricWithoutFarLeavesItToTheFrames) {
-    const Scene scene = parsed(R"({"touchable_scene": 1, "width": 4, "height": 3,
+    const SceneDescription open = described(R"({"touchable_scene": 1, "width": 4, "height": 3,
         "camera": {"fx": 4, "fy": 4, "cx": 2, "cy": 1}, "depth": {"coding": "metric", "scale": 0.001}})");
-    EXPECT_TRUE(scene.far_from_frames);
+    EXPECT_TRUE(open.unstated.far);
+    const Scene& scene = open.scene;
     EXPECT_EQ(scene.depth.valid_min, 1);  // until the frames are known every code but depth 0 may occur
     EXPECT_EQ(scene.depth.valid_max, 65535);
 }
@@ -232,7 +233,7 @@ protected:
 TEST_F(SceneFileOnDisk, IsReadFromItsPath) {
     const auto scene = read_scene_file(write("scene.json", std::string("\xef\xbb\xbf") + globe + "\n"));
     ASSERT_TRUE(scene.ok()) << scene.error().message;
-    EXPECT_EQ(scene->name, "globe");
+    EXPECT_EQ(scene->scene.name, "globe");
 }
 
 TEST_F(SceneFileOnDisk, ThatCannotBeReadIsRefusedByItsName) {

@@ -27,10 +27,15 @@ inline constexpr const char* globe = R"({
   "haptic": {"stiffness": [0.1, 10], "static_friction": [0.2, 0.9], "dynamic_friction": [0.2, 0.8]}
 })";
 
+inline SceneDescription described(const std::string& json) {
+    auto read = parse_scene(json, "test.json");
+    EXPECT_TRUE(read.ok()) << read.error().message;
+    return read.ok() ? *read : SceneDescription{};
+}
+
+/// What is stated in it.
 inline Scene parsed(const std::string& json) {
-    auto scene = parse_scene(json, "test.json");
-    EXPECT_TRUE(scene.ok()) << scene.error().message;
-    return scene.ok() ? *scene : Scene{};
+    return described(json).scene;
 }
 
 }  // namespace touchable

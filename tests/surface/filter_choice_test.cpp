@@ -27,7 +27,6 @@ Scene open_scene() {
     scene.depth.code_max = 4000;
     scene.depth.invalid_code_count = 1;
     derive_valid_range(scene.depth);
-    scene.unstated = all_unstated;
     return scene;
 }
 
@@ -44,8 +43,7 @@ MeasuredDepth of_a_camera() {
 
 FilterSettings chosen_by(const MeasuredDepth& measured) {
     Scene scene = open_scene();
-    choose_filters(measured, scene);
-    EXPECT_FALSE(scene.unstated.any());
+    choose_filters(measured, all_unstated, scene);
     EXPECT_TRUE(validate(scene).ok());
     return scene.filter;
 }
@@ -166,8 +164,9 @@ TEST(ChosenFilters, EachThatTheSceneStatesStays) {
     const FilterSettings all = chosen_by(measured);
     const auto chosen_but = [&](bool UnstatedFilters::*stated) {
         Scene scene = open_scene();
-        scene.unstated.*stated = false;
-        choose_filters(measured, scene);
+        UnstatedFilters unstated = all_unstated;
+        unstated.*stated = false;
+        choose_filters(measured, unstated, scene);
         return scene.filter;
     };
     FilterSettings but = all;
@@ -193,11 +192,10 @@ TEST(ChosenFilters, EachThatTheSceneStatesStays) {
 TEST(ChosenFilters, AutomaticTerracesGoByWhatIsMeasured) {
     for (const bool is_measured : {false, true}) {
         Scene scene = open_scene();
-        scene.unstated = {};
         scene.filter.terraces = TerraceRemoval::automatic;
         MeasuredDepth measured = of_a_camera();
         measured.kappa = 1;
-        choose_filters(is_measured ? std::optional(measured) : std::nullopt, scene);
+        choose_filters(is_measured ? std::optional(measured) : std::nullopt, {}, scene);
         EXPECT_EQ(scene.filter.terraces, is_measured ? TerraceRemoval::on : TerraceRemoval::off);
     }
 }
@@ -207,7 +205,7 @@ TEST(ChosenFilters, NoiseThatTheSceneStatesIsKept) {
     scene.filter.temporal_noise = {0.7, 0};
     MeasuredDepth measured = of_a_camera();
     measured.noise = {2, 0};
-    choose_filters(measured, scene);
+    choose_filters(measured, all_unstated, scene);
     EXPECT_TRUE(scene.filter.temporal);
     EXPECT_EQ(scene.filter.temporal_noise, (DepthLength{0.7, 0}));
 }

@@ -36,7 +36,6 @@ Scene camera_scene() {
     scene.depth.code_max = 65535;
     scene.depth.invalid_code_count = 1;
     derive_valid_range(scene.depth);
-    scene.unstated = all_unstated;
     return scene;
 }
 
@@ -175,13 +174,12 @@ TEST(FilterChoice, OfANoisyCameraAllFilters) {
                               return (x * 7 + y * 13 + n) % 211 == 0 ? 0 : z;
                           }).measured();
     Scene scene = camera_scene();
-    choose_filters(measured, scene);
+    choose_filters(measured, all_unstated, scene);
     EXPECT_EQ(scene.filter.median, 5);
     EXPECT_EQ(scene.filter.fill_holes, 2);
     EXPECT_TRUE(scene.filter.temporal);
     EXPECT_EQ(scene.filter.temporal_noise.constant, 1.5 * measured->noise.constant);
     EXPECT_NEAR(measured->noise_at_median(), 4, 0.5);
-    EXPECT_FALSE(scene.unstated.any());
     EXPECT_TRUE(validate(scene).ok());
 }
 
@@ -191,9 +189,8 @@ TEST(FilterChoice, LeavesWhatTheSceneStates) {
                           }).measured();
     ASSERT_GT(measured->tiny_holes, MeasuredDepth::some_tiny_holes);
     Scene scene = camera_scene();
-    scene.unstated = {.terraces = true};
     scene.filter.median = 3;
-    choose_filters(measured, scene);
+    choose_filters(measured, {.terraces = true}, scene);
     EXPECT_EQ(scene.filter.median, 3);
     EXPECT_EQ(scene.filter.fill_holes, 0);
     EXPECT_FALSE(scene.filter.temporal);
@@ -213,10 +210,10 @@ TEST(FilterChoice, PixelsThatHangBetweenSurfacesAreSeenAndPulledIn) {
     const auto measured = silhouette(true);
     EXPECT_NEAR(measured->flying, 0.5 / (estimate_width - 2), 0.0005);
     Scene scene = camera_scene();
-    choose_filters(measured, scene);
+    choose_filters(measured, all_unstated, scene);
     EXPECT_NEAR(scene.filter.flying_pixels.at(measured->median), measured->median / 50, 0.1);
     scene = camera_scene();
-    choose_filters(silhouette(false), scene);
+    choose_filters(silhouette(false), all_unstated, scene);
     EXPECT_EQ(scene.filter.flying_pixels, DepthLength{});
 }
 
@@ -228,7 +225,7 @@ TEST(FilterChoice, TheMedianIsSmallWhereLevelsAreFarApart) {
                                   return 1 / (q * std::floor(1 / (q * z)));
                               }).measured();
         Scene scene = camera_scene();
-        choose_filters(measured, scene);
+        choose_filters(measured, all_unstated, scene);
         return scene.filter;
     };
     EXPECT_EQ(chosen(1e-5, 2).median, 3);
@@ -239,9 +236,8 @@ TEST(FilterChoice, TheMedianIsSmallWhereLevelsAreFarApart) {
 
 TEST(FilterChoice, OfNothingNothing) {
     Scene scene = camera_scene();
-    choose_filters(std::nullopt, scene);
+    choose_filters(std::nullopt, all_unstated, scene);
     EXPECT_EQ(scene.filter, FilterSettings{});
-    EXPECT_FALSE(scene.unstated.any());
 }
 
 // Whatever is made here has neither noise nor levels apart; terraces where kappa says so, nothing else.
@@ -259,7 +255,6 @@ TEST(FilterChoice, OfGeneratedScenesNothingButTerraces) {
                 const auto made = make_scene(name, options);
                 ASSERT_TRUE(made.ok()) << made.error().message;
                 Scene scene = (*made)->scene();
-                scene.unstated = all_unstated;
                 DepthEstimator estimator(scene);
                 for (int frame = 0; !estimator.enough(); ++frame) {
                     ASSERT_LT(frame, DepthEstimator::first_few) << name << ", " << bits << " bits";
@@ -269,7 +264,7 @@ TEST(FilterChoice, OfGeneratedScenesNothingButTerraces) {
                 ASSERT_TRUE(measured);
                 EXPECT_EQ(measured->levels, DepthLength{}) << name << ", " << bits << " bits";
                 EXPECT_FALSE(measured->from_a_camera()) << name << ", " << bits << " bits";
-                choose_filters(measured, scene);
+                choose_filters(measured, all_unstated, scene);
                 FilterSettings only;
                 only.terraces =
                     measured->kappa >= kappa_of_terraces ? TerraceRemoval::on : TerraceRemoval::off;
@@ -295,7 +290,6 @@ TEST(FilterChoice, OfRealRecordings) {
                                                  (std::string(known.scene) + ".json"));
         ASSERT_TRUE(reader.ok()) << reader.error().message;
         Scene scene = (*reader)->scene();
-        scene.unstated = all_unstated;
         DepthEstimator estimator(scene);
         while (!estimator.enough()) {
             const auto frame = (*reader)->next();
@@ -303,7 +297,7 @@ TEST(FilterChoice, OfRealRecordings) {
             if (!*frame) break;
             estimator.add(**frame);
         }
-        choose_filters(estimator.measured(), scene);
+        choose_filters(estimator.measured(), all_unstated, scene);
         EXPECT_EQ(scene.filter.median, known.median) << known.name;
         EXPECT_EQ(scene.filter.fill_holes, known.holes ? 2 : 0) << known.name;
         EXPECT_EQ(scene.filter.terraces == TerraceRemoval::on, known.terraces) << known.name;

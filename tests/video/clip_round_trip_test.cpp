@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "engine/clip/clip_part.hpp"
+#include "engine/clip/image_folder_writer.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -107,6 +109,30 @@ TEST(Clip, SceneComesBackWithoutItsFolder) {
     EXPECT_EQ(scene_to_json((*reader)->scene()), scene_to_json(scene));
 }
 
+// As a clip, as pictures, and as a part of either.
+TEST(Clip, FiltersThatAreLeftOpenStayOpen) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(40, 30, 12);
+    SceneDescription described(scene);
+    described.unstated.filters = {.median = true, .terraces = true};
+    const auto write = [&](Result<std::unique_ptr<ClipWriter>> writer) {
+        ASSERT_EQ(message(writer), "");
+        for (int n = 0; n < 3; ++n)
+            ASSERT_EQ(message((*writer)->write(test_frame(scene, n, depth_only))), "");
+        ASSERT_EQ(message((*writer)->finish()), "");
+    };
+    write(create_clip(folder / "clip.mkv", described));
+    write(create_image_folder(folder / "clip", described, Existing::keep));
+    for (const char* name : {"clip.mkv", "clip"}) {
+        auto reader = open_clip(folder / name);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_EQ((*reader)->unstated_filters(), described.unstated.filters) << name;
+        const auto part = part_of_clip(std::move(*reader), {.first = 1});
+        ASSERT_EQ(message(part), "");
+        EXPECT_EQ((*part)->described().unstated, described.unstated) << name;
+    }
+}
+
 TEST(Clip, TracksSayWhatIsStored) {
     const TemporaryFolder folder;
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30, 12), 1, all_planes)), "");
@@ -194,8 +220,9 @@ TEST(Clip, FarPlaneMissingFromTheSceneIsFoundInTheFrames) {
     scene.depth.code_max = 4095;
     scene.depth.invalid_codes[0] = 4095;
     scene.depth.invalid_code_count = 1;
-    scene.far_from_frames = true;
-    write_bytes(folder / "scene.json", scene_to_json(scene));
+    SceneDescription without_far(scene);
+    without_far.unstated.far = true;
+    write_bytes(folder / "scene.json", scene_to_json(without_far));
     auto reader = open_clip(folder / "clip.mkv", folder / "scene.json");
     ASSERT_EQ(message(reader), "");
     const auto frames = read_all(**reader);
@@ -208,7 +235,6 @@ TEST(Clip, FarPlaneMissingFromTheSceneIsFoundInTheFrames) {
                 if (frame.depth.sample(x, y) != 4095)
                     deepest = std::max<int>(deepest, frame.depth.sample(x, y));
     const Scene& found = (*reader)->scene();
-    EXPECT_FALSE(found.far_from_frames);
     EXPECT_DOUBLE_EQ(found.depth.far, deepest * 0.5 * 1.05);
     EXPECT_TRUE(found.depth.is_valid(static_cast<std::uint16_t>(deepest)));
 }

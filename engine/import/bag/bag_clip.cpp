@@ -20,11 +20,13 @@ namespace {
 
 class BagReader final : public ClipReader {
 public:
-    BagReader(BagRecording recording, const Scene& scene)
-        : recording_(std::move(recording)), scene_(scene), values_(scene) {}
+    BagReader(BagRecording recording, SceneDescription described)
+        : recording_(std::move(recording)), described_(std::move(described)), values_(described_) {}
     Result<void> open();
+    bool leaves_far_open() const { return values_.leaves_far_open(); }
 
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return described_.unstated.filters; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return recording_.count(); }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -41,6 +43,7 @@ private:
     void describe(PlaneRole role, const StoredImage& first);
 
     BagRecording recording_;
+    const SceneDescription described_;
     Scene scene_;
     std::vector<TrackInfo> infos_;  // depth is the first
     std::vector<std::string> notes_;
@@ -52,6 +55,9 @@ private:
 
 /// How frame 0 is stored stands for all.
 Result<void> BagReader::open() {
+    auto scene = settle(described_, {.rate = rate_of_seconds(recording_.times())});
+    if (!scene) return input_error(recording_.bag().name() + ": " + scene.error().message);
+    scene_ = std::move(*scene);
     auto first = recording_.depth(0);
     if (!first) return first.error();
     describe(PlaneRole::depth, *first);
@@ -259,27 +265,22 @@ Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& 
     return guess(*recording, file.path(), known);
 }
 
-Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file, const std::optional<Scene>& scene,
+Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file,
+                                                  const std::optional<SceneDescription>& described,
                                                   const SourceDescription& known, Colour colour) {
     auto recording = BagRecording::open(file);
     if (!recording) return recording.error();
-    GuessedScene described;
-    if (scene) {
-        described.scene = *scene;
-        if (std::exchange(described.scene.rate_unstated, false))
-            described.scene.rate = rate_of_seconds(recording->times()).value_or(scene->rate);
-        say_streams(recording->streams(), described.scene.remarks);
-    } else {
-        auto guessed = guess(*recording, file.path(), known);
-        if (!guessed) return guessed.error();
-        described = std::move(*guessed);
-    }
-    auto reader = std::make_unique<BagReader>(std::move(*recording), described.scene);
+    auto made = described ? Result<GuessedScene>(GuessedScene{*described, {}, {}, {}})
+                          : guess(*recording, file.path(), known);
+    if (!made) return made.error();
+    if (described) say_streams(recording->streams(), made->scene.remarks);
+    auto reader = std::make_unique<BagReader>(std::move(*recording), *made);
     reader->add_input(file.path());
     if (auto opened = reader->open(); !opened) return opened.error();
-    for (const auto& input : described.inputs) reader->add_input(input);
+    for (const auto& input : made->inputs) reader->add_input(input);
     if (colour == Colour::left_out) reader->leave_out_colour();
-    return with_far_plane(std::move(reader), file.path());
+    const bool far_is_open = reader->leaves_far_open();
+    return with_far_plane(std::move(reader), far_is_open, file.path());
 }
 
 }  // namespace touchable

@@ -15,8 +15,9 @@ namespace touchable {
 /// What a recording of ROS 1 says of itself (camera, unit, times), and guesses for the rest.
 Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& known);
 
-/// Its depth and colour as a clip: as `scene` describes them, otherwise as it is guessed.
-Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file, const std::optional<Scene>& scene,
+/// Its depth and colour as a clip: as `described`, otherwise as it is guessed.
+Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file,
+                                                  const std::optional<SceneDescription>& described,
                                                   const SourceDescription& known,
                                                   Colour colour = Colour::wanted);
 

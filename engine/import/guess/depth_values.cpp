@@ -81,8 +81,7 @@ Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     const double deepest = std::min(depth.scale * most_, median * most_beyond),
                  nearest = std::max(median / most_before, deepest / most_range),
                  near = std::max(depth.scale * least_, nearest);
-    const double far =
-        scene.far_from_frames || depth.far > deepest * far_margin ? deepest * far_margin : depth.far;
+    const double far = far_is_open_ || depth.far > deepest * far_margin ? deepest * far_margin : depth.far;
     of_reciprocal_ = median * median * (1 / near - 1 / far) < far - near;
     depth.kind = of_reciprocal_ ? DepthCodingKind::inverse : DepthCodingKind::linear;
     depth.near_is_high = of_reciprocal_;
@@ -155,7 +154,6 @@ Result<std::string> DepthValues::settle(Scene& scene) {
     keeps_far_ = stored_.kind == Kind::relative;
     scene.depth_bits = 16;
     scene.stored = {};
-    scene.far_from_frames = false;
     derive_valid_range(depth);
     is_settled_ = true;
     if (auto valid = validate(scene); !valid) return valid.error();

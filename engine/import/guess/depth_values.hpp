@@ -8,7 +8,7 @@
 
 #include "engine/picture/stored_image.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 
 namespace touchable {
 
@@ -22,8 +22,11 @@ namespace touchable {
 /// or of depth. Floats become 65535 codes, evenly in depth or in 1 / depth, whichever is finer at the median.
 class DepthValues {
 public:
-    /// `scene` is as somebody wrote it, and stays until `settle`.
-    explicit DepthValues(const Scene& scene) : stored_(scene.stored), coding_(scene.depth) {}
+    /// As somebody described them, which stays until `settle`.
+    explicit DepthValues(const SceneDescription& described)
+        : stored_(described.scene.stored),
+          coding_(described.scene.depth),
+          far_is_open_(described.unstated.far) {}
 
     /// Whether pictures like this one have to be looked at before codes are made.
     bool needs_looks(const StoredImage& first) const {
@@ -33,6 +36,8 @@ public:
     void look(const StoredImage& picture);
     /// Settles `scene`'s coding; says what a code stands for now. An error where no value was valid.
     Result<std::string> settle(Scene& scene);
+    /// Whether the far plane is still to be found in the codes.
+    bool leaves_far_open() const { return far_is_open_ && !is_settled_; }
     /// Whether pictures are not their codes already.
     bool makes_codes() const { return is_settled_ || stored_.bytes_swapped || stored_.rotated > 0; }
     /// As the settled scene has them: of 16 bits where it makes them.
@@ -48,6 +53,7 @@ private:
 
     StoredDepth stored_;
     DepthCoding coding_;  // as it was written
+    bool far_is_open_;    // there
     bool is_float_ = false;
     double least_ = 0, most_ = -1;  // valid values
     std::vector<float> sample_;     // of them, for their median

@@ -34,7 +34,7 @@ public:
 
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
                           const DepthCoding* coding = nullptr);
-    GuessedScene made() { return {std::move(scene_), std::move(inputs_), {}, {}}; }
+    GuessedScene made() { return {std::move(described_), std::move(inputs_), {}, {}}; }
     Scene& scene() { return scene_; }
     void say(std::string guess, std::string otherwise = {}) {
         add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise)});
@@ -54,7 +54,8 @@ private:
 
     const SourceDescription& known_;
     const Preset* preset_;
-    Scene scene_;
+    SceneDescription described_;
+    Scene& scene_ = described_.scene;
     std::vector<fs::path> inputs_;
     CameraFile file_;
     std::optional<GuessedCameras> frames_;  // that have one each
@@ -111,7 +112,7 @@ void Guess::set_metric(double metres_per_code) {
     depth.scale = metres_per_code;
     depth.code_max = scene_.depth_bits == 8 ? 255 : 65535;
     depth.far = depth.scale * depth.code_max;
-    scene_.far_from_frames = true;
+    described_.unstated.far = true;
 }
 
 void Guess::set_relative(bool near_is_high, bool is_inverse) {
@@ -216,7 +217,7 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
     scene_.depth_bits = depth.values.empty() && depth.image.bytes_per_sample == 1 ? 8 : 16;
     scene_.depth.semantics = DepthSemantics::planar;
     scene_.depth.near_is_high = true;
-    scene_.unstated = all_unstated;
+    described_.unstated.filters = all_unstated;
     scene_.hole_stiffness = soft_holes;
     if (auto found = find_camera(folder); !found) return found;
     if (coding) {
@@ -226,7 +227,7 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
         set_invalid(depth);
     }
     derive_valid_range(scene_.depth);
-    if (auto valid = validate(scene_); !valid)
+    if (auto valid = validate(described_); !valid)
         return usage_error("--intrinsics, --fov, --depth-unit, --preset: " + valid.error().message);
     return {};
 }

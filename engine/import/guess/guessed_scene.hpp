@@ -9,15 +9,14 @@
 #include "engine/import/guess/source_description.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/result.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_description.hpp"
 #include "engine/video/video_file.hpp"
 
 namespace touchable {
 
-/// A scene for pictures that have no scene file: what is said and known of them, and guesses for the rest,
+/// What describes pictures that have no scene file: what is said and known of them, and guesses for the rest,
 /// which its remarks tell.
-struct GuessedScene {
-    Scene scene;
+struct GuessedScene : SceneDescription {
     std::vector<std::filesystem::path> inputs;  ///< files that were read for it, beside pictures
     // What was opened for it, for whoever opens the clip.
     std::shared_ptr<ReadPictures> pictures{};  ///< of a folder or a picture

@@ -23,9 +23,10 @@ public:
         : path_(file), file_(file.string()), photo_(std::move(photo)) {
         add_input(file);
     }
-    Result<void> open(const std::optional<Scene>& replacement, const SourceDescription& known);
+    Result<void> open(const std::optional<SceneDescription>& replacement, const SourceDescription& known);
 
     const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return described_.unstated.filters; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return 1; }
     const std::vector<std::string>& notes() const override { return notes_; }
@@ -41,18 +42,20 @@ public:
 private:
     Error refuse(const std::string& what) const { return input_error(file_ + ": " + what); }
     void guess(std::string what, std::string otherwise) {
-        add_remark(scene_.remarks, {std::move(what), true, std::move(otherwise)});
+        add_remark(described_.scene.remarks, {std::move(what), true, std::move(otherwise)});
     }
     void stand_up();
     Result<void> describe(const SourceDescription& known);
     void find_camera(const SourceDescription& known);
-    Result<void> settle_depth();
+    Result<void> settle_depth(DepthValues& values);
     Result<void> add(PlaneRole role, Image image, int bits);
-    Result<void> note_what_is_there();
+    void note_what_is_there();
+    Result<void> find_far();
 
     std::filesystem::path path_;
     std::string file_;
     DepthPhoto photo_;
+    SceneDescription described_;
     Scene scene_;
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
@@ -60,7 +63,8 @@ private:
     bool given_ = false;
 };
 
-Result<void> DepthPhotoReader::open(const std::optional<Scene>& replacement, const SourceDescription& known) {
+Result<void> DepthPhotoReader::open(const std::optional<SceneDescription>& replacement,
+                                    const SourceDescription& known) {
     if (known.metres_per_code || !known.preset.empty())
         return usage_error(file_ +
                            ": says itself what its depths are, so --depth-unit and --preset say nothing of "
@@ -73,16 +77,21 @@ Result<void> DepthPhotoReader::open(const std::optional<Scene>& replacement, con
     }
     stand_up();
     if (replacement) {
-        scene_ = *replacement;
+        described_ = *replacement;
     } else {
-        for (Remark& remark : photo_.remarks) add_remark(scene_.remarks, std::move(remark));
+        for (Remark& remark : photo_.remarks) add_remark(described_.scene.remarks, std::move(remark));
         if (auto described = describe(known); !described) return described;
     }
-    if (auto settled = settle_depth(); !settled) return settled;
+    auto scene = settle(described_, {});
+    if (!scene) return refuse(scene.error().message);
+    scene_ = std::move(*scene);
+    DepthValues values(described_);
+    if (auto settled = settle_depth(values); !settled) return settled;
     if (auto added = add(PlaneRole::depth, std::move(photo_.depth.image), photo_.depth.bits); !added)
         return added;
     if (auto added = add(PlaneRole::colour, std::move(photo_.colour.image), 0); !added) return added;
-    return note_what_is_there();
+    note_what_is_there();
+    return values.leaves_far_open() ? find_far() : Result<void>{};
 }
 
 void DepthPhotoReader::stand_up() {
@@ -95,60 +104,61 @@ void DepthPhotoReader::stand_up() {
 /// A scene of what the file says, and of what it does not.
 Result<void> DepthPhotoReader::describe(const SourceDescription& known) {
     const Image& depth = photo_.depth.image;
-    scene_.name = path_.stem().string();
-    scene_.unstated = all_unstated;
-    scene_.width = depth.width;
-    scene_.height = depth.height;
-    scene_.depth_bits = photo_.depth.bits;
-    scene_.metres_per_unit = photo_.metres_per_unit;
-    scene_.depth = photo_.coding;
+    Scene& scene = described_.scene;
+    scene.name = path_.stem().string();
+    described_.unstated.filters = all_unstated;
+    scene.width = depth.width;
+    scene.height = depth.height;
+    scene.depth_bits = photo_.depth.bits;
+    scene.metres_per_unit = photo_.metres_per_unit;
+    scene.depth = photo_.coding;
     if (!photo_.has_scale) {
-        scene_.stored.kind = StoredDepth::Kind::relative;
-        scene_.metres_per_unit = 1;
-        scene_.depth.near = unscaled_near;
-        scene_.depth.far = unscaled_far;
+        scene.stored.kind = StoredDepth::Kind::relative;
+        scene.metres_per_unit = 1;
+        scene.depth.near = unscaled_near;
+        scene.depth.far = unscaled_far;
         guess("depth has no scale: its nearest is taken for " + short_number(unscaled_near) +
                   " m and its farthest for " + short_number(unscaled_far) + " m",
               "");
     }
     find_camera(known);
-    derive_valid_range(scene_.depth);
+    derive_valid_range(scene.depth);
     const bool is_said = known.intrinsics || known.fov;
-    if (auto valid = validate(scene_); !valid)
+    if (auto valid = validate(scene); !valid)
         return is_said ? usage_error(file_ + ": --intrinsics, --fov: " + valid.error().message)
                        : refuse(valid.error().message);
     return {};
 }
 
 void DepthPhotoReader::find_camera(const SourceDescription& known) {
+    Scene& scene = described_.scene;
     const char* const otherwise = "--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise";
-    const int width = scene_.width, height = scene_.height;
+    const int width = scene.width, height = scene.height;
     const Image& colour = photo_.colour.image;
     if (known.intrinsics) {
-        scene_.camera = scaled_camera(*known.intrinsics, width, height);
+        scene.camera = scaled_camera(*known.intrinsics, width, height);
     } else if (known.fov) {
-        scene_.camera = camera_of_fov(*known.fov, width, height);
+        scene.camera = camera_of_fov(*known.fov, width, height);
     } else if (photo_.camera) {
-        scene_.camera = scaled_camera(*photo_.camera, width, height);
+        scene.camera = scaled_camera(*photo_.camera, width, height);
     } else if (photo_.film_focal_length > 0) {
         const double w = colour.width, h = colour.height;
         const double focal_length = photo_.film_focal_length / film_diagonal * std::sqrt(w * w + h * h);
-        scene_.camera = scaled_camera(
+        scene.camera = scaled_camera(
             {focal_length, focal_length, std::nullopt, std::nullopt, colour.width, colour.height}, width,
             height);
-        guess("the camera sees " + short_number(360 / pi * arctangent(0.5 * width / scene_.camera.fx)) +
+        guess("the camera sees " + short_number(360 / pi * arctangent(0.5 * width / scene.camera.fx)) +
                   " degrees from left to right, by its focal length, " +
                   short_number(photo_.film_focal_length) + " mm in terms of 35 mm film",
               otherwise);
     } else {
-        scene_.camera = camera_of_fov(usual_fov, width, height);
+        scene.camera = camera_of_fov(usual_fov, width, height);
         guess("the camera sees " + short_number(usual_fov) + " degrees from left to right", otherwise);
     }
 }
 
 /// Codes of what is stored, where that is not codes already.
-Result<void> DepthPhotoReader::settle_depth() {
-    DepthValues values(scene_);
+Result<void> DepthPhotoReader::settle_depth(DepthValues& values) {
     if (!values.needs_looks(photo_.depth)) {
         photo_.depth.image = values.codes(std::move(photo_.depth));
         return {};
@@ -172,10 +182,12 @@ Result<void> DepthPhotoReader::add(PlaneRole role, Image image, int bits) {
     return {};
 }
 
-Result<void> DepthPhotoReader::note_what_is_there() {
+void DepthPhotoReader::note_what_is_there() {
     if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
     if (auto note = no_depth_note(frame_, scene_.depth)) notes_.push_back(std::move(*note));
-    if (!scene_.far_from_frames) return {};
+}
+
+Result<void> DepthPhotoReader::find_far() {
     FarPlaneEstimator estimator(scene_.depth);
     estimator.add(frame_.depth);
     auto note = estimator.settle(scene_);
@@ -187,10 +199,10 @@ Result<void> DepthPhotoReader::note_what_is_there() {
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_depth_photo(const std::filesystem::path& file, DepthPhoto photo,
-                                                     const std::optional<Scene>& scene,
+                                                     const std::optional<SceneDescription>& described,
                                                      const SourceDescription& known) {
     auto reader = std::make_unique<DepthPhotoReader>(file, std::move(photo));
-    if (auto opened = reader->open(scene, known); !opened) return opened.error();
+    if (auto opened = reader->open(described, known); !opened) return opened.error();
     return std::unique_ptr<ClipReader>(std::move(reader));
 }
 

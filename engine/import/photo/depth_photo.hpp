@@ -27,9 +27,9 @@ struct DepthPhoto {
 };
 
 /// A clip of one frame, of depth's size. Camera: as known, by the file's, by its focal length, or 60 degrees
-/// wide. What is guessed is noted. `scene` replaces the scene made from the photograph.
+/// wide. What is guessed is noted. `described` replaces the scene made from the photograph.
 Result<std::unique_ptr<ClipReader>> open_depth_photo(const std::filesystem::path& file, DepthPhoto photo,
-                                                     const std::optional<Scene>& scene,
+                                                     const std::optional<SceneDescription>& described,
                                                      const SourceDescription& known);
 
 }  // namespace touchable

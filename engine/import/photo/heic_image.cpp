@@ -232,7 +232,8 @@ bool is_heif(std::string_view begin) {
            std::find(std::begin(brands), std::end(brands), begin.substr(8, 4)) != std::end(brands);
 }
 
-Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file, const std::optional<Scene>& scene,
+Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
+                                                    const std::optional<SceneDescription>& described,
                                                     const SourceDescription& known) {
     auto bytes = read_picture_bytes(file);
     if (!bytes) return bytes.error();
@@ -243,7 +244,7 @@ Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file, cons
         photo = input_error(file.string() + ": is damaged, or needs more memory than there is");
     }
     if (!photo) return photo.error();
-    return open_depth_photo(file.path(), std::move(*photo), scene, known);
+    return open_depth_photo(file.path(), std::move(*photo), described, known);
 }
 
 }  // namespace touchable

@@ -15,7 +15,8 @@ bool is_heif(std::string_view begin);
 
 /// A HEIC, HEIF or AVIF photograph with an auxiliary picture of depth, as iPhones write portraits. A clip of
 /// one frame as of open_depth_photo.
-Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file, const std::optional<Scene>& scene,
+Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
+                                                    const std::optional<SceneDescription>& described,
                                                     const SourceDescription& known);
 
 }  // namespace touchable

@@ -171,13 +171,14 @@ bool has_jpeg_depth(const SourceFile& file) {
     return xmp && (xmp->contains("GDepth:Data") || has_dynamic_depth(*xmp));
 }
 
-Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const SourceFile& file, const std::optional<Scene>& scene,
+Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const SourceFile& file,
+                                                    const std::optional<SceneDescription>& described,
                                                     const SourceDescription& known) {
     auto bytes = read_picture_bytes(file);
     if (!bytes) return bytes.error();
-    auto photo = JpegDepth(std::move(*bytes), file.string()).read(!scene);
+    auto photo = JpegDepth(std::move(*bytes), file.string()).read(!described);
     if (!photo) return photo.error();
-    return open_depth_photo(file.path(), std::move(*photo), scene, known);
+    return open_depth_photo(file.path(), std::move(*photo), described, known);
 }
 
 }  // namespace touchable
