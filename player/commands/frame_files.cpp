@@ -45,6 +45,7 @@ Scene as_still(Scene scene, const RawFrame& raw) {
                                 name_of(raw.height, "height.png"),
                                 0,
                                 0};
+    scene.stored = {};  // codes
     return scene;
 }
 
@@ -54,6 +55,7 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
     scene.depth_bits = 16;
     scene.folder.reset();
     scene.video.reset();
+    scene.stored = {};  // codes
     const auto whole = nlohmann::ordered_json::parse(scene_to_json(scene));
     return nlohmann::ordered_json{{"depth", whole.at("depth")}}.dump(2);
 }

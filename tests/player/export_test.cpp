@@ -76,6 +76,23 @@ TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
                                                          "scene.json", "valid.png"}));
 }
 
+// SUN RGB-D rotates the bits of its depth. What is exported are codes, and comes back as they are.
+TEST_F(Export, CodesOfWordsInAnotherOrderAreDescribedAsCodes) {
+    std::vector<std::uint16_t> words(72 * 48);
+    for (std::size_t k = 0; k < words.size(); ++k)
+        words[k] = static_cast<std::uint16_t>((800 + k % 500) << 3);
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(words.data());
+    ASSERT_TRUE(write_png(folder / "sun.png", PlaneView{bytes, 144, 72, 48, 2, 1}).ok());
+    ASSERT_EQ(
+        run_touchable({"export", folder / "sun.png", "--preset", "sun", "--frame", "0", "--out", out()}).code,
+        0);
+    EXPECT_EQ(image_of(out("depth.png")).view().sample(7, 0), 807);
+    auto again = open_clip(out());
+    ASSERT_TRUE(again.ok()) << again.error().message;
+    EXPECT_EQ((*again)->next()->value().depth.sample(7, 0), 807);
+    EXPECT_EQ(file_contents(out("codes.json")).find("rotated"), std::string::npos);
+}
+
 TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
     make("noise", 1);
     for (const char* builder : {"cpu", "reference", "vulkan"}) {
