@@ -15,7 +15,7 @@
 
 namespace touchable {
 
-/// What a device told at once. Device metres, as HapticDevice has them.
+/// What one message of a device says. Device metres, as HapticDevice has them.
 struct DeviceSample {
     static constexpr std::size_t most_fingers = 10;
 
@@ -29,11 +29,12 @@ struct ZeroForcePacket {
     int descriptor = -1;  ///< of an open file, socket or USB device
     std::vector<std::byte> bytes{};
     std::optional<std::uint8_t> usb_endpoint{};  ///< of a usbfs descriptor; nothing: written by write(2)
-    std::vector<std::byte>
-        meanwhile{};  ///< for a process that may go on, unlike one that is gone; empty: `bytes`
+    /// Sent in place of `bytes` where the process stands still but may go on; empty: `bytes` are sent then
+    /// too.
+    std::vector<std::byte> meanwhile{};
 };
 
-/// Whether whoever waits wants it no more; asked now and then by calls that wait long.
+/// Whether the caller has given up: calls that wait long ask it now and then, and return once it is true.
 using GivenUp = std::function<bool()>;
 
 /// A backend: it knows one kind of hardware and its bytes. `DrivenDevice` makes a HapticDevice of it, keeps
@@ -62,22 +63,24 @@ public:
     /// What has come since; waits for it `patience` at most. False: nothing, and `sample` is as it was.
     virtual Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) = 0;
 
-    /// What has come is dropped, and nothing is taken for unanswered: while this process stood still another
-    /// one spoke to the hardware in its place, whose answers nobody asked for.
+    /// Drops what has come, and expects no answer to what was sent before. It is called after this process
+    /// stood still: the watchdog's process has sent zero force in its place, and the hardware answered that.
     virtual Result<void> forget_what_came() { return {}; }
 
-    /// What poll(2) tells of that something has come. -1: there is no such thing, `receive` waits by itself.
+    /// The descriptor that poll(2) reports as readable once something has come. -1: there is none, and
+    /// `receive` itself waits.
     virtual int descriptor() const { return -1; }
-    /// For a process that outlives this one, as long as it is connected. Nothing: it has none.
+    /// What another process sends to leave the device without force; valid while connected. Nothing: no other
+    /// process can.
     virtual std::optional<ZeroForcePacket> zero_force_packet() const { return std::nullopt; }
     /// Reports that came and were left out, so far: damaged, too short, not newer. -1: it does not count
     /// them.
     virtual std::int64_t left_out() const { return -1; }
-    /// Whether nothing will come any more, as of a log that has been told to its end.
+    /// Whether nothing will come any more, as of a log that was replayed to its end.
     virtual bool is_over() const { return false; }
-    /// What it waits for, for the person who holds it ("pull the grip out, then push it in"); empty: nothing.
+    /// HapticDevice::prompt: "pull the grip out, then push it in"; empty: nothing.
     virtual std::string prompt() const { return {}; }
-    /// Any thread: what it knows of why no position ever came; empty: no more than `prompt` says.
+    /// Any thread: why no position ever came; empty: it knows no more than `prompt` says.
     virtual std::string why_no_position() const { return {}; }
 };
 

@@ -19,17 +19,18 @@ namespace touchable {
 
 /// How a device is driven.
 struct DrivenSettings {
-    /// Hardware that is gone is looked for so long, and then given up. Long enough for the guard to let go.
+    /// For how long hardware that is gone is looked for before it is given up. That is long enough for the
+    /// force guard to take its force away first.
     double away_s = 10;
-    double look_again_s = 0.5;  ///< from one look to the next
-    /// Called by the device's thread before all else; it may want to be real-time.
+    double look_again_s = 0.5;  ///< from one attempt to open it to the next
+    /// Called by the device's thread when it begins, for instance to become real-time.
     std::function<void()> as_thread_begins{};
-    /// Leaves it unpowered when this process is gone or stands still, and without it there is no force;
-    /// nothing: nobody does.
+    /// Leaves the device unpowered when this process is gone or stands still. Where it is set and does not
+    /// work, the device exerts no force. Null: nobody leaves the device unpowered then.
     std::shared_ptr<SafetyWatchdog> watchdog{};
     std::function<std::int64_t()> clock{};  ///< ns, never backward, never 0; nothing: the system's steady one
-    /// Called by the device's thread with the moment (ns) at which a position had come, and at which a force
-    /// had gone out; they may not wait.
+    /// Called by the device's thread with the moment (ns) at which a position was received, and at which a
+    /// force was sent; they may not wait.
     std::function<void(std::int64_t)> on_received{}, on_sent{};
     /// False: whoever opens it calls `turn` in its place, and waits in its place, as a test in virtual time.
     bool own_thread = true;
@@ -37,24 +38,24 @@ struct DrivenSettings {
 
 /// What went on between a device and its thread since it was made.
 struct DrivenFacts {
-    std::int64_t samples = 0;      ///< that came
-    std::int64_t implausible = 0;  ///< fingers' places among them that were not believed
-    std::int64_t sent = 0;         ///< forces that went out, zeros among them
-    std::int64_t losses = 0;       ///< of the hardware, which was looked for afterwards
-    std::int64_t left_out = -1;    ///< reports, by the driver (DeviceDriver::left_out)
+    std::int64_t samples = 0;      ///< that were received
+    std::int64_t implausible = 0;  ///< fingers' places in them that PlausibleMotion left out
+    std::int64_t sent = 0;         ///< forces that were sent, zeros among them
+    std::int64_t losses = 0;       ///< how often the hardware was lost and looked for again
+    std::int64_t left_out = -1;    ///< reports that the driver left out (DeviceDriver::left_out)
 };
 
-/// A HapticDevice of any backend: a thread of its own speaks with the hardware, the haptic thread takes the
+/// A HapticDevice of any backend: a thread of its own talks to the hardware, the haptic thread takes the
 /// newest position and leaves the newest force, and neither waits for the other. All of the safety contract
 /// is kept here, once:
-/// - a force goes out only while it is younger than `silence_s`, and while the finger's newest position is
-///   younger than `oldest_s`; otherwise zero goes out, again and again. After that it rises over `rise_s`;
+/// - a force is sent only while it is younger than `silence_s`, and while the finger's newest position is
+///   younger than `oldest_s`; otherwise zero is sent, again and again. After that the force rises over
+///   `rise_s`;
 /// - a position that cannot be, or leaps, is left out (PlausibleMotion), as if it had not come;
-/// - hardware that fails is let go of, with zero force if it can still be sent, and looked for again:
-///   positions are not numbers meanwhile, which the force guard takes for a hand that has let go;
-/// - where its thread stands still, the watchdog's process makes it unpowered. Where that process is gone,
-/// the
-///   device is let go of for good.
+/// - hardware that fails is closed, with zero force if that can still be sent, and looked for again. Until it
+///   is back its positions are not numbers, which the force guard takes for a hand that has let go;
+/// - where its thread stands still, the watchdog's process makes the device unpowered. Where that process is
+///   gone, the device is closed for good.
 class DrivenDevice final : public HapticDevice {
 public:
     static constexpr double rise_s = 0.1;
@@ -131,7 +132,8 @@ private:
     // The device thread's.
     std::array<PlausibleMotion, DeviceSample::most_fingers> motions_;
     Received received_;  // newest, as believed
-    // When each finger's place began to be known after it was not: a force from before answers none of it.
+    // When each finger's place became known after it had not been: a force that is older answers another
+    // place, and is not sent.
     std::array<std::int64_t, DeviceSample::most_fingers> found_ns_{};
     std::array<std::int64_t, DeviceSample::most_fingers> exerts_since_ns_{};  // 0: it does not
     std::int64_t sent_ns_ = 0;

@@ -10,8 +10,8 @@
 
 namespace touchable {
 
-/// Goals that were recorded know nothing of the surface they meet now. This counts those that leave the
-/// picture or lie far below the surface, and, where asked, raises those that are deeper than that.
+/// Recorded goals may not fit the surface that they are played over. This counts those that leave the picture
+/// or lie far below the surface, and, where asked, raises those that lie deeper than `deepest`.
 class GoalWatch {
 public:
     /// More than this below the surface is far, device metres: no hand gets there against a usual stiffness.

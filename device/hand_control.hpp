@@ -33,16 +33,17 @@ struct HandFigures {
 ///
 /// - Forces are off until somebody asks for them. From then on each finger feels them once it has been free:
 ///   they rise over `rise_ticks`. Off is at once.
-/// - They are off again once no finger's place was known for a second: whoever takes the device then may be
-///   another person. (Not where somebody insists.) After a gap in which nobody looked after the hand it is as
-///   if forces had just been asked for.
+/// - They are off again once no finger's place was known for a second: another person may take the device
+/// then.
+///   (Not after `insist_on_force`.) After a gap without ticks (`come_back`) it is as if forces had just been
+///   asked for.
 /// - The fingers are held still in the scene while the device is repositioned (clutch): no force, and then
 ///   as if forces had just been asked for. A finger that is inside the surface then comes out of it, towards
 ///   the camera, and the others with it: so it is free, and what it presses next is felt.
 /// - Recentring makes the place where the hand is now that of the workspace's centre; likewise.
 ///
-/// The first button asks for forces; while they are on, it is the clutch. The second one stops them. One that
-/// is pressed when the device is first heard does nothing.
+/// The first button asks for forces; while they are on, it is the clutch. The second one stops them. A button
+/// that is already pressed when the device's first position comes does nothing.
 class HandControl {
 public:
     static constexpr int most_fingers = 80;  // eight devices of ten
@@ -53,7 +54,8 @@ public:
     HandControl(int fingers, const HandMapping& mapping);
 
     // The haptic thread's, every tick: neither waits nor allocates.
-    /// Nobody has looked after the hand for so long, ms: every finger has to be free once more.
+    /// The haptic thread did not run for `alone_ms`: every finger has to be free once more before it feels a
+    /// force.
     void come_back(std::int64_t alone_ms);
     /// In: device metres, not numbers where there is no place. Out: goals, scene units. `surface`: of this
     /// tick, out of which the fingers come where the clutch is released; nullptr: none.
@@ -65,7 +67,8 @@ public:
     const HandFigures& figures() const { return figures_; }  ///< or once it is at rest, anybody's
 
     // Any thread.
-    void insist_on_force() { insists_.store(true, std::memory_order_relaxed); }  ///< whoever holds it
+    /// Forces stay asked for, even where nobody's place was known for a second.
+    void insist_on_force() { insists_.store(true, std::memory_order_relaxed); }
     void ask_force(bool on) { asked_.store(on, std::memory_order_relaxed); }
     bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
     void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key

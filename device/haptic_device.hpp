@@ -23,8 +23,8 @@ struct DeviceCapabilities {
     double rate_hz = 0;     ///< at which positions come at most; 0: not known
     int buttons = 0;
     bool own_watchdog = false;  ///< the hardware itself drops a force that nobody renews
-    bool answers = false;       ///< it tells a position in answer to each force, and not by itself
-    const char* first_button = "the device's first button";  ///< for whoever shall press it
+    bool answers = false;       ///< it sends a position only in answer to a force
+    const char* first_button = "the device's first button";  ///< what messages call it
 };
 
 /// A force-feedback device with one or more end points (fingers). Positions are in device metres and forces
@@ -34,16 +34,16 @@ struct DeviceCapabilities {
 /// - No force is exerted before the first `write_forces` after `open`, nor for a finger never written.
 /// - A force longer than `limits().max_force` is shortened to it, keeping its direction.
 /// - Zero force follows `close`, destruction, any failed call, a force that is not finite, and `silence_s`
-/// without
-///   a `write_forces`: a caller that hangs or dies leaves an unpowered device. Where the hardware has a
-///   watchdog of its own, the backend arms it as well.
-/// - After a failure the device stays unpowered, and `health` names the reason, until it is opened again. One
-/// that looks for its hardware by itself (DrivenDevice) is away until then: its positions are not numbers.
+///   without a `write_forces`: a caller that hangs or dies leaves an unpowered device. Where the hardware has
+///   a watchdog of its own, the backend arms it as well.
+/// - After a failure the device stays unpowered, and `health` names the reason, until it is opened again. A
+///   device that looks for lost hardware by itself (DrivenDevice) gives positions that are not numbers until
+///   it has found it.
 /// - A position older than `oldest_s` is never given: what is read in its place is not a number.
 class HapticDevice {
 public:
     static constexpr double silence_s = 0.05;  ///< longest time a force outlives the call that wrote it
-    static constexpr double oldest_s = 0.02;   ///< longest time a position outlives the device's word of it
+    static constexpr double oldest_s = 0.02;   ///< longest time a position is given after it was received
 
     HapticDevice() = default;
     HapticDevice(const HapticDevice&) = delete;
@@ -71,11 +71,12 @@ public:
     /// How old the positions were, s; infinite where there were none.
     virtual double age_s() const { return 0; }
 
-    /// Whether no position will come of it any more, as of a log that has been told; any thread.
+    /// Whether it will give no position any more, as a log that was replayed to its end; any thread.
     virtual bool is_over() const { return false; }
-    /// What it waits for, for the person who holds it; empty: nothing. May allocate, as `health`.
+    /// What the person who holds it has to do or wait for, "pull the grip out, then push it in"; empty:
+    /// nothing. May allocate, as `health`.
     virtual std::string prompt() const { return {}; }
-    /// Why there was no position, for the end of a run that had none. May allocate; any thread.
+    /// Why a run that has ended never had a position. May allocate; any thread.
     virtual std::string why_no_position() const {
         const std::string waits = prompt();
         return "the " + name() + " never told a position" + (waits.empty() ? "" : ": " + waits);

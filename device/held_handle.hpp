@@ -32,7 +32,7 @@ public:
 
     const glm::dvec3& place() const { return place_; }
     const glm::dvec3& velocity() const { return velocity_; }
-    /// The place as the encoders tell it.
+    /// The place as the device's encoders measure it: in steps of `quantum`.
     glm::dvec3 reading() const;
 
 private:

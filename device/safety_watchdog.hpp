@@ -12,11 +12,11 @@
 
 namespace touchable {
 
-/// A small process beside this one that leaves devices without force when this one cannot: when it is gone,
-/// however it went (by a signal, by abort, killed), and while the thread that speaks with a device stands
-/// still, as one that is stopped, swapped out or dumped does. It holds the devices' descriptors and the bytes
-/// that leave them unpowered, and waits for the last end of a socket to it to be closed, or for a heart that
-/// does not beat. What it cannot help against: a machine that stops.
+/// A small process beside this one that leaves devices without force when this one cannot: when this process
+/// is gone, however it ended (by a signal, by abort, killed), and while the thread that drives a device
+/// stands still, because it is stopped, swapped out or dumped. The small process holds the devices'
+/// descriptors and the bytes that leave them unpowered. It sends those once the last other end of its socket
+/// is closed, or once a thread's heartbeat is missing. It does not help where the whole machine stops.
 class SafetyWatchdog {
 public:
     static constexpr int most_devices = WatchdogOrder::most_devices;
@@ -25,7 +25,8 @@ public:
     /// Forks. Best done early: it keeps a copy of what this process has in memory by then, as long as neither
     /// writes to it. Error (internal): no process can be had.
     static Result<std::shared_ptr<SafetyWatchdog>> start();
-    ~SafetyWatchdog();  ///< it ends, in two seconds at most; what it still keeps gets its last word
+    ~SafetyWatchdog();  ///< the process ends, in two seconds at most, and sends zero force to what it still
+                        ///< keeps
     SafetyWatchdog(const SafetyWatchdog&) = delete;
     SafetyWatchdog& operator=(const SafetyWatchdog&) = delete;
 
@@ -34,7 +35,7 @@ public:
     /// From then on it is not relied on any more. Any thread.
     Result<void> health() const;
 
-    /// A device in its care, until this is gone.
+    /// A device that the process looks after, until this is destroyed.
     class Kept {
     public:
         Kept(Kept&& other) noexcept
@@ -44,15 +45,16 @@ public:
               watch_(other.watch_) {}
         Kept& operator=(Kept&& other) noexcept;
         ~Kept();
-        /// Another word, or another descriptor, in place of the last. Said anew of hardware that came back:
-        /// its descriptor may have the number that the lost one had. No beat is expected until the next one.
+        /// What to send, and to which descriptor, in place of the last. To be set again for hardware that
+        /// came back: its new descriptor may have the old one's number. From here on no beat is expected
+        /// until the first one comes.
         Result<void> set_packet(const ZeroForcePacket& packet);
-        /// By the thread that speaks with the device, before it speaks: it lives. From the first one on they
-        /// are expected, `Heartbeat::longest_ns` apart at most. False: the device was made unpowered since
-        /// the last one, so that what it is told now is a beginning. Error (device):
+        /// To be called by the device's thread before it sends anything: the thread is alive. From the first
+        /// beat on others are expected, `Heartbeat::longest_ns` apart at most. False: the process has made
+        /// the device unpowered since the last beat, so the thread has to begin anew. Error (device):
         /// SafetyWatchdog::health's.
         Result<bool> beat();
-        /// Whether the next beat will say so.
+        /// Whether the next `beat` will return false.
         bool was_made_unpowered() const;
 
     private:

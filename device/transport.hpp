@@ -30,7 +30,7 @@ public:
         }
         return {};
     }
-    /// What poll(2) tells of that something has come; -1: nothing does.
+    /// The descriptor that poll(2) reports as readable once something has come; -1: there is none.
     virtual int descriptor() const { return -1; }
 };
 

@@ -30,7 +30,8 @@ struct EnergyFigures {
     double created = 0;  ///< the most that work - surface + stored ever was
     double bound = 0;    ///< the most that holding each force for a tick can have created at a constant k
 
-    /// What came out of nowhere; negative: what friction and drops to a lower minimum took.
+    /// Energy that nothing put in: positive where some was created; negative where friction, or the proxy's
+    /// drop to a lower minimum, took some.
     double balance() const { return work - surface + stored; }
 };
 
@@ -41,14 +42,14 @@ public:
     EnergyAccount(const DeviceSpring& spring, double metres_per_scene_unit)
         : spring_(spring), metres_per_unit_(metres_per_scene_unit) {}
 
-    /// What happened before this tick's force. `carried_stiffness`: k (N/m) in effect where the surface took
-    /// the proxy, nothing where there was no contact; `ramp`: the share of the spring that the guard lets
-    /// through.
+    /// What happened before this tick's force. `carried_stiffness`: k (N/m) in effect at the place to which
+    /// the moving surface carried the proxy, nothing where there was no contact; `ramp`: the share of the
+    /// spring that the guard lets through.
     void move(const Contact& contact, const std::optional<double>& carried_stiffness, double ramp);
     /// The spring's new energy, at the stiffness in effect (0 out of contact).
     void store(double stiffness);
-    /// The force that is held until the next tick, newtons. `calmed`: what of it is not the spring's because
-    /// the surface jumped; its work is the surface's.
+    /// The force that is held until the next tick, newtons. `blended`: the part of it that is not the
+    /// spring's, because the surface jumped (BlendedForce::difference); its work counts as the surface's.
     void hold(const glm::dvec3& force, const glm::dvec3& blended = glm::dvec3(0.0)) {
         held_ = force;
         blended_ = blended;

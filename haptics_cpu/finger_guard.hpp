@@ -13,11 +13,11 @@ public:
         : jump_(settings), guard_(settings, metres_per_scene_unit) {}
 
     GuardedForce guard(const Contact& contact);
-    /// What the next contact is with is new to the finger.
+    /// The next contact is with a surface that is new to the finger.
     void surface_is_new();
     /// Goals have been missing for so long that no force is left.
     bool has_let_go() const { return guard_.has_let_go(); }
-    /// As if they had been.
+    /// ForceGuard::let_go.
     void let_go() { guard_.let_go(); }
 
 private:

@@ -35,26 +35,27 @@ struct GuardedForce {
 };
 
 /// Stands between the solver's force and one finger's device: device limits, ramp in, ramp out on a fault,
-/// and the books of energy (docs/solver.md, Guard). Unless a damper or the passivity controller is asked for
-/// it only ever shortens a force. It trusts nobody: what comes in and cannot be is a fault; a force that is
-/// no number or longer than the device's does not go out, and the guard begins anew. No allocation; a pure
-/// function of what it was given so far.
+/// and the account of energy (docs/solver.md, Guard). Unless a damper or the passivity controller is asked
+/// for it only ever shortens a force. It trusts no input: impossible contacts are a fault; a force that is no
+/// number or longer than the device's limit is never given out, and the guard begins anew. No allocation; a
+/// pure function of what it was given so far.
 class ForceGuard {
 public:
     /// Of settings that `validate` refuses, or of a scale that is no positive number, it is a guard that
     /// exerts no force: every tick is a fault.
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);
     GuardedForce guard(const Contact& contact) { return guard(contact, {contact.force}, false); }
-    /// After a jump of the surface: `calmed` takes the place of the contact's force.
+    /// After a jump of the surface: `blended` takes the place of the contact's force.
     GuardedForce guard_blended(const Contact& contact, const BlendedForce& blended) {
         return guard(contact, blended, true);
     }
     /// Goals have been missing for so long that no force is left: what comes next is a new beginning.
     bool has_let_go() const { return ticks_faulty_ >= ramp_out_ticks(); }
-    /// As if they had been: the hand was left alone, and nothing is left of the force it had.
+    /// Sets the state that missing goals lead to: the hand was left alone, and its force has ended.
     void let_go();
 
-    /// Of a tick with a fault: what would have gone out could not, and all that led to it is forgotten.
+    /// Whether a tick with a fault made the guard begin anew, because the force that it computed was
+    /// impossible.
     bool has_begun_anew() const { return ticks_faulty_ == 0; }
 
 private:

@@ -41,7 +41,7 @@ public:
     /// Nothing: the tick's own time, of epoch 0.
     using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
     /// A hand that got no tick for longer was left alone: the program was stopped, the machine was suspended
-    /// or had other work. It has no force any more, and is one that comes back (TouchStep::come_back).
+    /// or had other work. By then it has no force any more; the next tick begins with TouchStep::come_back.
     static constexpr std::int64_t longest_gap_ns = 100'000'000;
     /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.
     HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
@@ -50,12 +50,13 @@ public:
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
 
-    /// It ends by itself before that tick, whatever keeps others from stopping it. Before `start`.
+    /// The loop ends by itself before that tick, even where no other thread can stop it. Before `start`.
     void end_before(std::int64_t tick) { end_ = tick; }
     /// The clock by which a gap is seen, in place of boot_ns: ns, never backward. Before `start`.
     void see_gaps_by(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
-    /// Begins tick 0 now. At least one frame has been published. A loop runs once: what its fingers carry over
-    /// knows nothing of a pause, and the hand would get a force without a ramp. An error then, and where the machine has no thread left.
+    /// Begins tick 0 now. At least one frame has been published. A loop runs once: what its fingers carry
+    /// over knows nothing of a pause, and the hand would get a force without a ramp. An error then, and where
+    /// the machine has no thread left.
     Result<void> start();
     /// Ends after the tick in progress, with zero force written; does nothing before it started or once it
     /// has ended.

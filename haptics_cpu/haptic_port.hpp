@@ -16,8 +16,8 @@ public:
     virtual ~HapticPort() = default;
     /// Goals of a tick, world, scene units, one per finger. False: the device is gone, and the loop ends.
     virtual bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) = 0;
-    /// Before the goals of a tick: nobody has looked after the hand for so many ms, which is long
-    /// (HapticLoop). It may be anywhere, and another person's.
+    /// Called before the goals of a tick that comes after a gap of so many ms without ticks (longer than
+    /// HapticLoop::longest_gap_ns). The hand may be anywhere by then, and another person's.
     virtual void come_back(std::int64_t) {}
     /// Guarded forces, newtons, world axes. False as above. The last call of a loop, however it ends, writes
     /// zeros.

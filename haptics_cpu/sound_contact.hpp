@@ -7,7 +7,7 @@
 
 namespace touchable {
 
-// What is beyond these comes from no device and no scene; squares and products of what is not are finite.
+// No device and no scene gives values beyond these. Squares and products of values within them are finite.
 inline constexpr double most_newtons = 1e30, most_newtons_per_metre = 1e15, farthest_metres = 1e12;
 
 /// False for NaN too.

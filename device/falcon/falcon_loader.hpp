@@ -28,7 +28,7 @@ Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path);
 Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std::byte> firmware,
                                   const FalconPatience& patience, const GivenUp& given_up);
 
-/// How one speaks with firmware that runs.
+/// Sets the serial line as firmware that runs expects it.
 Result<void> begin_falcon_run(FtdiTransport& transport);
 
 }  // namespace touchable

@@ -7,9 +7,9 @@
 
 namespace touchable {
 
-/// What the Novint Falcon is told and tells, as its owners have described it (libnifalcon's documentation):
-/// 16 bytes each way, '<', 14 that carry four bits each as 'A' + bits, '>'. One is asked and one answered;
-/// there is no number, time or check sum in them.
+/// The packets of the Novint Falcon, as its owners have described them (libnifalcon's documentation): 16
+/// bytes in each direction, '<', 14 that carry four bits each as 'A' + bits, '>'. The device answers each
+/// packet with one; packets have no number, time or checksum.
 inline constexpr std::size_t falcon_packet_bytes = 16;
 using FalconPacket = std::array<std::byte, falcon_packet_bytes>;
 

@@ -8,7 +8,7 @@
 
 namespace touchable {
 
-/// Where Linux tells of USB devices, and where it has them.
+/// Where Linux describes USB devices, and where their nodes are.
 struct UsbFolders {
     std::filesystem::path devices = "/sys/bus/usb/devices";
     std::filesystem::path nodes = "/dev/bus/usb";

@@ -8,7 +8,8 @@ namespace touchable {
 /// them; one that comes begins with it only where it does.
 class ReportTransport : public Transport {
 public:
-    /// Another descriptor of the same device, for whoever speaks last; written as `send` sends. -1: none.
+    /// Another descriptor of the same device, through which the watchdog's process sends zero force; what is
+    /// written to it has the form that `send` takes. -1: none.
     virtual int spare_descriptor() const { return -1; }
 };
 

@@ -12,8 +12,8 @@
 
 namespace touchable {
 
-/// A 3Dconnexion SpaceMouse as a finger. It exerts no force. It speaks only while it is pushed; at rest the
-/// finger stays where it is, for as long as the node can be read.
+/// A 3Dconnexion SpaceMouse as a finger. It exerts no force. It sends reports only while it is pushed;
+/// without reports the finger stays where it is, for as long as the node can be read.
 class SpaceMouseDriver final : public DeviceDriver {
 public:
     using Open = std::function<Result<std::unique_ptr<ReportTransport>>()>;
@@ -22,7 +22,7 @@ public:
 
     std::string name() const override { return "SpaceMouse (exerts no force)"; }
     int fingers() const override { return 1; }
-    /// Of forces that nobody feels; they are drawn.
+    /// Nobody feels these forces; they are only drawn.
     DeviceLimits limits() const override { return {1, 500}; }
     DeviceCapabilities capabilities() const override;
     Result<void> connect(const GivenUp& given_up) override;

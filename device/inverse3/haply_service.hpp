@@ -10,8 +10,8 @@
 
 namespace touchable {
 
-/// A program on this machine that is asked over HTTP and spoken with over a WebSocket, both at one port.
-/// Errors are ErrorKind::device; of being given up, ErrorKind::interrupted.
+/// A program on this machine that answers HTTP requests and exchanges messages over a WebSocket, both at one
+/// port. Errors are ErrorKind::device, and ErrorKind::interrupted where the caller has given up.
 class HaplyService {
 public:
     HaplyService() = default;
@@ -28,7 +28,7 @@ public:
                                                        const GivenUp& given_up) = 0;
 };
 
-/// By libwebsockets. It says nothing on its own, and leaves SIGPIPE as it was.
+/// By libwebsockets, which prints nothing here and leaves SIGPIPE as it was.
 class LocalHaplyService final : public HaplyService {
 public:
     static constexpr std::size_t longest_message = 256 * 1024;  ///< bytes

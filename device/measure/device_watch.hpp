@@ -26,7 +26,7 @@ struct WatchFigures {
     double reports_per_s = 0;
     Percentiles interval_s;   ///< from a report to the next
     Percentiles age_s;        ///< of the newest position, at a reading
-    Percentiles going_out_s;  ///< from asking for a force until it had gone out
+    Percentiles going_out_s;  ///< from asking for a force until it was sent
     Percentiles
         until_received_s;  ///< from a force that had gone out to the next report, where no other went between
     double longest_call_s = 0;  ///< that the reader gave to the device in one tick, reading and writing

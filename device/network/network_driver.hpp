@@ -15,7 +15,7 @@
 
 namespace touchable {
 
-/// Where a network hand is heard, and what it may be told.
+/// Where a network hand's packets are received, and the forces that may be sent to it.
 struct NetworkSettings {
     std::string listen = "127.0.0.1";  ///< address in figures; any but this machine's own lets others touch
     std::uint16_t port = 5710;

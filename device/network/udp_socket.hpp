@@ -45,7 +45,8 @@ public:
     virtual std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) = 0;
     /// One that the network has no room for is lost, as any datagram may be. False where nobody is there.
     virtual bool send(std::span<const std::byte> datagram) = 0;
-    /// From now on it speaks with that peer alone; nothing: with anybody, and sends nothing.
+    /// From now on it sends to that peer and receives from it alone. Nothing: it receives from anybody, and
+    /// sends nothing.
     virtual Result<void> settle(const std::optional<UdpAddress>& peer) = 0;
 };
 

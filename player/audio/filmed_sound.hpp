@@ -11,15 +11,15 @@
 
 namespace touchable {
 
-/// What is heard, on its way into a film: in step with the clock of the film's pictures, whatever sessions
-/// come and go. Within a session its ticks are that clock, which come a few at a time.
+/// Keeps the sound of a film in step with its pictures, while sessions end and others begin. Within a session
+/// ticks count the time, and come a few at a time; between two sessions the film's own clock does.
 class FilmedSound {
 public:
-    /// Gets samples, and the film's sample that is the first of them.
+    /// Takes samples; `first`: the number of the first of them in the film.
     using Keep = std::function<void(std::int64_t first, std::span<const StereoSample>)>;
     explicit FilmedSound(Keep keep) : keep_(std::move(keep)) {}
 
-    /// Another session begins: time has passed that no tick tells of. Any thread.
+    /// Another session begins, after a time without ticks. Any thread.
     void align() { aligns_.store(true, std::memory_order_relaxed); }
     /// As WindowSound::take has it; `now_ms`: of the film.
     void take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms);

@@ -12,7 +12,7 @@ struct HandState {
     enum class Mood { off, on, away };
     Mood mood = Mood::off;
     std::string words;   ///< always to be read in the picture
-    std::string remark;  ///< what the device waits for; empty: nothing
+    std::string remark;  ///< what the person has to do (HapticDevice::prompt); empty: nothing
 };
 
 /// `is_inside`: the guard keeps a finger's force back until it has been free.

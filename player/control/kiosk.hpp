@@ -7,8 +7,8 @@
 
 namespace touchable {
 
-/// Seconds without input until a window that nobody watches over invites to touch it, and until it begins
-/// anew.
+/// For a window in a public place: after how many seconds without input it invites to touch it, and after how
+/// many it begins anew.
 struct KioskTimes {
     double invite_s = 20, reset_s = 60;
 };
@@ -23,7 +23,7 @@ public:
         last_s_ = now_s;
         was_visited_ = true;
     }
-    /// Since how many seconds the window has invited; nothing while somebody is there.
+    /// For how many seconds the window has been inviting; nothing while somebody is there.
     std::optional<double> invites(double now_s) const;
     /// Whether to begin anew now: once after each visit.
     bool begins_anew(double now_s);
@@ -34,14 +34,15 @@ private:
     bool was_visited_ = false;
 };
 
-/// Whether a visitor may do that: nothing that ends the window, opens or leaves files, or takes settings.
+/// Whether a visitor may do this. A visitor may not close the window, open or write files, or change
+/// settings.
 bool is_for_visitors(const InputEvent& event);
 /// Whether it shows that somebody is there.
 bool is_a_visit(const InputEvent& event);
 
-/// Where the finger is that shows a visitor how, so many seconds after it began: how far from the middle of
-/// what there is to see, in shares of the picture's width and height. It comes down, strokes, and leaves,
-/// again and again.
+/// The finger that shows a visitor how to touch, so many seconds after it began: its distance from the middle
+/// of what there is to see, in shares of the picture's width and height, and whether it presses. It comes
+/// down, strokes, and leaves, again and again.
 struct ShownStroke {
     glm::dvec2 off{0.0};
     bool pressed = false;

@@ -40,15 +40,15 @@ public:
     bool was_pressed() const { return was_pressed_; }  ///< ever
     /// Device metres, into the surface; stays when the button is let go.
     void deepen(double metres);
-    /// As high above the surface as at first, from where it goes nearest.
+    /// Takes the depth back to `hover_m`: fingers are above the surface again, until somebody presses.
     void lift() { rest_m_ = hover_m; }
     /// How deep fingers are meant to be in the surface, device metres; below 0 above it.
     double depth_m() const;
 
     /// Once a picture: tells the device where the fingers are meant to be over what `camera` shows of
-    /// `field`. `felt`: what they met last. What is not there to be seen, a hole, is not pressed into. A
-    /// finger with something in its way, or that is caught, goes over it: first towards the clip's camera,
-    /// before which nothing is hidden, then across, then down again.
+    /// `field`. `felt`: what they met last. A finger is not pressed into a hole, where no surface is seen. A
+    /// finger that an obstacle holds back goes over it: first towards the clip's camera, where nothing can be
+    /// in its way, then across, then down again.
     void intend(const HeightField& field, const ViewCamera& camera, std::span<const Contact> felt = {});
 
 private:

@@ -18,14 +18,14 @@ struct SessionSetting {
     const char* what = "";           ///< for who sees it for the first time
     std::vector<const char*> words;  ///< what it can be; empty: a number
     double least = 0, most = 0;      ///< of a number
-    bool whole = false;              ///< the number is
+    bool whole = false;              ///< the number is a whole one
     const char* unit = "";           ///< of the number
     bool filter = false;             ///< one of those that `filters` sets together
-    bool of_device = false;          ///< without a device that is held it does nothing
-    bool by_ratio = false;           ///< of the number: twice as much is as far as half as much
-    /// What the value, which is one that it can be, does to the options of a run.
+    bool of_device = false;          ///< it has an effect only where a device is held
+    bool by_ratio = false;           ///< the number's slider is logarithmic
+    /// Sets a legal value in the options of a run.
     void (*apply)(const std::string& value, SessionOptions& options) = nullptr;
-    /// What a run has it at; null: nothing by itself, as "filters".
+    /// The value that a run has; null: the setting has none of its own, as "filters".
     std::string (*in_effect)(const TouchSetup& setup) = nullptr;
 };
 /// The one table of them. "filters" is before the ones that it sets together.
@@ -33,7 +33,8 @@ std::span<const SessionSetting> session_settings();
 /// Null where there is none of that name.
 const SessionSetting* session_setting(const std::string& name);
 
-/// What was set by hand, by name and in words. What was not is as the command line and the clip say.
+/// The values that a person has set in the window, by name and in words. Settings that are not among them are
+/// as the command line and the clip say.
 class SessionSettings {
 public:
     /// "median", "5". "filters" sets all of them, whatever they were set to one by one. Refused

@@ -22,15 +22,15 @@ enum class WindowVerb {
     point_right,  ///< `number`: pixels by which the pointer moves, for whoever has keys alone
     point_down,   ///< likewise
     force,        ///< on or off
-    clutch,       ///< `number`: 1 while a held device is repositioned, 0 then
-    recentre,     ///< a held device is in the middle where it is now
-    coarser,      ///< `number`: times as far a finger goes for a way of a held device
+    clutch,       ///< `number`: 1 while a held device is repositioned, 0 afterwards
+    recentre,     ///< the place where a held device is now becomes the middle of its workspace
+    coarser,      ///< `number`: factor on how far a finger goes when a held device moves
     mute,         ///< no sound, or again
     overlay,      ///< `word`: what the surface is coloured by; empty: the next one
     home,         ///< the clip's own view
     turn,         ///< `number`: degrees to the right
     tilt,         ///< `number`: degrees up
-    nearer,       ///< `number`: times
+    nearer,       ///< `number`: factor by which the view comes nearer
     panel,        ///< shown or not
     help,         ///< shown or not
     fullscreen,   ///< on or off

@@ -14,16 +14,17 @@ public:
     WindowView(const Scene& scene, const glm::dvec3& middle);
 
     ViewCamera camera(int width, int height) const;
+    /// Whether it is the clip's own camera.
     bool own() const { return own_; }
     const Viewpoint& orbit() const { return orbit_; }
 
-    /// By so many degrees to the right and up.
+    /// Turns the view by so many degrees to the right and up.
     void turn(double azimuth, double elevation);
-    /// So many pixels of a picture of that size, along with the pointer.
+    /// Moves the view so that the picture, of that size, follows the pointer by so many pixels.
     void pan(double x, double y, int width, int height);
-    /// So many times as near.
+    /// Brings the view nearer by this factor; below 1 farther away.
     void near_by(double factor);
-    /// Round this place from now on, which is the picture's middle then.
+    /// From now on the view turns round this place, which is the picture's middle then.
     void look_at(const glm::dvec3& place);
     void go_home();
 

@@ -34,8 +34,8 @@ struct CurveValues {
     std::int64_t late_ticks = 0, dropped_frames = 0;  ///< since the session began
 };
 
-/// How it goes, over the last pictures: force by finger, time of a picture and of a tick, and what came too
-/// late.
+/// Curves over the last pictures: each finger's force, the time that a picture and a tick take, and ticks and
+/// frames that came too late.
 class CurvesPanel {
 public:
     /// Once a picture, whether it is drawn or not.

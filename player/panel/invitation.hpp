@@ -2,15 +2,16 @@
 
 namespace touchable {
 
-/// Over the picture of a window that nobody watches over: that it can be touched. `seconds` since it began to
-/// show; the finger that shows how is drawn with the others. `held`: a device is there to touch it with.
-/// Between ImGuiLayer's `begin` and `draw`.
+/// Draws words over a kiosk's picture that invite to touch it. `seconds`: since they began to show. (The
+/// finger that shows how is drawn with the others.) `held`: a device is there to touch it with. Between
+/// ImGuiLayer's `begin` and `draw`.
 void draw_invitation(double seconds, float width, float height, bool held);
 
-/// Over the picture of a window whose force is off, of the mouse's fingers: that, and what brings it back.
+/// Draws words over the picture while the forces of the mouse's fingers are off: that they are, and what
+/// turns them on again.
 void draw_stop(float width, float height, bool is_kiosk);
 
-/// All that they say, for whoever makes its letters.
+/// All words that these draw, so that the font has their letters in the large size.
 const char* invitation_words();
 
 }  // namespace touchable

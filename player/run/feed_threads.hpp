@@ -23,7 +23,8 @@ namespace touchable {
 /// Where commands may come while it runs (PlaybackLog), what lies ahead is a guess. Frames of an epoch that
 /// the hand is not in yet wait undecided in the queue; when a command leads elsewhere, the thread that
 /// decodes takes them back and goes at once to where the hand is. Frames of an epoch that the hand has left
-/// are not built. So what is published was true, and numbers of epochs never come again.
+/// are not built. So a published frame always belongs to an epoch that was played, and no epoch's number is
+/// used twice.
 class FeedThreads {
 public:
     /// Whether a frame that has just been published was needed before; asked by the thread that builds.
@@ -51,8 +52,8 @@ public:
     std::int64_t published() const { return published_.load(std::memory_order_acquire); }
     /// How many frames were late, so far.
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
-    /// What comes next is of an epoch that the hand has not come to, as after the last frames before a loop's
-    /// way back.
+    /// Whether the next frame is of an epoch that the hand has not come to, as after the last frames before a
+    /// loop's way back.
     bool waits_for_the_hand() const;
     /// End of the clip's last frame in the last epoch once all are published; until a command leads away.
     std::optional<MediaMoment> end() const;
@@ -91,7 +92,7 @@ private:
     bool decoded_all_ = false, stopping_ = false;
     std::optional<MediaMoment> end_;
     std::optional<Error> error_;
-    Error out_of_memory_;  // made while there is memory to say it with
+    Error out_of_memory_;  // made at the start, while there is memory for it
     const IsLate is_late_;
     const Now now_;
     const bool commands_may_come_;

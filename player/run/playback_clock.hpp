@@ -27,8 +27,8 @@ Result<void> validate(const std::vector<PlaybackCommand>& commands);
 /// What is wrong with a command after another one's tick; nothing where it will do.
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command);
 
-/// Whether the moments that a clock would come to without the command may never be: true of all but play,
-/// pause and rate, which change only when.
+/// Whether the clip may never come to the moments that it would have come to without the command. True of all
+/// but play, pause and rate, which only change when the clip comes there.
 bool leads_elsewhere(PlaybackVerb verb);
 
 /// What a clip's clock is doing in a tick.

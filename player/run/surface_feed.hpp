@@ -89,11 +89,11 @@ public:
     /// reads.
     Result<void> read_from(std::uint64_t epoch, std::int64_t start_ns);
     ReadPlace place() const { return place_; }
-    /// What was read since this place, of epochs that never came to be, is as if it had not been: reading
-    /// goes on there. Nothing of it was built. By the thread that reads.
+    /// Forgets what was read since this place, of epochs that were never played: reading goes on from there.
+    /// Nothing of it was built. By the thread that reads.
     Result<void> go_back(const ReadPlace& place);
-    /// Leaves out frames whose time has passed at this moment, where decoding can begin again later: those
-    /// that nobody would feel any more. (A live source does so itself.) By the thread that reads.
+    /// Leaves out frames whose time has passed at `now`, because nobody would feel them any more, up to one
+    /// from which decoding can begin again. (A live source does so itself.) By the thread that reads.
     Result<void> catch_up(const MediaMoment& now);
     /// A replay leaves out what its recording did.
     void leave_out(std::vector<DroppedFrames> frames) { left_out_ = std::move(frames); }

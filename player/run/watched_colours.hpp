@@ -29,7 +29,8 @@ public:
         frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.storage}});
         if (frames_.size() > most) frames_.pop_front();
     }
-    /// By the eye: of this frame, if it has any. Those before are let go: nobody looks back.
+    /// By the eye: the colour of this frame, if it has any. Those of earlier frames are freed, since nobody
+    /// asks for them any more.
     std::optional<HeldColour> find(std::uint64_t epoch, std::int64_t number) {
         const std::lock_guard lock(mutex_);
         for (std::size_t k = 0; k < frames_.size(); ++k) {

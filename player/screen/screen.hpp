@@ -15,7 +15,7 @@ namespace touchable {
 
 struct ScreenSize {
     int width = 0, height = 0;  ///< pixels; 0 while minimised
-    double scale = 1;           ///< of words and lines: 2 where a display's pixels are half as large as usual
+    double scale = 1;  ///< of words and lines: 2 on a display whose pixels are half as large as usual
 };
 
 /// Where pictures are shown and where input comes from. By the main thread alone.
@@ -40,14 +40,14 @@ public:
     virtual void set_fullscreen(bool on) = 0;
     /// As ScreenOptions has it, of a window that does not fill the screen.
     virtual void set_size(int width, int height) = 0;
-    /// Where a finger is drawn, the pointer is in the way.
+    /// The pointer is hidden while a finger is drawn at its place.
     virtual void hide_pointer(bool hidden) = 0;
 };
 
 struct ScreenOptions {
     int width = 1280, height = 720;
     bool fullscreen = false;
-    bool stays = false;  ///< full screen even where another window is looked at
+    bool stays = false;  ///< it stays full screen while another window has the focus
 };
 
 /// A window of the system's. Refused (ErrorKind::gpu) where there is no display or no Vulkan to show by.

@@ -11,7 +11,7 @@
 
 namespace touchable {
 
-/// A surface of the window system's. It goes after everything that shows on it.
+/// A window system's surface for Vulkan. It must outlive every swapchain that shows on it.
 class WindowSurface {
 public:
     WindowSurface(std::shared_ptr<VulkanDevice> vulkan, VkSurfaceKHR surface)
@@ -26,9 +26,9 @@ private:
     VkSurfaceKHR surface_;
 };
 
-/// The pictures that a window shows in turn. Whoever presents waits until his drawing is done: so nothing
-/// that it read has to be kept longer. A GPU that hangs is not waited for; what it may still use stays in
-/// memory. A surface that is lost counts as its GPU lost: both are to be had anew.
+/// The pictures that a window shows in turn. `present` waits until the drawing is done, so that nothing that
+/// the drawing read has to be kept longer. A GPU that hangs is not waited for; what it may still use stays in
+/// memory. A lost surface counts as a lost GPU: both have to be opened anew.
 class Swapchain {
 public:
     /// ErrorKind::gpu where the device cannot show on this surface.
@@ -61,7 +61,7 @@ private:
     std::vector<VkImage> images_;
     VkFence acquired_ = VK_NULL_HANDLE;
     bool outdated_ = false;
-    bool acquiring_ = false;  // the fence is the window system's to signal
+    bool acquiring_ = false;  // the window system has yet to signal the fence
 };
 
 }  // namespace touchable
