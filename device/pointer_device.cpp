@@ -5,15 +5,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "device/steady_time.hpp"
-
 namespace touchable {
 namespace {
 
 constexpr double reading_s = 0.001;  // from one to the next
 constexpr double arrival = 0.004;    // device metres: nearer along the view, a finger is there
-
-constexpr glm::dvec3 no_forces[PointerDevice::most_fingers]{};
 
 /// Unit vector from one to the other; zero where there is none.
 glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
@@ -24,11 +20,9 @@ glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
 
 }  // namespace
 
-PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings,
-                             Clock clock)
+PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings)
     : settings_(settings),
       refuge_(refuge),
-      clock_(clock ? std::move(clock) : Clock(steady_ns)),
       led_(static_cast<std::size_t>(fingers),
            Led{LedPoint(settings.times, reading_s),
                LedPoint({settings.times.across_s, settings.times.across_s}, reading_s)}) {
@@ -105,17 +99,11 @@ bool PointerDevice::read_positions(std::span<glm::dvec3> device_metres) {
 bool PointerDevice::write_forces(std::span<const glm::dvec3> newtons) {
     if (!works()) return false;
     assert(newtons.size() == led_.size());
-    Written written{opening_.load(std::memory_order_acquire), seen_force_, clock_(), {}};
-    for (std::size_t finger = 0; finger < newtons.size(); ++finger) {
-        const double length = glm::length(newtons[finger]);
-        if (!std::isfinite(length)) {
+    for (const glm::dvec3& force : newtons)
+        if (!std::isfinite(glm::length(force))) {
             fault_.store("was given a force that is not finite", std::memory_order_relaxed);
             return false;
         }
-        const double most = settings_.limits.max_force;
-        written.newtons[finger] = newtons[finger] * (length > most ? most / length : 1.0);
-    }
-    written_.write(written);
     return true;
 }
 
@@ -128,14 +116,6 @@ void PointerDevice::intend(std::span<const glm::dvec3> places, const glm::dvec3&
             meant_[finger] = {places[finger], direction(eye, places[finger])};
     }
     intents_.write(meant_);
-}
-
-std::span<const glm::dvec3> PointerDevice::forces() {
-    const Written& newest = written_.read();
-    const bool lives = works() && newest.opening == opening_.load(std::memory_order_acquire) &&
-                       force_is_on() && newest.force == force_.load(std::memory_order_acquire) &&
-                       static_cast<double>(clock_() - newest.time_ns) * 1e-9 <= silence_s;
-    return {lives ? newest.newtons.data() : no_forces, led_.size()};
 }
 
 void PointerDevice::set_force(bool on) {

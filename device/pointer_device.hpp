@@ -3,7 +3,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,42 +16,39 @@ namespace touchable {
 
 /// How a pointer becomes fingers.
 struct PointerSettings {
-    /// Along the view a finger is so slow that one which rests, meant to be so far under whatever is seen,
-    /// goes with the large shape of a surface and feels its small bumps.
+    /// A finger's goal lies at a fixed depth below the visible surface. Along the direction of view the
+    /// finger follows it slowly: so it goes along with the surface's large shape, and feels small bumps.
     LeadTimes times{};
-    /// m: but along the view it is no farther than that from where one is that is as quick as across. Relief
-    /// is less high; what is higher is followed at once, so that a slope does not press, nor lift.
+    /// m. Along the view the finger is never farther than this from where it would be if it were as quick
+    /// there as across. Bumps are less high than that; higher shapes are followed at once, so that a slope
+    /// neither presses the finger nor lifts it off.
     double leash = 0.002;
-    double max_speed = 1.0;       ///< m/s: what a finger goes through a jump of the pointer with
-    double approach_speed = 0.4;  ///< m/s: what one that was away comes with, until it is there
-    /// Of the force: 10 mm into the stiffest stuff of the generated scenes, 2 N/mm. Of the stiffness: all
-    /// that a haptic image usually says, 10 N/mm. A pointer is not moved by a force, so that none is
+    double max_speed = 1.0;       ///< m/s: of a finger, also where the pointer jumps
+    double approach_speed = 0.4;  ///< m/s: of a finger that was away, until it has come to its goal
+    /// The force allows 10 mm into the stiffest material of the generated scenes, 2 N/mm. The stiffness, 10
+    /// N/mm, is the largest that haptic images usually have. Forces do not move a pointer, so none is
     /// unstable.
     DeviceLimits limits{20, 10'000};
 };
 
-/// A mouse, or any pointer, as a device of up to ten fingers. Whoever has the pointer (the window) says where
-/// each finger is meant to be, sixty times a second or when it likes; the haptic thread reads at 1 kHz where
-/// they are: each reading is a millisecond of a smooth way there. Forces move nothing: the newest are kept,
-/// to be shown.
+/// A mouse, or any pointer, as a device of up to ten fingers. The window says where each finger is meant to
+/// be, its goal, sixty times a second or when it likes; the haptic thread reads at 1 kHz where the fingers
+/// are. Each reading is a millisecond of a smooth way to the goals. The device exerts no force: forces that
+/// are written are only checked.
 ///
-/// A finger that is meant nowhere, or is stopped, goes to the *refuge*: a place that no surface can be
-/// before, which is that of the clip's camera. On its way there it stays on its pixel, and so crosses no
-/// wall.
+/// A finger without a goal, or that is stopped, goes to the *refuge*: the place of the clip's camera, which
+/// is in front of every surface. On its way there it stays on its pixel's ray, and so crosses no wall.
 ///
-/// Stopping (`set_force(false)`) is at once: from that call on `forces` are zero; the next reading has every
-/// finger at the refuge, and there they stay. Once forces are on again they come as fingers come that were
+/// `set_force(false)` stops at once: the next reading has every finger at the refuge, where nothing is
+/// touched, and there they stay. Once forces are on again they come as fingers come that were
 /// away: slowly, and slower towards the end. That is also how they begin after `open`.
 class PointerDevice final : public HapticDevice {
 public:
     static constexpr int most_fingers = 10;
-    static constexpr double farthest = 1000;      ///< a place farther from the device's centre is none, m
-    using Clock = std::function<std::int64_t()>;  ///< ns, never backward
+    static constexpr double farthest = 1000;  ///< a place farther from the device's centre is none, m
 
-    /// 1 to 10 fingers, all away; force is on. `refuge`: device metres. `clock` tells when a force was
-    /// written too long ago to be one (`silence_s`); nothing: the system's.
-    PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings = {},
-                  Clock clock = {});
+    /// 1 to 10 fingers, all away; force is on. `refuge`: device metres.
+    PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings = {});
     ~PointerDevice() override { close(); }
 
     /// Before it is opened, for whoever knows only then where the clip's camera is.
@@ -67,14 +63,11 @@ public:
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     Result<void> health() const override;
 
-    // The window's calls, of one thread. They neither wait nor allocate.
-    /// Fingers 0 to `places.size()` - 1 are meant to be there, device metres; the others nowhere. A place
-    /// that is not finite, or beyond `farthest`, changes nothing for its finger. `eye`: from where it is
-    /// looked at, device metres, which says along what a finger is slow.
+    // The window's call, of one thread. It neither waits nor allocates.
+    /// Goals of fingers 0 to `places.size()` - 1, device metres; the others have none. A place that is not
+    /// finite, or beyond `farthest`, leaves its finger's goal as it was. `eye`: from where the scene is seen,
+    /// device metres; along the line from there a finger is slow.
     void intend(std::span<const glm::dvec3> places, const glm::dvec3& eye);
-    /// Newest force of every finger, newtons; zero where the contract says so, and while force is off. Stays
-    /// readable until the next call.
-    std::span<const glm::dvec3> forces();
 
     // Any thread but the haptic one.
     void set_force(bool on);
@@ -82,19 +75,14 @@ public:
 
 private:
     struct Meant {
-        std::optional<glm::dvec3> place;  // nothing: nowhere
+        std::optional<glm::dvec3> place;  // nothing: no goal
         glm::dvec3 along{0.0};            // unit, away from the eye, or zero
-    };
-    struct Written {
-        std::uint32_t opening = 0, force = 0;  // of which it is
-        std::int64_t time_ns = 0;
-        std::array<glm::dvec3, most_fingers> newtons{};
     };
     /// One finger on its way.
     struct Led {
         LedPoint point;
-        LedPoint quick;     // along the view as well: who leads `point` by a leash
-        bool comes = true;  // was away, and is not there yet
+        LedPoint quick;     // as quick along the view as across; `point` stays within `leash` of it
+        bool comes = true;  // it was away, and has not come to its goal yet
     };
     static constexpr bool is_on(std::uint32_t force) { return force % 2 == 1; }
     bool works() const;
@@ -103,9 +91,8 @@ private:
 
     const PointerSettings settings_;
     glm::dvec3 refuge_;
-    const Clock clock_;
-    // Set by any thread. Openings are counted, 0: closed; so are changes of the force, odd: on. So a force
-    // that answers what was before any of them is known.
+    // Set by any thread. Openings are counted, 0: closed; so are changes of the force, odd: on. So a reading
+    // finds out about those that came and went since the last one.
     std::atomic<std::uint32_t> opening_{0};
     std::atomic<std::uint32_t> force_{1};
     std::atomic<const char*> fault_{nullptr};
@@ -117,7 +104,6 @@ private:
     std::uint32_t seen_opening_ = 0, seen_force_ = 1;
     // From one to the other.
     NewestValue<std::array<Meant, most_fingers>> intents_;
-    NewestValue<Written> written_;
 };
 
 }  // namespace touchable

@@ -28,7 +28,6 @@ public:
     const std::vector<float>& q_plane() const { return q_; }
     /// 1: some triangle is cut, 2: some is not; by tile of TileGrid, row by row.
     const std::vector<std::uint8_t>& cut_marks() const { return marks_; }
-    const std::vector<float>& point_planes() const { return points_; }  ///< X, Y, Z of a pixel side by side
 
 private:
     void make_rays(const Camera& camera);

@@ -1,9 +1,173 @@
 #include "player/audio/window_sound.hpp"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "engine/start_thread.hpp"
+#include "player/audio/sound_device.hpp"
 
 namespace touchable {
+
+struct SoundOutput::Shared {
+    std::shared_ptr<HeardTicks> ticks;
+    std::atomic<bool> stopping{false};
+    mutable std::mutex mutex;
+    std::condition_variable ended_now;
+    std::string state = "sound is being opened";
+    bool ended = false;
+
+    void say(std::string words) {
+        const std::lock_guard lock(mutex);
+        state = std::move(words);
+    }
+    void end() {
+        const std::lock_guard lock(mutex);
+        ended = true;
+        ended_now.notify_all();
+    }
+};
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int block = 240;  // 5 ms
+constexpr std::chrono::milliseconds patience(100);
+
+/// Samples until somebody asks to stop. Some outputs of ALSA's take all at once, as fast as it comes: they
+/// get a hundredth more than the time that has passed, which is more than a real one's clock goes too fast.
+Result<void> play(SoundOutput::Shared& shared, SoundDevice& device) {
+    std::vector<StereoSample> samples(block);
+    const auto begun = Clock::now();
+    double written = 0;
+    while (!shared.stopping.load(std::memory_order_relaxed)) {
+        const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
+        if (written > 1.01 * ContactSound::rate * passed + SoundDevice::buffer) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            continue;
+        }
+        const auto ready = device.wait_for(block, patience);
+        if (!ready.ok()) return ready.error();
+        if (!*ready) continue;
+        shared.ticks->fill(samples);
+        if (auto given = device.write(samples); !given.ok()) return given;
+        written += block;
+    }
+    return {};
+}
+
+void open_and_play(SoundOutput::Shared& shared) {
+    auto device = SoundDevice::open();
+    if (!device.ok()) return shared.say("no sound: " + device.error().message);
+    shared.say("sound on");
+    if (auto played = play(shared, **device); !played.ok())
+        shared.say("no sound any more: " + played.error().message);
+}
+
+}  // namespace
+
+SoundOutput::SoundOutput(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
+    shared_->ticks = std::move(ticks);
+    const auto begun = start_thread(thread_, "sound-output", "of the sound", [shared = shared_] {
+        open_and_play(*shared);
+        shared->end();
+    });
+    if (!begun.ok()) shared_->say("no sound: " + begun.error().message);
+}
+
+SoundOutput::~SoundOutput() {
+    if (!thread_.joinable()) return;
+    shared_->stopping.store(true, std::memory_order_relaxed);
+    std::unique_lock lock(shared_->mutex);
+    const bool ended =
+        shared_->ended_now.wait_for(lock, std::chrono::seconds(1), [this] { return shared_->ended; });
+    lock.unlock();
+    if (ended)
+        thread_.join();
+    else
+        thread_.detach();
+}
+
+std::string SoundOutput::state() const {
+    const std::lock_guard lock(shared_->mutex);
+    return shared_->state;
+}
+
+namespace {
+
+constexpr std::uint32_t header_bytes = 44, sample_bytes = 4;
+constexpr std::uint32_t most_wav_bytes = 0xFFFFFFFFU - header_bytes - sample_bytes;
+
+void put(std::string& to, std::uint32_t value, int bytes) {
+    for (int k = 0; k < bytes; ++k) to += static_cast<char>(value >> (8 * k) & 0xFFU);
+}
+
+void put(std::string& to, float value) {
+    put(to, static_cast<std::uint32_t>(std::lround(value * 32767)), 2);
+}
+
+std::string header_of(std::uint32_t bytes) {
+    std::string header = "RIFF";
+    put(header, header_bytes - 8 + bytes, 4);
+    header += "WAVEfmt ";
+    put(header, 16, 4);  // bytes of what follows
+    put(header, 1, 2);   // integers
+    put(header, 2, 2);   // channels
+    put(header, ContactSound::rate, 4);
+    put(header, ContactSound::rate * sample_bytes, 4);
+    put(header, sample_bytes, 2);
+    put(header, 16, 2);  // bits
+    header += "data";
+    put(header, bytes, 4);
+    return header;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing) {
+    auto opened = OutputFile::create("--sound", file, existing, Pace::wall_clock);
+    if (!opened.ok()) return opened.error();
+    std::unique_ptr<SoundFile> made(new SoundFile(std::move(*opened)));
+    if (auto begun = made->file_->write(header_of(0)); !begun.ok()) return begun.error();
+    return made;
+}
+
+void SoundFile::add(std::span<const StereoSample> samples) {
+    const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
+    if (is_faulty_ || bytes > most_wav_bytes - bytes_) return;
+    words_.clear();
+    for (const StereoSample& sample : samples) {
+        put(words_, sample.left);
+        put(words_, sample.right);
+    }
+    bytes_ += bytes;
+    const auto written = file_->write(words_);
+    if (written.ok()) return;
+    is_faulty_ = true;
+    const std::lock_guard lock(mutex_);
+    fault_ = written.error();
+}
+
+std::optional<Error> SoundFile::fault() const {
+    const std::lock_guard lock(mutex_);
+    return fault_;
+}
+
+Result<void> SoundFile::finish() {
+    const auto whole = file_->flush();
+    if (!whole.ok() && file_->size() <= header_bytes) return whole;
+    const auto samples = static_cast<std::uint32_t>(file_->size()) - header_bytes;
+    if (auto begun = file_->write_over(0, header_of(samples)); !begun.ok()) return begun;
+    return file_->finish();
+}
+
 namespace {
 
 constexpr std::int64_t longest_gap = 1000;  // ticks: a computer that slept is no sound

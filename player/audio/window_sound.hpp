@@ -2,32 +2,81 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
+#include <thread>
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "player/audio/contact_sound.hpp"
 #include "player/audio/filmed_sound.hpp"
 #include "player/audio/heard_ticks.hpp"
-#include "player/audio/sound_file.hpp"
-#include "player/audio/sound_output.hpp"
+#include "player/record/output_file.hpp"
 
 namespace touchable {
 
-/// What fingers in the window feel is heard, beside the clip's own sound: by loudspeakers, in a file, or
-/// both.
+/// The system's loudspeakers (ALSA's "default", which PipeWire and PulseAudio stand behind where they run),
+/// on a thread of its own. Nobody waits for them, and nobody minds where there are none.
+class SoundOutput {
+public:
+    /// Opens them at once, on that thread.
+    explicit SoundOutput(std::shared_ptr<HeardTicks> ticks);
+    /// What hangs in the system's sound is left behind, after a second.
+    ~SoundOutput();
+    SoundOutput(const SoundOutput&) = delete;
+    SoundOutput& operator=(const SoundOutput&) = delete;
+
+    /// "sound on", or why there is none. Any thread.
+    std::string state() const;
+
+    struct Shared;  ///< with the thread, which may outlive this
+
+private:
+    std::shared_ptr<Shared> shared_;
+    std::thread thread_;
+};
+
+/// A WAV file: two channels of 16 bits at 48 kHz. It has its name once it is complete, or as complete as a
+/// disk that became full let it be.
+class SoundFile {
+public:
+    /// An error (ErrorKind::input) where nothing can be written there.
+    static Result<std::unique_ptr<SoundFile>> create(const std::filesystem::path& file, Existing existing);
+    /// What does not fit into a WAV file, after six hours, is left out.
+    void add(std::span<const StereoSample> samples);
+    /// Why nothing more is added; any thread.
+    std::optional<Error> fault() const;
+    /// Gives the file its name. An error where anything could not be written.
+    Result<void> finish();
+
+private:
+    explicit SoundFile(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
+
+    const std::unique_ptr<OutputFile> file_;
+    std::uint32_t bytes_ = 0;  // of samples
+    std::string words_;
+    bool is_faulty_ = false;
+    mutable std::mutex mutex_;
+    std::optional<Error> fault_;  // guarded by it
+};
+
+/// Makes a sound of what the window's fingers feel, and adds the clip's own sound: for loudspeakers, for a
+/// file, or for both.
 class WindowSound {
 public:
-    /// `file`: what is kept, whether there are loudspeakers or not. Those are opened on a thread of their
-    /// own.
+    /// `file`: where the sound is written, with or without loudspeakers; nothing: nowhere. The loudspeakers
+    /// are opened on a thread of their own.
     static Result<std::unique_ptr<WindowSound>> create(bool loudspeakers,
                                                        const std::optional<std::filesystem::path>& file,
                                                        Existing existing);
 
-    /// A session's thread, one at a time. `passed`: ticks since the one before, of which the others are not
-    /// known.
+    /// The next tick that is known, from a session's thread, one session at a time. `passed`: how many ticks
+    /// it is after the one before; more than 1 where those between are not known.
     void take(HeardTick tick, std::int64_t passed);
     /// Another session's ticks come next. Any thread.
     void begin_session() {

@@ -1,18 +1,24 @@
-#include "player/check/check_command.hpp"
+#include "player/check/check_commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "player/check/builder_facts.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/result.hpp"
+#include "engine/surface_vulkan/vulkan_builder.hpp"
+#include "player/check/device_check.hpp"
 #include "player/check/machine_facts.hpp"
+#include "player/check/touch_trial.hpp"
 #include "player/check/vulkan_facts.hpp"
-#include "player/check/vulkan_report.hpp"
+#include "player/check/vulkan_facts.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/typed_numbers.hpp"
@@ -22,6 +28,89 @@
 
 namespace touchable {
 namespace {
+
+/// One generated frame through all builders.
+struct BuilderFacts {
+    std::string scene;
+    int width = 0, height = 0;
+    double reference_ms = 0, cpu_ms = 0, lazy_ms = 0;  ///< every pixel asked of the lazy one
+    std::optional<double> vulkan_ms;                   ///< nothing: there is no usable GPU
+    bool identical = false;  ///< codes, validity and bounds; depths, for the lazy one
+};
+
+template <class Work>
+double milliseconds(Work&& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Reads every pixel of `seen` and compares it with the filtered frame.
+bool same_depths(const SurfaceFrame& seen, const SurfaceFrame& filtered) {
+    bool same = true;
+    for (int y = 0; y < filtered.height; ++y)
+        for (int x = 0; x < filtered.width; ++x) {
+            const DepthSample sample = seen.vertices->at(x, y);
+            const bool valid = filtered.is_valid(x, y);
+            if (sample.valid != valid) same = false;
+            if (valid && sample.depth != filtered.coding.depth(filtered.codes[filtered.index(x, y)]))
+                same = false;
+        }
+    return same;
+}
+
+bool same_bits(const SurfaceFrame& a, const SurfaceFrame& b) {
+    return a.codes == b.codes && a.validity == b.validity && a.tiles == b.tiles;
+}
+
+Result<BuilderFacts> builder_facts(const char* name) {
+    SceneOptions options;
+    options.bits = 8;
+    auto source = make_scene(name, options);
+    if (!source.ok()) return source.error();
+    Scene scene = (*source)->scene();
+    scene.filter = {5, 2};
+    scene.depth.invalid_codes[0] = 0;  // the picture gets holes to fill
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    const RawFrame raw = (*source)->frame(0);
+
+    BuilderFacts facts{name, scene.width, scene.height, 0, 0, 0, std::nullopt, false};
+    SurfaceFrame reference, cpu, lazy, vulkan;
+    Result<void> built;
+    const auto build = [&](std::unique_ptr<SurfaceBuilder> builder, SurfaceFrame& out) {
+        if (built.ok() && interrupted()) built = interrupted_error();
+        if (built.ok()) built = builder->build(raw, out);
+    };
+    bool same_lazily = false;
+    facts.reference_ms = milliseconds([&] { build(make_reference_builder(scene), reference); });
+    facts.cpu_ms = milliseconds([&] { build(make_cpu_builder(scene), cpu); });
+    const auto lazy_builder = make_lazy_builder(scene);  // its frames ask it for pixels, so it stays
+    facts.lazy_ms = milliseconds([&] {
+        if (built.ok()) built = lazy_builder->build(raw, lazy);
+        if (built.ok()) same_lazily = same_depths(lazy, reference);
+    });
+    if (built.ok() && interrupted()) built = interrupted_error();
+    if (!built.ok()) return built.error();
+    facts.identical = same_lazily && same_bits(cpu, reference);
+    if (const auto device = GpuDevice::open(); device.ok()) {
+        auto builder = make_vulkan_builder(scene, *device);
+        if (!builder.ok()) return builder.error();
+        built = (*builder)->build(raw, vulkan);  // compiles the kernels
+        facts.vulkan_ms = milliseconds([&] {
+            if (built.ok()) built = (*builder)->build(raw, vulkan);
+        });
+        if (!built.ok()) return built.error();
+        facts.identical = facts.identical && same_bits(vulkan, reference);
+    }
+    return facts;
+}
+
+struct CheckOptions {
+    bool json = false;
+    std::optional<TouchDemand> demand;
+    std::optional<DeviceCheckOptions> device;
+};
 
 struct MachineReport {
     CpuFacts cpu;
@@ -194,8 +283,11 @@ void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
     check.get_option("--overwrite")->needs(device);
 }
 
-}  // namespace
-
+/// Prints what this machine is and whether it can do the work: CPU, timers, codecs, Vulkan, and the builders
+/// compared bit for bit. Fails (ErrorKind::check) where a clip could not be read or written, where a Vulkan
+/// device does not do as it says (none at all is no fault), or where builders differ. With a demand instead
+/// whether this machine is fast enough for that, from a short trial, and fails where it is not. With a device
+/// what that one does (device_check.hpp).
 Result<void> run_check(const CheckOptions& options) {
     if (options.device) return run_device_check(*options.device);
     if (options.demand)
@@ -207,6 +299,8 @@ Result<void> run_check(const CheckOptions& options) {
     if (faults.empty()) return {};
     return Error{ErrorKind::check, faults.front() + (faults.size() > 1 ? "; and more, listed above" : "")};
 }
+
+}  // namespace
 
 void add_check_command(CLI::App& app, Command& command) {
     auto* check = app.add_subcommand("check",

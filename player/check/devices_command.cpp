@@ -1,4 +1,4 @@
-#include "player/check/devices_command.hpp"
+#include "player/check/check_commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <iostream>

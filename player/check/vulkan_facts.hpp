@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <iosfwd>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,5 +39,9 @@ KernelFacts facts_of(const KernelRun& first, std::span<const KernelRun> later);
 
 /// Opens the device and runs the kernel. Never fails: what is wrong is a fact too.
 VulkanFacts vulkan_facts();
+
+/// Lines of `touchable check`: each device and what it lacks, memory, limits and timings of the one used.
+void print_vulkan(std::ostream& out, const VulkanFacts& facts);
+nlohmann::ordered_json vulkan_json(const VulkanFacts& facts);
 
 }  // namespace touchable

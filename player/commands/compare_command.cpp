@@ -1,4 +1,4 @@
-#include "player/commands/compare_command.hpp"
+#include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

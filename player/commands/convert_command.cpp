@@ -12,6 +12,7 @@
 
 #include "engine/printable.hpp"
 #include "engine/video/matroska_writer.hpp"
+#include "player/commands/commands.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"

@@ -9,13 +9,8 @@
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
 #include "engine/video/matroska_writer.hpp"
-#include "player/options/command.hpp"
 #include "player/options/typed_numbers.hpp"
 #include "player/session/clip_choice.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace touchable {
 
@@ -51,7 +46,5 @@ struct ConvertOptions {
 /// is read once. What would lose
 /// more is refused (ErrorKind::usage) unless that is allowed, and then what is lost is told.
 Result<void> run_convert(const ConvertOptions& options);
-
-void add_convert_command(CLI::App& app, Command& command);
 
 }  // namespace touchable

@@ -1,32 +1,148 @@
-#include "player/commands/export_command.hpp"
+#include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/frame/raw_frame.hpp"
+#include "engine/frame/surface_frame.hpp"
+#include "engine/new_file.hpp"
+#include "engine/picture/image_file.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "engine/scene/temporal.hpp"
+#include "engine/surface/mesh.hpp"
+#include "engine/surface/mesh_file.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/commands/frame_files.hpp"
 #include "player/commands/staged_folder.hpp"
 #include "player/options/builder_options.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"
+#include "player/options/picture_options.hpp"
 #include "player/options/typed_numbers.hpp"
 #include "player/run/clip_workspace.hpp"
 #include "player/run/memory.hpp"
+#include "player/session/builder_choice.hpp"
+#include "player/session/clip_choice.hpp"
 #include "player/session/filter_words.hpp"
 #include "player/terminal/interrupt.hpp"
 #include "player/terminal/progress.hpp"
 
 namespace touchable {
 namespace {
+
+/// Every file `write_frame_files` may write.
+constexpr std::array<const char*, 9> frame_file_names{"colour.png", "depth.png", "codes.png",
+                                                             "codes.json", "valid.png", "haptic.png",
+                                                             "height.png", "mesh.ply",  "scene.json"};
+
+/// Codes as they lie in memory: two bytes each, host order.
+PlaneView codes_view(const SurfaceFrame& surface) {
+    return {reinterpret_cast<const std::uint8_t*>(surface.codes.data()),
+            static_cast<std::ptrdiff_t>(surface.width) * 2,
+            surface.width,
+            surface.height,
+            2,
+            1};
+}
+
+Image validity_image(const SurfaceFrame& surface) {
+    Image image{surface.width, surface.height, 1, 1, {}};
+    image.samples.reserve(surface.codes.size());
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < surface.width; ++x)
+            image.samples.push_back(surface.is_valid(x, y) ? std::uint8_t{255} : std::uint8_t{0});
+    return image;
+}
+
+/// The scene of the pictures that are written of one frame, so that their folder is a clip again.
+Scene as_still(Scene scene, const RawFrame& raw) {
+    const auto name_of = [](const PlaneView& plane, const char* name) {
+        return plane.empty() ? std::string() : std::string(name);
+    };
+    scene.video.reset();
+    scene.folder = FolderSource{"depth.png",
+                                name_of(raw.colour, "colour.png"),
+                                name_of(raw.haptic, "haptic.png"),
+                                name_of(raw.height, "height.png"),
+                                0,
+                                0};
+    scene.stored = {};  // codes
+    return scene;
+}
+
+/// What codes mean, as a scene file says it of its own depth: filters may have made them finer.
+std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
+    scene.depth = surface.coding;
+    scene.depth_bits = 16;
+    scene.folder.reset();
+    scene.video.reset();
+    scene.stored = {};  // codes
+    const auto whole = nlohmann::ordered_json::parse(scene_to_json(scene));
+    return nlohmann::ordered_json{{"depth", whole.at("depth")}}.dump(2);
+}
+
+Result<void> write_text(NewFile& file, const std::string& text) {
+    if (auto usable = file.check(); !usable.ok()) return usable;
+    std::ofstream out(file.path(), std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) return input_error(file.target().string() + " cannot be written; is there room on the disk?");
+    return {};
+}
+
+/// Writes one frame, raw and built, for `folder`, which is not committed. `surface` holds codes (not lazy) of
+/// `raw`.
+Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const SurfaceFrame& surface,
+                               const Scene& scene, bool with_mesh) {
+    const Image validity = validity_image(surface);
+    const struct {
+        const char* name;
+        PlaneView plane;
+    } pictures[] = {{"colour.png", raw.colour},         {"depth.png", raw.depth},
+                    {"codes.png", codes_view(surface)}, {"valid.png", validity.view()},
+                    {"haptic.png", raw.haptic},         {"height.png", raw.height}};
+    for (const auto& [name, plane] : pictures) {
+        if (plane.empty()) continue;
+        if (auto written = write_png(folder.add(name), plane); !written.ok()) return written;
+    }
+    if (with_mesh) {
+        if (auto written = write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour);
+            !written.ok())
+            return written;
+    }
+    if (auto written = write_text(folder.add("codes.json"), codes_to_json(surface, scene) + "\n");
+        !written.ok())
+        return written;
+    return write_text(folder.add("scene.json"), scene_to_json(as_still(scene, raw)) + "\n");
+}
+
+struct ExportOptions {
+    ClipChoice clip;
+    std::filesystem::path out;           ///< empty: only the picture
+    Existing existing = Existing::keep;  ///< what becomes of files that are there
+    std::int64_t first = 0;
+    std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
+    bool folder_per_frame = false;     ///< out/<n>/ instead of out/
+    bool mesh = true;
+    BuilderChoice builder;
+    PictureOptions picture;  ///< of a single frame
+};
 
 Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene,
                   const SurfaceFrame& surface) {
@@ -184,12 +300,16 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     return {};
 }
 
-}  // namespace
-
+/// Writes frames as pictures, mesh and scene description: colour.png, depth.png (as stored), codes.png
+/// (filtered, 16 bits), valid.png (0 or 255), haptic.png and height.png where the clip has them, mesh.ply,
+/// scene.json. The files of a frame appear together or not at all. The picture of a single frame is a file of
+/// its own.
 Result<void> run_export(const ExportOptions& options) {
     std::string at_work = "the frames of " + options.clip.file.string();
     return within_memory(at_work, [&] { return export_clip(options, at_work); });
 }
+
+}  // namespace
 
 void add_export_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("export", "write frames as pictures, mesh and scene description");

@@ -1,18 +1,319 @@
-#include "player/commands/info_command.hpp"
+#include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
+#include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
 #include <utility>
 
-#include "player/commands/clip_report.hpp"
+#include "engine/printable.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/terraces.hpp"
+#include "engine/surface/filter_choice.hpp"
+#include "player/commands/clip_facts.hpp"
+#include "player/commands/filter_facts.hpp"
 #include "player/options/camera_options.hpp"
 #include "player/options/clip_options.hpp"
 #include "player/run/memory.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/session/filter_words.hpp"
 
 namespace touchable {
-
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* kind_name(DepthCodingKind kind) {
+    switch (kind) {
+        case DepthCodingKind::linear:
+            return "linear";
+        case DepthCodingKind::inverse:
+            return "inverse";
+        case DepthCodingKind::metric:
+            return "metric";
+        case DepthCodingKind::hue:
+            return "hue";
+    }
+    return "";
+}
+
+const char* semantics_name(DepthSemantics semantics) {
+    return semantics == DepthSemantics::range ? "range" : "planar";
+}
+
+std::string coding_words(const DepthCoding& coding) {
+    std::ostringstream words;
+    if (coding.kind == DepthCodingKind::metric)
+        words << "metric, " << coding.scale << " units a code";
+    else
+        words << kind_name(coding.kind) << (coding.kind == DepthCodingKind::inverse ? " (1/depth)" : "")
+              << " between two planes, largest code at the " << (coding.near_is_high ? "near" : "far")
+              << " one";
+    if (coding.kind == DepthCodingKind::hue) words << ", no depth where R + G + B < " << coding.least_sum;
+    words << (coding.semantics == DepthSemantics::range ? "; range along the pixel's ray"
+                                                        : "; planar, along -Z");
+    return words.str();
+}
+
+/// "400..4400 without 1000".
+std::string valid_words(const DepthCoding& coding) {
+    std::ostringstream words;
+    words << coding.valid_min << ".." << coding.valid_max;
+    const char* separator = " without ";
+    for (int k = 0; k < coding.invalid_code_count; ++k) {
+        const std::uint16_t code = coding.invalid_codes[static_cast<std::size_t>(k)];
+        if (code < coding.valid_min || code > coding.valid_max) continue;
+        words << separator << code;
+        separator = ", ";
+    }
+    return words.str();
+}
+
+std::string range_words(const PropertyRange& range) {
+    std::ostringstream words;
+    words << range.min << ".." << range.max;
+    return words.str();
+}
+
+/// As terrace removal would see it.
+Scene with_levels(const ClipFacts& facts) {
+    Scene scene = facts.scene;
+    if (facts.measured) scene.filter.levels = facts.measured->levels;
+    return scene;
+}
+
+/// How far levels are apart, and why their steps stay where they do.
+std::string level_words(const ClipFacts& facts) {
+    if (!facts.measured) return "not known: no pixel of the first frames is valid";
+    const std::string words = levels_in_words(*facts.measured, facts.scene.metres_per_unit);
+    if (!terrace_scale(with_levels(facts))) return words + "; codes leave no room for finer ones";
+    const bool left = facts.scene.filter.terraces == TerraceRemoval::off;
+    return words + (left && removal_advised(*facts.measured, facts.scene)
+                        ? "; --terraces auto removes their steps"
+                        : "");
+}
+
+/// The same for a program.
+Json terraces_json(const ClipFacts& facts) {
+    const auto scale = terrace_scale(with_levels(facts));
+    return {{"finer_codes", scale ? 2.0 * scale->factor / (1 << scale->shift) : 0},
+            {"advised", facts.measured && removal_advised(*facts.measured, facts.scene)}};
+}
+
+double mm_per_unit(const Scene& scene) {
+    return scene.metres_per_unit * 1000.0;
+}
+
+Json range_json(const PropertyRange& range) {
+    return Json::array({range.min, range.max});
+}
+
+Json tracks_json(const std::vector<TrackInfo>& tracks) {
+    Json out = Json::array();
+    for (const TrackInfo& track : tracks)
+        out.push_back({{"role", track.role},
+                       {"codec", track.codec},
+                       {"lossless", track.lossless},
+                       {"pixel_format", track.pixel_format},
+                       {"width", track.width},
+                       {"height", track.height}});
+    return out;
+}
+
+Json camera_json(const ClipFacts& facts) {
+    const Camera& camera = facts.scene.camera;
+    return {{"fx", camera.fx},
+            {"fy", camera.fy},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"fov_x_degrees", facts.fov_x_degrees},
+            {"fov_y_degrees", facts.fov_y_degrees}};
+}
+
+Json depth_json(const Scene& scene) {
+    const DepthCoding& coding = scene.depth;
+    Json depth{{"kind", kind_name(coding.kind)},
+               {"semantics", semantics_name(coding.semantics)},
+               {"description", coding_words(coding)}};
+    if (coding.kind == DepthCodingKind::metric)
+        depth["scale"] = coding.scale;
+    else
+        depth["near_is_high"] = coding.near_is_high;
+    depth["near"] = coding.near;
+    depth["far"] = coding.far;
+    depth["near_mm"] = coding.near * mm_per_unit(scene);
+    depth["far_mm"] = coding.far * mm_per_unit(scene);
+    depth["bits"] = scene.depth_bits;
+    depth["code_max"] = coding.code_max;
+    if (coding.kind == DepthCodingKind::hue) depth["least_sum"] = coding.least_sum;
+    depth["valid_codes"] = {coding.valid_min, coding.valid_max};
+    depth["invalid_codes"] = Json::array();
+    for (int k = 0; k < coding.invalid_code_count; ++k)
+        depth["invalid_codes"].push_back(coding.invalid_codes[static_cast<std::size_t>(k)]);
+    return depth;
+}
+
+Json kappa_json(const ClipFacts& facts) {
+    const auto one = [](const Kappa& k) { return Json{{"depth", k.depth}, {"kappa", k.kappa}}; };
+    return {{"near", one(facts.near)}, {"mid", one(facts.mid)}, {"far", one(facts.far)}};
+}
+
+/// What the touch planes mean; of a clip without a haptic one, what stands for it.
+void add_touch(const ClipFacts& facts, Json& out) {
+    const Scene& scene = facts.scene;
+    if (facts.has_track("haptic"))
+        out["haptic"] = {{"stiffness_n_per_mm", range_json(scene.haptic.stiffness)},
+                         {"static_friction", range_json(scene.haptic.static_friction)},
+                         {"dynamic_friction", range_json(scene.haptic.dynamic_friction)}};
+    else
+        out["default_properties"] = {{"stiffness_n_per_m", scene.default_properties.stiffness},
+                                     {"static_friction", scene.default_properties.static_friction},
+                                     {"dynamic_friction", scene.default_properties.dynamic_friction}};
+    if (scene.hole_stiffness) out["hole_stiffness_n_per_mm"] = *scene.hole_stiffness;
+    if (facts.has_track("height"))
+        out["height_coding"] = {
+            {"max_height", scene.height_coding.max_height},
+            {"units", scene.height_coding.units == HeightUnits::levels ? "levels" : "world"},
+            {"code_max", scene.height_coding.code_max},
+            {"largest", largest_height(scene.height_coding, scene.depth)}};
+}
+
+/// Lines of a report for a person: a label, and what it is.
+class Lines {
+public:
+    std::ostream& line(const std::string& label) {
+        out_ << "  " << label << std::string(13 - label.size(), ' ');
+        return out_;
+    }
+    std::ostream& plain() { return out_; }
+    std::string text() const { return out_.str(); }
+
+private:
+    std::ostringstream out_;
+};
+
+/// Between two frames, where each has its own time.
+struct GapsMs {
+    double least, most;
+};
+std::optional<GapsMs> gaps_ms(const FrameRate& rate) {
+    if (!rate.own_times) return {};
+    const auto& times_ns = *rate.own_times;
+    std::int64_t least = std::numeric_limits<std::int64_t>::max(), most = 0;
+    for (std::size_t n = 1; n < times_ns.size(); ++n) {
+        least = std::min(least, times_ns[n] - times_ns[n - 1]);
+        most = std::max(most, times_ns[n] - times_ns[n - 1]);
+    }
+    return GapsMs{static_cast<double>(least) * 1e-6, static_cast<double>(most) * 1e-6};
+}
+
+void tell_picture(const ClipFacts& facts, Lines& lines) {
+    const Scene& scene = facts.scene;
+    std::ostream& out = lines.line("picture") << scene.width << "x" << scene.height << " pixels, ";
+    if (facts.frames) out << *facts.frames << (*facts.frames == 1 ? " frame, " : " frames, ");
+    out << scene.rate.per_second() << " frames/s";
+    if (const auto gaps = gaps_ms(scene.rate))
+        out << " on average, each at its own time (" << gaps->least << " to " << gaps->most
+            << " ms after the one before)";
+    if (facts.frames) out << ", " << static_cast<double>(scene.rate.time_ns(*facts.frames)) * 1e-9 << " s";
+    out << '\n';
+    for (const TrackInfo& track : facts.tracks)
+        lines.line("track") << track.role << ": " << track.codec << (track.lossless ? " without loss" : "")
+                            << ", " << track.pixel_format << ", " << track.width << "x" << track.height
+                            << '\n';
+    const Camera& camera = scene.camera;
+    lines.line("camera") << "fx " << camera.fx << ", fy " << camera.fy << ", cx " << camera.cx << ", cy "
+                         << camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "
+                         << facts.fov_y_degrees << " degrees\n";
+}
+
+void tell_depth(const ClipFacts& facts, Lines& lines) {
+    const Scene& scene = facts.scene;
+    const DepthCoding& coding = scene.depth;
+    const double mm = mm_per_unit(scene);
+    lines.line("depth") << coding_words(coding) << '\n';
+    lines.line("codes") << (coding.kind == DepthCodingKind::hue ? "3 x " : "") << scene.depth_bits
+                        << " bits, 0.." << coding.code_max << ", of which valid " << valid_words(coding)
+                        << '\n';
+    lines.line("range") << coding.near << ".." << coding.far << " units = " << coding.near * mm << ".."
+                        << coding.far * mm << " mm\n";
+    lines.line("first frame") << "depths " << facts.nearest << ".." << facts.farthest << " units, "
+                              << facts.invalid_pct << " % of the pixels invalid\n";
+    lines.line("kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
+                        << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
+                        << " units (depth of one code / width of a pixel)\n";
+    lines.line("filters") << filters_in_words(scene, facts.chosen) << '\n';
+    lines.line("levels") << level_words(facts) << '\n';
+    if (facts.measured) lines.line("noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
+    lines.line("in between") << (scene.interpolation == FrameInterpolation::hold
+                                     ? "hold the earlier frame"
+                                     : "linear between two frames")
+                             << '\n';
+}
+
+/// Of a clip without a haptic plane, a note tells what stands for it.
+void tell_touch(const ClipFacts& facts, Lines& lines) {
+    const Scene& scene = facts.scene;
+    if (facts.has_track("haptic"))
+        lines.line("touch") << "per pixel: stiffness " << range_words(scene.haptic.stiffness)
+                            << " N/mm, friction " << range_words(scene.haptic.static_friction) << " static, "
+                            << range_words(scene.haptic.dynamic_friction) << " dynamic\n";
+    if (scene.hole_stiffness)
+        lines.line("holes") << "walls of missing depth have " << *scene.hole_stiffness << " N/mm\n";
+    if (facts.has_track("height"))
+        lines.line("height") << "up to " << scene.height_coding.max_height
+                             << (scene.height_coding.units == HeightUnits::levels ? " levels = "
+                                                                                  : " scene units = ")
+                             << largest_height(scene.height_coding, scene.depth) * mm_per_unit(scene)
+                             << " mm\n";
+}
+
+Json to_json(const ClipFacts& facts) {
+    const Scene& scene = facts.scene;
+    Json out;
+    out["clip"] = facts.clip;
+    out["name"] = scene.name;
+    out["width"] = scene.width;
+    out["height"] = scene.height;
+    out["frames"] = facts.frames ? Json(*facts.frames) : Json(nullptr);
+    out["rate"] = {{"num", scene.rate.num}, {"den", scene.rate.den}};
+    if (const auto gaps = gaps_ms(scene.rate)) out["frame_ms"] = {gaps->least, gaps->most};
+    out["tracks"] = tracks_json(facts.tracks);
+    out["metres_per_unit"] = scene.metres_per_unit;
+    out["camera"] = camera_json(facts);
+    out["depth"] = depth_json(scene);
+    out["first_frame"] = {
+        {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
+    out["kappa"] = kappa_json(facts);
+    out["filters"] = filters_json(scene, facts.chosen, facts.measured);
+    out["terraces"] = terraces_json(facts);
+    out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
+    add_touch(facts, out);
+    out["notes"] = facts.notes;
+    return out;
+}
+
+/// The same for a person, one fact a line.
+std::string to_text(const ClipFacts& facts) {
+    Lines lines;
+    lines.plain() << facts.clip << (facts.scene.name.empty() ? "" : ": ") << printable(facts.scene.name)
+                  << '\n';
+    tell_picture(facts, lines);
+    tell_depth(facts, lines);
+    tell_touch(facts, lines);
+    for (const std::string& note : facts.notes) lines.line("note") << note << '\n';
+    return lines.text();
+}
+
+struct InfoOptions {
+    ClipChoice clip;
+    bool json = false;
+};
 
 Result<void> print_facts(const InfoOptions& options) {
     const auto facts = clip_facts(options.clip);
@@ -24,11 +325,12 @@ Result<void> print_facts(const InfoOptions& options) {
     return {};
 }
 
-}  // namespace
-
+/// Prints what a clip is, for a person or (the same facts) as one JSON object.
 Result<void> run_info(const InfoOptions& options) {
     return within_memory("the frames of " + options.clip.file.string(), [&] { return print_facts(options); });
 }
+
+}  // namespace
 
 void add_info_command(CLI::App& app, Command& command) {
     auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch");

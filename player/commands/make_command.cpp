@@ -1,13 +1,19 @@
-#include "player/commands/make_command.hpp"
+#include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/new_file.hpp"
+#include "engine/result.hpp"
 #include "engine/video/matroska_writer.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"
@@ -19,6 +25,15 @@
 
 namespace touchable {
 namespace {
+
+struct MakeOptions {
+    std::string scene;                   ///< of scene_names()
+    std::filesystem::path out;           ///< a name that ends in .mkv
+    Existing existing = Existing::keep;  ///< what becomes of an earlier file of that name
+    std::int64_t frames = 90;            ///< 1 to 1 000 000
+    ClipStorage storage{};
+    SceneOptions generator;
+};
 
 constexpr std::int64_t most_frames = 1'000'000;
 
@@ -123,8 +138,7 @@ std::string known_scenes() {
     return names;
 }
 
-}  // namespace
-
+/// Writes a clip of a generated scene. The same options give the same file, byte for byte.
 Result<void> run_make(const MakeOptions& options) {
     if (auto apart = check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, {}); !apart.ok())
         return apart;
@@ -144,6 +158,8 @@ Result<void> run_make(const MakeOptions& options) {
     }
     return (*writer)->finish();
 }
+
+}  // namespace
 
 void add_make_command(CLI::App& app, Command& command) {
     auto* make = app.add_subcommand("make", "make a clip of a generated scene: " + known_scenes());

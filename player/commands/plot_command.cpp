@@ -1,20 +1,102 @@
-#include "player/commands/plot_command.hpp"
+#include "player/commands/commands.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "engine/given_file.hpp"
-#include "player/commands/plot_script.hpp"
+#include "engine/result.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/picture_options.hpp"
 
 namespace touchable {
 namespace {
+
 namespace fs = std::filesystem;
+
+/// Debian's matplotlib belongs to this Python; where there is none, whichever comes first.
+const char* python() {
+    constexpr const char* system = "/usr/bin/python3";
+    return access(system, X_OK) == 0 ? system : "python3";
+}
+
+/// The last line that says something: of a fault in Python the one that names it.
+std::string last_line(const std::string& text) {
+    const std::size_t end = text.find_last_not_of("\n ");
+    if (end == std::string::npos) return "";
+    const std::size_t before = text.find_last_of('\n', end);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    return text.substr(begin, end + 1 - begin);
+}
+
+std::string read_all(int from) {
+    std::string text;
+    std::array<char, 4096> block;
+    for (;;) {
+        const ssize_t count = read(from, block.data(), block.size());
+        if (count > 0) text.append(block.data(), static_cast<std::size_t>(count));
+        if (count == 0 || (count < 0 && errno != EINTR)) return text;
+    }
+}
+
+/// Starts it with standard output into `to` and standard error into `errors`: 0 or errno.
+int start(const std::vector<std::string>& command, const fs::path& to, int errors, pid_t& child) {
+    std::vector<char*> words;
+    for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
+    words.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    if (const int why = posix_spawn_file_actions_init(&files)) return why;
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, to.c_str(), O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&files, errors, STDERR_FILENO);
+    const int why = posix_spawnp(&child, words[0], &files, nullptr, words.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    return why;
+}
+
+/// Runs player/plot/plot.py, which needs Python and matplotlib, with these words. Its picture goes to the
+/// open or new file `to`. What it says against its input is an input error.
+Result<void> run_plot_script(const std::vector<std::string>& words, const fs::path& to) {
+    const fs::path script = fs::path(TOUCHABLE_PLOT_FOLDER) / "plot.py";
+    if (access(script.c_str(), R_OK) != 0)
+        return input_error(script.string() +
+                           " is not there; `plot` needs the folder that touchable was built from");
+    std::vector<std::string> command{python(), script.string()};
+    command.insert(command.end(), words.begin(), words.end());
+    std::array<int, 2> errors;
+    if (pipe2(errors.data(), O_CLOEXEC) != 0)
+        return Error{ErrorKind::internal, std::string("no pipe to Python: ") + std::strerror(errno)};
+    pid_t child = 0;
+    const int why = start(command, to, errors[1], child);
+    close(errors[1]);
+    const std::string said = why == 0 ? last_line(read_all(errors[0])) : "";
+    close(errors[0]);
+    if (why != 0)
+        return input_error(std::string("Python cannot be started (") + std::strerror(why) +
+                           "); Debian: python3-matplotlib");
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+    if (said.find("ModuleNotFoundError") != std::string::npos)
+        return input_error("Python lacks what `plot` needs (" + said + "); Debian: python3-matplotlib");
+    return WIFEXITED(status) && WEXITSTATUS(status) == 3
+               ? input_error(said)
+               : Error{ErrorKind::internal, "the plot failed: " + said};
+}
 
 struct PlotOptions {
     fs::path forces, picture;

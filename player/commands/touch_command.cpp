@@ -1,4 +1,4 @@
-#include "player/commands/touch_command.hpp"
+#include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cmath>

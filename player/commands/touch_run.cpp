@@ -1,18 +1,25 @@
 #include "player/commands/touch_run.hpp"
 
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <thread>
 #include <vector>
 
+#include "device/hand_control.hpp"
 #include "engine/printable.hpp"
+#include "engine/start_thread.hpp"
 #include "player/commands/touch_outputs.hpp"
 #include "player/commands/touch_report.hpp"
 #include "player/options/builder_options.hpp"
-#include "player/options/force_keys.hpp"
 #include "player/run/live_session.hpp"
 #include "player/run/memory.hpp"
 #include "player/session/live_port.hpp"
@@ -24,8 +31,53 @@
 #include "player/terminal/standard_output.hpp"
 
 namespace touchable {
-
 namespace {
+
+/// Lines that a person types while a device is held: Enter turns forces on and off, c and Enter recentres.
+/// Listens only where standard input is a terminal.
+class ForceKeys {
+public:
+    /// `control` outlives it.
+    explicit ForceKeys(HandControl& control);
+    ~ForceKeys();
+    ForceKeys(const ForceKeys&) = delete;
+    ForceKeys& operator=(const ForceKeys&) = delete;
+
+    bool listens() const { return thread_.joinable(); }
+
+private:
+    void listen();
+
+    HandControl& control_;
+    std::atomic<bool> over_{false};
+    std::thread thread_;
+};
+
+ForceKeys::ForceKeys(HandControl& control) : control_(control) {
+    if (isatty(STDIN_FILENO) == 0) return;
+    tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before meant something else
+    [[maybe_unused]] const auto started =
+        start_thread(thread_, "force-keys", "that reads keys", [this] { listen(); });
+}
+
+ForceKeys::~ForceKeys() {
+    over_ = true;
+    if (thread_.joinable()) thread_.join();
+}
+
+void ForceKeys::listen() {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    while (!over_) {
+        if (poll(&input, 1, 50) <= 0) continue;
+        char line[64];
+        const auto typed = read(STDIN_FILENO, line, sizeof line);
+        if (typed <= 0) return control_.ask_force(false);  // nobody can stop them any more
+        if (line[0] == 'c' || line[0] == 'C')
+            control_.recentre();
+        else
+            control_.ask_force(!control_.force_is_asked());
+    }
+}
 
 /// Where the table goes: not between figures that another program reads.
 std::ostream& stream_of_words(const TouchOptions& options) {

@@ -1,12 +1,30 @@
 #include "player/options/clip_options.hpp"
 
+#include <CLI/CLI.hpp>
+#include <optional>
+
+#include "engine/scene/scene.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/filters_option.hpp"
 #include "player/options/temporal_option.hpp"
-#include "player/options/terrace_option.hpp"
 #include "player/options/whole_option.hpp"
+#include "player/options/word_option.hpp"
 
 namespace touchable {
+namespace {
+
+/// --terraces, instead of the scene's own.
+CLI::Option* add_terrace_option(CLI::App& sub, std::optional<TerraceRemoval>& terraces) {
+    const Words<TerraceRemoval> words{
+        {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
+    return add_word_option(
+        sub, "--terraces", terraces,
+        "remove those of coarse depth, instead of the scene's: off, on, or auto (where kappa "
+        "says that it helps; see touchable info)",
+        words);
+}
+
+}  // namespace
 
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
     auto* clip = add_file_option(sub, "CLIP", typed.choice.file,

@@ -54,11 +54,6 @@ ImU32 readable_finger_colour(std::size_t finger) {
         ImVec4(c.x + (1 - c.x) * lift, c.y + (1 - c.y) * lift, c.z + (1 - c.z) * lift, 1));
 }
 
-void draw_heading(const char* words) {
-    ImGui::Spacing();
-    ImGui::TextColored(ImGui::GetStyle().Colors[ImGuiCol_SliderGrab], "%s", words);
-}
-
 void draw_remark(const std::string& words) {
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyle().Colors[ImGuiCol_TextDisabled]);
     ImGui::TextWrapped("%s", words.c_str());

@@ -10,11 +10,9 @@ namespace touchable {
 
 // Rows of the panel, where Dear ImGui's cursor is. `scale` as in ScreenSize; less where there is little room.
 
-/// A title of a part of the panel.
-void draw_heading(const char* words);
 /// The title of a part that a click folds away or out; whether it is out. `out`: at first.
 bool draw_fold(const char* words, bool out);
-/// Dim, as long as it takes.
+/// Dim words, over as many lines as they take.
 void draw_remark(const std::string& words);
 /// What a row sets, on its left; the rest of it is for the next item.
 void draw_label(const std::string& words, float scale);

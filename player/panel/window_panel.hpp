@@ -5,10 +5,25 @@
 #include "player/control/window_command.hpp"
 #include "player/panel/curves_panel.hpp"
 #include "player/panel/panel_contents.hpp"
-#include "player/panel/playback_bar.hpp"
 #include "player/panel/settings_panel.hpp"
 
 namespace touchable {
+
+/// The bar below: play, seek, speed, and what else there is room for.
+class PlaybackBar {
+public:
+    /// `scale` as in ScreenSize. Between begin_box and ImGui::End.
+    void draw(const PanelFacts& facts, float width, float height, float scale,
+              std::vector<WindowCommand>& asked);
+    /// Whether there is room for all of it.
+    static bool is_roomy(float width, float scale) { return width > 760 * scale; }
+
+private:
+    void draw_seek(const PanelFacts& facts, float scale, float room, std::vector<WindowCommand>& asked);
+
+    float dragged_seconds_ = 0;
+    bool dragging_ = false;
+};
 
 /// Dear ImGui's part of the window. What a person asks of it comes out as commands.
 class WindowPanel {

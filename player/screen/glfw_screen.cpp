@@ -1,10 +1,14 @@
+#include <dlfcn.h>
+#include <poll.h>
+
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <utility>
 
 #include "player/screen/glfw_keys.hpp"
 #include "player/screen/screen.hpp"
 #include "player/screen/swapchain.hpp"
-#include "player/screen/x_connection.hpp"
 
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
@@ -12,15 +16,96 @@
 namespace touchable {
 namespace {
 
-/// GLFW's last words about what went wrong.
-std::string zero_force_packets() {
+/// GLFW's connection to an X server. Left alone, Xlib ends the program where the server goes away, or another
+/// program destroys the window; with this, its calls do nothing from then on. Nothing of it does anything
+/// where GLFW speaks to something else.
+class XConnection {
+public:
+    /// After glfwInit.
+    void open();
+    bool is_open() const { return socket_ >= 0; }
+    /// The server has gone away. Xlib, and so GLFW, then knows nothing of use any more.
+    bool is_lost() const;
+    /// Another program has destroyed the window: an X server has refused something for that reason.
+    bool has_lost_window() const;
+    /// Until there is something to be read, but no longer than that.
+    void wait(std::chrono::milliseconds longest) const;
+
+private:
+    int socket_ = -1;
+};
+
+std::atomic<bool> met_fault{false};  // of the connection, in the middle of a call
+std::atomic<bool> met_no_window{false};
+
+/// XErrorEvent, whose layout is part of Xlib's interface.
+struct XRefusal {
+    int type;
+    void* display;
+    unsigned long resource, serial;
+    unsigned char error, request, minor_request;
+};
+constexpr unsigned char bad_window = 3, bad_drawable = 9;
+
+/// Of a request that was refused: without it, Xlib ends the program.
+int note_refusal(void*, XRefusal* refusal) {
+    if (refusal->error == bad_window || refusal->error == bad_drawable) met_no_window = true;
+    return 0;
+}
+
+/// GLFW for Wayland has none of these, and Xlib's headers are not needed for them.
+template <class Function>
+Function* function(const char* name) {
+    return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+}
+
+void XConnection::open() {
+    using OnFault = int(void* display);
+    using OnExit = void(void* display, void* data);
+    using OnRefusal = int(void* display, XRefusal*);
+    auto* const display_of_glfw = function<void*()>("glfwGetX11Display");
+    auto* const socket_of = function<int(void*)>("XConnectionNumber");
+    auto* const set_on_fault = function<OnFault*(OnFault*)>("XSetIOErrorHandler");
+    auto* const set_on_exit = function<void(void*, OnExit*, void*)>("XSetIOErrorExitHandler");
+    auto* const set_on_refusal = function<OnRefusal*(OnRefusal*)>("XSetErrorHandler");
+    if (!display_of_glfw || !socket_of || !set_on_fault || !set_on_exit || !set_on_refusal) return;
+    void* const display = display_of_glfw();
+    if (!display) return;
+    set_on_refusal(note_refusal);
+    set_on_fault([](void*) {
+        met_fault = true;
+        return 0;
+    });
+    set_on_exit(
+        display, [](void*, void*) {}, nullptr);
+    socket_ = socket_of(display);
+}
+
+bool XConnection::is_lost() const {
+    if (!is_open()) return false;
+    if (met_fault) return true;
+    pollfd look{socket_, POLLRDHUP, 0};
+    return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
+}
+
+bool XConnection::has_lost_window() const {
+    return is_open() && met_no_window;
+}
+
+void XConnection::wait(std::chrono::milliseconds longest) const {
+    pollfd look{socket_, POLLIN, 0};
+    poll(&look, 1, static_cast<int>(longest.count()));
+}
+
+/// GLFW's own words for what went wrong last.
+std::string glfw_fault() {
     const char* words = nullptr;
     glfwGetError(&words);
     return words ? words : "no reason given";
 }
 
 Error no_display() {
-    return {ErrorKind::gpu, "there is no display to open a window on (" + zero_force_packets() +
+    return {ErrorKind::gpu, "there is no display to open a window on (" + glfw_fault() +
                                 "); run it in a desktop session, or with --headless"};
 }
 

@@ -24,10 +24,7 @@ public:
         if (std::exchange(is_open_, true) && device_->health().ok()) return {};
         return device_->open();
     }
-    /// No force is left of the session that has ended.
-    void close() override {
-        if (is_open_) device_->write_forces(std::vector<glm::dvec3>(static_cast<std::size_t>(fingers())));
-    }
+    void close() override {}
     bool read_positions(std::span<glm::dvec3> device_metres) override {
         return device_->read_positions(device_metres);
     }

@@ -14,7 +14,7 @@
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/video/matroska_writer.hpp"
-#include "player/commands/convert_command.hpp"
+#include "player/commands/commands.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/opened_files.hpp"

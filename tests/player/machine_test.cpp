@@ -4,7 +4,7 @@
 #include <array>
 
 #include "player/check/machine_facts.hpp"
-#include "player/check/trial_verdict.hpp"
+#include "player/check/touch_trial.hpp"
 #include "player/check/vulkan_facts.hpp"
 
 // What `touchable check` makes of what it has measured.
