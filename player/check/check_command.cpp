@@ -18,7 +18,6 @@
 #include "player/check/machine_facts.hpp"
 #include "player/check/touch_trial.hpp"
 #include "player/check/vulkan_facts.hpp"
-#include "player/check/vulkan_facts.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/typed_numbers.hpp"

@@ -8,7 +8,8 @@ class App;
 
 namespace touchable {
 
-// Each adds the subcommand of its name to `app`; where a person types that one, it sets `command` to what does it.
+// Each adds the subcommand of its name to `app`; where a person types that one, it sets `command` to what
+// does it.
 
 void add_make_command(CLI::App& app, Command& command);
 /// A window in which a clip is watched and touched.

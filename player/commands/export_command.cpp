@@ -48,8 +48,8 @@ namespace {
 
 /// Every file `write_frame_files` may write.
 constexpr std::array<const char*, 9> frame_file_names{"colour.png", "depth.png", "codes.png",
-                                                             "codes.json", "valid.png", "haptic.png",
-                                                             "height.png", "mesh.ply",  "scene.json"};
+                                                      "codes.json", "valid.png", "haptic.png",
+                                                      "height.png", "mesh.ply",  "scene.json"};
 
 /// Codes as they lie in memory: two bytes each, host order.
 PlaneView codes_view(const SurfaceFrame& surface) {

@@ -48,8 +48,8 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
 /// What should worry a person about a run, each a line: a report's figures say that it is not what was meant,
 /// or was not felt as it should be. `live`: nullptr for a run of virtual time. `why_no_position`: why the
 /// device that was held never had a position; empty: it had one, or none was held.
-std::vector<std::string> touch_warnings(const Json& report, const SurfaceFeed& feed,
-                                        const LiveFacts* live, const std::string& why_no_position) {
+std::vector<std::string> touch_warnings(const Json& report, const SurfaceFeed& feed, const LiveFacts* live,
+                                        const std::string& why_no_position) {
     std::vector<std::string> warnings;
     if (live)
         add_live_warnings(*live, feed.frames(), feed.dropped_frames(), feed.reader().remarks(), warnings);

@@ -16,7 +16,6 @@
 #include "player/panel/window_panel.hpp"
 #include "player/window/clip_opening.hpp"
 #include "player/window/clip_picture.hpp"
-#include "player/window/clip_picture.hpp"
 #include "player/window/force_scale.hpp"
 #include "player/window/frames_shown.hpp"
 #include "player/window/opened_clip.hpp"
