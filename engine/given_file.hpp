@@ -13,11 +13,6 @@
 
 namespace touchable {
 
-/// An error whose words go behind a name and a colon, told of `where`.
-inline Error error_at(const std::string& where, const Error& error) {
-    return {error.kind, where + ": " + error.message};
-}
-
 /// An ordinary file that a person names, to be read. What is a folder, a pipe or a device is refused at once
 /// (ErrorKind::input): reading it may have no end, and opening it may wait for somebody for ever.
 class GivenFile {

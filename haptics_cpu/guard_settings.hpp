@@ -18,17 +18,7 @@ struct GuardSettings {
     bool waits_to_be_free = false;
 };
 
-/// What a refusal calls them; a program has names of its own.
-struct GuardNames {
-    const char* max_force = "the device's force";
-    const char* max_stiffness = "the device's stiffness";
-    const char* ramp = "a ramp of force";
-    const char* rise = "the rise of stiffness";
-    const char* damping = "damping";
-    const char* passivity = "the passivity controller's damping";
-};
-
 /// Refuses what no guard can keep, by name. A guard that is made of it nevertheless exerts no force.
-Result<void> validate(const GuardSettings& settings, const GuardNames& names = {});
+Result<void> validate(const GuardSettings& settings);
 
 }  // namespace touchable

@@ -16,6 +16,7 @@
 #include "player/check/check_commands.hpp"
 #include "player/commands/commands.hpp"
 #include "player/options/command.hpp"
+#include "player/options/setting_words.hpp"
 #include "player/terminal/interrupt.hpp"
 #include "player/terminal/standard_output.hpp"
 
@@ -25,7 +26,7 @@ namespace {
 int fail(const Error& error) {
     std::cout.flush();
     constexpr std::size_t longest = 2000;  // of a line that a person reads; names in it may be anything
-    std::cerr << "touchable: " << printable(error.message, longest) << '\n';
+    std::cerr << "touchable: " << printable(message_with_options(error), longest) << '\n';
     return exit_code(error.kind);
 }
 

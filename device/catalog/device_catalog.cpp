@@ -45,7 +45,8 @@ Error also_unplugged(Error error, std::string_view name) {
 
 Error unknown_device(const std::string& name) {
     if (name == "mouse")
-        return usage_error("--device mouse is the window's, where no device is needed: touchable play CLIP");
+        return usage_error("device mouse is the window's, where no device is needed: touchable play CLIP",
+                           {{Setting::device}});
     std::vector<std::string> words;
     for (const DeviceKind& each : kinds) words.emplace_back(each.name);
     words.emplace_back("simulated");

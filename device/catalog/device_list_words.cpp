@@ -9,7 +9,8 @@
 namespace touchable {
 namespace {
 
-constexpr const char* simulated_words = "a handle that a scripted hand holds; touch alone, with --hand";
+constexpr const char* simulated_words =
+    "a handle that a scripted hand holds; touch alone, with that hand named beside it";
 
 std::string ids_in_words(const ConnectedDevice& device) {
     constexpr const char* digits = "0123456789abcdef";
@@ -27,11 +28,11 @@ std::string listed(const std::vector<std::string>& items) {
     return words;
 }
 
-std::string device_lines(const ConnectedDevice& device) {
+std::string device_lines(const ConnectedDevice& device, const std::string& naming) {
     std::string words = device.what + "  (" + device.place + ", " + ids_in_words(device);
     if (!device.name.empty()) words += ", " + in_quotes(device.name);
     words += ")\n";
-    if (!device.driven.empty()) words += "    drive it with:  --device " + device.driven + "\n";
+    if (!device.driven.empty()) words += "    drive it with:  " + naming + device.driven + "\n";
     if (!device.why_not.empty()) words += "    known, but cannot be driven: " + device.why_not + "\n";
     if (!device.firmware.empty()) words += "    firmware: " + printable(device.firmware) + "\n";
     if (!device.node.empty())
@@ -47,23 +48,21 @@ std::string device_lines(const ConnectedDevice& device) {
 
 }  // namespace
 
-std::string devices_in_words(const std::vector<ConnectedDevice>& devices) {
+std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming) {
     if (devices.empty())
         return std::string(
                    "No device that is known here is connected: plug one in and switch it on. Most have to be "
                    "permitted, once for all of them:\n    ") +
-               udev_rules_command +
-               "\nNone is needed: any program can be the hand (--device network), and in the window the "
-               "mouse is "
-               "(touchable play).\n";
+               udev_rules_command + "\nNone is needed: any program can be the hand (" + naming +
+               "network), and in the window the mouse is (touchable play).\n";
     std::string words;
-    for (const ConnectedDevice& device : devices) words += device_lines(device);
+    for (const ConnectedDevice& device : devices) words += device_lines(device, naming);
     return words;
 }
 
 std::string device_words_in_words() {
     constexpr std::size_t column = 24;
-    std::string words = "What --device takes (docs/devices.md has each one's keys):\n";
+    std::string words;
     const auto line = [&words](std::string_view word, std::string_view what) {
         words += "    " + std::string(word) +
                  std::string(word.size() < column ? column - word.size() : 1, ' ') + std::string(what) + "\n";
@@ -71,9 +70,7 @@ std::string device_words_in_words() {
     for (const DeviceKind& kind : device_kinds())
         line(std::string(kind.name) + std::string(kind.keys), kind.words);
     line("simulated", simulated_words);
-    return words +
-           "See whether it works:  touchable check --device NAME\n"
-           "Touch with it:         touchable touch CLIP --live --device NAME\n";
+    return words;
 }
 
 std::string devices_in_json(const std::vector<ConnectedDevice>& devices) {

@@ -80,10 +80,10 @@ Result<bool> FalconDriver::answers(const GivenUp& given_up) {
 Result<void> FalconDriver::load(const GivenUp& given_up) {
     constexpr int most_goes = 4;
     if (settings_.firmware.empty())
-        return Error{
-            ErrorKind::device,
-            "Novint Falcon: has no firmware, which it loses with its power; name the file with --device "
-            "falcon:firmware=FILE (docs/devices.md says where an owner finds it)"};
+        return Error{ErrorKind::device,
+                     "Novint Falcon: has no firmware, which it loses with its power; name the file: "
+                     "falcon:firmware=FILE (docs/devices.md says where an owner finds it)",
+                     {{Setting::device}}};
     Error last;
     for (int go = 0; go < most_goes; ++go) {
         const auto loaded =

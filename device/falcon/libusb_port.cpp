@@ -194,10 +194,9 @@ Result<std::unique_ptr<UsbPort>> open_usb_port(const fs::path& node, const std::
     const std::string named = name + " at " + node.string();
     const int descriptor = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
     if (descriptor < 0 && (errno == EACCES || errno == EPERM))
-        return Error{ErrorKind::device, named +
-                                            ": no permission; 'touchable devices --udev-rules | sudo tee "
-                                            "/etc/udev/rules.d/70-touchable.rules && sudo udevadm control "
-                                            "--reload' gives it; then plug it in again"};
+        return Error{ErrorKind::device,
+                     named + ": no permission; the program's rules of udev give it; then plug it in again",
+                     {{Setting::device_rules}}};
     if (descriptor < 0) return Error{ErrorKind::device, named + ": " + std::strerror(errno)};
     auto port = std::make_unique<LibusbPort>(named, descriptor);
     if (auto held = port->hold(); !held.ok()) return held.error();

@@ -31,14 +31,10 @@ Error not_opened(const std::string& node, int failure) {
         node + (is_missing     ? ": is not there"
                 : is_forbidden ? ": may not be opened by this user"
                                : std::string(": cannot be opened (") + std::strerror(failure) + ")");
-    if (is_forbidden)
-        words +=
-            "; 'touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo "
-            "udevadm "
-            "control --reload' permits it; then plug it in again";
+    if (is_forbidden) words += "; the program's rules of udev permit it; then plug it in again";
     if (is_missing || failure == ENODEV || failure == ENXIO)
         words += "; right would be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
-    return {ErrorKind::device, std::move(words)};
+    return {ErrorKind::device, std::move(words), is_forbidden ? Hints{{Setting::device_rules}} : Hints()};
 }
 
 }  // namespace

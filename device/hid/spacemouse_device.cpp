@@ -26,7 +26,8 @@ Result<std::unique_ptr<ReportTransport>> open_spacemouse(const std::string& node
         if (!found)
             return Error{ErrorKind::device,
                          "no SpaceMouse is connected (USB 046d:c6xx or 256f): plug one in, or name its node: "
-                         "--device spacemouse:node=/dev/hidraw0"};
+                         "spacemouse:node=/dev/hidraw0",
+                         {{Setting::device}}};
         at = found->node;
     }
     auto opened = HidTransport::open(at);

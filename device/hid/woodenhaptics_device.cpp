@@ -24,7 +24,8 @@ Result<std::unique_ptr<ReportTransport>> open_woodenhaptics(const std::string& n
         if (!found)
             return Error{ErrorKind::device,
                          "no WoodenHaptics is connected (USB 1234:0006): plug one in, or name its node: "
-                         "--device woodenhaptics:file=FILE,node=/dev/hidraw0"};
+                         "woodenhaptics:file=FILE,node=/dev/hidraw0",
+                         {{Setting::device}}};
         at = found->node;
     }
     auto opened = HidTransport::open(at);

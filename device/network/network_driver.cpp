@@ -148,7 +148,7 @@ std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress
     if (packet.fingers != settings_.fingers)
         return "packets with " + std::to_string(packet.fingers) + " fingers came and " +
                std::to_string(settings_.fingers) + (settings_.fingers == 1 ? " is" : " are") +
-               " expected: --device network:fingers=" + std::to_string(packet.fingers);
+               " expected: network:fingers=" + std::to_string(packet.fingers);
     if (!peer_) return {};
     if (peer_->address != from) return "a second hand came while another was there";
     return is_newer(packet.sequence, peer_->sequence) ? "" : "packets came that are not newer than the last";

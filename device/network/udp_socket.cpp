@@ -62,8 +62,10 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
     if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own->words), sizeof own->words) == 0)
         return {};
     Error error = socket_error(where);
-    if (errno == EADDRINUSE)
-        error.message += ": another program listens there; --device network:port=N takes another";
+    if (errno == EADDRINUSE) {
+        error.message += ": another program listens there; network:port=N takes another";
+        error.hints = {{Setting::device}};
+    }
     if (errno == EADDRNOTAVAIL) error.message += ": right would be an address that this machine has";
     close();
     return error;

@@ -37,22 +37,19 @@ std::string format_line(const NodeFormat& format) {
 }
 
 /// How to touch it, with the colour of the same camera where there is one.
-std::string touch_line(const NodeFacts& facts, const std::vector<NodeFacts>& all) {
+std::string touch_line(const NodeFacts& facts, const std::vector<NodeFacts>& all, const HowToTouch& how) {
     const auto beside = std::find_if(all.begin(), all.end(), [&](const NodeFacts& other) {
         return has_colour(other) && !other.bus.empty() && other.bus == facts.bus;
     });
-    std::string words = "    touch it:  touchable touch --live --camera v4l2:" + facts.node + '\n';
-    if (beside != all.end())
-        words += "    see it in its colour, and touch it:  touchable play --camera v4l2:" + facts.node +
-                 ",colour=" + beside->node + '\n';
-    return words;
+    const std::string camera = "v4l2:" + facts.node;
+    return how(camera, beside == all.end() ? "" : camera + ",colour=" + beside->node);
 }
 
-std::string node_lines(const NodeFacts& facts, const std::vector<NodeFacts>& all) {
+std::string node_lines(const NodeFacts& facts, const std::vector<NodeFacts>& all, const HowToTouch& how) {
     std::string words = facts.node + "  " + printable(facts.card) + " (" + printable(facts.driver) +
                         (facts.bus.empty() ? "" : ", " + printable(facts.bus)) + ")\n";
     for (const NodeFormat& format : facts.formats) words += format_line(format);
-    if (has_depth(facts)) return words + touch_line(facts, all);
+    if (has_depth(facts)) return words + touch_line(facts, all, how);
     if (!facts.captures) return words + "    gives no pictures: a node of metadata or of another kind\n";
     return words + (has_colour(facts) ? "    colour alone: there is nothing to touch\n"
                                       : "    nothing that can be touched (Z16, Y16) or shown\n");
@@ -76,7 +73,7 @@ std::string missing_depth(const std::vector<NodeFacts>& all) {
 
 }  // namespace
 
-std::string cameras_in_words(VideoSystem& system) {
+std::string cameras_in_words(VideoSystem& system, const HowToTouch& how) {
     const std::vector<std::string> nodes = system.nodes();
     if (nodes.empty())
         return "No camera is there (no /dev/video*): plug one in. Where one is plugged in, its driver is "
@@ -90,7 +87,7 @@ std::string cameras_in_words(VideoSystem& system) {
         else
             closed += facts.error().message + '\n';
     }
-    for (const NodeFacts& facts : all) words += node_lines(facts, all);
+    for (const NodeFacts& facts : all) words += node_lines(facts, all, how);
     words += closed + missing_depth(all);
     if (closed.empty() && std::none_of(all.begin(), all.end(), has_depth))
         words += "None of them gives depth (Z16, or Y16) that can be touched.\n";

@@ -100,15 +100,17 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
     const bool is_intels = facts.card.find("RealSense") != std::string::npos;
     if (is_intels && known.preset.empty()) {
         known.preset = "realsense";
-        add_remark(remarks, {"it is as --preset realsense has it, of 1 mm a code", true,
-                             "--depth-unit METRES says otherwise: 0.0001 of a D405, 0.00025 of an L515"});
+        add_remark(remarks, {"it is as preset realsense has it, of 1 mm a code",
+                             true,
+                             "a code is 0.0001 m of a D405, 0.00025 m of an L515",
+                             {{Setting::depth_unit}}});
     }
     const Preset* preset = known.preset.empty() ? nullptr : preset_named(known.preset);
     const bool has_unit = known.metres_per_code || preset != nullptr;
     if (format == V4L2_PIX_FMT_Z16 && !has_unit) {
         known.metres_per_code = 0.001;
-        add_remark(remarks, {"a code is 1 mm, as most cameras of Z16 have it", true,
-                             "--depth-unit METRES says otherwise"});
+        add_remark(remarks,
+                   {"a code is 1 mm, as most cameras of Z16 have it", true, {}, {{Setting::depth_unit}}});
     }
     if (format != V4L2_PIX_FMT_Z16)
         add_remark(remarks,
@@ -125,13 +127,13 @@ Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t form
     const SourceDescription all = with_card(facts, format, known, remarks);
     auto guessed =
         guess_scene(std::filesystem::path(facts.node).parent_path(), picture_of(fullest(first)), all);
-    if (!guessed) return Error{guessed.error().kind, facts.node + ": " + guessed.error().message};
+    if (!guessed) return error_at(facts.node, guessed.error());
     Scene& scene = guessed->scene;
     if (!scene.stored.is_plain() || scene.depth.kind != DepthCodingKind::metric)
         return usage_error(facts.node +
-                           ": a camera's codes are lengths: --depth-unit METRES says what a stored 1 stands "
-                           "for, such as 0.001" +
-                           (all.preset.empty() ? "" : "; --preset " + all.preset + " is of other pictures"));
+                               ": a camera's codes are lengths: say how many metres a stored 1 stands for" +
+                               (all.preset.empty() ? "" : "; preset " + all.preset + " is of other pictures"),
+                           {{Setting::depth_unit, "0.001"}});
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
     scene.name = facts.card;
     return settled(*guessed, std::move(guessed->inputs), first, facts.node);

@@ -65,7 +65,7 @@ Result<std::unique_ptr<V4l2Stream>> V4l2Stream::open(std::shared_ptr<VideoSystem
                                                      const NodeFacts& facts, const NodeFormat& format,
                                                      const ModeWish& wish) {
     const auto mode = choose_mode(format, wish);
-    if (!mode) return Error{mode.error().kind, facts.node + ": " + mode.error().message};
+    if (!mode) return error_at(facts.node, mode.error());
     std::unique_ptr<V4l2Stream> stream(new V4l2Stream(std::move(system), facts.node));
     stream->descriptor_ = stream->system_->open(facts.node.c_str());
     if (stream->descriptor_ < 0) return stream->trouble(errno);

@@ -4,10 +4,15 @@
 
 namespace touchable {
 
+std::vector<Remark> remarks_of(const ClipReader& clip) {
+    std::vector<Remark> remarks = clip.scene().remarks;
+    for (const std::string& note : clip.notes()) remarks.push_back({note});
+    return remarks;
+}
+
 std::vector<std::string> clip_notes(const ClipReader& clip) {
     std::vector<std::string> told;
-    for (const Remark& remark : clip.scene().remarks) told.push_back(remark_in_words(remark));
-    told.insert(told.end(), clip.notes().begin(), clip.notes().end());
+    for (const Remark& remark : remarks_of(clip)) told.push_back(remark_in_words(remark));
     return told;
 }
 

@@ -91,6 +91,8 @@ private:
 };
 
 /// All a person should know of a clip: what was guessed or remarked of its scene, then the reader's notes.
+std::vector<Remark> remarks_of(const ClipReader& clip);
+/// The same in words (remark_in_words).
 std::vector<std::string> clip_notes(const ClipReader& clip);
 
 }  // namespace touchable

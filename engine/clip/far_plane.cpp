@@ -119,7 +119,7 @@ Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> c
     Prefetch ahead(std::move(clip));
     if (auto looked = look_at_clip(ahead, estimator); !looked) return looked.error();
     auto note = estimator.settle(scene);
-    if (!note) return Error{note.error().kind, file.string() + ": " + note.error().message};
+    if (!note) return error_at(file.string(), note.error());
     auto at_its_beginning = ahead.finish();
     if (!at_its_beginning) return at_its_beginning.error();
     return std::unique_ptr<ClipReader>(

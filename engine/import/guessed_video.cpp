@@ -128,15 +128,16 @@ private:
 
 Result<GuessedScene> VideoGuess::described(const StoredImage& depth, const DepthCoding* coding) const {
     auto guessed = guess_scene(file_.path().parent_path(), depth, known_, coding);
-    if (!guessed) return Error{guessed.error().kind, file_.string() + ": " + guessed.error().message};
+    if (!guessed) return error_at(file_.string(), guessed.error());
     return guessed;
 }
 
 Result<GuessedScene> VideoGuess::of_hue(const PicturePart& part, const DepthCoding& coding) const {
     if (known_.metres_per_code)
         return usage_error(file_.string() +
-                           ": --depth-unit is of grey depth, and here depth is hue: a scene file's "
-                           "depth.near and far say what hues stand for");
+                               ": a unit is of grey depth, and here depth is hue: a scene file's "
+                               "depth.near and far say what hues stand for; leave the unit out",
+                           {{Setting::depth_unit}});
     StoredImage size;
     size.image = {part.width, part.height, 1, 3, {}};
     return described(size, &coding);

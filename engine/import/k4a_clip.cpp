@@ -83,7 +83,7 @@ Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& 
         add_remark(remarks, {"the cameras are those of the recording's calibration.json"});
     }
     auto guessed = guess_scene(file.path().parent_path(), *first, said);
-    if (!guessed) return Error{guessed.error().kind, file.string() + ": " + guessed.error().message};
+    if (!guessed) return error_at(file.string(), guessed.error());
     Scene& scene = guessed->scene;
     scene.name = file.path().stem().string();
     scene.rate = (*video)->rate();

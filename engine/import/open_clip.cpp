@@ -176,7 +176,7 @@ struct Format {
     Opened (*open)(const Candidate&);
     ClipFormat said;
 };
-constexpr Format formats[] = {
+const Format formats[] = {
     {is_matroska,
      [](const Candidate& c) { return open_matroska_clip(c.source, c.described, c.colour); },
      {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
@@ -189,7 +189,8 @@ constexpr Format formats[] = {
     {is_picture,
      open_picture,
      {"a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR, NumPy (.npy, .npz)",
-      "touchable play depth.png --intrinsics 525,525 --depth-unit 0.001"}},
+      "touchable play depth.png",
+      {{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}}},
     {is_ros_recording,
      [](const Candidate& c) { return open_bag_clip(c.source, c.described, c.known, c.colour); },
      {"a recording of a RealSense or of ROS 1 (.bag), plain or packed by LZ4 or bzip2",
@@ -210,6 +211,11 @@ constexpr Format formats[] = {
       "touchable play depth.webm"}},
 };
 
+/// What describes pictures that do not describe themselves.
+Hints of_bare_pictures() {
+    return {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}};
+}
+
 Opened open_file(const SourceFile& source, const std::optional<SceneDescription>& described,
                  const SourceDescription& known, Colour colour) {
     const Candidate candidate{source, described, known, colour};
@@ -217,9 +223,10 @@ Opened open_file(const SourceFile& source, const std::optional<SceneDescription>
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
     if (describes_itself && !(known == SourceDescription()))
-        return usage_error(file.string() +
-                           ": is no picture, so --intrinsics, --fov, --depth-unit and --preset say "
-                           "nothing of it: leave them out");
+        return usage_error(
+            file.string() +
+                ": is no picture, so a camera, a unit or a preset says nothing of it: leave them out",
+            of_bare_pictures());
     if (describes_itself && described && !described->scene.stored.is_plain())
         return usage_error(file.string() +
                            ": the scene's depth.coding is of pictures in files, not of videos");
@@ -261,9 +268,8 @@ Opened open_folder(const std::filesystem::path& folder, const std::optional<Sour
     const auto own = folder / own_scene_file;
     const bool has_own = std::filesystem::is_regular_file(own, failure);
     if (has_own && known)
-        return usage_error(
-            own.string() +
-            ": describes these pictures: leave --intrinsics, --fov, --depth-unit and --preset out");
+        return usage_error(own.string() + ": describes these pictures: leave camera, unit and preset out",
+                           of_bare_pictures());
     if (has_own) return open_described(folder, own, colour);
     auto guessed = guess_folder(folder, known.value_or(SourceDescription()));
     if (!guessed) return guessed.error();
@@ -280,14 +286,13 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
     if (!is_folder && !std::filesystem::is_regular_file(status))
         return input_error(path.string() + ": is neither a file nor a folder");
     if (known && scene_file)
-        return usage_error(
-            path.string() +
-            ": --scene describes it: leave --intrinsics, --fov, --depth-unit and --preset out");
+        return usage_error(path.string() + ": a scene file describes it: leave camera, unit and preset out",
+                           of_bare_pictures());
     if (!is_folder && is_scene_file(path)) {
         if (scene_file || known)
             return usage_error(path.string() + ": is a scene file itself: leave " +
-                               (scene_file ? "--scene" : "--intrinsics, --fov, --depth-unit and --preset") +
-                               " out");
+                                   (scene_file ? "the other one" : "camera, unit and preset") + " out",
+                               scene_file ? Hints{{Setting::scene_file}} : of_bare_pictures());
         return open_described(path.parent_path(), path, colour);
     }
     if (scene_file) return open_described(path, *scene_file, colour);
@@ -335,7 +340,8 @@ std::vector<ClipFormat> clip_formats() {
     said.push_back({"a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...)",
                     "touchable play FOLDER"});
     said.push_back({"a folder, a picture, a video or two with a scene file (docs/scene_file.md)",
-                    "touchable play FOLDER --scene scene.json"});
+                    "touchable play FOLDER",
+                    {{Setting::scene_file, "scene.json"}}});
     return said;
 }
 

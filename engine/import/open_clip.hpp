@@ -17,6 +17,7 @@ namespace touchable {
 struct ClipFormat {
     const char* what;     ///< in words
     const char* command;  ///< how it is opened, such as "touchable play FOLDER"
+    Hints settings{};     ///< with these
 };
 /// All of them, in the order in which they are tried.
 std::vector<ClipFormat> clip_formats();

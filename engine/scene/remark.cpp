@@ -34,7 +34,7 @@ std::string remark_text(const Remark& remark) {
 Remark remark_of_text(std::string_view text) {
     const bool is_guess = text.starts_with(guess_mark);
     if (is_guess) text.remove_prefix(guess_mark.size());
-    return {std::string(text), is_guess, ""};
+    return {std::string(text), is_guess};
 }
 
 std::string remark_in_words(const Remark& remark) {

@@ -5,13 +5,17 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/setting.hpp"
+
 namespace touchable {
 
 /// What a person should know of how a scene came to mean what it means.
 struct Remark {
-    std::string what;         ///< "the camera sees 60 degrees from left to right"
-    bool is_guess = false;    ///< nobody said it
-    std::string otherwise{};  ///< of a guess just made: what says another, "--fov DEGREES says otherwise"
+    std::string what;       ///< "the camera sees 60 degrees from left to right"
+    bool is_guess = false;  ///< nobody said it
+    std::string
+        otherwise{};  ///< of a guess just made: what says another, "a scene file's rate says otherwise"
+    Hints hints{};    ///< likewise, the settings that do
 };
 
 /// What a scene file holds of them at most.
@@ -27,7 +31,8 @@ std::vector<Remark> joined_remarks(std::vector<Remark> first, const std::vector<
 std::string remark_text(const Remark& remark);
 Remark remark_of_text(std::string_view text);
 
-/// As a person reads it: of a guess that comes from a scene file another scene file says another.
+/// As a person reads it: of a guess that comes from a scene file another scene file says another. Without the
+/// hints, whose names a program knows.
 std::string remark_in_words(const Remark& remark);
 
 }  // namespace touchable

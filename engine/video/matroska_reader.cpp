@@ -46,7 +46,9 @@ private:
         std::int64_t until = 0;  // the frame that needs another picture
     };
 
-    Error refuse(const std::string& what) const { return input_error(file_ + ": " + what); }
+    Error refuse(const std::string& what, Hints hints = {}) const {
+        return input_error(file_ + ": " + what, std::move(hints));
+    }
     Result<void> open_file();
     Result<void> start();
     Result<void> read_version_and_rate();
@@ -211,7 +213,9 @@ Result<void> MatroskaReader::read_scene(const std::optional<SceneDescription>& r
 /// Its rate is the recorded one, of which it does not say the frames' own times.
 Result<SceneDescription> MatroskaReader::attached_scene() const {
     const auto json = demuxer_->attachment(clip_tags::scene_file);
-    if (!json) return refuse("has no scene.json attached: describe it with --scene FILE");
+    if (!json)
+        return refuse("has no scene.json attached: describe it with a scene file",
+                      {{Setting::scene_file, "FILE"}});
     auto described = parse_scene(*json, file_ + ": scene.json");
     if (!described) return described;
     const FrameRate& rate = described->scene.rate;

@@ -131,8 +131,9 @@ std::string header_of(std::uint32_t bytes) {
 
 }  // namespace
 
-Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing) {
-    auto opened = OutputFile::create("--sound", file, existing, Pace::wall_clock);
+Result<std::unique_ptr<SoundFile>> SoundFile::create(const std::filesystem::path& file, Existing existing,
+                                                     std::string name) {
+    auto opened = OutputFile::create(std::move(name), file, existing, Pace::wall_clock);
     if (!opened.ok()) return opened.error();
     std::unique_ptr<SoundFile> made(new SoundFile(std::move(*opened)));
     if (auto begun = made->file_->write(header_of(0)); !begun.ok()) return begun.error();
@@ -176,10 +177,10 @@ constexpr std::int64_t longest_gap = 1000;  // ticks: a computer that slept is n
 
 Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
                                                          const std::optional<std::filesystem::path>& file,
-                                                         Existing existing) {
+                                                         Existing existing, std::string name) {
     std::unique_ptr<WindowSound> made(new WindowSound);
     if (file) {
-        auto created = SoundFile::create(*file, existing);
+        auto created = SoundFile::create(*file, existing, std::move(name));
         if (!created.ok()) return created.error();
         made->file_ = std::move(*created);
     }

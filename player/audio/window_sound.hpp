@@ -46,7 +46,8 @@ private:
 class SoundFile {
 public:
     /// An error (ErrorKind::input) where nothing can be written there.
-    static Result<std::unique_ptr<SoundFile>> create(const std::filesystem::path& file, Existing existing);
+    static Result<std::unique_ptr<SoundFile>> create(const std::filesystem::path& file, Existing existing,
+                                                     std::string name);
     /// What does not fit into a WAV file, after six hours, is left out.
     void add(std::span<const StereoSample> samples);
     /// Why nothing more is added; any thread.
@@ -73,7 +74,7 @@ public:
     /// are opened on a thread of their own.
     static Result<std::unique_ptr<WindowSound>> create(bool loudspeakers,
                                                        const std::optional<std::filesystem::path>& file,
-                                                       Existing existing);
+                                                       Existing existing, std::string name = "the sound");
 
     /// The next tick that is known, from a session's thread, one session at a time. `passed`: how many ticks
     /// it is after the one before; more than 1 where those between are not known.

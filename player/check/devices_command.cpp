@@ -23,7 +23,11 @@ Result<void> run_devices(const DevicesOptions& options) {
     if (options.json)
         std::cout << devices_in_json(devices);
     else
-        std::cout << devices_in_words(devices) << '\n' << device_words_in_words();
+        std::cout << devices_in_words(devices, "--device ")
+                  << "\nWhat --device takes (docs/devices.md has each one's keys):\n"
+                  << device_words_in_words()
+                  << "See whether it works:  touchable check --device NAME\n"
+                     "Touch with it:         touchable touch CLIP --live --device NAME\n";
     return {};
 }
 

@@ -7,6 +7,7 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/scene/terraces.hpp"
 #include "engine/trigonometry.hpp"
+#include "player/options/setting_words.hpp"
 
 namespace touchable {
 namespace {
@@ -68,7 +69,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     if (!*first) return input_error(facts.clip + " has no frames; a clip needs at least one");
     facts.tracks = clip->reader->tracks();
     facts.frames = clip->reader->frame_count();
-    facts.notes = clip_notes(*clip->reader);
+    facts.notes = remarks_with_options(remarks_of(*clip->reader));
     add_first_frame(**first, facts);
 
     const Camera& camera = facts.scene.camera;

@@ -18,6 +18,7 @@
 #include "player/commands/convert_report.hpp"
 #include "player/commands/plane_loss.hpp"
 #include "player/options/outputs.hpp"
+#include "player/options/setting_words.hpp"
 #include "player/run/memory.hpp"
 #include "player/session/standard_stroke.hpp"
 #include "player/terminal/interrupt.hpp"
@@ -296,7 +297,7 @@ Result<void> Conversion::run(std::string& at_work) {
     if (!clip.ok()) return clip.error();
     at_work = frames_in_words((*clip)->scene());
     if (auto free = check_places(options_, **clip); !free.ok()) return free;
-    done_.notes = clip_notes(**clip);
+    done_.notes = remarks_with_options(remarks_of(**clip));
     part_ = part_of(options_, **clip);
     from_ns_ = (*clip)->scene().rate.time_ns(part_.first);
     auto source = part_of_clip(std::move(*clip), part_);

@@ -5,6 +5,7 @@
 
 #include "engine/import/guess/presets.hpp"
 #include "engine/import/open_clip.hpp"
+#include "player/options/setting_words.hpp"
 
 namespace touchable {
 namespace {
@@ -12,7 +13,8 @@ namespace {
 Result<void> print_formats() {
     std::cout << "What can be opened (docs/formats.md), and the command that opens it:\n";
     for (const ClipFormat& format : clip_formats())
-        std::cout << "  " << format.what << "\n      " << format.command << '\n';
+        std::cout << "  " << format.what << "\n      " << format.command << typed_options(format.settings)
+                  << '\n';
     std::cout << "Maps of touch that serve all frames of any of them (docs/scene_file.md):\n"
                  "  stiffness and friction: a picture, H3D's X3D (HapticTexturesSurface), glTF "
                  "(MPEG_haptic_material)\n      touchable play depth.webm --haptic surface.x3d\n"

@@ -13,6 +13,7 @@
 #include "player/options/camera_options.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/outputs.hpp"
+#include "player/options/setting_words.hpp"
 
 namespace touchable {
 namespace {
@@ -52,7 +53,8 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (auto written = write_text(target, scene_to_json(*guessed), options.existing); !written.ok())
         return written;
     std::cout << target.string() << " is written; touchable " << target.string() << " opens it\n";
-    for (const Remark& remark : guessed->scene.remarks) std::cout << "  " << remark_in_words(remark) << '\n';
+    for (const std::string& remark : remarks_with_options(guessed->scene.remarks))
+        std::cout << "  " << remark << '\n';
     return {};
 }
 

@@ -21,6 +21,7 @@
 #include "player/options/outputs.hpp"
 #include "player/options/picture_options.hpp"
 #include "player/options/playback_options.hpp"
+#include "player/options/setting_words.hpp"
 #include "player/options/typed_numbers.hpp"
 #include "player/session/touch_figures.hpp"
 #include "player/window/play_window.hpp"
@@ -229,6 +230,7 @@ void find_settings(PlayOptions& options) {
 
 Result<void> run_play(PlayOptions options) {
     find_settings(options);
+    options.names = {"--record", "--sound", "--video", "--screenshot", remark_with_options};
     const bool is_told_at_once = options.headless || options.kiosk;
     auto figures = play_in_window(std::move(options));
     if (!figures.ok()) return figures.error();

@@ -190,16 +190,18 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
         return free.error();
     std::unique_ptr<TouchOutputs> out(new TouchOutputs);
     const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
-    const auto forces = [&](const auto& path) { return ForcesFile::create(path, options.existing, pace); };
+    const auto forces = [&](const auto& path) {
+        return ForcesFile::create(path, options.existing, pace, "--forces");
+    };
     if (auto opened = open_if(options.forces, out->forces_, forces); !opened.ok()) return opened.error();
     if (options.device_log && !setup.device_log)
         return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
     const auto log = [&](const auto& path) {
-        return DeviceLogFile::create(path, options.existing, *setup.device_log);
+        return DeviceLogFile::create(path, options.existing, *setup.device_log, "--device-log");
     };
     if (auto opened = open_if(options.device_log, out->device_log_, log); !opened.ok()) return opened.error();
     const auto record = [&](const auto& path) {
-        return RecordingFile::create(path, setup.settings.fingers, options.existing, pace);
+        return RecordingFile::create(path, setup.settings.fingers, options.existing, pace, "--record");
     };
     if (auto opened = open_if(options.record, out->record_, record); !opened.ok()) return opened.error();
     if (options.record && setup.film) {

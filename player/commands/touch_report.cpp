@@ -9,6 +9,7 @@
 
 #include "player/check/machine_facts.hpp"
 #include "player/commands/filter_facts.hpp"
+#include "player/options/setting_words.hpp"
 #include "player/run/live_session.hpp"
 #include "player/run/surface_feed.hpp"
 #include "player/session/playback_script.hpp"
@@ -252,7 +253,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
                  const SurfacePainter* painter) {
     const std::string cpu = cpu_facts().model;
     const std::vector<std::string> of_run = notes_of_run(setup, figures);
-    std::vector<std::string> notes = setup.notes;
+    std::vector<std::string> notes = remarks_with_options(setup.notes);
     notes.insert(notes.end(), of_run.begin(), of_run.end());
     Json report{{"format", 1},
                 {"clip", setup.clip.file.string()},

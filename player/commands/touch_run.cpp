@@ -242,7 +242,7 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
             if (auto ended = outputs.end_part(*setup); !ended.ok()) return ended;
             const auto gpu = setup->gpu;
             setup.reset();
-            auto next = setup_from_recording(part, *options.replay, options.session, gpu);
+            auto next = setup_from_recording(part, options.session, gpu);
             if (!next.ok()) return next.error();
             setup = std::move(*next);
         }
@@ -267,7 +267,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     const auto recording = read_replayed(options);
     if (!recording.ok()) return recording.error();
     const bool replays = !recording->empty();
-    auto first = replays ? setup_from_recording(recording->front(), *options.replay, options.session)
+    auto first = replays ? setup_from_recording(recording->front(), options.session)
                          : setup_from_options(options.session);
     if (!first.ok()) return first.error();
     std::unique_ptr<TouchSetup> setup = std::move(*first);

@@ -95,20 +95,24 @@ double ScriptClock::at(double now_s) {
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file) {
     constexpr std::size_t largest = std::size_t{16} << 20;
     auto text =
-        read_given_file(file, "--script " + file.string(), "a file of timed inputs (docs/play.md)", largest);
-    if (!text.ok()) return text.error();
+        read_given_file(file, "script " + file.string(), "a file of timed inputs (docs/play.md)", largest);
+    const auto refuse = [](Error error) {
+        error.hints = {{Setting::script}};
+        return error;
+    };
+    if (!text.ok()) return refuse(text.error());
     std::istringstream in(std::move(*text));
     std::vector<ScriptedInput> inputs;
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
         const std::size_t first = line.find_first_not_of(" \t\r");
         if (first == std::string::npos || line[first] == '#') continue;
-        const std::string where = "--script " + file.string() + ", line " + std::to_string(number) + ": ";
+        const std::string where = "script " + file.string() + ", line " + std::to_string(number);
         while (line.ends_with('\r') || line.ends_with(' ')) line.pop_back();
         auto input = read_line(line);
-        if (!input.ok()) return input_error(where + input.error().message);
+        if (!input.ok()) return refuse(input_error(where + ": " + input.error().message));
         if (!inputs.empty() && input->seconds < inputs.back().seconds)
-            return input_error(where + "its time is before that of the line above");
+            return refuse(input_error(where + ": its time is before that of the line above"));
         inputs.push_back(std::move(*input));
     }
     return inputs;

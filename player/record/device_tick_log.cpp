@@ -32,8 +32,9 @@ void DeviceTickLog::push(const DeviceTick& tick) {
 }
 
 Result<std::unique_ptr<DeviceLogFile>> DeviceLogFile::create(const std::filesystem::path& file,
-                                                             Existing existing, DeviceTickLog& log) {
-    auto out = OutputFile::create("--device-log", file, existing, Pace::wall_clock);
+                                                             Existing existing, DeviceTickLog& log,
+                                                             std::string name) {
+    auto out = OutputFile::create(std::move(name), file, existing, Pace::wall_clock);
     if (!out.ok()) return out.error();
     if (auto written = (*out)->write("time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"); !written.ok())
         return written.error();

@@ -51,9 +51,10 @@ private:
 /// `--device-log FILE`, or `-`: a row for each tick and finger (docs/devices.md, Logs). Replays as a device.
 class DeviceLogFile final : public OutputSink {
 public:
-    /// `log` outlives it. Only live runs have one.
+    /// `log` outlives it. Only live runs have one. `name`: as OutputFile has it, here and wherever one is
+    /// made.
     static Result<std::unique_ptr<DeviceLogFile>> create(const std::filesystem::path& file, Existing existing,
-                                                         DeviceTickLog& log);
+                                                         DeviceTickLog& log, std::string name);
     /// Gives the file its name, as OutputFile does. Error: ticks are missing.
     Result<void> finish();
 

@@ -23,7 +23,8 @@ Result<Columns> read_columns(const CsvTable& table) {
     for (std::size_t c = 0; c < Column::count; ++c) {
         if (!table.names(column_names[c]))
             return input_error(table.file() + ": has no column " + column_names[c] +
-                               "; right would be a file that touch --forces wrote");
+                                   "; right would be a file of forces that a run wrote",
+                               {{Setting::forces}});
         const auto at = table.column(column_names[c]);
         if (!at.ok()) return at.error();
         auto values = table.numbers(*at);

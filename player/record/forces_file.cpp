@@ -5,8 +5,8 @@
 namespace touchable {
 
 Result<std::unique_ptr<ForcesFile>> ForcesFile::create(const std::filesystem::path& file, Existing existing,
-                                                       Pace pace) {
-    auto out = OutputFile::create("--forces", file, existing, pace);
+                                                       Pace pace, std::string name) {
+    auto out = OutputFile::create(std::move(name), file, existing, pace);
     if (!out.ok()) return out.error();
     constexpr std::string_view header =
         "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"

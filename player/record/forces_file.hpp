@@ -14,7 +14,7 @@ namespace touchable {
 class ForcesFile final : public OutputSink {
 public:
     static Result<std::unique_ptr<ForcesFile>> create(const std::filesystem::path& file, Existing existing,
-                                                      Pace pace);
+                                                      Pace pace, std::string name);
     /// Gives the file its name, as OutputFile does; without this nothing is left behind.
     Result<void> finish() { return file_->finish(); }
 

@@ -15,8 +15,8 @@ constexpr std::size_t written_at_once = 1 << 16;
 
 }  // namespace
 
-OutputFile::OutputFile(std::string option, const std::filesystem::path& file, Existing existing, Pace pace)
-    : option_(std::move(option)), pace_(pace) {
+OutputFile::OutputFile(std::string what, const std::filesystem::path& file, Existing existing, Pace pace)
+    : what_(std::move(what)), pace_(pace) {
     if (is_standard_output(file)) {
         standard_.emplace(pace);
         return;
@@ -29,13 +29,13 @@ OutputFile::~OutputFile() {
     if (out_ >= 0) close(out_);
 }
 
-Result<std::unique_ptr<OutputFile>> OutputFile::create(std::string option, const std::filesystem::path& file,
+Result<std::unique_ptr<OutputFile>> OutputFile::create(std::string what, const std::filesystem::path& file,
                                                        Existing existing, Pace pace) {
-    std::unique_ptr<OutputFile> out(new OutputFile(std::move(option), file, existing, pace));
+    std::unique_ptr<OutputFile> out(new OutputFile(std::move(what), file, existing, pace));
     if (out->standard_) return out;
     const int why = errno;
     if (auto usable = out->file_->check(); !usable.ok())
-        return input_error(out->option_ + ' ' + usable.error().message);
+        return input_error(out->what_ + ' ' + usable.error().message);
     if (out->out_ < 0) return out->failed(why);
     return out;
 }
@@ -124,7 +124,7 @@ Result<void> OutputFile::finish() {
 }
 
 std::string OutputFile::name() const {
-    return option_ + ' ' + (file_ ? file_->target().string() : "-");
+    return what_ + ' ' + (file_ ? file_->target().string() : "-");
 }
 
 Error OutputFile::failed(int why) const {

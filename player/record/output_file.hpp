@@ -15,14 +15,15 @@
 
 namespace touchable {
 
-/// A file that an option asked for (`--json FILE`), or standard output (`--json -`). A file is opened before
+/// A file that somebody asked for (`--json FILE`), or standard output (`--json -`). A file is opened before
 /// the work that fills it, so that a place where nothing can be written is known at once, and has its name
 /// only when it is complete: whatever goes wrong leaves nothing behind, and an older file as it was. Where
 /// the disk is full, a run by the wall clock keeps the pieces that are whole by then.
 class OutputFile {
 public:
-    /// `option`: as typed, for messages. An error of kind input where nothing can be written there.
-    static Result<std::unique_ptr<OutputFile>> create(std::string option, const std::filesystem::path& file,
+    /// `what`: for messages, as whoever asked for it calls it: "--forces", "the recording". An error of kind
+    /// input where nothing can be written there.
+    static Result<std::unique_ptr<OutputFile>> create(std::string what, const std::filesystem::path& file,
                                                       Existing existing, Pace pace = Pace::own);
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;
@@ -30,7 +31,7 @@ public:
 
     /// What is whole together or not there. After an error nothing more is taken.
     Result<void> write(std::string_view piece);
-    /// For messages: "--forces f.csv", "--forces -".
+    /// For messages: "--forces f.csv", "the recording f.touch".
     std::string name() const;
     Pace pace() const { return pace_; }
     /// Gives the file its name. Nothing may be written after that. An error where anything is missing; by the
@@ -54,11 +55,11 @@ public:
     Result<void> keep();
 
 private:
-    OutputFile(std::string option, const std::filesystem::path& file, Existing existing, Pace pace);
+    OutputFile(std::string what, const std::filesystem::path& file, Existing existing, Pace pace);
     Error failed(int why) const;
     int write_out();
 
-    std::string option_;
+    std::string what_;
     Pace pace_;
     std::optional<NewFile> file_;
     std::optional<StandardOutput> standard_;  ///< in place of a file

@@ -212,7 +212,7 @@ Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, cons
 
 Result<Recording> read_recording(const std::filesystem::path& file) {
     const std::string name = "recording " + file.string();
-    auto given = GivenFile::open(file, name, "a file that --record wrote");
+    auto given = GivenFile::open(file, name, "a recording of a run");
     if (!given.ok()) return given.error();
     RecordingBytes bytes(*given);
     const std::string begin = bytes.of(0, std::min<std::uint64_t>(bytes.size(), head_size));
@@ -256,8 +256,8 @@ Result<void> RecordingFile::add(const std::string& bytes) {
 }
 
 Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::filesystem::path& file, int fingers,
-                                                             Existing existing, Pace pace) {
-    auto opened = OutputFile::create("--record", file, existing, pace);
+                                                             Existing existing, Pace pace, std::string name) {
+    auto opened = OutputFile::create(std::move(name), file, existing, pace);
     if (!opened.ok()) return opened.error();
     std::unique_ptr<RecordingFile> out(new RecordingFile(std::move(*opened), fingers));
     if (auto begun = out->begin_part(); !begun.ok()) return begun.error();

@@ -52,7 +52,8 @@ Result<Recording> read_recording(const std::filesystem::path& file);
 class RecordingFile final : public OutputSink {
 public:
     static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers,
-                                                         Existing existing, Pace pace = Pace::own);
+                                                         Existing existing, Pace pace = Pace::own,
+                                                         std::string name = "the recording");
     /// Of the ticks since the last part: the facts, and the clock's commands.
     void end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
     /// The clip of the last part ends with this frame, for which see `why`: so does the recording, and takes

@@ -43,7 +43,8 @@ Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& ha
     const std::size_t colon = options_colon(description);
     std::string file(description.substr(0, colon));
     if (file.empty())
-        return usage_error("hand 'rec': no file; right would be rec:FILE, which --record wrote");
+        return usage_error("hand 'rec': no file; right would be rec:FILE, a recording of a run",
+                           {{Setting::hand}, {Setting::record}});
     const auto given = HandOptions::parse(
         "hand 'rec'", colon == std::string_view::npos ? "" : description.substr(colon + 1), keys);
     if (!given.ok()) return given.error();

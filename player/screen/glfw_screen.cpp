@@ -105,8 +105,10 @@ std::string glfw_fault() {
 }
 
 Error no_display() {
-    return {ErrorKind::gpu, "there is no display to open a window on (" + glfw_fault() +
-                                "); run it in a desktop session, or with --headless"};
+    return {ErrorKind::gpu,
+            "there is no display to open a window on (" + glfw_fault() +
+                "); run it in a desktop session, or without a window",
+            {{Setting::headless}}};
 }
 
 class GlfwScreen final : public Screen {

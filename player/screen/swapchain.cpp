@@ -69,7 +69,8 @@ Result<void> Swapchain::choose() {
         vkGetPhysicalDeviceSurfaceSupportKHR(gpu.physical, gpu.queue_family, surface_->handle(), &shows);
     if (asked != VK_SUCCESS || !shows)
         return Error{ErrorKind::gpu,
-                     gpu.facts.name + " cannot show pictures in this window; --gpu names another"};
+                     gpu.facts.name + " cannot show pictures in this window; another GPU may",
+                     {{Setting::gpu, "NAME"}}};
     const auto formats = all_of<VkSurfaceFormatKHR>([&](std::uint32_t* count, VkSurfaceFormatKHR* to) {
         return vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physical, surface_->handle(), count, to);
     });

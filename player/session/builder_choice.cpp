@@ -27,11 +27,13 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     if (choice.name == "cpu") return make_cpu_builder(scene);
     if (choice.name == "lazy" && scene.filter.temporal)
         return usage_error(
-            "--builder lazy cannot filter in time: it knows nothing of pixels that nobody touched; right "
-            "would be another builder, or --temporal off");
+            "builder lazy cannot filter in time: it knows nothing of pixels that nobody touched; right "
+            "would be another builder, or no filter in time",
+            {{Setting::builder}, {Setting::temporal, "off"}});
     if (choice.name == "lazy") return make_lazy_builder(scene);
     if (choice.name == "reference") return make_reference_builder(scene);
-    if (choice.name != "vulkan") return usage_error("--builder " + choice.name + " is not known");
+    if (choice.name != "vulkan")
+        return usage_error("builder " + choice.name + " is not known", {{Setting::builder}});
     auto vulkan = make_vulkan(scene, gpu);
     if (vulkan.ok() || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
     warn(vulkan.error().message + "; the cpu builder does its work");

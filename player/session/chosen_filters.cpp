@@ -45,7 +45,8 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
         return usage_error(
             "the temporal filter is to be on, but the scene does not say how noisy its depth is, and its "
             "first frames show no "
-            "noise; right would be that noise in scene units, such as --temporal 1.5");
+            "noise; right would be that noise in scene units",
+            {{Setting::temporal, "1.5"}});
     if (auto valid = validate(scene); !valid.ok()) return usage_error(valid.error().message);
     chosen.measured = measured->depth;
     chosen.damage = measured->damage;

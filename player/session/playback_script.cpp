@@ -92,9 +92,10 @@ Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const
 
 Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file) {
     constexpr std::size_t largest = std::size_t{16} << 20;
-    const auto text = read_given_file(file, "--play " + file.string(),
+    const auto text = read_given_file(file, "play " + file.string(),
                                       "a file of playback commands (docs/playback.md)", largest);
-    if (!text.ok() && text.error().kind == ErrorKind::input) return usage_error(text.error().message);
+    if (!text.ok() && text.error().kind == ErrorKind::input)
+        return usage_error(text.error().message, {{Setting::playback}});
     if (!text.ok()) return text.error();
     return parse_playback(*text, file.string());
 }

@@ -60,7 +60,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
 /// The clip's frames on their way to the surface.
 Result<void> make_feed(TouchSetup& setup, OpenClip clip, const SessionOptions& options) {
     setup.scene = std::move(clip.scene);
-    setup.notes = clip_notes(*clip.reader);
+    setup.notes = remarks_of(*clip.reader);
     setup.filters = std::move(clip.chosen);
     if (!setup.gpu) setup.gpu = options.gpu ? options.gpu : std::make_shared<RunGpu>(options.builder.gpu);
     if (auto chosen = choose_builder(setup, clip.reader->frame_count(), options); !chosen.ok()) return chosen;
@@ -81,8 +81,9 @@ Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
     if (!hand.ok()) return hand.error();
     const int fingers = (*hand)->fingers();
     if (options.fingers != 1 && options.fingers != fingers)
-        return usage_error("--fingers " + std::to_string(options.fingers) + ": " + options.hand + " has " +
-                           std::to_string(fingers) + "; leave it out");
+        return usage_error("fingers " + std::to_string(options.fingers) + ": " + options.hand + " has " +
+                               std::to_string(fingers) + "; leave it out",
+                           {{Setting::fingers}});
     setup.settings.fingers = fingers;
     setup.settings.touch.metres_per_scene_unit = (*hand)->metres_per_scene_unit();
     setup.hand = std::move(*hand);
@@ -102,8 +103,9 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
     const bool ends =
         setup.ticks() || options.live || PlaybackClock(setup.scene.rate, playback).plays_to_the_end();
     if (ends) return {};
-    return usage_error("playback '" + in_words(playback) +
-                       "' never comes to the clip's end; --seconds must say how long to touch");
+    return usage_error(
+        "playback '" + in_words(playback) + "' never comes to the clip's end; how long to touch must be said",
+        {{Setting::seconds}});
 }
 
 /// Where a device stands over the clip: as somebody says, as the clip's first frame says, or fitted to what
@@ -168,9 +170,10 @@ Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) 
     if (!options.held_device) return {};
     const int fingers = options.held_device->fingers();
     if (options.fingers != 1 && options.fingers != fingers)
-        return usage_error("--fingers " + std::to_string(options.fingers) + ": the " +
-                           options.held_device->name() + " has " + std::to_string(fingers) +
-                           "; leave it out");
+        return usage_error("fingers " + std::to_string(options.fingers) + ": the " +
+                               options.held_device->name() + " has " + std::to_string(fingers) +
+                               "; leave it out",
+                           {{Setting::fingers}});
     setup.settings.fingers = fingers;
     setup.held_device = options.held_device;
     setup.device_words = options.held_device->name();
@@ -237,27 +240,29 @@ namespace {
 
 /// Why the recorded clip could not be opened; where it, or its scene file, is gone, how to say where it is
 /// now.
-Error gone(Error error, const TouchSetup& setup, const std::filesystem::path& file,
-           const ClipChoice& instead) {
+Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
     std::error_code ignored;
-    const std::string again = "; where it is now can be said: --replay " + file.string();
+    const auto say = [&error](Setting setting) {
+        error.message += "; where it is now can be said";
+        error.hints = {{setting, setting == Setting::clip ? "" : "FILE"}};
+    };
     const auto& scene_file = setup.clip.scene_file;
     if (instead.file.empty() && !std::filesystem::exists(setup.clip.file, ignored))
-        error.message += again + " CLIP";
+        say(Setting::clip);
     else if (!instead.scene_file && scene_file && !std::filesystem::exists(*scene_file, ignored))
-        error.message += again + " --scene FILE";
+        say(Setting::scene_file);
     else if (const auto& haptic = setup.clip.maps.haptic;
              haptic && !std::filesystem::exists(*haptic, ignored))
-        error.message += again + " --haptic FILE";
+        say(Setting::haptic_map);
     else if (const auto& height = setup.clip.maps.height;
              height && !std::filesystem::exists(*height, ignored))
-        error.message += again + " --height FILE";
+        say(Setting::height_map);
     return error;
 }
 
-/// The recorded clip, or the one it is now, as the `recorded` scene.
-Result<OpenClip> open_recorded(TouchSetup& setup, const SceneDescription& recorded,
-                               const std::filesystem::path& file, const ClipChoice& instead) {
+/// The recorded clip, or the one it is now, as the `recorded` scene. Errors name the recording by `name`.
+Result<OpenClip> open_recorded(TouchSetup& setup, const SceneDescription& recorded, const std::string& name,
+                               const ClipChoice& instead) {
     if (!instead.file.empty()) setup.clip.file = instead.file;
     if (instead.scene_file) {
         setup.clip.scene_file = instead.scene_file;
@@ -267,7 +272,7 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const SceneDescription& record
     if (instead.maps.height) setup.clip.maps.height = instead.maps.height;
     if (setup.clip.as_camera && !recorded.unstated.rate) setup.clip.as_camera->rate = recorded.scene.rate;
     auto reader = setup.clip.open(Colour::left_out);
-    if (!reader.ok()) return gone(reader.error(), setup, file, instead);
+    if (!reader.ok()) return gone(reader.error(), setup, instead);
     const Scene& stored = (*reader)->scene();
     if (stored.width != recorded.scene.width || stored.height != recorded.scene.height)
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
@@ -275,7 +280,7 @@ Result<OpenClip> open_recorded(TouchSetup& setup, const SceneDescription& record
                            std::to_string(recorded.scene.width) + "x" +
                            std::to_string(recorded.scene.height));
     auto scene = settle(recorded, {.rate = stored.rate});
-    if (!scene.ok()) return input_error(file.string() + ": its scene: " + scene.error().message);
+    if (!scene.ok()) return input_error(name + ": its scene: " + scene.error().message);
     return OpenClip{std::move(*reader), std::move(*scene), {}};
 }
 
@@ -307,7 +312,6 @@ void follow(const RecordedPart& part, TouchSetup& setup) {
 }  // namespace
 
 Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& part,
-                                                         const std::filesystem::path& file,
                                                          const SessionOptions& options,
                                                          std::shared_ptr<RunGpu> gpu) {
     auto setup = std::make_unique<TouchSetup>();
@@ -315,7 +319,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& par
     setup->settings.fingers = part.fingers;
     const auto scene = read_recorded_facts(part.facts, part.name, *setup);
     if (!scene.ok()) return scene.error();
-    auto clip = open_recorded(*setup, *scene, file, options.clip);
+    auto clip = open_recorded(*setup, *scene, part.name, options.clip);
     if (!clip.ok()) return clip.error();
     SessionOptions as_recorded = options;
     as_recorded.recorded = true;

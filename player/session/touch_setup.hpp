@@ -21,7 +21,7 @@ namespace touchable {
 struct TouchSetup {
     ClipChoice clip;
     Scene scene;                           ///< as this run applies it
-    std::vector<std::string> notes;        ///< what is told of the clip (clip_notes)
+    std::vector<Remark> notes;             ///< of the clip (remarks_of)
     std::optional<ChosenFilters> filters;  ///< nothing: all were stated
     BuilderChoice builder;                 ///< not auto any more
     std::string builder_why;  ///< why auto, or another than was asked for; empty: it was asked for by name
@@ -57,11 +57,9 @@ struct TouchSetup {
 };
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);
-/// The run of `part`, whose recording was read from `file` and which outlives the setup: by
-/// `options.builder`, and over the clip and scene file of `options.clip` where they are given. `gpu`: that of
-/// the part before; nothing: its own.
+/// The run of `part`, which outlives the setup: by `options.builder`, and over the clip and scene file of
+/// `options.clip` where they are given. `gpu`: that of the part before; nothing: its own.
 Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& part,
-                                                         const std::filesystem::path& file,
                                                          const SessionOptions& options,
                                                          std::shared_ptr<RunGpu> gpu = nullptr);
 

@@ -37,7 +37,8 @@ Result<MeshPipeline> MeshPipeline::create(const GpuDevice& device) {
     if (!device.facts().draws_triangles)
         return Error{
             ErrorKind::gpu,
-            device.facts().name + " draws no triangles, which --painter mesh needs; raster and cpu do not"};
+            device.facts().name + " draws no triangles, which the painter mesh needs; raster and cpu do not",
+            {{Setting::painter, "raster"}}};
     MeshPipeline pipeline;
     for (const bool is_mixed : {false, true}) {
         GraphicsLook look;

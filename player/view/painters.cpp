@@ -21,8 +21,9 @@ Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const
 Result<std::unique_ptr<SurfacePainter>> make_painter(std::string_view name, const OpenGpu& open_gpu) {
     if (name == "cpu") return make_cpu_painter();
     if (name != "auto" && name != "raster" && name != "mesh")
-        return usage_error("--painter " + std::string(name) +
-                           " is not known; there are auto, cpu, raster and mesh");
+        return usage_error(
+            "painter " + std::string(name) + " is not known; there are auto, cpu, raster and mesh",
+            {{Setting::painter}});
     auto painter = gpu_painter(name, open_gpu);
     if (!painter.ok() && name == "auto") return make_cpu_painter();
     return painter;

@@ -29,11 +29,12 @@ public:
         const std::size_t bytes =
             std::size_t{8} * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
         if (bytes > device_->facts().limits.max_storage_buffer_range)
-            return Error{ErrorKind::gpu, "a picture of " + std::to_string(camera.width) + "x" +
-                                             std::to_string(camera.height) +
-                                             " samples is too large for --painter "
-                                             "raster on " +
-                                             device_->facts().name + "; cpu and mesh draw it"};
+            return Error{ErrorKind::gpu,
+                         "a picture of " + std::to_string(camera.width) + "x" +
+                             std::to_string(camera.height) +
+                             " samples is too large for the painter raster on " + device_->facts().name +
+                             "; cpu and mesh draw it",
+                         {{Setting::painter, "mesh"}}};
         const std::size_t large_bytes = SurfaceRaster::large_bytes(surface.width, surface.height);
         if (auto reserved = reserve(bytes, large_bytes); !reserved.ok()) return reserved.error();
 

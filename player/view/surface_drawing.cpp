@@ -44,8 +44,9 @@ SurfaceDrawing::SurfaceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing 
 Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<GpuDevice> device,
                                                                std::string_view painter) {
     if (painter != "auto" && painter != "raster" && painter != "mesh")
-        return usage_error("--painter " + std::string(painter) +
-                           " does not draw on a GPU; auto, raster and mesh do");
+        return usage_error(
+            "painter " + std::string(painter) + " does not draw on a GPU; auto, raster and mesh do",
+            {{Setting::painter}});
     if (!device->facts().draws_triangles)
         return Error{ErrorKind::gpu, device->facts().name + " draws no triangles, which a window needs"};
     auto fingers = FingerDrawing::create(device);
@@ -129,10 +130,11 @@ Result<void> SurfaceDrawing::reserve_pixels(const ViewCamera& camera) {
                                static_cast<std::size_t>(camera.height);
     const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
     if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
-        return Error{ErrorKind::gpu, "a picture of " + std::to_string(camera.width) + "x" +
-                                         std::to_string(camera.height) +
-                                         " pixels is too large for --painter raster on " +
-                                         device_->facts().name + "; mesh draws it"};
+        return Error{ErrorKind::gpu,
+                     "a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                         " pixels is too large for the painter raster on " + device_->facts().name +
+                         "; mesh draws it",
+                     {{Setting::painter, "mesh"}}};
     const struct {
         GpuBuffer& buffer;
         const char* name;

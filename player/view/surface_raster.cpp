@@ -21,7 +21,8 @@ Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
     if (!device.facts().int64_atomics)
         return Error{ErrorKind::gpu,
                      device.facts().name +
-                         " has no 64-bit atomics, which --painter raster needs; mesh and cpu do not"};
+                         " has no 64-bit atomics, which the painter raster needs; mesh and cpu do not",
+                     {{Setting::painter, "mesh"}}};
     SurfaceRaster made;
     const auto storage = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
     auto raster = GpuProgram::create(

@@ -135,14 +135,15 @@ Result<Viewpoint> parse_viewpoint(const std::string& words) {
     }
     std::string_view rest = words;
     if (!rest.starts_with("orbit") || (rest.size() > 5 && rest[5] != ':'))
-        return usage_error("--view '" + words + "' is not known; there are own, and orbit such as " +
-                           usual_viewpoint);
+        return usage_error(
+            "view '" + words + "' is not known; there are own, and orbit such as " + usual_viewpoint,
+            {{Setting::view}});
     rest.remove_prefix(std::min<std::size_t>(rest.size(), 6));
     std::set<std::string_view> read;
     while (!rest.empty()) {
         const std::size_t comma = std::min(rest.find(','), rest.size());
         if (const auto fault = read_orbit(rest.substr(0, comma), viewpoint, read))
-            return usage_error("--view " + words + ": " + *fault);
+            return usage_error("view " + words + ": " + *fault, {{Setting::view}});
         rest.remove_prefix(std::min(rest.size(), comma + 1));
     }
     return viewpoint;

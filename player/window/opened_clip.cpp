@@ -94,7 +94,6 @@ void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& setti
     in_effect_ = settings_in_effect(setup);
     filters_ = filters_in_words(setup.scene, setup.filters);
     builder_why_ = setup.builder_why;
-    notes_ = setup.notes;
     if (!setup.filters) return;
     clip_.measured = MeasuredFrames{setup.filters->measured, setup.filters->damage};
     if (clip_.shared_clip) clip_.shared_clip->forget_first_frames();
@@ -158,8 +157,8 @@ std::optional<Error> OpenedClip::record_fault() const {
 
 Result<void> OpenedClip::begin() {
     if (options_.record) {
-        auto file =
-            RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing, Pace::wall_clock);
+        auto file = RecordingFile::create(*options_.record, fingers_of_hand(), options_.existing,
+                                          Pace::wall_clock, options_.names.record);
         if (!file.ok()) return file.error();
         record_ = std::make_unique<Record>(std::move(*file));
         if (auto film = open_film(*ready_); !film.ok()) return film;

@@ -88,8 +88,6 @@ public:
     const std::string& filters() const { return filters_; }
     /// Why this builder makes the surface; empty: it was asked for.
     const std::string& builder_why() const { return builder_why_; }
-    /// What its reader has to say, such as what it guessed.
-    const std::vector<std::string>& notes() const { return notes_; }
     /// What a person should know of its camera's run, such as that it was unplugged.
     std::vector<std::string> remarks() const { return session_->remarks(); }
     /// Moments of its cuts that have come by so far, seconds.
@@ -141,7 +139,6 @@ private:
     SessionSettings settings_;
     std::map<std::string, std::string> in_effect_;
     std::string name_, filters_, builder_why_;
-    std::vector<std::string> notes_;
     std::set<std::int64_t> cuts_;  // frames, of sessions before this one
     std::int64_t frames_ = 0;
     int films_ = 0;                  // of a camera that is recorded

@@ -8,6 +8,7 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
+#include "engine/scene/remark.hpp"
 #include "player/control/kiosk.hpp"
 #include "player/control/persistent_device.hpp"
 #include "player/control/window_script.hpp"
@@ -15,6 +16,13 @@
 #include "player/session/session_options.hpp"
 
 namespace touchable {
+
+/// What the terminal reads of a window's files and of what is guessed of its clip, as whoever started it
+/// calls them.
+struct PlayNames {
+    std::string record = "the recording", sound = "the sound", video = "the film", screenshot = "the picture";
+    std::string (*remark)(const Remark&) = remark_in_words;
+};
 
 /// A window, and what becomes of it.
 struct PlayOptions {
@@ -34,6 +42,7 @@ struct PlayOptions {
     std::optional<std::filesystem::path> sound;  ///< what is heard, a WAV file
     std::optional<std::filesystem::path> video;  ///< what the window shows, a film (FilmWriter)
     Existing existing = Existing::keep;
+    PlayNames names{};
     std::optional<std::filesystem::path> settings_file;  ///< nothing: nothing is kept
     bool size_is_stated = false;  ///< `screen` has it from a person; that of the last window does not count
     bool filters_are_stated = false;  ///< likewise by `session.clip`: kept sets A and B stay as they are

@@ -20,7 +20,8 @@ Result<void> WindowLoop::open() {
     const KeptSettings& kept = settings_file_.read();
     if (!options_.filters_are_stated) settings_.kept = {kept.a, kept.b};
     if (!settings_file_.message().empty()) say(settings_file_.message(), true);
-    auto sound = WindowSound::create(!options_.headless, options_.sound, options_.existing);
+    auto sound =
+        WindowSound::create(!options_.headless, options_.sound, options_.existing, options_.names.sound);
     if (!sound.ok()) return sound.error();
     sound_ = std::move(*sound);
     if (auto opened = open_screen(kept); !opened.ok()) return opened;
@@ -114,14 +115,14 @@ Result<PlayFigures> WindowLoop::run() {
 /// Ended by a person's signal: what is kept of what was asked for.
 Error WindowLoop::interruption() const {
     std::string written, missing;
-    const auto add = [&](const char* option, bool is_asked_for, bool is_written) {
+    const auto add = [&](const std::string& name, bool is_asked_for, bool is_written) {
         std::string& to = is_written ? written : missing;
-        if (is_asked_for) to += (to.empty() ? "" : ", ") + std::string(option);
+        if (is_asked_for) to += (to.empty() ? "" : ", ") + name;
     };
-    add("--record", options_.record.has_value(), clip_ != nullptr);
-    add("--sound", options_.sound.has_value(), clip_ != nullptr);
-    add("--video", options_.video.has_value(), begun_.has_value());
-    add("--screenshot", options_.screenshot.has_value(), false);
+    add(options_.names.record, options_.record.has_value(), clip_ != nullptr);
+    add(options_.names.sound, options_.sound.has_value(), clip_ != nullptr);
+    add(options_.names.video, options_.video.has_value(), begun_.has_value());
+    add(options_.names.screenshot, options_.screenshot.has_value(), false);
     std::string words = "interrupted";
     if (!begun_) words += " before the first picture";
     if (!written.empty()) words += "; written up to there: " + written;

@@ -35,7 +35,7 @@ void WindowLoop::take(const WindowCommand& command) {
         case WindowVerb::recentre:
         case WindowVerb::coarser:
             if (options_.hand) return take_of_hand(command);
-            return say("the finger is the mouse's; a --device that is held can do that");
+            return say("the finger is the mouse's; a device that is held can do that");
         case WindowVerb::feel:
         case WindowVerb::settings:
             return feel(command);
@@ -132,7 +132,7 @@ void WindowLoop::feel(const WindowCommand& command) {
     const std::size_t space = command.word.find(' ');
     const SessionSetting* const setting = session_setting(command.word.substr(0, space));
     if (setting && setting->of_device && !options_.hand)
-        return say(std::string(setting->name) + " is of a --device that is held; there is none", true);
+        return say(std::string(setting->name) + " is of a device that is held; there is none", true);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
     for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
         if (command.verb == WindowVerb::settings) {

@@ -40,7 +40,8 @@ void WindowLoop::ask_for_clip(ClipChoice choice) {
 }
 
 void WindowLoop::open_other(const std::string& file) {
-    if (options_.record) return say("a recording is of one clip; open another without --record", true);
+    if (options_.record)
+        return say("a recording is of one clip; another can be opened where none is made", true);
     ClipChoice choice;
     choice.file = file;
     message_.clear();
@@ -148,7 +149,7 @@ void WindowLoop::tell_guesses() {
     for (const Remark& remark : clip_->scene().remarks) {
         if (!remark.is_guess) continue;
         any = true;
-        std::cerr << "touchable: " << remark_in_words(remark) << '\n';
+        std::cerr << "touchable: " << options_.names.remark(remark) << '\n';
     }
     if (any && !kiosk_)
         say(clip_->is_camera()

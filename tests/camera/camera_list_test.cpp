@@ -4,15 +4,20 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <string>
 
 #include "tests/camera/fake_video.hpp"
 
 namespace touchable::test {
 namespace {
 
+std::string how_to_touch(const std::string& camera, const std::string& with_colour) {
+    return "    touch " + camera + " or " + with_colour + '\n';
+}
+
 TEST(CameraList, SaysWhatToDoWhereThereIsNone) {
     FakeVideo video;
-    const std::string words = cameras_in_words(video);
+    const std::string words = cameras_in_words(video, how_to_touch);
     EXPECT_EQ(words,
               "No camera is there (no /dev/video*): plug one in. Where one is plugged in, its driver is "
               "missing: sudo modprobe uvcvideo is that of USB cameras.\n");
@@ -29,12 +34,10 @@ TEST(CameraList, SaysWhatEachOffersAndHowItIsTouched) {
     colour.formats = {{V4L2_PIX_FMT_YUYV, {{640, 480}}}, {V4L2_PIX_FMT_MJPEG, {}}};
     video.add("/dev/video3").refusals[0] = EACCES;
     EXPECT_EQ(
-        cameras_in_words(video),
+        cameras_in_words(video, how_to_touch),
         "/dev/video0  Intel(R) RealSense(TM) (fake, usb-1)\n"
         "    Z16     640x480 at 60, 30 frames/s; 848x480 at 30 frames/s\n"
-        "    touch it:  touchable touch --live --camera v4l2:/dev/video0\n"
-        "    see it in its colour, and touch it:  touchable play --camera "
-        "v4l2:/dev/video0,colour=/dev/video2\n"
+        "    touch v4l2:/dev/video0 or v4l2:/dev/video0,colour=/dev/video2\n"
         "/dev/video1  A camera (fake, usb-1)\n"
         "    gives no pictures: a node of metadata or of another kind\n"
         "/dev/video2  A camera (fake, usb-1)\n"
@@ -52,7 +55,7 @@ TEST(CameraList, SaysWhatARealSenseLacks) {
     FakeNode& colour = video.add("/dev/video0");
     colour.card = "Intel(R) RealSense(TM)";
     colour.formats = {{V4L2_PIX_FMT_YUYV, {{640, 480}}}};
-    const std::string words = cameras_in_words(video);
+    const std::string words = cameras_in_words(video, how_to_touch);
     EXPECT_NE(words.find("has no node of depth (Z16)"), std::string::npos) << words;
     EXPECT_NE(words.find("None of them gives depth"), std::string::npos) << words;
 }

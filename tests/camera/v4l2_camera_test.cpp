@@ -413,8 +413,8 @@ TEST_F(Camera, SaysWhatItAssumes) {
     EXPECT_NEAR(scene.depth.far, 2 * 0.001 * (500 + (w - 1) + 3 * (h - 1) + 7 * 7 - 1), 1e-9);
     std::string notes;
     for (const std::string& note : clip_notes(**camera)) notes += note + '\n';
-    for (const char* fragment : {"RealSense(TM) Depth Ca: Z16, 20x12 at 30 frames/s", "--preset realsense",
-                                 "79 degrees", "deeper than 1.2 m is no depth"})
+    for (const char* fragment : {"RealSense(TM) Depth Ca: Z16, 20x12 at 30 frames/s",
+                                 "as preset realsense has it", "79 degrees", "deeper than 1.2 m is no depth"})
         EXPECT_NE(notes.find(fragment), std::string::npos) << fragment << " is not in\n" << notes;
 }
 

@@ -101,8 +101,9 @@ TEST_F(DeviceList, ASpaceMouseThatMayBeUsedIsReady) {
     EXPECT_TRUE(device.ready);
     EXPECT_TRUE(device.next.empty());
     const std::string words = devices_in_words({device});
-    for (const char* part : {"SpaceMouse", "exerts no force", "usb 1-2.3", "046d:c626", "--device spacemouse",
-                             "/dev/hidraw4, may be used", "spacenavd (process 812)", "    ready\n"})
+    for (const char* part :
+         {"SpaceMouse", "exerts no force", "usb 1-2.3", "046d:c626", "drive it with:  spacemouse",
+          "/dev/hidraw4, may be used", "spacenavd (process 812)", "    ready\n"})
         EXPECT_NE(words.find(part), std::string::npos) << part << " in\n" << words;
 }
 
@@ -264,11 +265,9 @@ TEST(UdevRules, AreInTheProgramAsTheyAreInTheFile) {
 TEST(DeviceWords, NameEveryDeviceThatCanBeHeld) {
     const std::string words = device_words_in_words();
     for (const DeviceKind& kind : device_kinds())
-        EXPECT_NE(words.find("\n    " + std::string(kind.name) + std::string(kind.keys) + " "),
+        EXPECT_NE(("\n" + words).find("\n    " + std::string(kind.name) + std::string(kind.keys) + " "),
                   std::string::npos)
             << kind.name;
-    EXPECT_NE(words.find("touchable touch CLIP --live --device NAME"), std::string::npos);
-    EXPECT_NE(words.find("touchable check --device NAME"), std::string::npos);
 }
 
 TEST(UdevRules, NameEveryDeviceThatIsDrivenThroughANode) {

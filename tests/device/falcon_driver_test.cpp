@@ -89,7 +89,7 @@ TEST_F(Falcon, WithoutFirmwareItSaysHowToGiveIt) {
     const auto connected = driver_for()->connect([] { return false; });
     ASSERT_FALSE(connected.ok());
     EXPECT_EQ(connected.error().kind, ErrorKind::device);
-    EXPECT_NE(connected.error().message.find("--device falcon:firmware=FILE"), std::string::npos);
+    EXPECT_NE(connected.error().message.find("name the file: falcon:firmware=FILE"), std::string::npos);
 }
 
 TEST_F(Falcon, FirmwareIsLoadedAsItsOwnersDescribeIt) {

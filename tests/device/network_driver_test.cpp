@@ -215,7 +215,7 @@ TEST_F(NetworkHand, GarbageIsLeftOutAndNamed) {
     EXPECT_NE(driver.prompt().find("does not begin with TCHD"), std::string::npos) << driver.prompt();
     peer.say(1, {0, 0, 0}, false, 2);
     EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(driver.prompt().find("--device network:fingers=2"), std::string::npos) << driver.prompt();
+    EXPECT_NE(driver.prompt().find("network:fingers=2"), std::string::npos) << driver.prompt();
     peer.say(2, {0.01, 0, 0});
     EXPECT_TRUE(hears({0.01, 0, 0}));
     peer.say(std::vector<std::byte>(0));
@@ -240,10 +240,9 @@ TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
     const Peer peer(driver.port());
     for (std::uint32_t sequence = 1; sequence <= 3; ++sequence) peer.say(sequence, {0, 0, 0}, false, 2);
     EXPECT_TRUE(hears_nothing());
-    EXPECT_NE(
-        driver.prompt().find("; packets with 2 fingers came and 1 is expected: --device network:fingers=2 "
-                             "(from 127.0.0.1:"),
-        std::string::npos)
+    EXPECT_NE(driver.prompt().find("; packets with 2 fingers came and 1 is expected: network:fingers=2 "
+                                   "(from 127.0.0.1:"),
+              std::string::npos)
         << driver.prompt();
     NetworkPacket newer;
     auto bytes = encode(newer);
@@ -254,9 +253,8 @@ TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
     peer.say(bytes);
     EXPECT_TRUE(hears_nothing());
     const std::string words = driver.why_no_position();
-    for (const char* part :
-         {"packets with 2 fingers came and 1 is expected: --device network:fingers=2 (3 packets)",
-          "version 9; this program speaks version 1 (1 packet)", "CRC-32"})
+    for (const char* part : {"packets with 2 fingers came and 1 is expected: network:fingers=2 (3 packets)",
+                             "version 9; this program speaks version 1 (1 packet)", "CRC-32"})
         EXPECT_NE(words.find(part), std::string::npos) << part << " in " << words;
     for (int size = 1; size < 40; ++size) peer.say(std::vector<std::byte>(static_cast<std::size_t>(size)));
     EXPECT_TRUE(hears_nothing());

@@ -362,8 +362,9 @@ TEST(Bag, SaysWhatIsWrong) {
               std::string::npos);
     SourceDescription known;
     known.preset = "nothing";
-    EXPECT_NE(message(open_clip(kept_bag("tum_bz2.bag"), std::nullopt, known)).find("--preset nothing"),
-              std::string::npos);
+    EXPECT_NE(
+        message(open_clip(kept_bag("tum_bz2.bag"), std::nullopt, known)).find("preset nothing is not known"),
+        std::string::npos);
 }
 
 /// An error on one line, or frames.

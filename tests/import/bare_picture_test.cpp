@@ -64,7 +64,7 @@ TEST(BarePicture, WithNothingSaidItIsGuessedAndSaid) {
     const Scene& scene = (*reader)->scene();
     EXPECT_NEAR(scene.camera.fx, 10 / std::tan(M_PI / 6), 1e-12);
     EXPECT_EQ(scene.depth.depth(1000), 1);
-    EXPECT_TRUE(notes_have(**reader, "sees 60 degrees from left to right (--fov"));
+    EXPECT_TRUE(notes_have(**reader, "sees 60 degrees from left to right"));
     EXPECT_TRUE(notes_have(**reader, "a code is 1 mm"));
     EXPECT_TRUE(notes_have(**reader, "0 and 65535 are no depth"));
     EXPECT_TRUE(same_plane(read_all(**reader)->at(0).depth, plane));
@@ -73,7 +73,7 @@ TEST(BarePicture, WithNothingSaidItIsGuessedAndSaid) {
     reader = open_clip(folder / "my.png", std::nullopt, wide);
     ASSERT_EQ(message(reader), "");
     EXPECT_NEAR((*reader)->scene().camera.fx, 10, 1e-12);
-    EXPECT_FALSE(notes_have(**reader, "--fov"));
+    EXPECT_FALSE(notes_have(**reader, "degrees from left to right"));
 }
 
 TEST(BarePicture, ColourBesideItIsItsColour) {

@@ -137,7 +137,7 @@ TEST_F(DynamicDepth, CameraIsThatOfThePersonOrOfTheLens) {
     ASSERT_EQ(message(clip), "");
     // 26 mm before a film of 36 x 24 mm: the diagonals correspond.
     EXPECT_NEAR((*clip)->scene().camera.fx, 26 * std::hypot(12, 8) / std::hypot(36, 24), 1e-4);
-    EXPECT_NE(notes(**clip).find("by its focal length, 26 mm in terms of 35 mm film (--fov"),
+    EXPECT_NE(notes(**clip).find("by its focal length, 26 mm in terms of 35 mm film (a scene file"),
               std::string::npos);
     SourceDescription known;
     known.fov = 90;
@@ -153,7 +153,7 @@ TEST_F(DynamicDepth, CameraIsThatOfThePersonOrOfTheLens) {
     EXPECT_EQ((*exact)->scene().depth.near, 2) << "depth is still the map's";
     known = {};
     known.metres_per_code = 0.001;
-    EXPECT_NE(message(open(file.bytes(), known)).find("--depth-unit and --preset say nothing of it"),
+    EXPECT_NE(message(open(file.bytes(), known)).find("a unit or a preset says nothing of it"),
               std::string::npos);
 }
 

@@ -110,7 +110,8 @@ TEST_F(GuessedFolder, TakesTheCameraThatLiesThere) {
     EXPECT_TRUE(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
         return remark.is_guess &&
                remark_in_words(remark) ==
-                   "guessed: the camera is that of camera_info.yaml (--intrinsics says otherwise)";
+                   "guessed: the camera is that of camera_info.yaml (a scene file says otherwise)" &&
+               remark.hints.at(0).setting == Setting::intrinsics;
     }));
 }
 
@@ -159,7 +160,7 @@ TEST_F(GuessedFolder, OfArkitScenesHasTheCamerasOfItsFrames) {
             return remark_in_words(remark).find(part) != std::string::npos;
         });
     };
-    EXPECT_TRUE(says("that of lowres_wide_intrinsics/41048190_*.pincam, the median (--intrinsics says"));
+    EXPECT_TRUE(says("that of lowres_wide_intrinsics/41048190_*.pincam, the median (a scene file says"));
     EXPECT_TRUE(says("a code is 1 mm and 0 is no depth, as ARKitScenes has them"));
     const auto read = frames();
     ASSERT_EQ(read.size(), 5U);

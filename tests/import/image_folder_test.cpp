@@ -414,7 +414,7 @@ TEST(ImageFolder, WhatIsAskedForMustMakeSense) {
     const TemporaryFolder folder;
     write_folder(folder, folder_scene(depth_only_source), 2, {});
     const TemporaryFolder bare;
-    EXPECT_NE(message(open_clip(bare.path())).find("--scene FILE"), std::string::npos);
+    EXPECT_NE(message(open_clip(bare.path())).find("describe them with a scene file"), std::string::npos);
     const auto twice = open_clip(folder / "scene.json", folder / "scene.json");
     ASSERT_FALSE(twice.ok());
     EXPECT_EQ(twice.error().kind, ErrorKind::usage);

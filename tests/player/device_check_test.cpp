@@ -61,7 +61,10 @@ TEST(Devices, NamesEveryWordAndHowToBegin) {
     if (run.out.starts_with("No device")) {
         EXPECT_NE(run.out.find("sudo udevadm control --reload"), std::string::npos) << run.out;
     }
-    EXPECT_NE(run.out.find("touchable touch CLIP --live --device NAME"), std::string::npos) << run.out;
+    for (const char* part : {"\nWhat --device takes (docs/devices.md has each one's keys):\n    ",
+                             "\nSee whether it works:  touchable check --device NAME\n",
+                             "touchable touch CLIP --live --device NAME\n"})
+        EXPECT_NE(run.out.find(part), std::string::npos) << part << run.out;
 }
 
 TEST(Devices, SayTheSameAsJson) {

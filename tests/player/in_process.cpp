@@ -28,7 +28,7 @@ Result<void> replay_in_process(const std::filesystem::path& file) {
     std::vector<ReplayedPart> replayed;
     TouchFigures of_all;
     for (const RecordedPart& part : *recording) {
-        auto setup = setup_from_recording(part, file, {});
+        auto setup = setup_from_recording(part, {});
         if (!setup.ok()) return setup.error();
         TouchSetup& s = **setup;
         ReplayCheck check(part);

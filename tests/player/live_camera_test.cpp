@@ -109,9 +109,10 @@ TEST(LiveCameraWords, AreRefusedWhereNoCameraCanBe) {
     for (const auto& [words, fragment] : std::vector<std::pair<Words, const char*>>{
              {{"--live", "--camera", "replay:a,fps=no"}, "fps=no will not do"},
              {{"--live", "--camera", "replay:a", "a"}, "CLIP and --camera are two things to touch"},
-             {{"--camera", "replay:a"}, "--camera needs --live"},
+             {{"--camera", "replay:a"}, "--camera needs a live run: its frames come in real time (--live)"},
              {{"--live", "--camera", "replay:a", "--rate", "2"}, "a camera's time only goes on"},
-             {{"--live", "--camera", "replay:a", "--interpolation", "linear"}, "leave it out with --camera"},
+             {{"--live", "--camera", "replay:a", "--interpolation", "linear"},
+              "--interpolation linear needs the frame after, which a camera has not taken yet; leave it out"},
              {{"--replay", "a", "--camera", "replay:a"}, "--camera comes from the recording"}}) {
         Words all{"touch"};
         all.insert(all.end(), words.begin(), words.end());

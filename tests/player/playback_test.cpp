@@ -284,7 +284,7 @@ TEST_F(PlayedClip, WhatCannotBePlayedIsCode2AndSaysWhatCould) {
         {{"--rate", "9"}, "--rate"},
         {{"--loop", "1"}, "--loop"},
         {{"--loop", "1", "1.05"}, "--loop must end 0.1 s"},
-        {{"--loop", "0", "1"}, "--seconds must say how long"},
+        {{"--loop", "0", "1"}, "how long to touch must be said (--seconds)"},
         {{"--play", folder / "none.txt"},
          "none.txt: is not there; right would be a file of playback commands"},
         {{"--play", script("0.5 play\n0.4 pause\n")}, "line 2: tick 400 is before 500"}};

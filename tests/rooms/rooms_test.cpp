@@ -240,6 +240,62 @@ TEST(Rooms, LinkOnlyWhatTheyMayUse) {
     EXPECT_GT(rooms, 20u) << "hardly anything was looked at";
 }
 
+/// What stands between double quotes in a file, comments left out.
+std::vector<std::string> literals_of(const std::string& code) {
+    std::vector<std::string> literals;
+    for (std::size_t at = 0; at < code.size(); ++at) {
+        if (code.compare(at, 2, "//") == 0) at = std::min(code.find('\n', at), code.size());
+        if (at >= code.size()) break;
+        const char quote = code[at];
+        const auto is_digit = [&](std::size_t n) {
+            return std::isxdigit(static_cast<unsigned char>(code[n]));
+        };
+        const bool is_digit_mark =
+            quote == '\'' && at > 0 && at + 1 < code.size() && is_digit(at - 1) && is_digit(at + 1);
+        if ((quote != '"' && quote != '\'') || is_digit_mark) continue;
+        const std::size_t begin = ++at;
+        while (at < code.size() && code[at] != quote) at += code[at] == '\\' ? 2 : 1;
+        if (quote == '"') literals.push_back(code.substr(begin, at - begin));
+    }
+    return literals;
+}
+
+/// Whether "--fov" or its like is in a text.
+bool names_an_option(const std::string& text) {
+    for (std::size_t at = text.find("--"); at != std::string::npos; at = text.find("--", at + 2))
+        if (at + 2 < text.size() && std::islower(static_cast<unsigned char>(text[at + 2]))) return true;
+    return false;
+}
+
+TEST(Rooms, LiteralsAreFoundInCode) {
+    EXPECT_EQ(literals_of("f(\"a\\\"b\");  // \"no\"\nconstexpr int k = 1'000; g('\"', L' ', \"--fov\");"),
+              (std::vector<std::string>{"a\\\"b", "--fov"}));
+    EXPECT_TRUE(names_an_option("with --fov"));
+    EXPECT_FALSE(names_an_option("a -- b, --, -f"));
+}
+
+// A library has no command line: an error or a guess there hints at a `Setting`, and
+// player/options/setting_words.cpp knows its option.
+TEST(Rooms, OnlyTheCommandLineNamesOptions) {
+    const Names of_the_command_line{"player", "player/options", "player/check", "player/commands"};
+    const std::map<std::string, std::string> allowed{
+        {"engine/camera/video_system.cpp", "udevadm's"},
+        {"device/catalog/udev_rules.cpp", "udevadm's, behind the command that prints the rules"}};
+    std::size_t literals = 0;
+    for (const auto& [room, own] : table()) {
+        if (of_the_command_line.contains(room)) continue;
+        for (const fs::path& file : files_of(room)) {
+            if (file.extension() != ".cpp" && file.extension() != ".hpp") continue;
+            if (allowed.contains(fs::relative(file, source("")).string())) continue;
+            for (const std::string& literal : literals_of(text_of(file))) {
+                ++literals;
+                EXPECT_FALSE(names_an_option(literal)) << file << ": \"" << literal << '"';
+            }
+        }
+    }
+    EXPECT_GT(literals, 5000u) << "hardly anything was looked at";
+}
+
 /// The words behind each `std::` or `glm::` of a line of code.
 std::set<std::string> library_words(std::string line) {
     line.resize(std::min(line.size(), line.find("//")));

@@ -191,7 +191,7 @@ TEST(SceneFile, AddedRemarksAreOneEachAndCanBeReadAgain) {
     EXPECT_EQ(scene.remarks.size(), 3U);
     for (int n = 0; n < 200; ++n)  // of bytes that are no text
         add_remark(scene.remarks,
-                   {std::to_string(n) + std::string(5000, '\xff'), true, "--fov says otherwise"});
+                   {std::to_string(n) + std::string(5000, '\xff'), true, "a wider view says otherwise"});
     EXPECT_EQ(scene.remarks.size(), 100U);
     EXPECT_EQ(parsed(scene_to_json(scene)).remarks.size(), 100U);
 }

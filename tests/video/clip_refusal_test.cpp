@@ -67,7 +67,7 @@ TEST(ClipRefusal, RolesMustFitWhatIsStored) {
 
 TEST(ClipRefusal, ASceneIsNeeded) {
     EXPECT_REFUSED(Remux({.attachment_name = "notes.txt"}),
-                   "has no scene.json attached: describe it with --scene FILE");
+                   "has no scene.json attached: describe it with a scene file");
 }
 
 TEST(ClipRefusal, HapticMustNotBeSubsampled) {

@@ -170,7 +170,8 @@ TEST(Viewpoint, RefusesWhatItDoesNotKnowAndSaysWhatWouldBeRight) {
         const auto refused = parse_viewpoint(words);
         ASSERT_FALSE(refused.ok()) << words;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
-        EXPECT_NE(refused.error().message.find("--view"), std::string::npos);
+        EXPECT_TRUE(refused.error().message.starts_with("view ")) << refused.error().message;
+        EXPECT_EQ(refused.error().hints.at(0).setting, Setting::view);
     }
     EXPECT_NE(parse_viewpoint("orbit:zoom=0").error().message.find("0.1 to 20"), std::string::npos);
 }

@@ -239,7 +239,7 @@ Result<GuessedScene> guess(BagRecording& recording, const std::filesystem::path&
     const auto first = recording.depth(0);
     if (!first) return first.error();
     auto guessed = guess_scene(file.parent_path(), *first, *said);
-    if (!guessed) return Error{guessed.error().kind, file.string() + ": " + guessed.error().message};
+    if (!guessed) return error_at(file.string(), guessed.error());
     Scene& scene = guessed->scene;
     scene.name = file.stem().string();
     scene.video.emplace().depth = file.filename().string();

@@ -69,7 +69,7 @@ Result<Image> rgb_of_yuv(const RosImage& image, AVPixelFormat format, const std:
         std::memcpy(frame->data[0] + std::ptrdiff_t{frame->linesize[0]} * y, row_of(image, y),
                     2 * std::size_t{image.width});
     auto rgb = rgb_converted(*frame);
-    if (!rgb) return Error{rgb.error().kind, where + ": " + rgb.error().message};
+    if (!rgb) return error_at(where, rgb.error());
     return rgb;
 }
 

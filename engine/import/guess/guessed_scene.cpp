@@ -36,9 +36,10 @@ public:
                           const DepthCoding* coding = nullptr);
     GuessedScene made() { return {std::move(described_), std::move(inputs_), {}, {}}; }
     Scene& scene() { return scene_; }
-    void say(std::string guess, std::string otherwise = {}) {
-        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise)});
+    void say(std::string guess, std::string otherwise = {}, Hints hints = {}) {
+        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints)});
     }
+    void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     Result<void> find_rate(const fs::path& folder);
 
@@ -67,7 +68,7 @@ void Guess::take(const Intrinsics& intrinsics, const std::string& whose) {
         (intrinsics.width != scene_.width || intrinsics.height != scene_.height))
         say(whose + " is of " + std::to_string(intrinsics.width) + "x" + std::to_string(intrinsics.height) +
                 " pixels and is scaled to these pictures",
-            "--intrinsics FX,FY,CX,CY says otherwise");
+            Hints{{Setting::intrinsics}});
     scene_.camera = scaled_camera(intrinsics, scene_.width, scene_.height);
 }
 
@@ -84,24 +85,24 @@ Result<void> Guess::find_camera(const fs::path& folder) {
         inputs_.push_back(*beside);
     }
     if (known_.intrinsics) {
-        take(*known_.intrinsics, "--intrinsics");
+        take(*known_.intrinsics, "the camera that was said");
     } else if (known_.fov) {
         take_fov(*known_.fov);
     } else if (frames_) {
         scene_.camera = frames_->median;
         say("the camera is that of " + frames_->files + (is_still(frames_->files) ? "" : ", the median"),
-            "--intrinsics says otherwise");
+            Hints{{Setting::intrinsics}});
     } else if (beside) {
         take(file_.intrinsics, beside->filename().string());
         say("the camera is that of " + beside->lexically_relative(here).string(),
-            "--intrinsics says otherwise");
+            Hints{{Setting::intrinsics}});
     } else if (preset_ && preset_->intrinsics.fx > 0) {
-        take(preset_->intrinsics, "the camera of --preset " + std::string(preset_->name));
+        take(preset_->intrinsics, "the camera of preset " + std::string(preset_->name));
     } else {
         const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
         take_fov(fov);
         say("the camera sees " + short_number(fov) + " degrees from left to right",
-            "--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise");
+            Hints{{Setting::field_of_view}, {Setting::intrinsics}});
     }
     return {};
 }
@@ -126,8 +127,9 @@ void Guess::set_relative(bool near_is_high, bool is_inverse) {
     say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
             " m and its farthest for " + short_number(assumed_far) + " m, " +
             (near_is_high ? "large" : "small") + " values near",
-        "a scene file says otherwise, touchable init-scene writes one to begin with; --depth-unit where "
-        "values are lengths");
+        "a scene file says otherwise, touchable init-scene writes one to begin with; where values are "
+        "lengths, their unit",
+        {{Setting::depth_unit}});
 }
 
 /// By the size of what is there.
@@ -138,15 +140,16 @@ Result<void> Guess::find_unit(const EstimatedValues& values) {
         const double median = values.median * *known_.metres_per_code;
         if (!(median > 1e-3 && median < 1000))
             say("the median depth is " + short_number(median) + " m",
-                "--depth-unit is the metres that a stored 1 stands for, such as 0.001");
+                "a unit is the metres that a stored 1 stands for, such as 0.001", {{Setting::depth_unit}});
         return {};
     }
     if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
         scene_.stored = preset_->stored;
         if (scene_.stored.baseline == 0) {
             if (file_.baseline == 0)
-                return input_error("--preset " + std::string(preset_->name) +
-                                   " needs the calib.txt of the pictures beside them");
+                return input_error("preset " + std::string(preset_->name) +
+                                       " needs the calib.txt of the pictures beside them",
+                                   {{Setting::preset}});
             scene_.stored.baseline = file_.baseline;
             scene_.stored.offset = file_.offset * scene_.camera.fx / file_.intrinsics.fx;
         } else if (preset_->intrinsics.fx > 0) {  // baseline x fx is what is known
@@ -176,7 +179,7 @@ Result<void> Guess::find_unit(const EstimatedValues& values) {
 }
 
 void Guess::guess_unit(const EstimatedValues& values) {
-    const std::string otherwise = "--depth-unit METRES says otherwise";
+    const Hints otherwise{{Setting::depth_unit}};
     const bool is_signed = values.negative > 0.01;
     if (values.bits == 8 || values.is_normalised || is_signed) {
         // Networks that guess depth write more for what is nearer.
@@ -228,7 +231,9 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
     }
     derive_valid_range(scene_.depth);
     if (auto valid = validate(described_); !valid)
-        return usage_error("--intrinsics, --fov, --depth-unit, --preset: " + valid.error().message);
+        return usage_error(
+            "with the camera and the unit that were said: " + valid.error().message,
+            {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
     return {};
 }
 
@@ -252,7 +257,8 @@ Result<const Preset*> known_preset(const SourceDescription& known) {
     if (const Preset* preset = preset_named(known.preset)) return preset;
     std::string names;
     for (const Preset& each : all_presets()) names += (names.empty() ? "" : ", ") + std::string(each.name);
-    return usage_error("--preset " + known.preset + " is not known: must be one of " + names);
+    return usage_error("preset " + known.preset + " is not known: must be one of " + names,
+                       {{Setting::preset}});
 }
 
 /// Of a picture, or the first of a stack; colour that is grey everywhere as grey.
@@ -369,7 +375,9 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (depth == nullptr && stop_requested()) return interrupted_looking(folder);
     if (depth == nullptr)
         return input_error(folder.string() + ": no pictures of depth were found (there are " +
-                           found_there(*groups) + "): describe them with --scene FILE (docs/scene_file.md)");
+                               found_there(*groups) +
+                               "): describe them with a scene file (docs/scene_file.md)",
+                           {{Setting::scene_file, "FILE"}});
     const PictureGroup* colour = colour_among(*groups, *depth, *pictures);
     if (stop_requested()) return interrupted_looking(folder);  // so it may not be that there is none
     const auto stored = depth_in(depth->first, *pictures);
@@ -384,10 +392,9 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     Guess guess(known, is_arkit ? preset_named("arkitscenes") : *preset);
     if (cameras) guess.know_cameras(*cameras);
     if (auto described = guess.describe(folder, *stored); !described)
-        return Error{described.error().kind, folder.string() + ": " + described.error().message};
+        return error_at(folder.string(), described.error());
     if (is_arkit)
-        guess.say(
-            "a code is 1 mm and 0 is no depth, as ARKitScenes has them (--depth-unit METRES says otherwise)");
+        guess.say("a code is 1 mm and 0 is no depth, as ARKitScenes has them", Hints{{Setting::depth_unit}});
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
@@ -430,7 +437,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (!stored) return stored.error();
     Guess guess(known, *preset);
     if (auto described = guess.describe(file.parent_path(), *stored); !described)
-        return Error{described.error().kind, file.string() + ": " + described.error().message};
+        return error_at(file.string(), described.error());
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;

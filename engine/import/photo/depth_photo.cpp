@@ -41,8 +41,8 @@ public:
 
 private:
     Error refuse(const std::string& what) const { return input_error(file_ + ": " + what); }
-    void guess(std::string what, std::string otherwise) {
-        add_remark(described_.scene.remarks, {std::move(what), true, std::move(otherwise)});
+    void guess(std::string what, Hints otherwise) {
+        add_remark(described_.scene.remarks, {std::move(what), true, {}, std::move(otherwise)});
     }
     void stand_up();
     Result<void> describe(const SourceDescription& known);
@@ -67,8 +67,9 @@ Result<void> DepthPhotoReader::open(const std::optional<SceneDescription>& repla
                                     const SourceDescription& known) {
     if (known.metres_per_code || !known.preset.empty())
         return usage_error(file_ +
-                           ": says itself what its depths are, so --depth-unit and --preset say nothing of "
-                           "it: leave them out (--intrinsics and --fov tell its camera)");
+                               ": says itself what its depths are, so a unit or a preset says nothing of it: "
+                               "leave them out; its camera can be said",
+                           {{Setting::depth_unit}, {Setting::preset}});
     for (const auto& [role, stored] :
          {std::pair{PlaneRole::depth, &photo_.depth}, std::pair{PlaneRole::colour, &photo_.colour}}) {
         infos_.push_back({std::string(role_name(role)), stored->codec, stored->pixel_format,
@@ -119,20 +120,21 @@ Result<void> DepthPhotoReader::describe(const SourceDescription& known) {
         scene.depth.far = unscaled_far;
         guess("depth has no scale: its nearest is taken for " + short_number(unscaled_near) +
                   " m and its farthest for " + short_number(unscaled_far) + " m",
-              "");
+              {});
     }
     find_camera(known);
     derive_valid_range(scene.depth);
     const bool is_said = known.intrinsics || known.fov;
     if (auto valid = validate(scene); !valid)
-        return is_said ? usage_error(file_ + ": --intrinsics, --fov: " + valid.error().message)
+        return is_said ? usage_error(file_ + ": with the camera that was said: " + valid.error().message,
+                                     {{Setting::intrinsics}, {Setting::field_of_view}})
                        : refuse(valid.error().message);
     return {};
 }
 
 void DepthPhotoReader::find_camera(const SourceDescription& known) {
     Scene& scene = described_.scene;
-    const char* const otherwise = "--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise";
+    const Hints otherwise{{Setting::field_of_view}, {Setting::intrinsics}};
     const int width = scene.width, height = scene.height;
     const Image& colour = photo_.colour.image;
     if (known.intrinsics) {
