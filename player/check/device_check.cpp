@@ -22,7 +22,7 @@
 #include "engine/start_thread.hpp"
 #include "haptics_cpu/realtime.hpp"
 #include "player/check/device_check_report.hpp"
-#include "player/check/held_device.hpp"
+#include "player/options/device_options.hpp"
 #include "player/options/outputs.hpp"
 #include "player/record/output_file.hpp"
 #include "player/terminal/interrupt.hpp"

@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "engine/printable.hpp"
-#include "player/check/held_device.hpp"
 #include "player/control/kept_settings.hpp"
 #include "player/options/builder_options.hpp"
 #include "player/options/clip_options.hpp"
+#include "player/options/device_options.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/live_camera_option.hpp"
 #include "player/options/outputs.hpp"

@@ -6,7 +6,7 @@
 
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "player/check/held_device.hpp"
+#include "player/options/device_options.hpp"
 #include "player/options/picture_options.hpp"
 #include "player/session/session_options.hpp"
 

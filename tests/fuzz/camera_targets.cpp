@@ -12,7 +12,7 @@
 #include "engine/import/colour_registration.hpp"
 #include "engine/import/guess/frame_cameras.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "player/check/held_device.hpp"
+#include "player/options/device_options.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,4 +1,4 @@
-#include "player/check/held_device.hpp"
+#include "player/options/device_options.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
