@@ -322,12 +322,15 @@ bool DrivenDevice::look_for_it() {
     const std::string& why = held.error().message;
     const std::string now_why = why == lost_why_.message ? std::string() : why;
     const std::string also = now_why.empty() ? std::string() : ": " + now_why;
+    Error lost = lost_why_;
+    lost.hints.insert(lost.hints.end(), held.error().hints.begin(), held.error().hints.end());
     if (age_of(gone_ns_, now) < settings_.away_s) {
-        set_words(Error{lost_why_.kind, lost_why_.message + (now_why.empty() ? "" : "; now " + now_why)},
-                  "looking for the " + name_ + " again" + also);
+        if (!now_why.empty()) lost.message += "; now " + now_why;
+        set_words(std::move(lost), "looking for the " + name_ + " again" + also);
         return true;
     }
-    set_words(Error{lost_why_.kind, lost_why_.message + "; it did not come back" + also}, {});
+    lost.message += "; it did not come back" + also;
+    set_words(std::move(lost), {});
     lost_.store(true, std::memory_order_release);
     return false;
 }

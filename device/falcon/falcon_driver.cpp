@@ -81,9 +81,9 @@ Result<void> FalconDriver::load(const GivenUp& given_up) {
     constexpr int most_goes = 4;
     if (settings_.firmware.empty())
         return Error{ErrorKind::device,
-                     "Novint Falcon: has no firmware, which it loses with its power; name the file: "
-                     "falcon:firmware=FILE (docs/devices.md says where an owner finds it)",
-                     {{Setting::device}}};
+                     "Novint Falcon: has no firmware, which it loses with its power; name the file, "
+                     "which an owner finds as docs/devices.md says",
+                     {{Setting::device, "falcon:firmware=FILE"}}};
     Error last;
     for (int go = 0; go < most_goes; ++go) {
         const auto loaded =

@@ -25,9 +25,8 @@ Result<std::unique_ptr<ReportTransport>> open_spacemouse(const std::string& node
         const auto found = find_hid_node(is_spacemouse);
         if (!found)
             return Error{ErrorKind::device,
-                         "no SpaceMouse is connected (USB 046d:c6xx or 256f): plug one in, or name its node: "
-                         "spacemouse:node=/dev/hidraw0",
-                         {{Setting::device}}};
+                         "no SpaceMouse is connected (USB 046d:c6xx or 256f): plug one in, or name its node",
+                         {{Setting::device, "spacemouse:node=/dev/hidraw0"}}};
         at = found->node;
     }
     auto opened = HidTransport::open(at);

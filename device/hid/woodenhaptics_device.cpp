@@ -23,9 +23,8 @@ Result<std::unique_ptr<ReportTransport>> open_woodenhaptics(const std::string& n
         const auto found = find_hid_node(is_woodenhaptics);
         if (!found)
             return Error{ErrorKind::device,
-                         "no WoodenHaptics is connected (USB 1234:0006): plug one in, or name its node: "
-                         "woodenhaptics:file=FILE,node=/dev/hidraw0",
-                         {{Setting::device}}};
+                         "no WoodenHaptics is connected (USB 1234:0006): plug one in, or name its node",
+                         {{Setting::device, "woodenhaptics:file=FILE,node=/dev/hidraw0"}}};
         at = found->node;
     }
     auto opened = HidTransport::open(at);

@@ -125,10 +125,9 @@ Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
         return Error{ErrorKind::device,
                      "the Haply service knows of no Inverse3; plug it in and switch it on"};
     if (choice_.id.empty() && arms.size() > 1)
-        return Error{
-            ErrorKind::device,
-            "there are several Inverse3 (" + listed(arms) + "); choose one: inverse3:id=" + arms.front().id,
-            {{Setting::device}}};
+        return Error{ErrorKind::device,
+                     "there are several Inverse3, " + listed(arms) + ": choose one",
+                     {{Setting::device, "inverse3:id=" + arms.front().id}}};
     if (found == arms.end())
         return Error{ErrorKind::device,
                      "there is no Inverse3 '" + choice_.id + "'; the Haply service knows of " + listed(arms)};

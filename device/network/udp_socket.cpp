@@ -63,8 +63,8 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
         return {};
     Error error = socket_error(where);
     if (errno == EADDRINUSE) {
-        error.message += ": another program listens there; network:port=N takes another";
-        error.hints = {{Setting::device}};
+        error.message += ": another program listens there; take another port";
+        error.hints = {{Setting::device, "network:port=N"}};
     }
     if (errno == EADDRNOTAVAIL) error.message += ": right would be an address that this machine has";
     close();

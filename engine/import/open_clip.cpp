@@ -251,6 +251,8 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     const auto& video_source = described->scene.video;
     std::error_code ignored;
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
+    if ((is_file || video_source) && described->unstated.camera)  // which only a folder's cameras could give
+        return error_at(scene_file.string(), settle(*described, {}).error());
     const SourceFile video(path / (video_source ? video_source->depth : ""));
     const bool is_recording = video_source && is_bag(first_bytes(video, telling_bytes));
     auto reader = is_file        ? open_file(path, *described, {}, colour)

@@ -230,7 +230,8 @@ void find_settings(PlayOptions& options) {
 
 Result<void> run_play(PlayOptions options) {
     find_settings(options);
-    options.names = {"--record", "--sound", "--video", "--screenshot", remark_with_options};
+    options.names = {"--record",     "--sound",           "--video",
+                     "--screenshot", remark_with_options, message_with_options};
     const bool is_told_at_once = options.headless || options.kiosk;
     auto figures = play_in_window(std::move(options));
     if (!figures.ok()) return figures.error();

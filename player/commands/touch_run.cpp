@@ -194,7 +194,11 @@ Result<void> ended_early(const LiveFacts& facts) {
                   static_cast<double>(facts.loop.ticks + facts.loop.skipped) / 1000);
     const std::string kept =
         std::string(" after ") + seconds + " s; what was asked for is written, up to there";
-    if (facts.failure) return Error{facts.failure->kind, facts.failure->message + ": ended" + kept};
+    if (facts.failure) {
+        Error failure = *facts.failure;
+        failure.message += ": ended" + kept;
+        return failure;
+    }
     return Error{ErrorKind::interrupted, "interrupted" + kept};
 }
 

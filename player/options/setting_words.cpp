@@ -24,7 +24,7 @@ constexpr std::array spellings{
     Spelling{Setting::device, "--device"},
     Spelling{Setting::device_rules,
              "touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo udevadm "
-             "control --reload"},
+             "control --reload"},  // as udev_rules_command
     Spelling{Setting::field_of_view, "--fov", "DEGREES"},
     Spelling{Setting::fingers, "--fingers"},
     Spelling{Setting::forces, "touch --forces"},

@@ -14,9 +14,15 @@ namespace {
 // A run by other settings begins where the one before it is. If that reads 12 frames ahead of the hand, and
 // a filter with a memory wants 16 frames before its beginning, 28 must be there: otherwise both take turns at
 // the one decoder, each by a seek. So many of 1920x1080 with all four planes are less than 576 MiB. Of larger
-// frames there are fewer.
-constexpr std::size_t least_kept = 2, most_kept = 32;
+// frames there are fewer: 12, which do without such a filter, where those are less than 1 GiB (3840x2160).
+constexpr std::size_t most_kept = 32, kept_without_memory = 12, least_kept = 2;
 constexpr std::size_t most_newest_bytes = std::size_t{576} << 20, most_first_bytes = std::size_t{128} << 20;
+
+/// Whether so many frames are more than are to be kept.
+bool is_too_much(std::size_t frames, std::size_t bytes) {
+    const std::size_t most = frames > kept_without_memory ? most_newest_bytes : std::size_t{1} << 30;
+    return frames > most_kept || (frames > least_kept && bytes > most);
+}
 
 std::size_t kept_bytes_of(const RawFrame& frame) {
     std::size_t bytes = 0;
@@ -117,7 +123,7 @@ void SharedClip::keep(const RawFrame& frame) {
     const std::size_t bytes = kept_bytes_of(frame);
     newest_.push_back(frame);
     newest_bytes_ += bytes;
-    while (newest_.size() > least_kept && (newest_.size() > most_kept || newest_bytes_ > most_newest_bytes)) {
+    while (is_too_much(newest_.size(), newest_bytes_)) {
         newest_bytes_ -= kept_bytes_of(newest_.front());
         newest_.pop_front();
     }

@@ -243,8 +243,8 @@ namespace {
 Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
     std::error_code ignored;
     const auto say = [&error](Setting setting) {
-        error.message += "; where it is now can be said";
-        error.hints = {{setting, setting == Setting::clip ? "" : "FILE"}};
+        error.message += "; say where it is now";
+        error.hints.push_back({setting, setting == Setting::clip ? "" : "FILE"});
     };
     const auto& scene_file = setup.clip.scene_file;
     if (instead.file.empty() && !std::filesystem::exists(setup.clip.file, ignored))

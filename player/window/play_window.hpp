@@ -22,6 +22,7 @@ namespace touchable {
 struct PlayNames {
     std::string record = "the recording", sound = "the sound", video = "the film", screenshot = "the picture";
     std::string (*remark)(const Remark&) = remark_in_words;
+    std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
 };
 
 /// A window, and what becomes of it.

@@ -14,7 +14,7 @@ void WindowLoop::look_after_hand(const WatchedMoment* moment) {
     PersistentDevice& hand = *options_.hand;
     if (const bool gone = hand.is_gone(); gone != std::exchange(hand_is_gone_, gone) && gone) {
         last_event_ = Clock::now();
-        if (const auto health = hand.health(); !health.ok()) tell(health.error().message);
+        if (const auto health = hand.health(); !health.ok()) tell(options_.names.error(health.error()));
     }
     if (!kiosk_ || !moment || moment->felt.fingers.empty()) return;
     const glm::dvec3 goal = moment->felt.fingers[0].goal, way = goal - hand_seen_at_;

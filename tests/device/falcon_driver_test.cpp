@@ -89,7 +89,8 @@ TEST_F(Falcon, WithoutFirmwareItSaysHowToGiveIt) {
     const auto connected = driver_for()->connect([] { return false; });
     ASSERT_FALSE(connected.ok());
     EXPECT_EQ(connected.error().kind, ErrorKind::device);
-    EXPECT_NE(connected.error().message.find("name the file: falcon:firmware=FILE"), std::string::npos);
+    EXPECT_NE(connected.error().message.find("has no firmware"), std::string::npos);
+    EXPECT_EQ(connected.error().hints.at(0).value, "falcon:firmware=FILE");
 }
 
 TEST_F(Falcon, FirmwareIsLoadedAsItsOwnersDescribeIt) {

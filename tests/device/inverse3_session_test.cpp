@@ -91,9 +91,9 @@ TEST(Inverse3Session, OneOfTwoArmsIsChosen) {
     FakeHaplyService service({.ids = {"049D", "04BA"}});
     const auto opened = device_at(service.port())->open();
     ASSERT_FALSE(opened.ok());
-    EXPECT_EQ(opened.error().message,
-              "there are several Inverse3 (049D, 04BA); choose one: inverse3:id=049D");
+    EXPECT_EQ(opened.error().message, "there are several Inverse3, 049D, 04BA: choose one");
     EXPECT_EQ(opened.error().hints.at(0).setting, Setting::device);
+    EXPECT_EQ(opened.error().hints.at(0).value, "inverse3:id=049D");
     const auto device = device_at(service.port(), ",id=04BA");
     ASSERT_TRUE(device->open().ok());
     ASSERT_TRUE(is_felt(*device, service, {1, 0, 0}, {1, 0, 0}));

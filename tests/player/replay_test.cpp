@@ -119,7 +119,7 @@ TEST_F(Replay, ClipMayHaveMoved) {
     record("globe", {"--seconds", "0.4"});
     fs::rename(clip(), folder / "moved.mkv");
     expect_ends_with(3, clip());
-    expect_ends_with(3, "; where it is now can be said (CLIP)");
+    expect_ends_with(3, "; say where it is now (CLIP)");
     EXPECT_EQ(replay({folder / "moved.mkv"}).code, 0);
 }
 
@@ -323,7 +323,7 @@ TEST_F(Replay, FolderOfImagesIsOpenedWithTheRecordedSceneFile) {
     EXPECT_EQ(replay().code, 0);
     fs::rename(folder / "described.json", folder / "moved.json");
     expect_ends_with(3, "described.json");
-    expect_ends_with(3, "; where it is now can be said (--scene FILE)");
+    expect_ends_with(3, "; say where it is now (--scene FILE)");
     EXPECT_EQ(replay({"--scene", folder / "moved.json"}).code, 0);
 }
 

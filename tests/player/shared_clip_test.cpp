@@ -161,7 +161,8 @@ TEST_F(Shared, KeepsTheFirstFramesForASurveyUntilItIsMade) {
 TEST_F(Shared, KeepsAFewFramesThoughTheyAreLargeAndNeverMoreThanSome) {
     expect_frames(*reader(), 0, 150);
     EXPECT_EQ(read_.in_memory(), 32 + DepthEstimator::frames);
-    for (const auto& [bytes, kept] : {std::pair{50 << 20, 11}, {300 << 20, 2}}) {
+    for (const auto& [bytes, kept] :
+         {std::pair{50 << 20, 12}, {83 << 20, 12}, {300 << 20, 3}, {700 << 20, 2}}) {
         read_ = {};
         shared_ = std::make_shared<SharedClip>();
         expect_frames(*reader(bytes), 0, 100);

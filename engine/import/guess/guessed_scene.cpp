@@ -230,11 +230,13 @@ Result<void> Guess::describe(const fs::path& folder, const StoredImage& depth, c
         set_invalid(depth);
     }
     derive_valid_range(scene_.depth);
-    if (auto valid = validate(described_); !valid)
-        return usage_error(
-            "with the camera and the unit that were said: " + valid.error().message,
-            {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
-    return {};
+    const auto valid = validate(described_);
+    if (valid) return {};
+    if (known_ == SourceDescription())
+        return error_at((inputs_.empty() ? folder : inputs_.back()).string(), valid.error());
+    return usage_error(
+        "with the camera and the unit that were said: " + valid.error().message,
+        {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
 }
 
 Result<void> Guess::find_rate(const fs::path& folder) {
@@ -376,7 +378,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (depth == nullptr)
         return input_error(folder.string() + ": no pictures of depth were found (there are " +
                                found_there(*groups) +
-                               "): describe them with a scene file (docs/scene_file.md)",
+                               "): describe them with a scene file, as docs/scene_file.md has it",
                            {{Setting::scene_file, "FILE"}});
     const PictureGroup* colour = colour_among(*groups, *depth, *pictures);
     if (stop_requested()) return interrupted_looking(folder);  // so it may not be that there is none

@@ -68,7 +68,7 @@ Result<void> DepthPhotoReader::open(const std::optional<SceneDescription>& repla
     if (known.metres_per_code || !known.preset.empty())
         return usage_error(file_ +
                                ": says itself what its depths are, so a unit or a preset says nothing of it: "
-                               "leave them out; its camera can be said",
+                               "leave them out",
                            {{Setting::depth_unit}, {Setting::preset}});
     for (const auto& [role, stored] :
          {std::pair{PlaneRole::depth, &photo_.depth}, std::pair{PlaneRole::colour, &photo_.colour}}) {
