@@ -14,8 +14,10 @@ namespace {
 bool parse_heif_boxes(std::string_view bytes) {
     const auto turns = read_heif_turns(bytes);
     const auto sizes = read_heif_coded_sizes(bytes);
-    require(turns.size() <= bytes.size() && sizes.size() <= bytes.size(), "more pictures than bytes");
-    return !turns.empty() || !sizes.empty();
+    const auto parts = read_heif_parts(bytes);
+    require(turns.size() <= bytes.size() && sizes.size() <= bytes.size() && parts.tiles.size() <= bytes.size(),
+            "more pictures than bytes");
+    return !turns.empty() || !sizes.empty() || !parts.tiles.empty();
 }
 
 /// Planes as the codec has them, then XMP.

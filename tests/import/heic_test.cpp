@@ -126,6 +126,25 @@ TEST_F(Heic, DepthMayBeStoredAsColourThatIsGrey) {
     EXPECT_NE(message(open(file.bytes())).find("its depth is coloured"), std::string::npos);
 }
 
+/// libheif would end the program where a layer is not there, and decode a tile of itself until it has no
+/// stack.
+TEST_F(Heic, LayersAndTilesOfThemselvesAreRefused) {
+    const std::string bytes = heic_portrait().bytes();
+    std::string layered = bytes;
+    const auto kind = layered.find("hvc1", layered.find("infe"));
+    ASSERT_NE(kind, std::string::npos);
+    layered.replace(kind, 4, "iden");
+    EXPECT_NE(message(open(layered)).find("has a picture of layers"), std::string::npos)
+        << message(open(layered));
+    const auto with_tile = [&](int picture, int tile) {
+        const std::string made_of =
+            big_endian(14, 4) + "dimg" + big_endian(picture, 2) + big_endian(1, 2) + big_endian(tile, 2);
+        return bytes + big_endian(12 + made_of.size(), 4) + "iref" + big_endian(0, 4) + made_of;
+    };
+    EXPECT_NE(message(open(with_tile(7, 7))).find("or itself as one"), std::string::npos);
+    EXPECT_EQ(message(open(with_tile(7, 8))), "");
+}
+
 TEST_F(Heic, DisparitiesAreReciprocalMetresWhereTheyCanBe) {
     HeicFile file = heic_portrait();
     file.depth_xmp =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -70,6 +71,7 @@ private:
     }
     Result<void> open();
     Result<void> limit_sizes();
+    Result<void> check_parts() const;
     Result<void> check_size(std::int64_t width, std::int64_t height, const std::string& what) const;
     Result<void> read_depth();
     Result<void> read_colour();
@@ -116,7 +118,28 @@ Result<void> HeicImage::open() {
         error.code != heif_error_Ok)
         return refuse("has depth that cannot be read", error);
     depth_.reset(handle);
+    if (auto checked = check_parts(); !checked) return checked;
     return limit_sizes();
+}
+
+/// libheif takes for granted that layers are there, and that no picture is a tile of itself; it decodes a
+/// tile as often as it is named.
+Result<void> HeicImage::check_parts() const {
+    constexpr int most_nested = 4, most_decoded = 1 << 14;
+    const HeifParts parts = read_heif_parts(bytes_);
+    if (parts.has_layers)
+        return refuse("has a picture of layers, which is not read: must be a photo as a phone stores it");
+    int decoded = 0;
+    const std::function<bool(heif_item_id, int)> ends = [&](heif_item_id id, int nested) {
+        if (nested > most_nested || ++decoded > most_decoded) return false;
+        const auto found = parts.tiles.find(id);
+        return found == parts.tiles.end() ||
+               std::all_of(found->second.begin(), found->second.end(),
+                           [&](heif_item_id tile) { return ends(tile, nested + 1); });
+    };
+    for (const auto& [id, tiles] : parts.tiles)
+        if (!ends(id, 0)) return refuse("is damaged: a picture in it has too many tiles, or itself as one");
+    return {};
 }
 
 /// Pictures put together of tiles have one more size, in their own data: libheif holds that against a limit.

@@ -1,5 +1,6 @@
 #include "engine/import/photo/heif_properties.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -172,6 +173,38 @@ std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file) {
         }
     }
     return turns;
+}
+
+/// By their names, in what holds them by its length: the data of pictures may have such names by chance.
+/// Where a length is none, to the end.
+HeifParts read_heif_parts(std::string_view file) {
+    constexpr std::size_t name_bytes = 4, most_parts = 1 << 15;
+    HeifParts parts;
+    std::size_t end_of_kinds = 0, end_of_references = 0, id_bytes = 2, found = 0;
+    const auto end_of = [&](std::size_t at) {
+        const std::size_t begin = at - name_bytes, left = file.size() - begin;
+        const auto length = HeifBytes(file.substr(begin, name_bytes)).number(name_bytes);
+        return begin + (length > 2 * name_bytes && length <= left ? static_cast<std::size_t>(length) : left);
+    };
+    for (std::size_t at = name_bytes; at + name_bytes <= file.size() && found < most_parts; ++at) {
+        const std::string_view name = file.substr(at, name_bytes);
+        if (name == "iinf") {
+            end_of_kinds = std::max(end_of_kinds, end_of(at));
+        } else if (name == "iden" || name == "iovl") {
+            parts.has_layers = parts.has_layers || at < end_of_kinds;
+        } else if (name == "iref") {
+            end_of_references = std::max(end_of_references, end_of(at));
+            id_bytes = at + name_bytes < file.size() && file[at + name_bytes] != 0 ? 4 : 2;
+        } else if (name == "dimg" && at < end_of_references) {
+            HeifBytes bytes(file.substr(at + name_bytes));
+            auto& made_of = parts.tiles[static_cast<std::uint32_t>(bytes.number(id_bytes))];
+            ++found;
+            for (auto count = bytes.number(2); count > 0 && !bytes.at_end() && found < most_parts;
+                 --count, ++found)
+                made_of.push_back(static_cast<std::uint32_t>(bytes.number(id_bytes)));
+        }
+    }
+    return parts;
 }
 
 }  // namespace touchable

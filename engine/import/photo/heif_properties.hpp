@@ -20,4 +20,11 @@ struct CodedSize {
 /// whatever else the file says.
 std::vector<CodedSize> read_heif_coded_sizes(std::string_view file);
 
+/// How pictures of a file are put together of others.
+struct HeifParts {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> tiles;  ///< of a picture, by their numbers
+    bool has_layers = false;  ///< one is another one once more (iden), or several over each other (iovl)
+};
+HeifParts read_heif_parts(std::string_view file);
+
 }  // namespace touchable
