@@ -116,9 +116,11 @@ protected:
     virtual Result<void> end() = 0;
     virtual fs::path opens_by() const = 0;
     virtual Result<void> name_it() = 0;
+    /// The folder that the files will be in.
+    virtual fs::path home() const = 0;
 
     Result<void> write_picture(const std::string& name, const PlaneView& plane) const {
-        return write_png_to(hidden_.path() / name, plane, place_ / name, PngEffort::quick);
+        return write_png_to(hidden_.path() / name, plane, home() / name, PngEffort::quick);
     }
     /// What describes the pictures that are here, without their names.
     SceneDescription described_pictures() const {
@@ -208,6 +210,7 @@ private:
     }
 
     fs::path opens_by() const override { return {}; }
+    fs::path home() const override { return place_; }
 
     Result<void> name_it() override {
         std::error_code failure;
@@ -270,10 +273,11 @@ private:
             if (auto written = write_picture(names_.back(), plane); !written) return written;
         }
         names_.push_back(own_scene_name());
-        return write_scene(hidden_.path() / names_.back(), described, place_);
+        return write_scene(hidden_.path() / names_.back(), described, home() / names_.back());
     }
     Result<void> end() override { return {}; }
     fs::path opens_by() const override { return own_scene_name(); }
+    fs::path home() const override { return place_.parent_path(); }
 
     Result<void> name_it() override {
         for (auto name = names_.begin(); name != names_.end(); ++name) {

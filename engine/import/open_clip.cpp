@@ -253,6 +253,9 @@ Result<std::unique_ptr<ClipReader>> open_described(const std::filesystem::path& 
     const bool is_file = std::filesystem::is_regular_file(path, ignored);
     if ((is_file || video_source) && described->unstated.camera)  // which only a folder's cameras could give
         return error_at(scene_file.string(), settle(*described, {}).error());
+    if (!is_file && !video_source && !described->scene.folder)
+        return input_error(scene_file.string() +
+                           ": has no member \"folder\" or \"video\" that says which pictures to read");
     const SourceFile video(path / (video_source ? video_source->depth : ""));
     const bool is_recording = video_source && is_bag(first_bytes(video, telling_bytes));
     auto reader = is_file        ? open_file(path, *described, {}, colour)
@@ -304,6 +307,24 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
     return reader;
 }
 
+/// What a scene file would say of it, it says itself; nothing where there is something to guess.
+std::optional<Error> nothing_to_guess(const Candidate& candidate) {
+    const std::string name = candidate.file.string();
+    const std::string in_pictures =
+        ": nothing is to be guessed; as pictures with a scene file: touchable convert " + name + ' ' +
+        (candidate.file.parent_path() / candidate.file.stem()).string();
+    if (is_azure_kinect(candidate)) return {};
+    if (is_matroska(candidate))
+        return input_error(name + ": is a clip that has its scene in it" + in_pictures);
+    if (is_heic(candidate) || (is_jpeg(candidate) && has_jpeg_depth(candidate.source)))
+        return input_error(name + ": is a photograph that says itself what its depth is" + in_pictures +
+                           ".png");
+    if (is_depthkit(candidate))
+        return input_error(name + ": is a Depthkit video, whose metadata beside it say what its depth is" +
+                           in_pictures);
+    return {};
+}
+
 Result<GuessedScene> guess_stored(const std::filesystem::path& path, const SourceDescription& known) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);
@@ -314,6 +335,7 @@ Result<GuessedScene> guess_stored(const std::filesystem::path& path, const Sourc
     const std::optional<SceneDescription> none;
     const SourceFile source(path);
     const Candidate candidate{source, none, known, Colour::wanted};
+    if (auto refused = nothing_to_guess(candidate)) return std::move(*refused);
     return is_ros_recording(candidate)  ? guess_bag(source, known)
            : is_azure_kinect(candidate) ? guess_k4a(source, known)
            : is_video(candidate)        ? guess_video(source, known)

@@ -69,10 +69,18 @@ public:
         return false;
     }
     bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& fault) override {
-        const std::string what = fault.what();  // "[json.exception...] parse error at ...: the reason"
-        const std::size_t reason = what.find("] ");
-        fault_ = position(text_, furthest_) + ": must be JSON: " +
-                 printable(what.substr(reason == std::string::npos ? 0 : reason + 2), 200);
+        const std::size_t begin = text_.find_first_not_of(" \t\r\n");
+        if (begin == std::string_view::npos || (text_[begin] != '{' && text_[begin] != '[')) {
+            fault_ = position(text_, furthest_) + ": is no JSON text: must begin with {";
+            return false;
+        }
+        // "[json.exception...] parse error at ...: syntax error while ... - the reason; last read: '...';
+        // ..."
+        std::string reason = fault.what();
+        if (const auto at = reason.find(" - "); at != std::string::npos) reason.erase(0, at + 3);
+        if (const auto at = reason.find("; last read: "); at != std::string::npos)
+            reason.erase(at, reason.find("; expected", at) - at);
+        fault_ = position(text_, furthest_) + ": must be JSON: " + printable(reason, 200);
         return false;
     }
 

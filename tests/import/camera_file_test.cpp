@@ -54,15 +54,34 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
 
 TEST(CameraFiles, WithoutACameraAreRefused) {
     const TemporaryFolder folder;
-    for (const char* text :
-         {"", "{", "{}", "[1, 2]", "1 2 3", "hello", R"({"fx": -3, "fy": 2})", R"({"fx": 1e300, "fy": 2})",
-          R"({"K": [1, 2]})", "camera_matrix: nothing\n", "camera_matrix:\ndata", "1 PINHOLE 640 480 500\n",
-          "0 480 500 501 320 240", "640 480 500 501 320", "640 480 -500 501 320 240", R"({"fx": "500"})"}) {
+    for (const char* text : {"",
+                             "{",
+                             "{}",
+                             "[1, 2]",
+                             "1 2 3",
+                             "hello",
+                             R"({"fx": -3, "fy": 2})",
+                             R"({"fx": 1e300, "fy": 2})",
+                             R"({"K": [1, 2]})",
+                             "camera_matrix: nothing\n",
+                             "camera_matrix:\ndata",
+                             "1 PINHOLE 640 480 500\n",
+                             "0 480 500 501 320 240",
+                             "640 480 500 501 320",
+                             "640 480 -500 501 320 240",
+                             R"({"fx": "500"})",
+                             "0.8 -0.6 0\n0.6 0.8 0\n0 0 1\n",
+                             "1 0 0\n0 1 0\n0 0 1\n",
+                             "500 0 320\n0 500 240\n0 0 2\n",
+                             "500 9 320\n0 500 240\n0 0 1\n",
+                             R"({"K": [0.9, 0, 0.1, 0, 1, 0, -0.1, 0, 0.9]})"}) {
         write_bytes(folder / "camera.txt", text);
         EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("has no camera"), std::string::npos)
             << text;
         EXPECT_EQ(camera_file_in(folder.path()), std::nullopt);
     }
+    write_bytes(folder / "camera.txt", "640 480 500 501 3200 240");
+    EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("principal point"), std::string::npos);
     EXPECT_NE(message(read_camera_file(folder.path())).find("is a folder; right would be a camera's file"),
               std::string::npos);
 }

@@ -1,6 +1,7 @@
 #include "engine/import/guess/picture_files.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/clip/clip_fixture.hpp"
 
@@ -163,6 +164,20 @@ TEST(PictureFiles, ThatAreMissingFromARowAreCountedByItsStep) {
     EXPECT_EQ(depth_files(folder.path(), source)->remark,
               "ends after 2 frames: d20.png is missing, though later ones exist up to number 60; missing "
               "numbers: 20 to 30, 50");
+}
+
+TEST(PictureFiles, OfAStarSayWhichNumbersAreMissing) {
+    const TemporaryFolder folder;
+    for (const char* name : {"d0.png", "d2.png", "d4.png", "d8.png", "d10.png", "d16.png", "k1.png", "k4.png",
+                             "k9.png", "t1.5.png", "t2.0.png", "t9.0.png"})
+        write_bytes(folder / name, "");
+    EXPECT_EQ(found_in(folder, "d*.png").remark, "d*.png: missing numbers: 6, 12 to 14");
+    EXPECT_EQ(found_in(folder, "k*.png").remark, "") << "chosen frames";
+    EXPECT_EQ(found_in(folder, "t*.png").remark, "") << "times";
+    ASSERT_EQ(mkfifo((folder / "d6.png").c_str(), 0600), 0);
+    EXPECT_EQ(found_in(folder, "d*.png").remark, "d*.png: missing numbers: 6, 12 to 14");
+    FolderSource source{.depth = "d6.png", .colour = "", .haptic = "", .height = ""};
+    EXPECT_NE(message(depth_files(folder.path(), source)).find("is no regular file"), std::string::npos);
 }
 
 TEST(PictureFiles, StampsTellTheirUnitByTheirSize) {

@@ -247,6 +247,7 @@ TEST(SceneRefusal, TheSameNameInTwoObjectsIsNoRepetition) {
 
 TEST(SceneRefusal, BrokenJsonIsRefusedByLineAndByte) {
     expect_refused("", {"line 1, byte 0", "JSON"});
+    expect_refused("\x89PNG\r\n", {"is no JSON text: must begin with {"});
     expect_refused("{\n  \"width\": 4,,\n}", {"line 2, byte 16", "JSON"});
     expect_refused(std::string(full) + "{}", {"line 12", "JSON"});
     expect_refused(with("\"all\"", "\"\xff\xfe\""), {"line 2", "JSON"});

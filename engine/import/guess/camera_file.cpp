@@ -47,7 +47,21 @@ std::optional<Intrinsics> from_matrix(const std::vector<double>& m) {
     if (m.size() == 16) return from_matrix({m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]});
     if (m.size() != 9) return {};
     const bool by_rows = m[2] != 0 || m[5] != 0;
+    // Other matrices, a rotation or a pose, are no camera's. A pixel's skew moves no place by more than half.
+    constexpr double most_skew = 1, least_focal = 1;
+    const bool last_is_unit = (by_rows ? m[6] == 0 && m[7] == 0 : m[2] == 0 && m[5] == 0) && m[8] == 1;
+    const bool is_camera = last_is_unit && std::abs(m[1]) <= most_skew && std::abs(m[3]) <= most_skew &&
+                           m[0] > least_focal && std::abs(m[4]) > least_focal;
+    if (!is_camera) return {};
     return Intrinsics{m[0], m[4], by_rows ? m[2] : m[6], by_rows ? m[5] : m[7]};
+}
+
+/// Whether the principal point is in the picture, or no farther beside it than half of it.
+bool is_near_picture(const Intrinsics& camera) {
+    const auto fits = [](const std::optional<double>& at, int side) {
+        return !at || side <= 0 || (*at > -0.5 * side && *at < 1.5 * side);
+    };
+    return fits(camera.cx, camera.width) && fits(camera.cy, camera.height);
 }
 
 void flatten(const Json& value, std::vector<double>& numbers) {
@@ -233,6 +247,10 @@ Result<CameraFile> read_camera_file(const fs::path& file) {
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);  // a mark that says UTF-8
     const auto found = parsed(text);
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0 && value < 1e6; };
+    if (found && !is_near_picture(found->intrinsics))
+        return input_error(file.string() +
+                           ": its principal point is far beside its picture: must be cx, cy in "
+                           "pixels, in the picture or near it");
     if (found && is_length(found->intrinsics.fx) && is_length(std::abs(found->intrinsics.fy))) {
         CameraFile camera = *found;
         camera.codes_per_metre = codes_per_metre_in_json(text);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -67,8 +68,9 @@ bool is_file(const fs::path& file) {
 }
 
 Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
+    std::error_code ignored;
     return input_error(file.string() + " (" + std::string(what) + ", frame " + std::to_string(frame) +
-                       "): is missing" + more);
+                       "): " + (fs::exists(file, ignored) ? "is no regular file" : "is missing") + more);
 }
 
 /// Where depth's first picture is missing and later ones are there.
@@ -112,9 +114,11 @@ Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& 
             return missing(file, "depth", found.count(),
                            is_first && source.count == 0 ? first_of(folder, pattern, number) : "");
         const std::string later = beyond(folder, pattern, number, step);
-        if (!later.empty())
+        std::error_code ignored;
+        if (!later.empty() || fs::exists(file, ignored))
             found.remark = "ends after " + std::to_string(found.count()) +
-                           " frames: " + file.filename().string() + " is missing" + later;
+                           " frames: " + file.filename().string() +
+                           (fs::exists(file, ignored) ? " is no regular file" : " is missing") + later;
         break;
     }
     return found;
@@ -208,9 +212,11 @@ Result<PictureFiles> listed_files(const fs::path& list) {
         found.files.push_back(list.parent_path() / (has_time ? second : first));
         if (has_time) found.keys.push_back(*time);
         found.has_decimals |= has_time && first.find('.') != std::string::npos;
-        if (!is_file(found.files.back()))
-            return input_error(list.string() + ", line " + std::to_string(number) + ": " +
-                               printable(found.files.back().string()) + " is missing");
+        if (std::error_code ignored; !is_file(found.files.back()))
+            return input_error(
+                list.string() + ", line " + std::to_string(number) + ": " +
+                printable(found.files.back().string()) +
+                (fs::exists(found.files.back(), ignored) ? " is no regular file" : " is missing"));
         if (found.count() > most_files) return input_error(list.string() + ": has too many lines");
     }
     if (found.files.empty()) return input_error(list.string() + ": names no picture");
@@ -241,6 +247,28 @@ std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
     std::vector<double> seconds;
     for (const double key : pictures.keys) seconds.push_back((key - pictures.keys.front()) * *unit);
     return seconds;
+}
+
+/// Says which numbers a row lacks whose files are counted, evenly; nothing where at least as many are missing
+/// as there are, as of chosen frames.
+std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
+    if (found.count() < 3 || found.keys.empty() || found.has_decimals || seconds_per_key(found)) return "";
+    std::int64_t step = 0;
+    for (std::size_t n = 1; n < found.keys.size(); ++n)
+        step = std::gcd(step, static_cast<std::int64_t>(found.keys[n] - found.keys[n - 1]));
+    if (step == 0) return "";
+    std::string gaps;
+    std::int64_t missing = 0;
+    for (std::size_t n = 1; n < found.keys.size(); ++n) {
+        const auto first = static_cast<std::int64_t>(found.keys[n - 1]) + step,
+                   last = static_cast<std::int64_t>(found.keys[n]) - step;
+        if (last < first) continue;
+        missing += (last - first) / step + 1;
+        gaps += (gaps.empty() ? "" : ", ") + std::to_string(first);
+        if (last > first) gaps += " to " + std::to_string(last);
+    }
+    if (missing == 0 || missing >= static_cast<std::int64_t>(found.count())) return "";
+    return pattern + ": missing numbers: " + printable(gaps, 120);
 }
 
 /// Says so where two pictures have nearly one time, which no two frames can have.
@@ -295,7 +323,7 @@ std::size_t nearest_key(const std::vector<double>& keys, double key) {
 
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
     auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
-    if (found && rate_of(*found)) found->remark = close_times(*found, pattern);
+    if (found) found->remark = rate_of(*found) ? close_times(*found, pattern) : gaps_in(*found, pattern);
     return found;
 }
 
