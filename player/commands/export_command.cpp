@@ -245,14 +245,22 @@ Result<void> find_scale(ClipReader& reader, Scene& scene, SurfaceBuilder& builde
     return {};
 }
 
-/// Reads, builds and writes from `options.first` on; gives the number of the frame after the last one read. A
-/// temporal filter begins empty some frames before the first (docs/conventions.md).
-Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const ExportOptions& options,
-                                   SurfaceBuilder& builder, std::optional<PictureOrder>& picture) {
+/// Of frames with a folder each, those before the one that failed are whole, and stay.
+Error with_what_stays(Error error, const ExportOptions& options, std::int64_t failed) {
+    if (!options.folder_per_frame || options.out.empty() || failed <= options.first) return error;
+    error.message += "; frames " + std::to_string(options.first) + " to " + std::to_string(failed - 1) +
+                     " are whole in " + options.out.string();
+    return error;
+}
+
+/// Reads, builds and writes from `options.first` on, and leaves in `number` that of the frame after the last
+/// one written. A temporal filter begins empty some frames before the first (docs/conventions.md).
+Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportOptions& options,
+                           SurfaceBuilder& builder, std::optional<PictureOrder>& picture,
+                           std::int64_t& number) {
     Progress progress("exporting frame", options.last ? *options.last + 1 : reader.frame_count().value_or(0));
     SurfaceFrame surface;
-    std::int64_t number =
-        std::max<std::int64_t>(0, options.first - (scene.filter.temporal ? temporal_warm_up_frames : 0));
+    number = std::max<std::int64_t>(0, options.first - (scene.filter.temporal ? temporal_warm_up_frames : 0));
     if (auto there = reader.seek(number); !there.ok()) return there.error();
     for (; !options.last || number <= *options.last; ++number) {
         if (interrupted()) return interrupted_error();
@@ -267,7 +275,7 @@ Result<std::int64_t> export_frames(ClipReader& reader, const Scene& scene, const
         if (picture)
             if (auto drawn = draw(*picture, **raw, scene, surface); !drawn.ok()) return drawn.error();
     }
-    return number;
+    return {};
 }
 
 /// `at_work`: what memory is needed for, once that is known.
@@ -293,9 +301,10 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (!picture.ok()) return picture.error();
 
     if (auto found = find_scale(*reader, scene, **builder); !found.ok()) return found;
-    const auto read = export_frames(*reader, scene, options, **builder, *picture);
-    if (!read.ok()) return read.error();
-    if (*read <= wanted) return beyond_the_end(options, wanted, *read);
+    std::int64_t number = 0;
+    if (auto done = export_frames(*reader, scene, options, **builder, *picture, number); !done.ok())
+        return with_what_stays(done.error(), options, number);
+    if (number <= wanted) return with_what_stays(beyond_the_end(options, wanted, number), options, number);
     if (clip->chosen) std::cerr << "touchable: filters: " << filters_in_words(scene, clip->chosen) << '\n';
     return {};
 }

@@ -35,6 +35,20 @@ Result<void> write_text(const std::filesystem::path& target, const std::string& 
     return file.commit();
 }
 
+/// What opens the pictures as `target` describes them. It names them from their own folder, so that it opens
+/// by itself only there.
+std::string opening(const std::filesystem::path& target, const std::filesystem::path& pictures,
+                    bool is_folder) {
+    std::error_code failure;
+    const auto whole = [&](const std::filesystem::path& path) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(path, failure), failure);
+    };
+    const auto home = is_folder ? whole(pictures) : whole(pictures).parent_path();
+    if (whole(target).parent_path() == home && target.extension() == ".json")
+        return "touchable " + target.string();
+    return "touchable play " + pictures.string() + " --scene " + target.string();
+}
+
 Result<void> run_init_scene(const InitSceneOptions& options) {
     const auto known = read_camera(options.camera);
     if (!known.ok()) return known.error();
@@ -52,9 +66,11 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
     if (auto written = write_text(target, scene_to_json(*guessed), options.existing); !written.ok())
         return written;
-    std::cout << target.string() << " is written; touchable " << target.string() << " opens it\n";
-    for (const std::string& remark : remarks_with_options(guessed->scene.remarks))
-        std::cout << "  " << remark << '\n';
+    std::cout << target.string() << " is written; " << opening(target, options.pictures, is_folder)
+              << " opens the pictures so\n";
+    for (const Remark& remark : guessed->scene.remarks)  // this scene file says the rest
+        std::cout << "  " << (remark.hints.empty() ? remark_in_words(remark) : remark_with_options(remark))
+                  << '\n';
     return {};
 }
 

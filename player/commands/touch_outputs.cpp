@@ -180,15 +180,29 @@ Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create 
     return {};
 }
 
+/// Of a run whose length is known before.
+Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup& setup,
+                                  std::optional<std::int64_t> ticks) {
+    const auto frames = setup.feed->reader().frame_count();
+    const bool is_the_clips = !ticks && frames && setup.settings.playback.empty() && !setup.control;
+    if (is_the_clips) ticks = std::max(setup.scene.rate.time_ns(*frames), shortest_run_ns) / tick_ns;
+    if (!options.picture_tick || !ticks || *options.picture_tick < *ticks) return {};
+    const std::string end =
+        std::to_string(*ticks / 1000) + '.' + std::to_string(1000 + *ticks % 1000).substr(1);
+    return usage_error("--picture-at lies beyond the run's end at " + end + " s" +
+                       (is_the_clips ? "; --seconds makes the run longer" : ""));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& options, const TouchSetup& setup,
                                                          std::optional<std::int64_t> ticks) {
+    if (auto checked = check_picture_moment(options, setup, ticks); !checked.ok()) return checked.error();
     if (options.record && is_standard_output(*options.record))
         return usage_error("--record -: a recording does not go to standard output; give it a file's name");
     if (auto free = check_outputs(outputs_of(options, setup), inputs_of(options, setup)); !free.ok())
         return free.error();
-    std::unique_ptr<TouchOutputs> out(new TouchOutputs);
+    std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
     const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
     const auto forces = [&](const auto& path) {
         return ForcesFile::create(path, options.existing, pace, "--forces");
@@ -276,11 +290,17 @@ Result<void> TouchOutputs::finish_json(const nlohmann::ordered_json& report) {
 Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const std::string& force_hash,
                                   const TouchSetup& setup) {
     std::vector<Result<void>> done;
-    if (forces_) done.push_back(forces_->finish());
-    if (device_log_) done.push_back(device_log_->finish());
-    if (record_) done.push_back(finish_record(force_hash, setup));
-    if (json_) done.push_back(finish_json(report));
-    if (picture_ && !is_drawn_) done.push_back(picture_->finish(setup, report.value("interrupted", false)));
+    const auto keep = [&](Result<void> finished, const std::filesystem::path& file) {
+        if (finished.ok() && !is_standard_output(file)) written_.push_back(file.string());
+        done.push_back(std::move(finished));
+    };
+    if (forces_) keep(forces_->finish(), *options_.forces);
+    if (device_log_) keep(device_log_->finish(), *options_.device_log);
+    if (record_) keep(finish_record(force_hash, setup), *options_.record);
+    if (json_) keep(finish_json(report), *options_.json);
+    if (picture_)
+        keep(is_drawn_ ? Result<void>() : picture_->finish(setup, report.value("interrupted", false)),
+             *options_.picture.file);
     return all_ok(done);
 }
 

@@ -62,7 +62,8 @@ std::int64_t usual_picture_tick(const TouchSetup& setup);
 class TouchOutputs {
 public:
     /// Refuses names that are also inputs' or each other's, and files that are there already and may not be
-    /// replaced. `ticks`: of all parts, where that is known.
+    /// replaced, and a picture of a moment that the run does not come to, where its length is known. `ticks`:
+    /// of all parts, where that is known. `options` outlive it.
     static Result<std::unique_ptr<TouchOutputs>> open(const TouchOptions& options, const TouchSetup& setup,
                                                       std::optional<std::int64_t> ticks);
 
@@ -80,14 +81,18 @@ public:
     /// the others. An error says of which something is missing.
     Result<void> finish(const nlohmann::ordered_json& report, const std::string& force_hash,
                         const TouchSetup& setup);
+    /// The files that `finish` has completed, but for standard output.
+    const std::vector<std::string>& written() const { return written_; }
     /// What else there is to say of them after the table; may be empty.
     std::string remark() const { return picture_ ? picture_->line() : std::string(); }
 
 private:
-    TouchOutputs() = default;
+    explicit TouchOutputs(const TouchOptions& options) : options_(options) {}
     Result<void> finish_record(const std::string& force_hash, const TouchSetup& setup);
     Result<void> finish_json(const nlohmann::ordered_json& report);
 
+    const TouchOptions& options_;
+    std::vector<std::string> written_;
     std::unique_ptr<ForcesFile> forces_;
     std::unique_ptr<DeviceLogFile> device_log_;
     std::unique_ptr<RecordingFile> record_;

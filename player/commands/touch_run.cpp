@@ -255,15 +255,6 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
     return {};
 }
 
-/// That have the figures, and the picture.
-std::vector<std::string> files_of(const TouchOptions& options) {
-    std::vector<std::string> files;
-    for (const auto* file :
-         {&options.json, &options.forces, &options.record, &options.device_log, &options.picture.file})
-        if (*file && !is_standard_output(**file)) files.push_back((*file)->string());
-    return files;
-}
-
 /// `at_work`: what memory is needed for, once that is known.
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
     auto checked = check_gpu_options(options.session.builder, options.picture.draws_on_gpu());
@@ -293,7 +284,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     if (options.verbose)
         words << report_to_text(report) << (*outputs)->remark();
     else
-        words << report_in_short(report, files_of(options));
+        words << report_in_short(report, (*outputs)->written());
     if (!done.ok()) return done;
     if (auto whole = ended_early(told.live); !whole.ok()) return whole;
     if (!replays) return strictly(options, report);

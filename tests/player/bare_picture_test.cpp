@@ -73,6 +73,19 @@ TEST_F(BarePicture, ASceneFileToBeginWithIsWritten) {
     EXPECT_EQ(run_touchable({"info", folder / "my.json"}).code, 0);
     EXPECT_EQ(run_touchable({"init-scene", picture()}).code, 2) << "it is there already";
     EXPECT_EQ(run_touchable({"init-scene", picture(), "--overwrite"}).code, 0);
+    std::filesystem::create_directory(folder / "else");
+    const std::string other = folder / "else/other.json";
+    const Outcome elsewhere = run_touchable({"init-scene", picture(), "--out", other});
+    EXPECT_NE(elsewhere.out.find("touchable play " + picture() + " --scene " + other), std::string::npos)
+        << elsewhere.out;
+    EXPECT_EQ(run_touchable({"info", picture(), "--scene", other}).code, 0);
+    const std::string clip = folder / "packed.mkv";
+    ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1"}).code, 0);
+    const Outcome packed = run_touchable({"init-scene", clip});
+    EXPECT_EQ(packed.code, 3);
+    EXPECT_NE(packed.err.find("is a clip that has its scene in it"), std::string::npos) << packed.err;
+    EXPECT_NE(packed.err.find("touchable convert " + clip + ' ' + (folder / "packed").string()),
+              std::string::npos);
     EXPECT_EQ(run_touchable({"init-scene", picture(), "--out", picture(), "--overwrite"}).code, 2);
     EXPECT_EQ(run_touchable({"init-scene", folder / "nothing"}).code, 3);
     EXPECT_NE(run_touchable({"formats"}).out.find("--preset NAME"), std::string::npos);

@@ -129,6 +129,16 @@ TEST_F(Export, RangeWritesAFolderPerFrame) {
     EXPECT_TRUE(std::filesystem::exists(out("3/mesh.ply")));
 }
 
+TEST_F(Export, FramesBeforeTheOneThatFailsStayAndAreSaidTo) {
+    make("moving", 4);
+    std::filesystem::create_directory(out());
+    std::ofstream(out("2")) << "no folder\n";
+    const Outcome run = run_touchable({"export", clip(), "--frames", "all", "--out", out()});
+    EXPECT_EQ(run.code, 3);
+    EXPECT_TRUE(run.err.ends_with("; frames 0 to 1 are whole in " + out() + "\n")) << run.err;
+    EXPECT_EQ(names_in(out()), (Words{"0", "1", "2"}));
+}
+
 TEST_F(Export, FrameBeyondTheEndIsCode2AndSaysHowManyThereAre) {
     make("plane", 3);
     for (const auto& words :

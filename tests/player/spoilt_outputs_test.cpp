@@ -116,6 +116,8 @@ TEST_F(SpoiltOutput, OfflineItLeavesNothingAndTheOthersAreComplete) {
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
     EXPECT_TRUE(says(run.err, "--forces " + forces + ": cannot be written: ")) << run.err;
     EXPECT_FALSE(fs::exists(forces));
+    EXPECT_FALSE(says(run.out, forces)) << "as if it were there: " << run.out;
+    EXPECT_TRUE(says(run.out, report)) << run.out;
     EXPECT_EQ(nlohmann::json::parse(file_contents(report))["ticks"], 1000);
     expect_replayed(run.err);
 }
