@@ -23,10 +23,15 @@
 namespace touchable {
 namespace {
 
-int fail(const Error& error) {
+/// `app` knows which command was chosen, and with that which options there are.
+int fail(const CLI::App& app, const Error& error) {
     std::cout.flush();
+    const auto chosen = app.get_subcommands();
+    const auto knows = [&](const std::string& option) {
+        return chosen.empty() || chosen[0]->get_option_no_throw(option) != nullptr;
+    };
     constexpr std::size_t longest = 2000;  // of a line that a person reads; names in it may be anything
-    std::cerr << "touchable: " << printable(message_with_options(error), longest) << '\n';
+    std::cerr << "touchable: " << printable(message_with_options(error, knows), longest) << '\n';
     return exit_code(error.kind);
 }
 
@@ -86,6 +91,10 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
         const std::string meant = nearest_word(words.empty() ? "" : words.front(), known_words(app));
         if (!meant.empty()) message += "; did you mean " + meant + '?';
     }
+    std::error_code ignored;
+    for (const std::string& word : app.remaining(true))
+        if (word.starts_with('-') && std::filesystem::exists(word, ignored))
+            message += "; for the file " + word + " type ./" + word;
     for (char& c : message)
         if (c == '\n') c = ' ';
     return usage_error(message + "; see touchable " +
@@ -119,7 +128,7 @@ int run(int argc, char** argv) {
             app.parse(std::move(words));
         } else if (argc > 1 && std::string_view(argv[1]) == "help") {
             auto asked = words_of_help(app, argc, argv);
-            if (!asked.ok()) return fail(asked.error());
+            if (!asked.ok()) return fail(app, asked.error());
             app.parse(std::move(*asked));
         } else {
             app.parse(argc, argv);
@@ -127,18 +136,18 @@ int run(int argc, char** argv) {
     } catch (const CLI::Success& success) {
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
-        return fail(bad_usage(app, error));
+        return fail(app, bad_usage(app, error));
     }
     if (!command) command = [&app] { return print_overview(app); };
 
     catch_interrupts();
     const Result<void> result = command();
     if (!result.ok()) {
-        const int code = fail(result.error());
+        const int code = fail(app, result.error());
         return interrupted() ? interrupted_exit_code : code;
     }
     const Result<void> told = flush_standard_output();
-    return told.ok() ? 0 : fail(told.error());
+    return told.ok() ? 0 : fail(app, told.error());
 }
 
 int run_or_tell(int argc, char** argv) {

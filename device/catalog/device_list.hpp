@@ -65,8 +65,9 @@ std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system);
 
 /// For a person: lines; with none connected one, which says what to do.
 std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming = "");
-/// Every word that --device takes, a line each, and how to begin.
-std::string device_words_in_words();
+/// Every word that --device takes, a line each, and how to begin; `with_simulated`: the command that does
+/// with a simulated one.
+std::string device_words_in_words(const std::string& with_simulated = "");
 /// The same as JSON, with members named as above, ids as "046d:c626", and `words`.
 std::string devices_in_json(const std::vector<ConnectedDevice>& devices);
 

@@ -9,8 +9,7 @@
 namespace touchable {
 namespace {
 
-constexpr const char* simulated_words =
-    "a handle that a scripted hand holds; touch alone, with that hand named beside it";
+constexpr const char* simulated_words = "a handle that a scripted hand holds, in a run without a window";
 
 std::string ids_in_words(const ConnectedDevice& device) {
     constexpr const char* digits = "0123456789abcdef";
@@ -42,8 +41,11 @@ std::string device_lines(const ConnectedDevice& device, const std::string& namin
     if (!device.held_by.empty()) words += "    open in: " + listed(device.held_by) + "\n";
     if (device.ready) return words + "    ready\n";
     if (device.next.empty()) return words;
-    return words + (device.why_not.empty() ? "    not ready; do:  " : "    instead: ") +
-           printable(device.next, 400) + "\n";
+    words +=
+        (device.why_not.empty() ? "    not ready; do:  " : "    instead: ") + printable(device.next, 400);
+    if (!device.why_not.empty() && device.next.ends_with("the device network"))
+        words += " (" + naming + "network)";
+    return words + '\n';
 }
 
 }  // namespace
@@ -60,7 +62,7 @@ std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const 
     return words;
 }
 
-std::string device_words_in_words() {
+std::string device_words_in_words(const std::string& with_simulated) {
     constexpr std::size_t column = 24;
     std::string words;
     const auto line = [&words](std::string_view word, std::string_view what) {
@@ -69,7 +71,7 @@ std::string device_words_in_words() {
     };
     for (const DeviceKind& kind : device_kinds())
         line(std::string(kind.name) + std::string(kind.keys), kind.words);
-    line("simulated", simulated_words);
+    line("simulated", simulated_words + (with_simulated.empty() ? "" : ": " + with_simulated));
     return words;
 }
 

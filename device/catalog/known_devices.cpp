@@ -50,7 +50,7 @@ const std::array<KnownDevice, 9> devices{{
     {.what = "a Teensy with RawHID, perhaps a later Polhem",
      .has_ids = is_exactly<0x16c0, 0x0486>,
      .why = "its reports of 64 bytes are not those of WoodenHaptics' firmware",
-     .instead = "let a program of yours speak with it, and be the device network"},
+     .instead = "let a program of yours speak with it, and pass its places on to the device network"},
     {.what = "3D Systems Touch",
      .has_ids = is_touch,
      .why = "its protocol is closed: only its vendor's driver and OpenHaptics speak it",

@@ -7,10 +7,6 @@
 
 namespace touchable {
 
-const char* const udev_rules_command =
-    "touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo udevadm control "
-    "--reload";
-
 std::vector<std::string> udev_rules_of(std::uint16_t vendor) {
     std::array<char, 5> lower{}, upper{};
     std::snprintf(lower.data(), lower.size(), "%04x", vendor);

@@ -11,6 +11,8 @@ const char* udev_rules();
 /// Those of its rules that are for devices of a vendor.
 std::vector<std::string> udev_rules_of(std::uint16_t vendor);
 /// The line that permits devices to whoever sits at the machine, with nothing but this program.
-extern const char* const udev_rules_command;
+inline constexpr const char* udev_rules_command =
+    "touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo udevadm control "
+    "--reload";
 
 }  // namespace touchable

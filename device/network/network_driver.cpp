@@ -136,7 +136,7 @@ std::string NetworkDriver::who_may_touch() const {
     const auto own = read_udp_address(settings_.listen);
     if (own && own->is_own_machine()) return {};
     return ", from ANY machine that reaches it: whoever sends first moves the fingers and gets the forces "
-           "(network:from=ADDRESS lets one)";
+           "(the device network:from=ADDRESS lets one)";
 }
 
 /// Empty: nothing is wrong with it.

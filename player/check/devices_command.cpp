@@ -25,7 +25,7 @@ Result<void> run_devices(const DevicesOptions& options) {
     else
         std::cout << devices_in_words(devices, "--device ")
                   << "\nWhat --device takes (docs/devices.md has each one's keys):\n"
-                  << device_words_in_words()
+                  << device_words_in_words("touchable touch CLIP --live --device simulated --hand stroke")
                   << "See whether it works:  touchable check --device NAME\n"
                      "Touch with it:         touchable touch CLIP --live --device NAME\n";
     return {};

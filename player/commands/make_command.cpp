@@ -16,6 +16,7 @@
 #include "engine/result.hpp"
 #include "engine/video/matroska_writer.hpp"
 #include "player/options/file_option.hpp"
+#include "player/options/number_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/typed_numbers.hpp"
 #include "player/options/whole_option.hpp"
@@ -171,7 +172,8 @@ void add_make_command(CLI::App& app, Command& command) {
     words->size_typed = make->add_option("--size", words->size,
                                          "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
     make->add_option("--frames", words->frames, "how many, at 30/s")->capture_default_str();
-    add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16")->capture_default_str();
+    add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16", 8, 16)
+        ->capture_default_str();
     make->add_option(
             "--archive", words->archive,
             "fast: decodes quickest; small: fewest bytes. Both keep every value of depth, haptic and "
@@ -187,10 +189,12 @@ void add_make_command(CLI::App& app, Command& command) {
         make->add_option("--seed", words->seed, "noise, cliffs, grain, and the planet of globe")
             ->capture_default_str();
     words->tilt_typed =
-        make->add_option("--tilt", generator.tilt_degrees, "plane: degrees, 0 to 60")->capture_default_str();
-    words->tilt_direction_typed = make->add_option("--tilt-direction", generator.tilt_direction_degrees,
-                                                   "plane: degrees in the picture")
-                                      ->capture_default_str();
+        add_number_option(*make, "--tilt", generator.tilt_degrees, "plane: degrees, 0 to 60", 0, 60)
+            ->capture_default_str();
+    words->tilt_direction_typed =
+        add_number_option(*make, "--tilt-direction", generator.tilt_direction_degrees,
+                          "plane: degrees in the picture")
+            ->capture_default_str();
     make->callback([words, &command] {
         command = [words]() -> Result<void> {
             const auto options = read_words(*words);

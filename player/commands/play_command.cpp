@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -18,6 +17,7 @@
 #include "player/options/device_options.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/live_camera_option.hpp"
+#include "player/options/number_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/picture_options.hpp"
 #include "player/options/playback_options.hpp"
@@ -139,10 +139,6 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
 }
 
 Result<PlayOptions> read_words(const PlayWords& words) {
-    for (const double number : {words.seconds_value, words.options.screenshot_s})
-        if (std::isnan(number)) return usage_error("--seconds and --at must be numbers");
-    for (const double number : words.idle)
-        if (std::isnan(number)) return usage_error("--idle must be two numbers");
     if (!words.idle.empty() && words.idle[1] < words.idle[0])
         return usage_error(
             "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
@@ -230,8 +226,9 @@ void find_settings(PlayOptions& options) {
 
 Result<void> run_play(PlayOptions options) {
     find_settings(options);
-    options.names = {"--record",     "--sound",           "--video",
-                     "--screenshot", remark_with_options, message_with_options};
+    options.names = {"--record",          "--sound",
+                     "--video",           "--screenshot",
+                     remark_with_options, [](const Error& error) { return message_with_options(error); }};
     const bool is_told_at_once = options.headless || options.kiosk;
     auto figures = play_in_window(std::move(options));
     if (!figures.ok()) return figures.error();
@@ -260,13 +257,13 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     auto* picture = add_file_option(sub, "--screenshot", o.screenshot,
                                     "keep what the window shows in the end as this PNG file")
                         ->check(ends_in_png());
-    sub.add_option("--at", o.screenshot_s, "the moment of --screenshot, seconds after the window opens")
+    add_number_option(sub, "--at", o.screenshot_s,
+                      "the moment of --screenshot, seconds after the window opens", 0.1, 1e6)
         ->needs(picture)
-        ->check(CLI::Range(0.1, 1e6))
         ->capture_default_str();
-    words.seconds = sub.add_option("--seconds", words.seconds_value, "close the window after so long")
-                        ->check(CLI::Range(0.1, 1e6))
-                        ->excludes("--at");
+    words.seconds =
+        add_number_option(sub, "--seconds", words.seconds_value, "close the window after so long", 0.1, 1e6)
+            ->excludes("--at");
     add_file_option(sub, "--record", o.record,
                     "keep what it takes to repeat the touch: touchable touch --replay FILE");
     add_file_option(sub, "--settings", o.settings_file,
@@ -280,12 +277,12 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                                "invitation to touch, and nothing that ends it (docs/play.md)")
                       ->excludes("--record")
                       ->excludes("--settings");
-    sub.add_option("--idle", words.idle,
-                   "two times in seconds: how long nobody touches a kiosk until it invites to, and until it "
-                   "begins anew; 20 60 where they are left out")
+    add_number_option(sub, "--idle", words.idle,
+                      "two times in seconds: how long nobody touches a kiosk until it invites to, and until "
+                      "it begins anew; 20 60 where they are left out",
+                      0.1, 1e6)
         ->expected(2)
-        ->needs(kiosk)
-        ->check(CLI::Range(0.1, 1e6));
+        ->needs(kiosk);
     add_overwrite_option(sub, o.existing);
 }
 

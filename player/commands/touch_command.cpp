@@ -1,7 +1,6 @@
 #include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "player/options/clip_options.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/live_camera_option.hpp"
+#include "player/options/number_option.hpp"
 #include "player/options/outputs.hpp"
 #include "player/options/playback_options.hpp"
 #include "player/options/whole_option.hpp"
@@ -43,9 +43,6 @@ struct TouchWords {
 /// The run's length and the picture's moment, in ticks.
 Result<void> read_moments(const TouchWords& words, TouchOptions& options) {
     auto& ticks = options.session.ticks;
-    if (std::isnan(words.seconds)) return usage_error("--seconds is not a number; must be 0.001 to 1e6");
-    if (std::isnan(words.picture_seconds))
-        return usage_error("--picture-at is not a number; must be 0 to 1e6");
     if (words.picture_moment->count() > 0)
         options.picture_tick = static_cast<std::int64_t>(words.picture_seconds * 1000 + 0.5);
     if (words.duration->count() > 0) ticks = static_cast<std::int64_t>(words.seconds * 1000 + 0.5);
@@ -103,16 +100,16 @@ void add_file_options(CLI::App& sub, TouchOptions& o) {
 
 void add_moment_options(CLI::App& sub, TouchWords& words) {
     words.picture_moment =
-        sub.add_option(
-               "--picture-at", words.picture_seconds,
-               "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)")
-            ->needs("--picture")
-            ->check(CLI::Range(0.0, 1e6));
+        add_number_option(
+            sub, "--picture-at", words.picture_seconds,
+            "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)", 0,
+            1e6)
+            ->needs("--picture");
     words.duration =
-        sub.add_option("--seconds", words.seconds,
-                       "length of the run; otherwise that of a recorded hand or device; with a device that "
-                       "you hold until Ctrl-C; else the clip's and at least 3")
-            ->check(CLI::Range(0.001, 1e6));
+        add_number_option(sub, "--seconds", words.seconds,
+                          "length of the run; otherwise that of a recorded hand or device; with a device "
+                          "that you hold until Ctrl-C; else the clip's and at least 3",
+                          0.001, 1e6);
     words.fix_by_recording({words.duration});
 }
 
@@ -145,8 +142,9 @@ void add_force_options(CLI::App& sub, TouchWords& words) {
     const Words<bool> rises{{"map", false}, {"passive", true}};
     SessionOptions& session = words.options.session;
     GuardSettings& guard = session.guard;
-    words.slew = sub.add_option("--stiffness-slew", words.stiffness_slew,
-                                "N/mm per second: how fast stiffness may rise in contact; otherwise at once");
+    words.slew =
+        add_number_option(sub, "--stiffness-slew", words.stiffness_slew,
+                          "N/mm per second: how fast stiffness may rise in contact; otherwise at once");
     words.fix_by_recording(
         {words.slew,
          sub.add_flag("--start-buried", session.start_buried,
@@ -156,21 +154,24 @@ void add_force_options(CLI::App& sub, TouchWords& words) {
                          "where distances are measured: world; to compare, pixel (the paper's) or scaled "
                          "(pixel with levels as long as they are where the finger is)",
                          metrics),
-         sub.add_option("--max-force", guard.max_force, "N: what the device can exert on a finger")
+         add_number_option(sub, "--max-force", guard.max_force, "N: what the device can exert on a finger")
              ->capture_default_str(),
-         sub.add_option("--max-stiffness", words.max_stiffness_n_mm, "N/mm: what the device renders stably")
+         add_number_option(sub, "--max-stiffness", words.max_stiffness_n_mm,
+                           "N/mm: what the device renders stably")
              ->capture_default_str(),
-         sub.add_option(
-                "--stribeck", session.stribeck_speed,
-                "m/s: friction falls from static to dynamic about this speed; 0: the moment it slides")
+         add_number_option(
+             sub, "--stribeck", session.stribeck_speed,
+             "m/s: friction falls from static to dynamic about this speed; 0: the moment it slides")
              ->capture_default_str(),
          add_word_option(sub, "--stiffness", guard.rise.paid,
                          "in contact: map (the clip's), or passive (rises only as far as losses pay for)",
                          rises),
-         sub.add_option("--damping", guard.damping, "N s/m beside the spring, against the hand's motion")
+         add_number_option(sub, "--damping", guard.damping,
+                           "N s/m beside the spring, against the hand's motion")
              ->capture_default_str(),
-         sub.add_option("--passivity", guard.passivity,
-                        "N s/m: the most by which a controller may brake to take back created energy; 0: off")
+         add_number_option(
+             sub, "--passivity", guard.passivity,
+             "N s/m: the most by which a controller may brake to take back created energy; 0: off")
              ->capture_default_str()});
 }
 

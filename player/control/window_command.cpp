@@ -130,6 +130,11 @@ bool goes_by_steps(WindowVerb verb) {
     }
 }
 
+bool names_window_command(const std::string& word) {
+    return session_setting(word) || std::any_of(std::begin(named_verbs), std::end(named_verbs),
+                                                [&](const NamedVerb& verb) { return word == verb.name; });
+}
+
 Result<WindowCommand> parse_window_command(const std::string& words) {
     const std::size_t space = std::min(words.find(' '), words.size());
     const std::string name = words.substr(0, space);

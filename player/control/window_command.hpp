@@ -66,6 +66,8 @@ const KeyBinding* binding_of(const std::string& key, bool control, bool shift);
 /// Whether a key that is held does it again and again: what goes on by steps, never what switches.
 bool goes_by_steps(WindowVerb verb);
 
+/// Whether it is the first word of a command.
+bool names_window_command(const std::string& word);
 /// "seek 10", "speed 0.5", "overlay depth" and so on. Refused (ErrorKind::usage) with what would be right.
 Result<WindowCommand> parse_window_command(const std::string& words);
 

@@ -74,6 +74,7 @@ Result<ScriptedInput> read_line(const std::string& line) {
         return input;
     }
     auto command = parse_window_command(rest);
+    if (!command.ok() && names_window_command(rest.substr(0, rest.find(' ')))) return command.error();
     if (!command.ok())
         return usage_error(command.error().message +
                            "; or an input: move, press, release, wheel, key, key-up, drop");

@@ -9,6 +9,7 @@
 #include "engine/import/guess/camera_file.hpp"
 #include "engine/import/guess/presets.hpp"
 #include "engine/printable.hpp"
+#include "player/options/number_option.hpp"
 
 namespace touchable {
 namespace {
@@ -37,13 +38,13 @@ std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed) 
                                       "of pictures without a scene file: focal lengths and principal point, "
                                       "pixels, or a file of the camera that has them (JSON, YAML, calib.txt)")
                            ->type_name("FX,FY[,CX,CY]|FILE");
-    auto* fov = sub.add_option("--fov", typed.fov, "likewise: degrees that are seen from left to right")
+    auto* fov = add_number_option(sub, "--fov", typed.fov,
+                                  "likewise: degrees that are seen from left to right", 1, 179)
                     ->type_name("DEGREES")
-                    ->check(CLI::Range(1.0, 179.0))
                     ->excludes(intrinsics);
-    auto* unit =
-        sub.add_option("--depth-unit", typed.depth_unit, "likewise: metres that a stored 1 stands for")
-            ->type_name("METRES");
+    auto* unit = add_number_option(sub, "--depth-unit", typed.depth_unit,
+                                   "likewise: metres that a stored 1 stands for", 1e-9, 1e6)
+                     ->type_name("METRES");
     auto* preset =
         sub.add_option("--preset", typed.preset, "likewise, what is known of " + names)->type_name("NAME");
     std::vector<CLI::Option*> options{intrinsics, fov, unit, preset};

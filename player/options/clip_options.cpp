@@ -24,6 +24,15 @@ CLI::Option* add_terrace_option(CLI::App& sub, std::optional<TerraceRemoval>& te
         words);
 }
 
+CLI::Validator is_median_side() {
+    return {[](std::string& side) {
+                return side == "0" || side == "3" || side == "5"
+                           ? std::string()
+                           : "'" + side + "' will not do; right would be 0 (off), 3 or 5";
+            },
+            ""};
+}
+
 }  // namespace
 
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
@@ -42,9 +51,10 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
 std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
     return {add_filters_option(sub, typed.filters),
             add_whole_option(sub, "--median", typed.choice.median,
-                             "window side instead of the scene's: 0 (off), 3 or 5"),
+                             "window side instead of the scene's: 0 (off), 3 or 5")
+                ->check(is_median_side()),
             add_whole_option(sub, "--fill-holes", typed.choice.fill_holes,
-                             "passes instead of the scene's: 0 to 16"),
+                             "passes instead of the scene's: 0 to 16", 0, 16),
             add_terrace_option(sub, typed.choice.terraces), add_temporal_option(sub, typed.temporal)};
 }
 

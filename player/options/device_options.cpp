@@ -14,6 +14,7 @@
 #include "device/device_group.hpp"
 #include "engine/given_file.hpp"
 #include "haptics_cpu/realtime.hpp"
+#include "player/options/number_option.hpp"
 
 namespace touchable {
 namespace {
@@ -80,11 +81,11 @@ std::vector<CLI::Option*> add_mapping_options(CLI::App& sub, HeldDeviceWords& wo
                 "--world-from-camera", words.world_from_camera,
                 "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
                 "row by row, or a file with them"),
-            sub.add_option(
-                   "--hand-scale", session.hand_scale,
-                   "how far a finger goes for a way of the device: 1 fits the picture into its reach, 0.5 "
-                   "is finer")
-                ->check(CLI::Range(0.01, 100.0))
+            add_number_option(
+                sub, "--hand-scale", session.hand_scale,
+                "how far a finger goes for a way of the device: 1 fits the picture into its reach, 0.5 "
+                "is finer",
+                0.01, 100)
                 ->capture_default_str()};
 }
 

@@ -1,18 +1,34 @@
 #include "player/options/filters_option.hpp"
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <string_view>
 
+#include "engine/nearest_word.hpp"
 #include "player/options/temporal_option.hpp"
 
 namespace touchable {
 namespace {
 
-Error refusal(std::string_view part) {
-    return usage_error("--filters '" + std::string(part) +
-                       "' will not do; right would be auto, off, or those that shall be on, such as "
+Error refusal(std::string_view part, const std::string& why) {
+    return usage_error("--filters '" + std::string(part) + "' will not do" + why +
+                       "; right would be auto, off, or those that shall be on, such as "
                        "median=5,terraces,temporal=1.5+2e-6,holes=2");
+}
+
+/// What is wrong with a part of the list.
+std::string why_not(std::string_view name) {
+    const std::array<std::string, 5> names{"median", "holes", "terraces", "temporal", "flying"};
+    if (name == "off" || name == "auto") return ": it stands alone, without other filters";
+    if (name == "median") return ": the window's side is 3 or 5";
+    if (name == "holes") return ": passes are a whole number, 1 to 16";
+    if (name == "terraces") return ": it takes no value";
+    if (name == "flying" || name == "temporal")
+        return ": it needs a length above 0, in scene units, as in " + std::string(name) + "=1.5 or " +
+               std::string(name) + "=1.5+2e-6";
+    const std::string meant = nearest_word(name, names);
+    return meant.empty() ? "" : ": did you mean " + meant + "?";
 }
 
 /// C or C+Q, not zero.
@@ -70,9 +86,9 @@ Result<FiltersChoice> read_filters(const std::string& typed) {
         const bool has_value = equals != std::string_view::npos;
         const std::string_view value = has_value ? part.substr(equals + 1) : std::string_view();
         const std::string_view name = part.substr(0, equals);
-        if ((has_value && value.empty()) || !read_filter(name, value, choice.settings) ||
-            !named.insert(name).second)
-            return refusal(part);
+        if ((has_value && value.empty()) || !read_filter(name, value, choice.settings))
+            return refusal(part, why_not(name));
+        if (!named.insert(name).second) return refusal(part, ": " + std::string(name) + " is named twice");
         if (more) rest.remove_prefix(comma + 1);
     }
     return choice;

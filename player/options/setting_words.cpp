@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "engine/printable.hpp"
+#include "device/catalog/udev_rules.hpp"
 
 namespace touchable {
 namespace {
@@ -22,9 +22,7 @@ constexpr std::array spellings{
     Spelling{Setting::damping, "--damping"},
     Spelling{Setting::depth_unit, "--depth-unit", "METRES"},
     Spelling{Setting::device, "--device"},
-    Spelling{Setting::device_rules,
-             "touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo udevadm "
-             "control --reload"},  // as udev_rules_command
+    Spelling{Setting::device_rules, udev_rules_command},
     Spelling{Setting::field_of_view, "--fov", "DEGREES"},
     Spelling{Setting::fingers, "--fingers"},
     Spelling{Setting::forces, "touch --forces"},
@@ -53,7 +51,8 @@ constexpr std::array spellings{
     Spelling{Setting::stiffness_rise, "--stiffness-slew"},
     Spelling{Setting::stribeck, "--stribeck"},
     Spelling{Setting::temporal, "--temporal"},
-    Spelling{Setting::view, "--view"}};
+    Spelling{Setting::view, "--view"},
+};
 
 constexpr bool each_has_its_place() {
     for (std::size_t n = 0; n < spellings.size(); ++n)
@@ -79,22 +78,28 @@ bool begins_with_name(std::string_view message, std::string_view option) {
 
 }  // namespace
 
-std::string message_with_options(const Error& error) {
+std::string message_with_options(const Error& error, const KnowsOption& knows) {
     std::string text = error.message, behind;
     for (const Hint& hint : error.hints) {
         const std::string_view option = spelling_of(hint).option;
+        if (knows && option.starts_with("--") && !knows(std::string(option))) continue;
         if (&hint == &error.hints.front() && begins_with_name(text, option))
             text.insert(0, "--");
         else
             behind += (behind.empty() ? "" : ", ") + typed(option, hint.value);
     }
-    return behind.empty() ? text : text + " (" + behind + ')';
+    if (behind.empty()) return text;
+    if (!text.ends_with(')')) return text + " (" + behind + ')';
+    text.back() = ';';  // not one bracket behind the other
+    return text + ' ' + behind + ')';
 }
 
 std::string remark_with_options(const Remark& remark) {
-    if (!remark.is_guess || remark.hints.empty()) return remark_in_words(remark);
+    if (!remark.is_guess || (remark.hints.empty() && !remark.otherwise.empty()))
+        return remark_in_words(remark);
     std::string options;
-    for (const Hint& hint : remark.hints) {
+    const Hints anything{{Setting::scene_file}};  // says what no other option does
+    for (const Hint& hint : remark.hints.empty() ? anything : remark.hints) {
         const Spelling& spelling = spelling_of(hint);
         options += options.empty() ? "" : " or ";
         options += typed(spelling.option, hint.value.empty() ? spelling.value : hint.value);

@@ -1,6 +1,7 @@
 #include "player/options/temporal_option.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <string_view>
 
 namespace touchable {
@@ -8,7 +9,8 @@ namespace touchable {
 std::optional<double> as_number(std::string_view text) {
     double value = 0;
     const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        return std::nullopt;
     return value;
 }
 
@@ -16,7 +18,7 @@ std::optional<DepthLength> as_depth_length(std::string_view text, char separator
     const std::size_t at = text.find(separator);
     const auto constant = as_number(text.substr(0, at));
     const auto quadratic = at == std::string_view::npos ? 0.0 : as_number(text.substr(at + 1));
-    if (!constant || !quadratic) return std::nullopt;
+    if (!constant || !quadratic || *constant < 0 || *quadratic < 0) return std::nullopt;
     return DepthLength{*constant, *quadratic};
 }
 

@@ -1,6 +1,37 @@
 #include "player/options/typed_numbers.hpp"
 
+#include <cmath>
+#include <cstdio>
+
 namespace touchable {
+namespace {
+
+std::string in_digits(double number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", number);
+    return text;
+}
+
+}  // namespace
+
+Result<double> read_number(const std::string& option, std::string_view text, double least, double most) {
+    double value = 0;
+    const std::string_view unsigned_text = text.starts_with('+') ? text.substr(1) : text;
+    const auto [end, failure] =
+        std::from_chars(unsigned_text.data(), unsigned_text.data() + unsigned_text.size(), value);
+    if (failure == std::errc() && end == text.data() + text.size() && std::isfinite(value) &&
+        value >= least && value <= most)
+        return value;
+    std::string message = (option.empty() ? "'" : option + " '").append(text);
+    message += "' will not do; right would be a number";
+    const bool has_least = least != std::numeric_limits<double>::lowest(),
+               has_most = most != std::numeric_limits<double>::max();
+    if (has_least && has_most)
+        message += ", " + in_digits(least) + " to " + in_digits(most);
+    else if (has_least)
+        message += ", " + in_digits(least) + " or more";
+    return usage_error(std::move(message));
+}
 
 Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most) {
     const std::size_t cross = text.find('x');

@@ -25,6 +25,9 @@ Result<Whole> read_whole_number(const std::string& option, std::string_view text
     return usage_error(std::move(message));
 }
 
+/// A finite number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range.
+Result<double> read_number(const std::string& option, std::string_view text, double least, double most);
+
 struct PixelSize {
     int width = 0, height = 0;
 };

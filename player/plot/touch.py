@@ -33,7 +33,9 @@ def read_forces(file):
                 except (TypeError, ValueError):
                     raise BadInput(f"{file}: line {rows.line_num}: must be numbers in every column") from None
                 fingers.setdefault(values[len(NUMBERS)], []).append(values)
-    except (OSError, UnicodeDecodeError, csv.Error) as fault:
+    except UnicodeDecodeError:
+        raise BadInput(f"{file}: holds bytes that are no text: must be a forces file (touchable touch --forces)") from None
+    except (OSError, csv.Error) as fault:
         raise BadInput(f"{file}: cannot be read: {fault}") from None
     if not fingers:
         raise BadInput(f"{file}: has no rows")

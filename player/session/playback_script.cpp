@@ -1,5 +1,6 @@
 #include "player/session/playback_script.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdio>
@@ -79,7 +80,7 @@ Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const
         for (std::string word; cells >> word;) words.push_back(word);
         if (words.empty()) continue;
         const auto refuse = [&](const std::string& why) {
-            return usage_error(name + ", line " + std::to_string(number) + ": " + why);
+            return input_error(name + ", line " + std::to_string(number) + ": " + why);
         };
         PlaybackCommand command;
         if (const auto why = read_words(words, command)) return refuse(*why);
@@ -94,10 +95,35 @@ Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& 
     constexpr std::size_t largest = std::size_t{16} << 20;
     const auto text = read_given_file(file, "play " + file.string(),
                                       "a file of playback commands (docs/playback.md)", largest);
-    if (!text.ok() && text.error().kind == ErrorKind::input)
-        return usage_error(text.error().message, {{Setting::playback}});
-    if (!text.ok()) return text.error();
-    return parse_playback(*text, file.string());
+    if (text.ok()) return parse_playback(*text, file.string());
+    Error refused = text.error();
+    refused.hints = {{Setting::playback}};
+    return refused;
+}
+
+Hints settings_of(const std::vector<PlaybackCommand>& commands) {
+    Hints settings;
+    const auto add = [&settings](Setting setting) {
+        for (const Hint& known : settings)
+            if (known.setting == setting) return;
+        settings.push_back({setting});
+    };
+    for (const PlaybackCommand& command : commands) {
+        const auto begins_loop = [&](const PlaybackCommand& loop) {
+            return loop.tick == 0 && loop.verb == PlaybackVerb::loop && loop.first == command.first;
+        };
+        if (command.tick > 0)
+            add(Setting::playback);
+        else if (command.verb == PlaybackVerb::rate)
+            add(Setting::rate);
+        else if (command.verb == PlaybackVerb::loop)
+            add(Setting::loop);
+        else if (command.verb != PlaybackVerb::seek)
+            add(Setting::playback);
+        else if (std::none_of(commands.begin(), commands.end(), begins_loop))
+            add(Setting::start);
+    }
+    return settings;
 }
 
 std::string in_words(const std::vector<PlaybackCommand>& commands) {

@@ -17,6 +17,8 @@ Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const
 /// Likewise, of a file.
 Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file);
 
+/// What a person may have set to give these commands.
+Hints settings_of(const std::vector<PlaybackCommand>& commands);
 /// As such lines, with ", " between them.
 std::string in_words(const std::vector<PlaybackCommand>& commands);
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "player/session/playback_script.hpp"
+
 namespace touchable {
 
 namespace {
@@ -18,7 +20,7 @@ Result<void> check_camera(const SessionOptions& options) {
     if (!options.playback.empty())
         return usage_error(
             "a camera's time only goes on: another start or rate, a loop or other commands are for a clip",
-            {{Setting::start}, {Setting::rate}, {Setting::loop}, {Setting::playback}});
+            settings_of(options.playback));
     if (options.clip.interpolation == FrameInterpolation::linear)
         return usage_error(
             "interpolation linear needs the frame after, which a camera has not taken yet; leave it out",

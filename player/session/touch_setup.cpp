@@ -95,11 +95,15 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
     const auto& playback = setup.settings.playback;
     const auto frames = setup.feed->reader().frame_count();
     const std::int64_t end_ns = frames ? setup.scene.rate.time_ns(*frames) : latest_moment_ns + 1;
+    std::vector<PlaybackCommand> beyond;
     for (const PlaybackCommand& command : playback)
         if ((command.verb == PlaybackVerb::seek || command.verb == PlaybackVerb::loop) &&
             command.first >= end_ns)
-            return usage_error("playback '" + in_words(std::vector{command}) + "': the clip ends at " +
-                               std::to_string(static_cast<double>(end_ns) * 1e-9) + " s");
+            beyond.push_back(command);
+    if (!beyond.empty())
+        return usage_error("playback '" + in_words(std::vector{beyond.front()}) + "': the clip ends at " +
+                               std::to_string(static_cast<double>(end_ns) * 1e-9) + " s",
+                           settings_of(beyond));
     const bool ends =
         setup.ticks() || options.live || PlaybackClock(setup.scene.rate, playback).plays_to_the_end();
     if (ends) return {};

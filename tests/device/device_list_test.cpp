@@ -179,8 +179,10 @@ TEST_F(DeviceList, WhatCannotBeDrivenSaysWhyAndWhatInstead) {
         EXPECT_TRUE(devices[k].driven.empty());
         EXPECT_FALSE(devices[k].ready);
         EXPECT_FALSE(devices[k].next.empty());
-        const std::string words = devices_in_words({devices[k]});
+        const std::string words = devices_in_words({devices[k]}, "by ");
         EXPECT_NE(words.find("cannot be driven"), std::string::npos) << words;
+        const bool is_a_mouse = devices[k].what.find("CadMouse") != std::string::npos;
+        EXPECT_EQ(words.find("the device network (by network)\n") == std::string::npos, is_a_mouse) << words;
         EXPECT_NE(words.find("instead: "), std::string::npos) << words;
     }
 }
@@ -263,6 +265,7 @@ TEST(UdevRules, AreInTheProgramAsTheyAreInTheFile) {
 }
 
 TEST(DeviceWords, NameEveryDeviceThatCanBeHeld) {
+    EXPECT_NE(device_words_in_words("do so").find("without a window: do so\n"), std::string::npos);
     const std::string words = device_words_in_words();
     for (const DeviceKind& kind : device_kinds())
         EXPECT_NE(("\n" + words).find("\n    " + std::string(kind.name) + std::string(kind.keys) + " "),

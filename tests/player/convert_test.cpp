@@ -197,7 +197,7 @@ TEST_F(Convert, GuessesAreKnownAsSuchEverAfter) {
     for (const char* packed : {"a.mkv", "b", "c.mkv"}) EXPECT_EQ(remarks_of(at(packed)), guesses) << packed;
     EXPECT_EQ(hash_of(at("c.mkv")), hash_of(at("bare")));
     const std::string told = run_touchable({"info", at("c.mkv")}).out;
-    EXPECT_TRUE(says(told, "guessed: 30 frames a second (a scene file says otherwise)\n")) << told;
+    EXPECT_TRUE(says(told, "guessed: 30 frames a second (--scene FILE says otherwise)\n")) << told;
     EXPECT_TRUE(says(run_touchable({"info", at("bare")}).out, "left to right (--fov DEGREES or --intr"));
 }
 
@@ -458,6 +458,7 @@ TEST_F(Convert, FullDiskLeavesNothing) {
             const Outcome run = run_on_full_disk(words, 4);
             EXPECT_EQ(run.code, 3) << run.err;
             EXPECT_TRUE(run.one_line_of_error()) << run.err;
+            EXPECT_EQ(run.err.find(".png/"), std::string::npos) << run.err;
             EXPECT_TRUE(names_in(folder / "out").empty());
         }
 }

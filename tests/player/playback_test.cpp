@@ -274,12 +274,13 @@ TEST_F(PlayedClip, OptionsSayWhereItBeginsHowFastItIsAndWhereItGoesBack) {
     EXPECT_EQ(touch({clip, "--start", "1"})["ticks"], 3000) << "no run is shorter";
 }
 
-TEST_F(PlayedClip, WhatCannotBePlayedIsCode2AndSaysWhatCould) {
+TEST_F(PlayedClip, WhatCannotBePlayedIsRefusedAndSaysWhatCould) {
     make();
     const std::pair<Words, const char*> wrong[] = {
         {{"--start", "-1"}, "--start"},
         {{"--start", "nan"}, "--start"},
-        {{"--start", "1.5"}, "the clip ends at 1.5"},
+        {{"--start", "1.5"}, "the clip ends at 1.500000 s (--start)"},
+        {{"--loop", "1.6", "2"}, "the clip ends at 1.500000 s (--loop)"},
         {{"--rate", "0"}, "--rate"},
         {{"--rate", "9"}, "--rate"},
         {{"--loop", "1"}, "--loop"},
@@ -292,7 +293,7 @@ TEST_F(PlayedClip, WhatCannotBePlayedIsCode2AndSaysWhatCould) {
         Words all{"touch", clip};
         all.insert(all.end(), words.begin(), words.end());
         const Outcome run = run_touchable(all);
-        EXPECT_EQ(run.code, 2) << fragment;
+        EXPECT_EQ(run.code, words[0] == "--play" ? 3 : 2) << fragment;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_NE(run.err.find(fragment), std::string::npos) << fragment << " is missing in: " << run.err;
     }

@@ -59,7 +59,7 @@ TEST_F(Plot, KeepsWhatIsThere) {
 
 TEST_F(Plot, SaysWhatIsWrongWithItsInputOnOneLine) {
     expect_refused({"plot", folder / "none.csv", picture()}, 3, "none.csv");
-    expect_refused({"plot", clip(), picture()}, 3, "clip.mkv");
+    expect_refused({"plot", clip(), picture()}, 3, "clip.mkv: holds bytes that are no text");
     std::ofstream(folder / "half.csv") << file_contents(forces()).substr(0, 700);
     expect_refused({"plot", folder / "half.csv", picture()}, 3, "half.csv: line");
     expect_refused({"plot", forces(), picture(), "--over", folder / "nothing"}, 3, "scene.json");

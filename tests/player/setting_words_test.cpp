@@ -23,6 +23,12 @@ TEST(SettingWords, AnOptionStandsInForItsNameOrFollows) {
     const Error at_place = error_at("a.mkv", input_error("is empty", {{Setting::scene_file, "FILE"}}));
     EXPECT_EQ(at_place.kind, ErrorKind::input);
     EXPECT_EQ(message_with_options(at_place), "a.mkv: is empty (--scene FILE)");
+    const auto knows_none = [](const std::string&) { return false; };
+    EXPECT_EQ(message_with_options(at_place, knows_none), "a.mkv: is empty") << "a command without --scene";
+    EXPECT_EQ(message_with_options(usage_error("CLIP is gone", {{Setting::clip}}), knows_none),
+              "CLIP is gone (CLIP)");
+    const Error in_brackets = usage_error("none (there are 2)", {{Setting::scene_file, "FILE"}});
+    EXPECT_EQ(message_with_options(in_brackets), "none (there are 2; --scene FILE)");
 }
 
 TEST(SettingWords, AGuessNamesTheOptionsThatSayOtherwise) {
@@ -33,7 +39,7 @@ TEST(SettingWords, AGuessNamesTheOptionsThatSayOtherwise) {
          "guessed: a code is 1 mm (0.0001 m of a D405: --depth-unit METRES)"},
         {{"wide", true, "a scene file's camera says otherwise"},
          "guessed: wide (a scene file's camera says otherwise)"},
-        {{"wide", true}, "guessed: wide (a scene file says otherwise)"},
+        {{"wide", true}, "guessed: wide (--scene FILE says otherwise)"},
         {{"recorded by hand"}, "recorded by hand"}};
     for (const auto& [remark, words] : cases) EXPECT_EQ(remark_with_options(remark), words);
     EXPECT_EQ(remark_in_words(cases[0].first), "guessed: wide (a scene file says otherwise)");

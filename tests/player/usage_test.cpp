@@ -69,6 +69,28 @@ TEST(Usage, WholeNumbersAreDecimal) {
         }
 }
 
+TEST(Usage, NumbersAreFiniteAndInTheirRange) {
+    const std::vector<std::vector<std::string>> options{
+        {"info", "--fov", "179"},     {"info", "--depth-unit", "1e+06"}, {"touch", "--rate", "8"},
+        {"touch", "--seconds", "1e"}, {"touch", "--damping", "number"},  {"touch", "--start", "1e+06"},
+        {"play", "--at", "1e+06"},    {"play", "--hand-scale", "100"},   {"touch", "--max-force", "number"}};
+    for (const auto& option : options)
+        for (const char* number : {"nan", "-nan", "inf", "1e999", "1x"}) {
+            const Outcome run = run_touchable({option[0], "clip.mkv", option[1] + '=' + number});
+            EXPECT_EQ(run.code, 2) << option[1] << ' ' << number;
+            EXPECT_NE(run.err.find(option[1] + ": '" + number + "' will not do; right would be a number"),
+                      std::string::npos)
+                << run.err;
+            EXPECT_NE(run.err.find(option[2]), std::string::npos) << run.err;
+        }
+}
+
+TEST(Usage, AFileWhoseNameBeginsLikeAnOptionIsToldHowToBeTyped) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "-x.png") << "?";
+    EXPECT_NE(run_in_folder({"info", "-x.png"}, folder.path()).err.find("type ./-x.png"), std::string::npos);
+}
+
 TEST(Usage, HelpSpeaksOfWordsNotOfWhatTheyBecome) {
     for (const char* command : {"make", "info", "touch", "export", "check"}) {
         const std::string help = run_touchable({command, "-h"}).out;

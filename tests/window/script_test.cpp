@@ -54,6 +54,7 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
                   {"0 key esc\n", "line 1", "escape"},
                   {"0 key up\n", "line 1", "no key up"},  // without Ctrl
                   {"0 overlay heat\n", "line 1", "stiffness"},
+                  {"0 speed fast\n", "line 1", "needs a number"},
                   {"0 drop\n", "line 1", "a file or folder"}};
     for (const auto& fault : faults) {
         const auto read = read_words(fault.words);
@@ -61,6 +62,9 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
         EXPECT_EQ(read.error().kind, ErrorKind::input);
         EXPECT_NE(read.error().message.find(fault.where), std::string::npos) << read.error().message;
         EXPECT_NE(read.error().message.find(fault.what), std::string::npos) << read.error().message;
+        EXPECT_EQ(read.error().message.find("or an input:") != std::string::npos,
+                  std::string_view(fault.what) == "no command")
+            << read.error().message;
     }
     EXPECT_FALSE(read_window_script("nowhere/at/all").ok());
 }
