@@ -172,6 +172,14 @@ TEST(GdepthJpeg, ASceneFileReplacesWhatIsAssumed) {
     EXPECT_DOUBLE_EQ((*clip)->scene().depth.far, 1.05 * deepest);
 }
 
+TEST(GdepthJpeg, LeavesNothingToGuess) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "portrait.jpg", Gdepth().file());
+    EXPECT_NE(message(guess_clip(folder / "portrait.jpg", {})).find("touchable convert "), std::string::npos);
+    write_bytes(folder / "plain.jpg", plain_jpeg());
+    EXPECT_NE(message(guess_clip(folder / "plain.jpg", {})).find("is in colour"), std::string::npos);
+}
+
 TEST(GdepthJpeg, WhatIsMissingOrWrongIsSaid) {
     const TemporaryFolder folder;
     const auto with = [](const std::string& attributes) {
