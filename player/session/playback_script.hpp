@@ -11,7 +11,7 @@ namespace touchable {
 
 /// What a person wants of the clip's clock, one command a line: "SECONDS play", "pause", "rate X", "seek
 /// SECONDS", "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/playback.md).
-/// Empty lines and what follows '#' say nothing. Refuses (ErrorKind::usage), with `name` and the line, all
+/// Empty lines and what follows '#' say nothing. Refuses (ErrorKind::input), with `name` and the line, all
 /// else.
 Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name);
 /// Likewise, of a file.

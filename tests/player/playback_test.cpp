@@ -317,7 +317,7 @@ TEST(PlaybackScript, RefusesALineByItsNumber) {
     for (const auto& [text, fragment] : wrong) {
         const auto refused = parse_playback(text, "a.txt");
         ASSERT_FALSE(refused.ok()) << text;
-        EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+        EXPECT_EQ(refused.error().kind, ErrorKind::input);
         EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
     }
     EXPECT_EQ(in_words(parse_playback("0.5 loop 1 2.25\n3 rate 0.333\n4 unloop", "").value()),
