@@ -22,8 +22,9 @@ struct StoredImage {
     /// Of a sample as stored: of grey PNG also 1, 2 and 4, of PGM those its greatest value needs; 16 where
     /// larger integers all fit.
     int bits = 8;
-    bool interlaced = false;    ///< then a picture that lacks data is not found out
-    std::vector<float> values;  ///< of a picture of floats: width * height, row by row; also NaN and infinity
+    bool interlaced = false;  ///< then a picture that lacks data is not found out
+    /// Of a picture of floats: width * height, row by row; also NaN and infinity.
+    std::vector<float> values{};
 };
 
 /// All of a picture's file, up to 257 MiB: 8192x8192 floats fit.

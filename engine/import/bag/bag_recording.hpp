@@ -29,6 +29,10 @@ public:
     Result<StoredImage> depth(std::int64_t frame);
     /// Of the colour that is nearest in time.
     Result<StoredImage> colour(std::int64_t frame);
+    /// Its place among the pictures of colour.
+    std::int64_t colour_beside(std::int64_t frame) const {
+        return static_cast<std::int64_t>(colours_[static_cast<std::size_t>(frame)]);
+    }
     /// "my.bag: /camera/depth/image_raw, frame 7".
     std::string where(const BagPictures& pictures, std::int64_t frame) const;
 

@@ -1,0 +1,199 @@
+#include "engine/import/guess/stored_clip.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "engine/clip/far_plane.hpp"
+#include "engine/import/guess/depth_values.hpp"
+#include "engine/stop_request.hpp"
+#include "engine/video/codecs.hpp"
+
+namespace touchable {
+namespace {
+
+class StoredClipReader final : public ClipReader {
+public:
+    explicit StoredClipReader(StoredClip clip) : clip_(std::move(clip)), values_(clip_.described) {
+        for (const PlaneRole role : clip_.roles) tracks_.push_back({role});
+        for (const auto& file : clip_.inputs) add_input(file);
+    }
+    Result<void> open();
+    bool leaves_far_open() const { return values_.leaves_far_open(); }
+
+    const Scene& scene() const override { return scene_; }
+    UnstatedFilters unstated_filters() const override { return clip_.described.unstated.filters; }
+    const std::vector<TrackInfo>& tracks() const override { return infos_; }
+    std::optional<std::int64_t> frame_count() const override { return clip_.count; }
+    const std::vector<std::string>& notes() const override { return clip_.notes; }
+    std::span<const Camera> frame_cameras() const override { return clip_.cameras; }
+    Result<std::optional<RawFrame>> next() override;
+    Result<void> rewind() override { return seek(0); }
+    Result<void> seek(std::int64_t frame) override;
+    std::int64_t access_point(std::int64_t frame) const override {
+        return clip_.pictures->access_point(frame);
+    }
+    void leave_out_colour() override { with_colour_ = false; }
+
+private:
+    struct Track {
+        PlaneRole role;
+        std::int64_t number = -1;  // of the newest picture that was read
+        Plane newest{};
+    };
+
+    void note(std::optional<std::string> said) {
+        if (said) clip_.notes.push_back(std::move(*said));
+    }
+    Result<void> read_first(Track& track);
+    Result<void> look_at_some(const StoredImage& first);
+    Result<void> read(Track& track, std::int64_t frame);
+    Result<void> take(Track& track, std::int64_t frame, StoredPicture picture);
+    RawFrame frame_of_newest() const;
+
+    StoredClip clip_;
+    Scene scene_;
+    std::vector<Track> tracks_;
+    std::vector<TrackInfo> infos_;  // of each
+    DepthValues values_;
+    std::int64_t number_ = 0;  // of the frame that `next` gives
+    bool with_colour_ = true;
+};
+
+Result<void> StoredClipReader::open() {
+    auto scene = settle(clip_.described, clip_.found);
+    if (!scene) return error_at(clip_.name, scene.error());
+    scene_ = std::move(*scene);
+    const auto is_of_scene = [&](const Camera& camera) { return camera == scene_.camera; };
+    if (std::all_of(clip_.cameras.begin(), clip_.cameras.end(), is_of_scene)) clip_.cameras.clear();
+    for (Track& track : tracks_)
+        if (auto there = read_first(track); !there) return there;
+    note(no_depth_note(frame_of_newest(), scene_.depth));
+    note(default_touch_note(std::ranges::count(clip_.roles, PlaneRole::haptic) > 0, scene_));
+    return {};
+}
+
+/// How frame 0 is stored stands for all.
+Result<void> StoredClipReader::read_first(Track& track) {
+    auto picture = clip_.pictures->picture(track.role, 0);
+    if (!picture) return picture.error();
+    const StoredImage& stored = picture->image;
+    const Image& image = stored.image;
+    infos_.push_back(
+        {std::string(role_name(track.role)), stored.codec, stored.pixel_format, image.width, image.height});
+    const bool is_depth = track.role == PlaneRole::depth;
+    if (!is_depth && (image.width != scene_.width || image.height != scene_.height))
+        note(resampling_note(track.role, image.width, image.height, scene_));
+    note(lossy_note(track.role, stored.codec));
+    if (is_depth && picture->lent.view.empty() && values_.needs_looks(stored))
+        if (auto looked = look_at_some(stored); !looked) return looked;
+    if (track.role == PlaneRole::haptic && image.channels == 1) note(take_grey_haptic(scene_));
+    return take(track, 0, std::move(*picture));
+}
+
+/// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
+/// damaged tells nothing.
+Result<void> StoredClipReader::look_at_some(const StoredImage& first) {
+    values_.look(first);
+    for (const std::int64_t frame : telling_frames(clip_.count)) {
+        if (stop_requested())
+            return Error{ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
+        if (frame == 0) continue;
+        auto picture = clip_.pictures->picture(PlaneRole::depth, frame);
+        if (!picture && picture.error().kind == ErrorKind::interrupted) return picture.error();
+        if (!picture) continue;
+        values_.look(picture->image);
+        if (frame < first_frames) clip_.pictures->keep(frame, std::move(picture->image));
+    }
+    auto said = values_.settle(scene_);
+    if (!said) return error_at(clip_.name, said.error());
+    note(std::move(*said));
+    return {};
+}
+
+Result<void> StoredClipReader::read(Track& track, std::int64_t frame) {
+    if (track.number == clip_.pictures->picture_number(track.role, frame)) return {};
+    auto picture = clip_.pictures->picture(track.role, frame);
+    if (!picture) return picture.error();
+    const TrackInfo& first = infos_[static_cast<std::size_t>(&track - tracks_.data())];
+    const auto text = [](int width, int height, const std::string& format) {
+        return std::to_string(width) + "x" + std::to_string(height) + ' ' + format;
+    };
+    const StoredImage& stored = picture->image;
+    const Image& image = stored.image;
+    if (image.width != first.width || image.height != first.height ||
+        stored.pixel_format != first.pixel_format)
+        return input_error(clip_.pictures->where(track.role, frame) + ": is " +
+                           text(image.width, image.height, stored.pixel_format) + ", but frame 0 is " +
+                           text(first.width, first.height, first.pixel_format));
+    return take(track, frame, std::move(*picture));
+}
+
+/// As the newest of its track.
+Result<void> StoredClipReader::take(Track& track, std::int64_t frame, StoredPicture picture) {
+    const std::string where = clip_.pictures->where(track.role, frame);
+    const bool is_depth = track.role == PlaneRole::depth;
+    StoredImage& stored = picture.image;
+    if (!is_depth && !stored.values.empty())
+        return input_error(where + ": is a picture of floats: must be of integers");
+    Plane plane = std::move(picture.lent);
+    if (plane.view.empty()) {
+        const bool makes_codes = is_depth && values_.makes_codes();
+        const int bits = makes_codes ? 16 : stored.bits;
+        plane = plane_from(makes_codes ? values_.codes(std::move(stored)) : std::move(stored.image), bits);
+    }
+    auto fits = fit_plane(track.role, std::move(plane), scene_, where);
+    if (!fits) return fits.error();
+    track.newest = std::move(*fits);
+    track.number = clip_.pictures->picture_number(track.role, frame);
+    return {};
+}
+
+/// Number `number_`.
+RawFrame StoredClipReader::frame_of_newest() const {
+    RawFrame frame;
+    frame.number = number_;
+    frame.time_ns = scene_.rate.time_ns(number_);
+    for (const Track& track : tracks_)
+        if (with_colour_ || track.role != PlaneRole::colour) add_plane(frame, track.role, track.newest);
+    return frame;
+}
+
+Result<void> StoredClipReader::seek(std::int64_t frame) {
+    if (frame < 0 || frame > clip_.count)
+        return usage_error(clip_.name + ": has no frame " + std::to_string(frame) + ": must be from 0 to " +
+                           std::to_string(clip_.count - 1));
+    number_ = frame;
+    return {};
+}
+
+Result<std::optional<RawFrame>> StoredClipReader::next() {
+    if (number_ == clip_.count) return std::optional<RawFrame>{};
+    for (Track& track : tracks_)
+        if (with_colour_ || track.role != PlaneRole::colour)
+            if (auto there = read(track, number_); !there) return there.error();
+    RawFrame frame = frame_of_newest();
+    ++number_;
+    return std::optional(std::move(frame));
+}
+
+}  // namespace
+
+StoredPicture lent_picture(const TrackInfo& track, Plane plane) {
+    const PlaneView& view = plane.view;
+    return {{{view.width, view.height, view.bytes_per_sample, view.channels, {}},
+             track.codec,
+             track.pixel_format},
+            std::move(plane)};
+}
+
+Result<std::unique_ptr<ClipReader>> open_stored_clip(StoredClip clip, Colour colour) {
+    const std::string name = clip.name;
+    auto reader = std::make_unique<StoredClipReader>(std::move(clip));
+    if (auto opened = reader->open(); !opened) return opened.error();
+    if (colour == Colour::left_out) reader->leave_out_colour();
+    const bool far_is_open = reader->leaves_far_open();
+    return with_far_plane(std::move(reader), far_is_open, name);
+}
+
+}  // namespace touchable
