@@ -1,14 +1,13 @@
 #include "engine/import/depthkit_clip.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "engine/ffmpeg/demuxer.hpp"
 #include "engine/import/depthkit_metadata.hpp"
+#include "engine/import/guess/stored_clip.hpp"
 #include "engine/video/clip_tags.hpp"
-#include "engine/video/codecs.hpp"
 #include "engine/video/track_decoder.hpp"
 
 extern "C" {
@@ -18,41 +17,35 @@ extern "C" {
 namespace touchable {
 namespace {
 
-class DepthkitReader final : public ClipReader {
+/// Pictures at an even rate, each of which holds both planes.
+class DepthkitPictures final : public PictureSource {
 public:
-    explicit DepthkitReader(const SourceFile& video) : source_(video), file_(video.string()) {
-        add_input(video.path());
-    }
-    Result<void> open(const std::filesystem::path& metadata,
-                      const std::optional<SceneDescription>& replacement);
+    explicit DepthkitPictures(const SourceFile& video) : source_(video), file_(video.string()) {}
+    Result<void> open();
+    std::int64_t count() const { return count_; }
+    const FrameRate& rate() const { return rate_; }
 
-    const Scene& scene() const override { return scene_; }
-    UnstatedFilters unstated_filters() const override { return unstated_filters_; }
-    const std::vector<TrackInfo>& tracks() const override { return infos_; }
-    std::optional<std::int64_t> frame_count() const override { return promised_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-    Result<std::optional<RawFrame>> next() override;
-    Result<void> rewind() override;
-    Result<void> seek(std::int64_t frame) override;
+    std::string where(PlaneRole role, std::int64_t frame) const override {
+        return where(frame) + ", " + std::string(role_name(role));
+    }
+    Result<StoredPicture> picture(PlaneRole role, std::int64_t frame) override;
     std::int64_t access_point(std::int64_t frame) const override { return is_all_keys_ ? frame : 0; }
 
 private:
-    Result<FrameRate> read_rate();
+    Result<void> rewind();
+    Result<void> read_rate();
+    Result<void> seek(std::int64_t frame);
     bool begin_at(std::int64_t frame);
+    Result<Plane> next();
     double ticks_of(std::int64_t frame) const;
-    Result<RawFrame> halves(TrackDecoder::Picture picture) const;
     Result<void> check_time(const TrackDecoder::Picture& picture);
     const AVStream& stream() const { return *demuxer_->container().streams[stream_]; }
-    std::string where() const { return file_ + ": frame " + std::to_string(number_); }
+    std::string where(std::int64_t frame) const { return file_ + ": frame " + std::to_string(frame); }
 
     SourceFile source_;
     std::string file_;
-    Scene scene_;
-    UnstatedFilters unstated_filters_;
-    FrameRate recorded_rate_;
-    std::vector<TrackInfo> infos_;
-    std::vector<std::string> notes_;
-    std::int64_t promised_ = 0;
+    FrameRate rate_;
+    std::int64_t count_ = 0;
     bool is_all_keys_ = false;  // so that decoding can begin with any frame
 
     // Where the reading is; `rewind` makes it anew.
@@ -61,37 +54,38 @@ private:
     std::optional<TrackDecoder> decoder_;
     std::int64_t number_ = 0;  // of the frame that `next` gives
     std::int64_t origin_ = 0;  // timestamp of frame 0
+
+    Plane newest_{};
+    std::int64_t newest_number_ = -1;
 };
 
-Result<void> DepthkitReader::open(const std::filesystem::path& metadata,
-                                  const std::optional<SceneDescription>& replacement) {
-    add_input(metadata);
+Result<void> DepthkitPictures::open() {
     if (auto opened = rewind(); !opened) return opened;
-    auto rate = read_rate();
-    if (!rate) return rate.error();
-    recorded_rate_ = *rate;
     is_all_keys_ = demuxer_->is_all_keys(stream_);
-    auto described = replacement ? Result<SceneDescription>(*replacement) : read_depthkit_metadata(metadata);
-    if (!described) return described.error();
-    if (!replacement) described->scene.name = source_.path().stem().string();
-    auto scene = settle(*described, {.rate = recorded_rate_});
-    if (!scene) return input_error(file_ + ": " + scene.error().message);
-    scene_ = std::move(*scene);
-    unstated_filters_ = described->unstated.filters;
-    if (auto note = clip_tags::rate_note(scene_.rate, recorded_rate_)) notes_.push_back(std::move(*note));
-    const auto first = next();
-    if (!first) return first.error();
-    if (!*first) return input_error(file_ + ": has no frames");
-    for (const PlaneRole role : {PlaneRole::depth, PlaneRole::colour})
-        infos_.push_back({std::string(role_name(role)), decoder_->info().codec, decoder_->info().pixel_format,
-                          decoder_->info().width, decoder_->info().height / 2});
-    if (auto note = default_touch_note(false, scene_)) notes_.push_back(std::move(*note));
-    if (auto note = lossy_note(PlaneRole::depth, decoder_->info().codec)) notes_.push_back(std::move(*note));
-    if (auto note = no_depth_note(**first, scene_.depth)) notes_.push_back(std::move(*note));
-    return rewind();
+    return read_rate();
 }
 
-Result<void> DepthkitReader::rewind() {
+/// Two views of one picture.
+Result<StoredPicture> DepthkitPictures::picture(PlaneRole role, std::int64_t frame) {
+    if (newest_number_ != frame) {
+        newest_number_ = -1;
+        if (auto there = seek(frame); !there) return there.error();
+        auto plane = next();
+        if (!plane) return plane.error();
+        newest_ = std::move(*plane);
+        newest_number_ = frame;
+    }
+    PlaneView half = newest_.view;
+    if (half.channels != 3 || half.height % 2 != 0)
+        return input_error(where(frame) + ": is " + std::to_string(half.width) + "x" +
+                           std::to_string(half.height) + (half.channels == 3 ? "" : " grey") +
+                           ": a Depthkit video has colour above depth, both of the same size, in RGB");
+    half.height /= 2;
+    if (role == PlaneRole::depth) half.data = half.row(half.height);
+    return lent_picture(decoder_->info(), {half, newest_.storage});
+}
+
+Result<void> DepthkitPictures::rewind() {
     auto demuxer = Demuxer::open_quicktime(source_);
     if (!demuxer) return demuxer.error();
     decoder_.reset();
@@ -111,30 +105,24 @@ Result<void> DepthkitReader::rewind() {
 }
 
 /// After frame 0, in the stream's time base.
-double DepthkitReader::ticks_of(std::int64_t frame) const {
+double DepthkitPictures::ticks_of(std::int64_t frame) const {
     const AVRational base = stream().time_base;
-    return static_cast<double>(frame) * static_cast<double>(recorded_rate_.den) /
-           static_cast<double>(recorded_rate_.num) * base.den / base.num;
+    return static_cast<double>(frame) * static_cast<double>(rate_.den) / static_cast<double>(rate_.num) *
+           base.den / base.num;
 }
 
-Result<void> DepthkitReader::seek(std::int64_t frame) {
-    if (frame < 0 || frame > promised_)
-        return usage_error(file_ + ": has no frame " + std::to_string(frame) + ": must be from 0 to " +
-                           std::to_string(promised_ - 1));
+Result<void> DepthkitPictures::seek(std::int64_t frame) {
     if (frame == number_) return {};
-    const bool is_led = is_all_keys_ && frame > 0 && begin_at(std::min(frame, promised_ - 1));
+    const bool is_led = is_all_keys_ && frame > 0 && begin_at(frame);
     if (!is_led && (is_all_keys_ || frame < number_))
         if (auto back = rewind(); !back) return back;
-    while (number_ < frame) {
-        const auto passed = next();
-        if (!passed) return passed.error();
-        if (!*passed) break;
-    }
+    while (number_ < frame)
+        if (const auto passed = next(); !passed) return passed.error();
     return {};
 }
 
 /// False where the index does not lead there: then the reading may be anywhere.
-bool DepthkitReader::begin_at(std::int64_t frame) {
+bool DepthkitPictures::begin_at(std::int64_t frame) {
     const double time = static_cast<double>(origin_) + ticks_of(frame);
     const bool is_somewhere = demuxer_->seek(stream_, std::llround(time));
     const auto packet = is_somewhere ? demuxer_->peek(stream_) : Result<const AVPacket*>(nullptr);
@@ -146,73 +134,49 @@ bool DepthkitReader::begin_at(std::int64_t frame) {
 }
 
 /// Frames by their duration, which is exact where all last equally long; `check_time` finds where not.
-Result<FrameRate> DepthkitReader::read_rate() {
-    promised_ = stream().nb_frames;
+Result<void> DepthkitPictures::read_rate() {
+    count_ = stream().nb_frames;
     const AVRational base = stream().time_base;
     constexpr std::int64_t most = std::int64_t{1} << 31;
     int num = 0, den = 0;
-    if (promised_ > 0 && promised_ < most && stream().duration > 0 && stream().duration < most) {
+    if (count_ > 0 && count_ < most && stream().duration > 0 && stream().duration < most) {
         const AVRational per_tick = av_make_q(base.den, base.num);
-        av_reduce(&num, &den, promised_, stream().duration, 1'000'000'000);
+        av_reduce(&num, &den, count_, stream().duration, 1'000'000'000);
         av_reduce(&num, &den, std::int64_t{num} * per_tick.num, std::int64_t{den} * per_tick.den,
                   1'000'000'000);
     }
     if (num <= 0 || den <= 0)
         return input_error(file_ + ": does not say how many frames it has, or how long");
-    return FrameRate{num, den};
+    rate_ = {num, den};
+    return {};
 }
 
-Result<std::optional<RawFrame>> DepthkitReader::next() {
+Result<Plane> DepthkitPictures::next() {
     while (true) {
         auto decoded = decoder_->receive();
         if (!decoded) return decoded.error();
         if (*decoded) {
             if (auto timely = check_time(**decoded); !timely) return timely.error();
-            auto frame = halves(std::move(**decoded));
-            if (!frame) return frame.error();
             ++number_;
-            return std::optional(std::move(*frame));
+            return std::move((*decoded)->plane);
         }
         if (decoder_->drained()) break;
         const auto packet = demuxer_->next(stream_);
         if (!packet) return packet.error();
         if (auto sent = decoder_->send(packet->get()); !sent) return sent.error();
     }
-    if (number_ >= promised_) return std::optional<RawFrame>{};
-    return input_error(where() + ": is where the video ends, but it promises " + std::to_string(promised_) +
-                       " frames: it is truncated or damaged");
-}
-
-/// Two views of one picture.
-Result<RawFrame> DepthkitReader::halves(TrackDecoder::Picture picture) const {
-    PlaneView colour = picture.plane.view;
-    if (colour.channels != 3 || colour.height % 2 != 0)
-        return input_error(where() + ": is " + std::to_string(colour.width) + "x" +
-                           std::to_string(colour.height) + (colour.channels == 3 ? "" : " grey") +
-                           ": a Depthkit video has colour above depth, both of the same size, in RGB");
-    colour.height /= 2;
-    PlaneView depth = colour;
-    depth.data = colour.row(colour.height);
-    RawFrame frame;
-    frame.number = number_;
-    frame.time_ns = scene_.rate.time_ns(number_);
-    for (const auto& [role, view] : {std::pair{PlaneRole::depth, depth}, {PlaneRole::colour, colour}}) {
-        auto plane = fit_plane(role, {view, picture.plane.storage}, scene_,
-                               where() + ", " + std::string(role_name(role)));
-        if (!plane) return plane.error();
-        add_plane(frame, role, std::move(*plane));
-    }
-    return frame;
+    return input_error(where(number_) + ": is where the video ends, but it promises " +
+                       std::to_string(count_) + " frames: it is truncated or damaged");
 }
 
 /// At the frame number's time, up to one tick of the stream's clock.
-Result<void> DepthkitReader::check_time(const TrackDecoder::Picture& picture) {
+Result<void> DepthkitPictures::check_time(const TrackDecoder::Picture& picture) {
     if (number_ == 0) origin_ = picture.timestamp;
     const double expected = ticks_of(number_);
     const double actual = static_cast<double>(picture.timestamp) - static_cast<double>(origin_);
     if (picture.timestamp != AV_NOPTS_VALUE && std::fabs(actual - expected) <= 1.0) return {};
-    return input_error(where() + ": is not at its time: must be evenly spaced frames, " +
-                       clip_tags::rate_text(recorded_rate_) + " a second");
+    return input_error(where(number_) + ": is not at its time: must be evenly spaced frames, " +
+                       clip_tags::rate_text(rate_) + " a second");
 }
 
 }  // namespace
@@ -231,9 +195,22 @@ std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem:
 Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const SourceFile& video,
                                                        const std::filesystem::path& metadata,
                                                        const std::optional<SceneDescription>& described) {
-    auto reader = std::make_unique<DepthkitReader>(video);
-    if (auto opened = reader->open(metadata, described); !opened) return opened.error();
-    return std::unique_ptr<ClipReader>(std::move(reader));
+    auto pictures = std::make_unique<DepthkitPictures>(video);
+    if (auto opened = pictures->open(); !opened) return opened.error();
+    auto scene = described ? Result<SceneDescription>(*described) : read_depthkit_metadata(metadata);
+    if (!scene) return scene.error();
+    if (!described) scene->scene.name = video.path().stem().string();
+    StoredClip clip{video.string(), std::move(*scene)};
+    const FrameRate& rate = pictures->rate();
+    if (!clip.described.unstated.rate)
+        if (auto note = clip_tags::rate_note(clip.described.scene.rate, rate))
+            clip.notes.push_back(std::move(*note));
+    clip.count = pictures->count();
+    clip.roles = {PlaneRole::depth, PlaneRole::colour};
+    clip.found.rate = rate;
+    clip.inputs = {video.path(), metadata};
+    clip.pictures = std::move(pictures);
+    return open_stored_clip(std::move(clip));
 }
 
 }  // namespace touchable
