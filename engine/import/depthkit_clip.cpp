@@ -69,6 +69,7 @@ Result<void> DepthkitPictures::open() {
 Result<StoredPicture> DepthkitPictures::picture(PlaneRole role, std::int64_t frame) {
     if (newest_number_ != frame) {
         newest_number_ = -1;
+        newest_ = {};
         if (auto there = seek(frame); !there) return there.error();
         auto plane = next();
         if (!plane) return plane.error();

@@ -61,6 +61,7 @@ Result<VideoPicture> VideoPictures::read(VideoFile& video, std::int64_t number, 
 Result<VideoPicture*> VideoPictures::read_depth(std::int64_t frame) {
     if (newest_number_ != frame) {
         newest_number_ = -1;
+        newest_.reset();
         auto picture = read(*depth_, frame, depth_converter_);
         if (!picture) return picture.error();
         newest_.emplace(std::move(*picture));

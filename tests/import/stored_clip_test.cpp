@@ -166,13 +166,22 @@ TEST_F(StoredClips, ALaterPictureOfAnotherSizeOrFormatIsRefusedByItsName) {
 TEST_F(StoredClips, SamplesOfADecoderStayWhereTheyAre) {
     Samples memory;
     const PlaneView lent = test_plane(memory, fake_wide, fake_high, 1, 1, 255, 1, true);
+    std::weak_ptr<const int> picture;  // of a decoder, as long as anybody has it
     pictures->made = [&](PlaneRole role, std::int64_t frame) {
         if (role == PlaneRole::colour) return StoredPicture{picture_of(role, frame)};
-        return lent_picture({"depth", "h264", "gray"}, {lent, nullptr});
+        EXPECT_TRUE(picture.expired()) << "its memory can serve the next, as nobody looks at it";
+        const auto made = std::make_shared<const int>(1);
+        picture = made;
+        return lent_picture({"depth", "h264", "gray"}, {lent, made});
     };
-    auto clip = opened(2);
+    auto clip = opened(3);
     ASSERT_EQ(message(clip), "");
-    EXPECT_EQ((**(*clip)->next()).depth.data, lent.data);
+    for (int n = 0; n < 3; ++n) {
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        EXPECT_EQ((**frame).depth.data, lent.data);
+        EXPECT_FALSE(picture.expired());
+    }
     EXPECT_EQ((*clip)->tracks().front().codec, "h264");
     EXPECT_EQ((*clip)->tracks().front().width, fake_wide);
     EXPECT_TRUE(std::ranges::any_of((*clip)->notes(), [](const std::string& note) {

@@ -113,6 +113,7 @@ Result<void> StoredClipReader::look_at_some(const StoredImage& first) {
 
 Result<void> StoredClipReader::read(Track& track, std::int64_t frame) {
     if (track.number == clip_.pictures->picture_number(track.role, frame)) return {};
+    track = {track.role};  // first, so that its memory can serve the next
     auto picture = clip_.pictures->picture(track.role, frame);
     if (!picture) return picture.error();
     const TrackInfo& first = infos_[static_cast<std::size_t>(&track - tracks_.data())];
