@@ -18,7 +18,7 @@ namespace touchable {
 namespace {
 
 /// Pictures at an even rate, each of which holds both planes.
-class DepthkitPictures final : public PictureSource {
+class DepthkitPictures final : public FrameSource {
 public:
     explicit DepthkitPictures(const SourceFile& video) : source_(video), file_(video.string()) {}
     Result<void> open();
@@ -28,7 +28,7 @@ public:
     std::string where(PlaneRole role, std::int64_t frame) const override {
         return where(frame) + ", " + std::string(role_name(role));
     }
-    Result<StoredPicture> picture(PlaneRole role, std::int64_t frame) override;
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override;
     std::int64_t access_point(std::int64_t frame) const override { return is_all_keys_ ? frame : 0; }
 
 private:
@@ -66,7 +66,7 @@ Result<void> DepthkitPictures::open() {
 }
 
 /// Two views of one picture.
-Result<StoredPicture> DepthkitPictures::picture(PlaneRole role, std::int64_t frame) {
+Result<TrackPicture> DepthkitPictures::picture(PlaneRole role, std::int64_t frame) {
     if (newest_number_ != frame) {
         newest_number_ = -1;
         newest_ = {};

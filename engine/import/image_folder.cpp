@@ -16,7 +16,7 @@ namespace touchable {
 namespace {
 
 /// A file for each picture, or one that holds those of all frames.
-class FolderPictures final : public PictureSource {
+class FolderPictures final : public FrameSource {
 public:
     FolderPictures(std::filesystem::path folder, DepthCodingKind coding,
                    std::shared_ptr<ReadPictures> pictures)
@@ -28,7 +28,7 @@ public:
     std::string where(PlaneRole role, std::int64_t frame) const override {
         return file(track(role), frame).string() + in_words(role, frame);
     }
-    Result<StoredPicture> picture(PlaneRole role, std::int64_t frame) override;
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override;
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
         return track(role).is_still() ? 0 : frame;
     }
@@ -117,7 +117,7 @@ Result<void> FolderPictures::find_cameras(const PictureFiles& depth, StoredClip&
     return {};
 }
 
-Result<StoredPicture> FolderPictures::picture(PlaneRole role, std::int64_t frame) {
+Result<TrackPicture> FolderPictures::picture(PlaneRole role, std::int64_t frame) {
     const Track& from = track(role);
     auto stored = from.stack ? from.stack->image(frame) : pictures_->take(file(from, frame));
     if (!stored) return Error{stored.error().kind, stored.error().message + in_words(role, frame)};
@@ -129,7 +129,7 @@ Result<StoredPicture> FolderPictures::picture(PlaneRole role, std::int64_t frame
         return input_error(where(role, frame) + ": is JPEG, which mixes materials; haptic is PNG");
     if (role != PlaneRole::colour && stored->interlaced)
         return input_error(where(role, frame) + ": is an interlaced PNG: must be a plain one to be touched");
-    return StoredPicture{std::move(*stored)};
+    return TrackPicture{std::move(*stored)};
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace touchable {
 namespace {
 
 /// Depth in a track of one file; colour beside it in the same pictures, or in a track of its own.
-class VideoPictures final : public PictureSource {
+class VideoPictures final : public FrameSource {
 public:
     VideoPictures(const VideoSource& source, std::shared_ptr<VideoFile> depth)
         : source_(source), depth_(std::move(depth)) {}
@@ -29,7 +29,7 @@ public:
         const bool is_own = role == PlaneRole::colour && colour_;
         return is_own ? colour_->where(picture_number(role, frame)) : depth_->where(frame);
     }
-    Result<StoredPicture> picture(PlaneRole role, std::int64_t frame) override;
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override;
     /// Of colour in a track of its own, what is nearest in time.
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
         const bool is_own = role == PlaneRole::colour && colour_;
@@ -76,7 +76,7 @@ Result<CodeRange> VideoPictures::code_range() {
     return (*first)->code_range(source_.values);
 }
 
-Result<StoredPicture> VideoPictures::picture(PlaneRole role, std::int64_t frame) {
+Result<TrackPicture> VideoPictures::picture(PlaneRole role, std::int64_t frame) {
     if (role == PlaneRole::colour && colour_) {
         auto picture = read(*colour_, picture_number(role, frame), colour_converter_);
         if (!picture) return picture.error();

@@ -31,17 +31,17 @@ StoredImage picture_of(PlaneRole role, std::int64_t number, int width = fake_wid
     return stored;
 }
 
-class FakePictures final : public PictureSource {
+class FakePictures final : public FrameSource {
 public:
     explicit FakePictures(Asked& asked) : asked_(asked) {}
-    std::function<Result<StoredPicture>(PlaneRole, std::int64_t)> made =
-        [](PlaneRole role, std::int64_t frame) { return StoredPicture{picture_of(role, frame)}; };
+    std::function<Result<TrackPicture>(PlaneRole, std::int64_t)> made =
+        [](PlaneRole role, std::int64_t frame) { return TrackPicture{picture_of(role, frame)}; };
     std::function<std::int64_t(PlaneRole, std::int64_t)> number = [](PlaneRole, std::int64_t frame) {
         return frame;
     };
 
     std::string where(PlaneRole role, std::int64_t frame) const override { return in_words(role, frame); }
-    Result<StoredPicture> picture(PlaneRole role, std::int64_t frame) override {
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
         asked_.push_back(in_words(role, frame));
         return made(role, frame);
     }
@@ -151,7 +151,7 @@ TEST_F(StoredClips, ALaterPictureOfAnotherSizeOrFormatIsRefusedByItsName) {
                 StoredImage stored =
                     picture_of(asked_for, frame, differs && is_wider ? fake_wide + 1 : fake_wide);
                 if (differs && !is_wider) stored.pixel_format = "pal8";
-                return StoredPicture{std::move(stored)};
+                return TrackPicture{std::move(stored)};
             };
             auto clip = opened();
             ASSERT_EQ(message(clip), "");
@@ -168,7 +168,7 @@ TEST_F(StoredClips, SamplesOfADecoderStayWhereTheyAre) {
     const PlaneView lent = test_plane(memory, fake_wide, fake_high, 1, 1, 255, 1, true);
     std::weak_ptr<const int> picture;  // of a decoder, as long as anybody has it
     pictures->made = [&](PlaneRole role, std::int64_t frame) {
-        if (role == PlaneRole::colour) return StoredPicture{picture_of(role, frame)};
+        if (role == PlaneRole::colour) return TrackPicture{picture_of(role, frame)};
         EXPECT_TRUE(picture.expired()) << "its memory can serve the next, as nobody looks at it";
         const auto made = std::make_shared<const int>(1);
         picture = made;
@@ -201,12 +201,12 @@ protected:
         scene.depth.far = 100;
         derive_valid_range(scene.depth);
         described.unstated.far = true;
-        pictures->made = [this](PlaneRole role, std::int64_t frame) -> Result<StoredPicture> {
-            if (role == PlaneRole::colour) return StoredPicture{picture_of(role, frame)};
+        pictures->made = [this](PlaneRole role, std::int64_t frame) -> Result<TrackPicture> {
+            if (role == PlaneRole::colour) return TrackPicture{picture_of(role, frame)};
             if (const auto found = failures.find(frame); found != failures.end()) return found->second;
             StoredImage stored{{fake_wide, fake_high, 2, 1, {}}, "pfm", "grayf32le"};
             stored.values.assign(fake_wide * fake_high, 1 + 0.01F * static_cast<float>(frame));
-            return StoredPicture{std::move(stored)};
+            return TrackPicture{std::move(stored)};
         };
     }
     std::map<std::int64_t, Error> failures;
@@ -241,7 +241,7 @@ TEST_F(StoredClipsOfFloats, TheSearchForItsRangeIsGivenUp) {
         if (frame == 2) person.request_stop();
         StoredImage stored{{fake_wide, fake_high, 2, 1, {}}, "pfm", "grayf32le"};
         stored.values.assign(fake_wide * fake_high, 1);
-        return StoredPicture{std::move(stored)};
+        return TrackPicture{std::move(stored)};
     };
     taken();
     const WorkUntil until(person.get_token());
@@ -255,7 +255,7 @@ TEST_F(StoredClips, FloatsAreDepthAlone) {
     pictures->made = [](PlaneRole role, std::int64_t frame) {
         StoredImage stored = picture_of(role, frame);
         if (role == PlaneRole::colour) stored.values.assign(fake_wide * fake_high, 0.5F);
-        return StoredPicture{std::move(stored)};
+        return TrackPicture{std::move(stored)};
     };
     EXPECT_EQ(message(opened()), "colour 0: is a picture of floats: must be of integers");
 }

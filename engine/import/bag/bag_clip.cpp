@@ -15,17 +15,17 @@
 namespace touchable {
 namespace {
 
-class BagPictureSource final : public PictureSource {
+class BagFrames final : public FrameSource {
 public:
-    explicit BagPictureSource(BagRecording recording) : recording_(std::move(recording)) {}
+    explicit BagFrames(BagRecording recording) : recording_(std::move(recording)) {}
     std::string where(PlaneRole role, std::int64_t frame) const override {
         const BagStreams& streams = recording_.streams();
         return recording_.where(role == PlaneRole::depth ? streams.depth : *streams.colour, frame);
     }
-    Result<StoredPicture> picture(PlaneRole role, std::int64_t frame) override {
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
         auto image = role == PlaneRole::depth ? recording_.depth(frame) : recording_.colour(frame);
         if (!image) return image.error();
-        return StoredPicture{std::move(*image)};
+        return TrackPicture{std::move(*image)};
     }
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
         return role == PlaneRole::depth ? frame : recording_.colour_beside(frame);
@@ -157,7 +157,7 @@ Result<std::unique_ptr<ClipReader>> open_bag_clip(const SourceFile& file,
     clip.found.rate = rate_of_seconds(recording->times());
     clip.inputs = made->inputs;
     clip.inputs.insert(clip.inputs.begin(), file.path());
-    clip.pictures = std::make_unique<BagPictureSource>(std::move(*recording));
+    clip.pictures = std::make_unique<BagFrames>(std::move(*recording));
     return open_stored_clip(std::move(clip), colour);
 }
 

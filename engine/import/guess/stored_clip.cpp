@@ -48,7 +48,7 @@ private:
     Result<void> read_first(Track& track);
     Result<void> look_at_some(const StoredImage& first);
     Result<void> read(Track& track, std::int64_t frame);
-    Result<void> take(Track& track, std::int64_t frame, StoredPicture picture);
+    Result<void> take(Track& track, std::int64_t frame, TrackPicture picture);
     RawFrame frame_of_newest() const;
 
     StoredClip clip_;
@@ -131,7 +131,7 @@ Result<void> StoredClipReader::read(Track& track, std::int64_t frame) {
 }
 
 /// As the newest of its track.
-Result<void> StoredClipReader::take(Track& track, std::int64_t frame, StoredPicture picture) {
+Result<void> StoredClipReader::take(Track& track, std::int64_t frame, TrackPicture picture) {
     const std::string where = clip_.pictures->where(track.role, frame);
     const bool is_depth = track.role == PlaneRole::depth;
     StoredImage& stored = picture.image;
@@ -180,7 +180,7 @@ Result<std::optional<RawFrame>> StoredClipReader::next() {
 
 }  // namespace
 
-StoredPicture lent_picture(const TrackInfo& track, Plane plane) {
+TrackPicture lent_picture(const TrackInfo& track, Plane plane) {
     const PlaneView& view = plane.view;
     return {{{view.width, view.height, view.bytes_per_sample, view.channels, {}},
              track.codec,

@@ -15,22 +15,22 @@
 namespace touchable {
 
 /// A picture of a track as it is stored.
-struct StoredPicture {
+struct TrackPicture {
     StoredImage image;  ///< without samples where they are lent
     Plane lent{};       ///< samples in a picture that a decoder made
 };
 /// The samples of a decoder's picture, or of a part of it, in a track that is stored like this.
-StoredPicture lent_picture(const TrackInfo& track, Plane plane);
+TrackPicture lent_picture(const TrackInfo& track, Plane plane);
 
 /// What reads the pictures of a stored clip: files in a folder, messages of a recording, packets of a video.
-class PictureSource {
+class FrameSource {
 public:
-    virtual ~PictureSource() = default;
+    virtual ~FrameSource() = default;
     /// A picture as messages name it: its file, track and frame.
     virtual std::string where(PlaneRole role, std::int64_t frame) const = 0;
     /// The picture of one of the clip's tracks in one of its frames, in any order; the next frame's is the
     /// quickest. An error names file, track and frame. The newest picture of a track is not asked for again.
-    virtual Result<StoredPicture> picture(PlaneRole role, std::int64_t frame) = 0;
+    virtual Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) = 0;
     /// Frames in a row with the same number show the same picture of that track.
     virtual std::int64_t picture_number(PlaneRole, std::int64_t frame) const { return frame; }
     /// ClipReader::access_point.
@@ -43,7 +43,7 @@ public:
 struct StoredClip {
     std::string name;  ///< its file or folder, for messages
     SceneDescription described;
-    std::unique_ptr<PictureSource> pictures{};
+    std::unique_ptr<FrameSource> pictures{};
     std::int64_t count = 0;          ///< of its frames, at least 1
     std::vector<PlaneRole> roles{};  ///< of its tracks, depth the first
     FoundInClip found{};

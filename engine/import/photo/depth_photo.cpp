@@ -15,14 +15,14 @@ constexpr double film_diagonal = 43.2666;                  // mm, of 36 x 24
 constexpr double unscaled_near = 0.5, unscaled_far = 1.5;  // metres, of depth without a scale
 
 /// Both pictures, each of which is given away once.
-class PhotoPictures final : public PictureSource {
+class PhotoPictures final : public FrameSource {
 public:
     PhotoPictures(std::string file, DepthPhoto photo) : file_(std::move(file)), photo_(std::move(photo)) {}
     std::string where(PlaneRole role, std::int64_t) const override {
         return file_ + ": " + std::string(role_name(role));
     }
-    Result<StoredPicture> picture(PlaneRole role, std::int64_t) override {
-        return StoredPicture{std::move(role == PlaneRole::depth ? photo_.depth : photo_.colour)};
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t) override {
+        return TrackPicture{std::move(role == PlaneRole::depth ? photo_.depth : photo_.colour)};
     }
 
 private:
