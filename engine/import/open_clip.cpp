@@ -7,6 +7,7 @@
 
 #include "engine/byte_source.hpp"
 #include "engine/ffmpeg/demuxer.hpp"
+#include "engine/import/azure_kinect_clip.hpp"
 #include "engine/import/bag/bag_clip.hpp"
 #include "engine/import/bag/bag_file.hpp"
 #include "engine/import/bare_picture.hpp"
@@ -14,7 +15,6 @@
 #include "engine/import/guess/guessed_scene.hpp"
 #include "engine/import/guessed_video.hpp"
 #include "engine/import/image_folder.hpp"
-#include "engine/import/k4a_clip.hpp"
 #include "engine/import/photo/heic_image.hpp"
 #include "engine/import/photo/jpeg_depth.hpp"
 #include "engine/import/pinhole_frames.hpp"

@@ -165,7 +165,11 @@ public:
             glfwCreateWindowSurface(vulkan->instance->handle(), window_, nullptr, &surface);
         if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
         auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
-        if (!made.ok()) return made.error();
+        if (!made.ok()) {
+            size();  // asks the X server for the window: where it is gone, that is why
+            const auto well = health();
+            return well.ok() ? made.error() : well.error();
+        }
         swapchain_ = std::move(*made);
         return {};
     }

@@ -1,8 +1,8 @@
 // Recordings of cameras in files of their own makers.
 #include <cmath>
 
+#include "engine/import/azure_kinect_calibration.hpp"
 #include "engine/import/bag/bag_clip.hpp"
-#include "engine/import/k4a_calibration.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/video/frame_times_text.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
@@ -29,7 +29,8 @@ void require_camera(const Camera& camera) {
 }
 
 bool parse_calibration(std::string_view bytes) {
-    const auto cameras = parse_k4a_calibration(bytes, {640, 576}, PictureSize{1280, 720}, "calibration.json");
+    const auto cameras =
+        parse_azure_kinect_calibration(bytes, {640, 576}, PictureSize{1280, 720}, "calibration.json");
     if (!is_taken(cameras)) return false;
     require_camera(cameras->depth);
     if (cameras->colour) require_camera(cameras->colour->camera);

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/import/k4a_calibration.hpp"
+#include "engine/import/azure_kinect_calibration.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
@@ -214,7 +214,7 @@ TEST(AzureKinect, ACalibrationThatIsDamagedIsRefused) {
     const std::string whole = calibration(no_distortion);
     const LimitedMemory limit(512);
     const auto parsed = [](const std::string& text) {
-        return parse_k4a_calibration(text, {640, 576}, PictureSize{1920, 1080}, "k.mkv");
+        return parse_azure_kinect_calibration(text, {640, 576}, PictureSize{1920, 1080}, "k.mkv");
     };
     ASSERT_EQ(message(parsed(whole)), "");
     for (std::size_t length = 0; length < whole.size(); ++length)
@@ -226,8 +226,9 @@ TEST(AzureKinect, ACalibrationThatIsDamagedIsRefused) {
             static_cast<char>(numbers.below(256));
         EXPECT_EQ(message(parsed(changed)).find('\n'), std::string::npos);
     }
-    EXPECT_NE(message(parse_k4a_calibration(whole, {640, 480}, {}, "k.mkv")).find("depth of 640x480"),
-              std::string::npos);
+    EXPECT_NE(
+        message(parse_azure_kinect_calibration(whole, {640, 480}, {}, "k.mkv")).find("depth of 640x480"),
+        std::string::npos);
 }
 
 }  // namespace

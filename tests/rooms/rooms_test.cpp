@@ -149,6 +149,25 @@ TEST(Rooms, EachFolderIsInTheTable) {
     EXPECT_GT(table().size(), 20u);
 }
 
+/// The list of where is what: names of files in backticks, without what they end in.
+TEST(Rooms, FilesThatTheListNamesAreThere) {
+    std::istringstream page(text_of(source("docs/architecture.md")));
+    int named = 0;
+    bool in_list = false;
+    for (std::string line; std::getline(page, line);) {
+        if (line.starts_with("## ")) in_list = line == "## Where is what";
+        if (!in_list || !line.starts_with('|')) continue;
+        const std::vector<std::string> quoted = parts_of(line, '`');
+        for (std::size_t k = 1; k < quoted.size(); k += 2) {
+            const std::string& name = quoted[k];
+            if (name.find('/') == std::string::npos || name.ends_with('/')) continue;
+            ++named;
+            EXPECT_TRUE(fs::exists(source(name + ".cpp")) || fs::exists(source(name + ".hpp"))) << name;
+        }
+    }
+    EXPECT_GT(named, 150);
+}
+
 TEST(Rooms, IncludeOnlyWhatTheyMayUse) {
     int includes = 0;
     for (const auto& [room, own] : table()) {

@@ -1,4 +1,4 @@
-#include "engine/import/k4a_calibration.hpp"
+#include "engine/import/azure_kinect_calibration.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -85,8 +85,9 @@ Result<K4aCameras> read_cameras(const Node& root, PictureSize depth_size,
 
 }  // namespace
 
-Result<K4aCameras> parse_k4a_calibration(std::string_view text, PictureSize depth,
-                                         const std::optional<PictureSize>& colour, const std::string& where) {
+Result<K4aCameras> parse_azure_kinect_calibration(std::string_view text, PictureSize depth,
+                                                  const std::optional<PictureSize>& colour,
+                                                  const std::string& where) {
     while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
     try {
         const checked_json::Json json = checked_json::parse(text);

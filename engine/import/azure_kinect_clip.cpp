@@ -1,4 +1,4 @@
-#include "engine/import/k4a_clip.hpp"
+#include "engine/import/azure_kinect_clip.hpp"
 
 #include <cstring>
 #include <memory>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/ffmpeg/demuxer.hpp"
-#include "engine/import/k4a_calibration.hpp"
+#include "engine/import/azure_kinect_calibration.hpp"
 #include "engine/import/video_picture.hpp"
 #include "engine/video/video_file.hpp"
 
@@ -71,8 +71,8 @@ Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& 
     std::vector<Remark> remarks;
     const bool is_told = said.intrinsics || said.fov;
     if (const auto text = (*demuxer)->attachment(calibration_file); text && !is_told) {
-        auto read = parse_k4a_calibration(*text, *depth_size, colour_size,
-                                          file.string() + ": its " + calibration_file);
+        auto read = parse_azure_kinect_calibration(*text, *depth_size, colour_size,
+                                                   file.string() + ": its " + calibration_file);
         if (!read) return read.error();
         cameras = std::move(*read);
         const Camera& camera = cameras->depth;

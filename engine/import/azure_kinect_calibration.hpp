@@ -22,7 +22,8 @@ struct PictureSize {
 };
 
 /// What a recording's calibration.json says of pictures of these sizes, which the camera's modes have.
-Result<K4aCameras> parse_k4a_calibration(std::string_view text, PictureSize depth,
-                                         const std::optional<PictureSize>& colour, const std::string& where);
+Result<K4aCameras> parse_azure_kinect_calibration(std::string_view text, PictureSize depth,
+                                                  const std::optional<PictureSize>& colour,
+                                                  const std::string& where);
 
 }  // namespace touchable
