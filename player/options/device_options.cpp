@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "engine/given_file.hpp"
 #include "haptics_cpu/realtime.hpp"
 #include "player/options/number_option.hpp"
+#include "player/terminal/interrupt.hpp"
 
 namespace touchable {
 namespace {
@@ -108,10 +108,6 @@ Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
 }
 
 }  // namespace
-
-void ignore_stop_keys() {
-    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
-}
 
 std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
                                                   SessionOptions& session) {

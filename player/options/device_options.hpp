@@ -41,9 +41,6 @@ std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words);
 /// hand's. Best called before there is much in memory. Refuses (ErrorKind::usage) what is none.
 Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session);
 
-/// From now on neither Ctrl-Z nor a terminal stops the program: it would stop with a force on.
-void ignore_stop_keys();
-
 /// What to do now, for the person who holds it; one line.
 std::string how_to_begin(const HapticDevice& device, const HandControl& control, bool has_terminal);
 /// What it waits for, and whether forces are on; short.

@@ -60,4 +60,8 @@ bool interrupted() {
     return stop_requested();
 }
 
+void ignore_stop_keys() {
+    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
+}
+
 }  // namespace touchable

@@ -20,4 +20,7 @@ void catch_interrupts();
 /// True once the person asked to stop. Long work looks here between frames.
 bool interrupted();
 
+/// From now on neither Ctrl-Z nor a terminal stops the program: it would stop with a force on.
+void ignore_stop_keys();
+
 }  // namespace touchable
