@@ -162,7 +162,9 @@ TEST(Rooms, FilesThatTheListNamesAreThere) {
             const std::string& name = quoted[k];
             if (name.find('/') == std::string::npos || name.ends_with('/')) continue;
             ++named;
-            EXPECT_TRUE(fs::exists(source(name + ".cpp")) || fs::exists(source(name + ".hpp"))) << name;
+            EXPECT_TRUE(fs::exists(source(name)) || fs::exists(source(name + ".cpp")) ||
+                        fs::exists(source(name + ".hpp")))
+                << name;
         }
     }
     EXPECT_GT(named, 150);
