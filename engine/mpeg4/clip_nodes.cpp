@@ -1,0 +1,259 @@
+#include "engine/mpeg4/clip_nodes.hpp"
+
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include "engine/mpeg4/node_types.hpp"
+#include "engine/printable.hpp"
+
+namespace touchable::mpeg4 {
+namespace {
+
+/// The number that somebody wrote who has this one in four bytes: the shortest that rounds to it.
+double shortest(float value) {
+    std::array<char, 32> digits{};
+    const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    double written = 0;
+    std::from_chars(digits.data(), end, written);
+    return written;
+}
+
+/// A node with what its scene says of it.
+class NodeView {
+public:
+    NodeView(const SceneTree& scene, const Node& node) : scene_(scene), node_(node) {}
+
+    bool is(std::string_view type) const { return node_.type == type; }
+    Error wrong(const std::string& what) const { return input_error(printable(node_.type) + ": " + what); }
+
+    /// Of a field by its name, initial where it is not given; null where there is no such field.
+    const std::vector<FieldValue>* values(std::string_view name) const {
+        if (const Field* given = node_.field(name)) return &given->values;
+        if (const auto* specs = fields_of(scene_.prototypes, node_.type))
+            for (const FieldSpec& spec : *specs)
+                if (spec.name == name) return &spec.initial;
+        return nullptr;
+    }
+    template <class T>
+    Result<T> value(const char* name) const {
+        const auto* all = values(name);
+        if (!all || all->size() != 1 || !std::holds_alternative<T>(all->front()))
+            return wrong("must have a field " + std::string(name) + " of the paper's type");
+        return std::get<T>(all->front());
+    }
+    /// The node of a field; nothing where there is none.
+    Result<std::optional<NodeView>> node(const char* name) const {
+        auto found = value<NodePtr>(name);
+        if (!found) return found.error();
+        if (!*found) return std::optional<NodeView>();
+        return std::optional(NodeView(scene_, **found));
+    }
+    Result<double> number(const char* name) const {
+        const auto found = value<float>(name);
+        return found ? Result<double>(shortest(*found)) : Result<double>(found.error());
+    }
+    Result<PropertyRange> range(const char* name) const {
+        const auto found = value<std::array<float, 2>>(name);
+        if (!found) return found.error();
+        return PropertyRange{shortest((*found)[0]), shortest((*found)[1])};
+    }
+    Result<std::optional<PlaneTexture>> texture(const char* name) const;
+
+private:
+    const SceneTree& scene_;
+    const Node& node_;
+};
+
+Result<std::optional<PlaneTexture>> NodeView::texture(const char* name) const {
+    const auto found = node(name);
+    if (!found) return found.error();
+    if (!*found) return std::optional<PlaneTexture>();
+    const NodeView& there = **found;
+    if (!there.is("ImageTexture") && !there.is("MovieTexture"))
+        return wrong(std::string(name) + " is a " + printable(there.node_.type) +
+                     ": must be an ImageTexture or a MovieTexture");
+    const auto* urls = there.values("url");
+    if (!urls || urls->size() != 1)
+        return wrong(std::string(name) + " has " + std::to_string(urls ? urls->size() : 0) +
+                     " urls: must be one");
+    return std::optional(PlaneTexture{std::get<Url>(urls->front()), there.is("MovieTexture")});
+}
+
+/// The only Shape of a scene, or DepthImage; WorldInfo may stand beside it.
+Result<NodeView> only_shape(const SceneTree& scene) {
+    const Node& root = *scene.root;
+    if (root.type != "Group") return NodeView(scene, root);
+    const Node* shape = nullptr;
+    const Field* children = root.field("children");
+    for (const FieldValue& each : children ? children->values : std::vector<FieldValue>()) {
+        const NodePtr& child = std::get<NodePtr>(each);
+        if (!child || child->type == "WorldInfo") continue;
+        if (shape)
+            return input_error("Group: has a " + printable(shape->type) + " and a " + printable(child->type) +
+                               ": a touchable clip is one Shape");
+        shape = child.get();
+    }
+    if (!shape) return input_error("Group: has no Shape");
+    return shape->type == "Group"
+               ? Result<NodeView>(input_error("Group: stands in a Group: must have the Shape itself"))
+               : NodeView(scene, *shape);
+}
+
+Result<void> read_depth(const NodeView& shape, ClipNodes& made) {
+    const auto geometry = shape.node("geometry");
+    if (!geometry) return geometry.error();
+    if (!*geometry || !(*geometry)->is("Depth")) return shape.wrong("its geometry must be a Depth");
+    const NodeView& depth = **geometry;
+    for (const auto& [name, member] : {std::pair{"focalLength", &made.focal_length},
+                                       {"pixelWidth", &made.pixel_width},
+                                       {"nearPlane", &made.near},
+                                       {"farPlane", &made.far}}) {
+        const auto number = depth.number(name);
+        if (!number) return number.error();
+        *member = *number;
+    }
+    const auto texture = depth.texture("texture");
+    if (!texture) return texture.error();
+    if (!*texture) return depth.wrong("must have a texture, which is its pictures");
+    made.depth = **texture;
+    return {};
+}
+
+Result<void> read_surface(const NodeView& surface, ClipNodes& made) {
+    if (!surface.is("HapticTextureSurface"))
+        return surface.wrong("must be a HapticTextureSurface to be felt");
+    for (const auto& [name, member] : {std::pair{"stiffnessRange", &made.ranges.stiffness},
+                                       {"staticFrictionRange", &made.ranges.static_friction},
+                                       {"dynamicFrictionRange", &made.ranges.dynamic_friction}}) {
+        const auto range = surface.range(name);
+        if (!range) return range.error();
+        *member = *range;
+    }
+    const auto height = surface.number("maxHeight");
+    if (!height) return height.error();
+    made.max_height = *height;
+    for (const auto& [name, member] :
+         {std::pair{"hapticTexture", &made.haptic}, {"heightTexture", &made.height}}) {
+        auto texture = surface.texture(name);
+        if (!texture) return texture.error();
+        *member = std::move(*texture);
+    }
+    return {};
+}
+
+Result<void> read_appearance(const NodeView& shape, ClipNodes& made) {
+    const auto found = shape.node("appearance");
+    if (!found) return found.error();
+    if (!*found) return {};
+    const NodeView& appearance = **found;
+    auto colour = appearance.texture("texture");
+    if (!colour) return colour.error();
+    made.colour = std::move(*colour);
+    if (!appearance.values("hapticSurface")) return {};
+    const auto surface = appearance.node("hapticSurface");
+    if (!surface) return surface.error();
+    return *surface ? read_surface(**surface, made) : Result<void>();
+}
+
+/// MPEG-4's own node, of version 5.
+Result<ClipNodes> from_depth_image(const NodeView& image) {
+    ClipNodes made;
+    const auto textures = image.node("diTexture");
+    const auto angles = image.value<std::array<float, 2>>("fieldOfView");
+    const auto near = image.number("nearPlane"), far = image.number("farPlane");
+    const auto flat = image.value<bool>("orthographic");
+    if (!textures) return textures.error();
+    if (!*textures || !(*textures)->is("SimpleTexture"))
+        return image.wrong("its diTexture must be a SimpleTexture");
+    if (!angles || !near || !far || !flat) return image.wrong("its camera is damaged");
+    if (*flat) return image.wrong("is orthographic: must have a perspective camera (orthographic FALSE)");
+    made.angle_x = shortest((*angles)[0]);
+    made.angle_y = shortest((*angles)[1]);
+    made.near = *near;
+    made.far = *far;
+    auto depth = (*textures)->texture("depth"), colour = (*textures)->texture("texture");
+    if (!depth) return depth.error();
+    if (!colour) return colour.error();
+    if (!*depth) return image.wrong("must have pictures of depth");
+    made.depth = std::move(**depth);
+    made.colour = std::move(*colour);
+    return made;
+}
+
+NodePtr texture_node(const std::optional<PlaneTexture>& texture) {
+    if (!texture) return {};
+    Node made{.type = texture->is_movie ? "MovieTexture" : "ImageTexture"};
+    if (texture->is_movie) made.fields.push_back({"loop", {true}});
+    made.fields.push_back({"url", {texture->url}});
+    return std::make_shared<Node>(std::move(made));
+}
+
+FieldValue real(double value) {
+    return static_cast<float>(value);
+}
+FieldValue pair_of(const PropertyRange& range) {
+    return std::array{static_cast<float>(range.min), static_cast<float>(range.max)};
+}
+
+/// The paper's node as a prototype: with its fields, all of which may change, and its initial values.
+Prototype prototype_of(const char* type, const char* name, NodePtr body) {
+    Prototype made{.name = name, .fields = node_type(type)->fields, .body = {std::move(body)}};
+    for (FieldSpec& field : made.fields) {
+        field.event = FieldEvent::exposed;
+        field.slot = NodeSlot::world;
+    }
+    return made;
+}
+
+std::vector<Prototype> clip_prototypes(int width, int height) {
+    const std::array size{static_cast<float>(width), static_cast<float>(height)};
+    const Node appearance{.type = "Appearance",
+                          .fields = {{"material", {}, "material"},
+                                     {"texture", {}, "texture"},
+                                     {"textureTransform", {}, "textureTransform"}}};
+    const Node rectangle{.type = "Rectangle", .fields = {{"size", {size}}}};
+    return {prototype_of("HapticTextureSurface", "HapticTextureSurface",
+                         std::make_shared<Node>(Node{.type = "WorldInfo"})),
+            prototype_of("Appearance", "HapticAppearance", std::make_shared<Node>(appearance)),
+            prototype_of("Depth", "Depth", std::make_shared<Node>(rectangle))};
+}
+
+}  // namespace
+
+Result<ClipNodes> clip_nodes_of(const SceneTree& scene) {
+    const auto shape = only_shape(scene);
+    if (!shape) return shape.error();
+    if (shape->is("DepthImage")) return from_depth_image(*shape);
+    if (!shape->is("Shape")) return shape->wrong("must be a Shape");
+    ClipNodes made;
+    if (auto read = read_depth(*shape, made); !read) return read.error();
+    if (auto read = read_appearance(*shape, made); !read) return read.error();
+    return made;
+}
+
+SceneTree scene_of(const ClipNodes& nodes, int width, int height) {
+    Node surface{.type = "HapticTextureSurface",
+                 .fields = {{"stiffnessRange", {pair_of(nodes.ranges.stiffness)}},
+                            {"staticFrictionRange", {pair_of(nodes.ranges.static_friction)}},
+                            {"dynamicFrictionRange", {pair_of(nodes.ranges.dynamic_friction)}},
+                            {"maxHeight", {real(nodes.max_height)}}}};
+    if (nodes.haptic) surface.fields.push_back({"hapticTexture", {texture_node(nodes.haptic)}});
+    if (nodes.height) surface.fields.push_back({"heightTexture", {texture_node(nodes.height)}});
+    Node appearance{.type = "HapticAppearance"};
+    if (nodes.colour) appearance.fields.push_back({"texture", {texture_node(nodes.colour)}});
+    appearance.fields.push_back({"hapticSurface", {std::make_shared<Node>(std::move(surface))}});
+    const Node depth{.type = "Depth",
+                     .fields = {{"focalLength", {real(nodes.focal_length)}},
+                                {"pixelWidth", {real(nodes.pixel_width)}},
+                                {"nearPlane", {real(nodes.near)}},
+                                {"farPlane", {real(nodes.far)}},
+                                {"texture", {texture_node(nodes.depth)}}}};
+    const Node shape{.type = "Shape",
+                     .fields = {{"appearance", {std::make_shared<Node>(std::move(appearance))}},
+                                {"geometry", {std::make_shared<Node>(depth)}}}};
+    const Node root{.type = "Group", .fields = {{"children", {std::make_shared<Node>(shape)}}}};
+    return {clip_prototypes(width, height), std::make_shared<Node>(root)};
+}
+
+}  // namespace touchable::mpeg4

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+
+#include "engine/mpeg4/bifs.hpp"
+#include "engine/mpeg4/boxes.hpp"
+#include "engine/result.hpp"
+
+namespace touchable::mpeg4 {
+
+// How an MP4 file carries a scene (ISO/IEC 14496-14): its initial object descriptor (box iods) names two
+// tracks of MPEG-4 Systems, one of BIFS (handler sdsm) and one of object descriptors (odsm), which say which
+// track each number in the scene means.
+
+/// A scene, and the tracks of its pictures.
+struct SceneStream {
+    BifsConfig config;
+    Bytes scene;                                     ///< one access unit
+    std::map<std::uint16_t, std::uint32_t> objects;  ///< object descriptor -> track_ID
+};
+
+/// The bytes of a file from `at` on, `count` of them.
+using ReadBytes = std::function<Result<Bytes>(std::uint64_t at, std::uint64_t count)>;
+
+/// What a movie box says; nothing where it has no scene. Samples are read by `read`.
+Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadBytes& read);
+
+/// What stands in place of a movie box at `at`, so that its file has a scene: a box with the samples of both
+/// tracks (mdat), and the movie box with iods and those tracks. Other samples stay where they are, so it must
+/// be the file's last box. Beside `shown`, tracks of pictures are marked as auxiliary to it (handler auxv,
+/// reference vdep): ordinary players leave them alone.
+Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::uint32_t shown,
+                                std::uint64_t at);
+
+}  // namespace touchable::mpeg4

@@ -1,0 +1,260 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "engine/mpeg4/scene_stream.hpp"
+
+namespace touchable::mpeg4 {
+namespace {
+
+// Tags and numbers of ISO/IEC 14496-1.
+constexpr std::uint8_t es_descriptor = 0x03, decoder_config = 0x04, decoder_info = 0x05, sync_config = 0x06,
+                       track_included = 0x0E, track_referenced = 0x0F, initial_object = 0x10, object = 0x11,
+                       object_update = 0x01;
+constexpr int object_stream = 1, scene_stream = 3;
+constexpr std::uint8_t object_stream_type = 1;  // objectTypeIndication: MPEG-4 Systems
+constexpr std::uint32_t timescale = 1000;
+
+/// Of less than 128 bytes in every use here but the last, whose length takes as many bytes as it needs.
+Bytes descriptor(std::uint8_t tag, BytesView content) {
+    Bytes made{tag};
+    int bytes = 1;
+    while (content.size() >> (7 * bytes) != 0) ++bytes;
+    for (int k = bytes - 1; k >= 0; --k)
+        made.push_back(static_cast<std::uint8_t>((content.size() >> (7 * k) & 127) | (k > 0 ? 128 : 0)));
+    put_bytes(made, content);
+    return made;
+}
+
+Bytes full_box(std::string_view type, std::uint32_t flags, const Bytes& content) {
+    Bytes body;
+    put_number(body, flags, 4);
+    put_bytes(body, content);
+    return box_of(type, body);
+}
+
+void add(Bytes& to, const Bytes& more) {
+    put_bytes(to, more);
+}
+
+Bytes zeros(std::size_t count) {
+    return Bytes(count, 0);
+}
+
+void put_matrix(Bytes& to) {  // the identity
+    constexpr std::uint32_t one = 0x10000, last = 0x40000000;
+    for (const std::uint32_t each : {one, 0U, 0U, 0U, one, 0U, 0U, 0U, last}) put_number(to, each, 4);
+}
+
+/// A track of MPEG-4 Systems with one sample, shown from the beginning to the end.
+struct SystemsTrack {
+    std::uint32_t id = 0;
+    const char* handler = "";
+    int stream_type = 0;
+    std::uint8_t object_type = 0;
+    Bytes decoder_info{};
+    BytesView sample{};
+    std::uint64_t at = 0;                    // of the sample in the file
+    std::vector<std::uint32_t> refers_to{};  // by mpod
+};
+
+Bytes esds(const SystemsTrack& track) {
+    Bytes config{track.object_type, static_cast<std::uint8_t>(track.stream_type << 2 | 1)};
+    put_number(config, track.sample.size(), 3);
+    add(config, zeros(8));  // rates: not said
+    if (!track.decoder_info.empty()) add(config, descriptor(decoder_info, track.decoder_info));
+    Bytes stream = zeros(3);  // its number is the track's, in a file
+    add(stream, descriptor(decoder_config, config));
+    add(stream, descriptor(sync_config, Bytes{2}));
+    return full_box("esds", 0, descriptor(es_descriptor, stream));
+}
+
+Bytes sample_tables(const SystemsTrack& track, std::uint64_t duration) {
+    Bytes entry = zeros(6);
+    put_number(entry, 1, 2);  // which data reference
+    add(entry, esds(track));
+    Bytes tables;
+    const auto table = [&tables](const char* type, std::initializer_list<std::uint64_t> numbers) {
+        Bytes content;
+        for (const std::uint64_t each : numbers) put_number(content, each, 4);
+        add(tables, full_box(type, 0, content));
+    };
+    Bytes kinds;
+    put_number(kinds, 1, 4);
+    put_box(kinds, "mp4s", entry);
+    add(tables, full_box("stsd", 0, kinds));
+    table("stts", {1, 1, duration});
+    table("stsc", {1, 1, 1, 1});
+    table("stsz", {0, 1, track.sample.size()});
+    Bytes place;
+    put_number(place, 1, 4);
+    put_number(place, track.at, 8);
+    add(tables, full_box("co64", 0, place));
+    return tables;
+}
+
+Bytes systems_trak(const SystemsTrack& track, std::uint64_t movie_duration, std::uint64_t duration) {
+    Bytes head;
+    put_number(head, 0, 8);  // no dates
+    put_number(head, track.id, 4);
+    put_number(head, 0, 4);
+    put_number(head, movie_duration, 4);
+    add(head, zeros(16));
+    put_matrix(head);
+    add(head, zeros(8));
+    Bytes trak = full_box("tkhd", 1, head);
+    if (!track.refers_to.empty()) {
+        Bytes ids;
+        for (const std::uint32_t id : track.refers_to) put_number(ids, id, 4);
+        put_box(trak, "tref", box_of("mpod", ids));
+    }
+    Bytes times;
+    put_number(times, 0, 8);
+    put_number(times, timescale, 4);
+    put_number(times, duration, 4);
+    put_number(times, 0x55C4, 2);  // language: und
+    put_number(times, 0, 2);
+    Bytes handler;
+    put_number(handler, 0, 4);
+    for (const char* letter = track.handler; *letter; ++letter)
+        handler.push_back(static_cast<std::uint8_t>(*letter));
+    add(handler, zeros(13));
+    Bytes itself;
+    put_number(itself, 1, 4);
+    add(itself, full_box("url ", 1, {}));
+    Bytes information = full_box("nmhd", 0, {});
+    put_box(information, "dinf", full_box("dref", 0, itself));
+    put_box(information, "stbl", sample_tables(track, duration));
+    Bytes media = full_box("mdhd", 0, times);
+    add(media, full_box("hdlr", 0, handler));
+    put_box(media, "minf", information);
+    put_box(trak, "mdia", media);
+    return box_of("trak", trak);
+}
+
+/// Which track each object is: by its place among those that the track of descriptors refers to.
+Bytes object_descriptors(const SceneStream& stream) {
+    Bytes all;
+    std::uint32_t place = 0;
+    for ([[maybe_unused]] const auto& [number, track] : stream.objects) {
+        Bytes reference;
+        put_number(reference, ++place, 2);
+        Bytes content;
+        put_number(content, static_cast<std::uint64_t>(number) << 6 | 0x1F, 2);  // no URL; five reserved bits
+        add(content, descriptor(track_referenced, reference));
+        add(all, descriptor(object, content));
+    }
+    return descriptor(object_update, all);
+}
+
+Bytes initial_object_descriptor(std::uint32_t scene_track, std::uint32_t object_track) {
+    Bytes content;
+    put_number(content, 1 << 6 | 0x0F, 2);  // number 1, no URL, profiles not in line, reserved bits
+    add(content, Bytes(5, 0xFF));           // no capability is asked for
+    for (const std::uint32_t track : {scene_track, object_track}) {
+        Bytes id;
+        put_number(id, track, 4);
+        add(content, descriptor(track_included, id));
+    }
+    return full_box("iods", 0, descriptor(initial_object, content));
+}
+
+std::uint32_t track_id(BytesView trak) {
+    const BytesView head = content_at(trak, {"tkhd"});
+    return static_cast<std::uint32_t>(number_at(head, !head.empty() && head[0] == 1 ? 20 : 12, 4));
+}
+
+bool shows_pictures(BytesView trak) {
+    return number_at(content_at(trak, {"mdia", "hdlr"}), 8, 4) == 0x76696465;  // vide
+}
+
+/// The same track, as auxiliary to another one.
+Result<Bytes> auxiliary(BytesView trak, std::uint32_t shown) {
+    const auto parts = boxes_in(trak);
+    if (!parts) return parts.error();
+    Bytes reference;
+    put_number(reference, shown, 4);
+    Bytes made;
+    for (const Box& part : *parts) {
+        if (part.type != "mdia") {
+            put_box(made, part.type, part.content);
+            continue;
+        }
+        put_box(made, "tref", box_of("vdep", reference));
+        const auto media = boxes_in(part.content);
+        if (!media) return media.error();
+        Bytes content;
+        for (const Box& each : *media) {
+            Bytes body(each.content.begin(), each.content.end());
+            constexpr std::string_view auxv = "auxv";
+            if (each.type == "hdlr" && body.size() >= 12)
+                std::copy(auxv.begin(), auxv.end(), body.begin() + 8);
+            put_box(content, each.type, body);
+        }
+        put_box(made, "mdia", content);
+    }
+    return made;
+}
+
+}  // namespace
+
+Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::uint32_t shown,
+                                std::uint64_t at) {
+    const auto parts = boxes_in(moov);
+    if (!parts) return parts.error();
+    const Box* const head = box_named(*parts, "mvhd");
+    if (!head || head->content.size() < 100) return input_error("its movie box has no header (mvhd)");
+    const bool is_long = head->content[0] == 1;
+    const std::uint64_t movie_timescale = number_at(head->content, is_long ? 20 : 12, 4);
+    const std::uint64_t movie_duration = number_at(head->content, is_long ? 24 : 16, is_long ? 8 : 4);
+    if (movie_timescale == 0) return input_error("its movie has no time scale");
+    std::uint32_t free_id = 1;
+    for (const Box& part : *parts)
+        if (part.type == "trak") free_id = std::max(free_id, track_id(part.content) + 1);
+
+    const Bytes objects = object_descriptors(stream);
+    Bytes scene = stream.scene;
+    scene.push_back(0);  // of some decoders the last byte is not read (docs/mpeg4.md)
+    Bytes samples = scene;
+    add(samples, objects);
+    SystemsTrack scenes{
+        free_id, "sdsm", scene_stream, stream.config.object_type(), encode_config(stream.config),
+        scene,   at + 8};
+    SystemsTrack descriptors{free_id + 1, "odsm",  object_stream,        object_stream_type,
+                             {},          objects, at + 8 + scene.size()};
+    for (const auto& [number, track] : stream.objects) descriptors.refers_to.push_back(track);
+
+    const std::uint64_t duration = movie_duration * timescale / movie_timescale;
+    Bytes header(head->content.begin(), head->content.end());
+    Bytes next;
+    put_number(next, free_id + 2, 4);
+    std::copy(next.begin(), next.end(), header.end() - 4);
+    Bytes movie;
+    put_box(movie, "mvhd", header);
+    add(movie, initial_object_descriptor(scenes.id, descriptors.id));
+    bool are_added = false;
+    const auto add_tracks = [&] {
+        for (const SystemsTrack* track : {&scenes, &descriptors})
+            add(movie, systems_trak(*track, movie_duration, duration));
+        are_added = true;
+    };
+    for (const Box& part : *parts) {
+        if (part.type == "mvhd" || part.type == "iods") continue;
+        if (part.type != "trak") {
+            if (!are_added) add_tracks();
+            put_box(movie, part.type, part.content);
+        } else if (track_id(part.content) == shown || !shows_pictures(part.content)) {
+            put_box(movie, "trak", part.content);
+        } else {
+            const auto marked = auxiliary(part.content, shown);
+            if (!marked) return marked.error();
+            put_box(movie, "trak", *marked);
+        }
+    }
+    if (!are_added) add_tracks();
+    Bytes made = box_of("mdat", samples);
+    put_box(made, "moov", movie);
+    return made;
+}
+
+}  // namespace touchable::mpeg4

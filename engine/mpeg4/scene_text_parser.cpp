@@ -1,0 +1,421 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "engine/mpeg4/node_types.hpp"
+#include "engine/mpeg4/scene_text.hpp"
+#include "engine/nearest_word.hpp"
+#include "engine/printable.hpp"
+
+namespace touchable::mpeg4 {
+namespace {
+
+constexpr std::size_t most_values = 1 << 16, longest_text = std::size_t{1} << 20;
+
+struct Token {
+    enum class Kind { end, word, quoted, bracket };
+    Kind kind = Kind::end;
+    std::string text{};
+    std::size_t at = 0;  // byte where it begins
+    bool is(std::string_view wanted) const { return kind != Kind::quoted && text == wanted; }
+};
+
+/// Words, quoted strings and brackets; commas and comments are space.
+class Tokens {
+public:
+    explicit Tokens(std::string_view text) : text_(text) {}
+
+    Result<Token> next();
+    Error wrong(std::size_t at, const std::string& what) const {
+        const std::string_view before = text_.substr(0, at);
+        const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+        const auto begin = before.rfind('\n');
+        const std::size_t column = begin == std::string_view::npos ? at + 1 : at - begin;
+        return input_error("line " + std::to_string(line) + ", column " + std::to_string(column) + ": " +
+                           what);
+    }
+
+private:
+    static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ','; }
+    static bool is_bracket(char c) { return c == '{' || c == '}' || c == '[' || c == ']'; }
+    void skip_space();
+    Result<Token> quoted();
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+};
+
+void Tokens::skip_space() {
+    while (at_ < text_.size() && (is_space(text_[at_]) || text_[at_] == '#')) {
+        if (text_[at_] == '#') at_ = std::min(text_.find('\n', at_), text_.size());
+        if (at_ < text_.size()) ++at_;
+    }
+}
+
+Result<Token> Tokens::quoted() {
+    Token token{Token::Kind::quoted, {}, at_};
+    for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_) {
+        if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
+        token.text += text_[at_];
+    }
+    if (at_ == text_.size()) return wrong(token.at, "this string has no end");
+    ++at_;
+    return token;
+}
+
+Result<Token> Tokens::next() {
+    skip_space();
+    if (at_ == text_.size()) return Token{Token::Kind::end, "the end", at_};
+    if (text_[at_] == '"') return quoted();
+    Token token{Token::Kind::word, {}, at_};
+    if (is_bracket(text_[at_])) {
+        token.kind = Token::Kind::bracket;
+        token.text = text_[at_++];
+        return token;
+    }
+    while (at_ < text_.size() && !is_space(text_[at_]) && !is_bracket(text_[at_]) && text_[at_] != '"' &&
+           text_[at_] != '#')
+        token.text += text_[at_++];
+    return token;
+}
+
+class TextParser {
+public:
+    explicit TextParser(std::string_view text) : tokens_(text) {}
+    Result<SceneTree> parse();
+
+private:
+    Result<void> advance();
+    Result<void> expect(std::string_view wanted, const std::string& of_what);
+    Error wrong(const std::string& what) const { return tokens_.wrong(token_.at, what); }
+    std::string found() const {
+        return token_.kind == Token::Kind::end ? "the text ends" : "found " + in_quotes(token_.text);
+    }
+    Result<std::string> name(const char* of_what);
+    Result<Prototype> prototype(bool is_external);
+    Result<FieldSpec> prototype_field(bool is_external);
+    Result<NodePtr> node(int depth);
+    Result<Field> field(const std::vector<FieldSpec>& specs, const std::string& of_node, int depth);
+    Result<std::vector<FieldValue>> values(FieldKind kind, int depth);
+    Result<FieldValue> value(FieldType type, int depth);
+    Result<double> number();
+    template <std::size_t n>
+    Result<FieldValue> numbers();
+    Result<FieldValue> url();
+
+    Tokens tokens_;
+    Token token_;  // the next one
+    SceneTree scene_;
+    std::map<std::string, NodePtr, std::less<>> named_;
+    const Prototype* inside_ = nullptr;  // whose body is read
+};
+
+Result<void> TextParser::advance() {
+    auto next = tokens_.next();
+    if (!next) return next.error();
+    token_ = std::move(*next);
+    return {};
+}
+
+Result<void> TextParser::expect(std::string_view wanted, const std::string& of_what) {
+    if (!token_.is(wanted)) return wrong(of_what + ": " + found() + ": must be " + in_quotes(wanted));
+    return advance();
+}
+
+Result<std::string> TextParser::name(const char* of_what) {
+    if (token_.kind != Token::Kind::word)
+        return wrong(std::string(of_what) + ": " + found() + ": must be a name");
+    std::string word = std::move(token_.text);
+    if (auto more = advance(); !more) return more.error();
+    return word;
+}
+
+Result<SceneTree> TextParser::parse() {
+    if (auto begun = advance(); !begun) return begun.error();
+    while (token_.is("PROTO") || token_.is("EXTERNPROTO")) {
+        auto made = prototype(token_.is("EXTERNPROTO"));
+        if (!made) return made.error();
+        scene_.prototypes.push_back(std::move(*made));
+    }
+    auto root = node(0);
+    if (!root) return root.error();
+    if (!*root) return wrong("the scene is NULL: must be a node");
+    scene_.root = std::move(*root);
+    if (token_.kind != Token::Kind::end)
+        return wrong("the scene is over, but " + in_quotes(token_.text) + " follows" +
+                     (token_.is("}") ? ": there are more closing braces than opening ones" : ""));
+    return std::move(scene_);
+}
+
+Result<Prototype> TextParser::prototype(bool is_external) {
+    if (auto more = advance(); !more) return more.error();
+    const std::size_t at = token_.at;
+    auto called = name("PROTO");
+    if (!called) return called.error();
+    if (prototype_named(scene_.prototypes, *called))
+        return tokens_.wrong(at, "PROTO " + printable(*called) + " is there already");
+    Prototype made{.name = std::move(*called)};
+    if (auto begun = expect("[", "PROTO " + printable(made.name)); !begun) return begun.error();
+    while (!token_.is("]")) {
+        auto spec = prototype_field(is_external);
+        if (!spec) return spec.error();
+        made.fields.push_back(std::move(*spec));
+    }
+    if (auto ended = advance(); !ended) return ended.error();
+    if (is_external) {
+        auto urls = values({FieldType::url, true}, 0);
+        if (!urls) return urls.error();
+        for (FieldValue& each : *urls) made.elsewhere.push_back(std::get<Url>(std::move(each)));
+        if (made.elsewhere.empty())
+            return wrong("EXTERNPROTO " + printable(made.name) + ": must say where it is");
+        return made;
+    }
+    if (auto begun = expect("{", "PROTO " + printable(made.name)); !begun) return begun.error();
+    inside_ = &made;
+    while (!token_.is("}")) {
+        auto part = node(1);
+        if (!part) return part.error();
+        if (!*part) return wrong("PROTO " + printable(made.name) + ": NULL is no node of its body");
+        made.body.push_back(std::move(*part));
+    }
+    inside_ = nullptr;
+    named_.clear();  // its own names end with it
+    if (made.body.empty()) return wrong("PROTO " + printable(made.name) + ": must have a node in its body");
+    if (auto ended = advance(); !ended) return ended.error();
+    return made;
+}
+
+Result<FieldSpec> TextParser::prototype_field(bool is_external) {
+    FieldSpec spec;
+    const auto& word = token_;
+    if (word.is("field"))
+        spec.event = FieldEvent::field;
+    else if (word.is("exposedField"))
+        spec.event = FieldEvent::exposed;
+    else
+        return wrong(found() + ": must be field, exposedField or ]");
+    if (auto more = advance(); !more) return more.error();
+    const auto kind = kind_named(token_.text);
+    if (!kind) return wrong(found() + ": must be the type of a field, such as SFFloat");
+    spec.kind = *kind;
+    if (auto more = advance(); !more) return more.error();
+    auto called = name("field");
+    if (!called) return called.error();
+    spec.name = std::move(*called);
+    if (is_external) return spec;
+    auto initial = values(spec.kind, 1);
+    if (!initial) return initial.error();
+    spec.initial = std::move(*initial);
+    return spec;
+}
+
+Result<NodePtr> TextParser::node(int depth) {
+    if (depth > deepest_node)
+        return wrong("nodes stand in each other more than " + std::to_string(deepest_node) + " deep");
+    std::string called;
+    if (token_.is("NULL")) {
+        if (auto more = advance(); !more) return more.error();
+        return NodePtr();
+    }
+    if (token_.is("USE")) {
+        if (auto more = advance(); !more) return more.error();
+        const auto known = named_.find(token_.text);
+        if (known == named_.end())
+            return wrong("USE: there is no node " + in_quotes(token_.text) + " before it");
+        if (auto more = advance(); !more) return more.error();
+        return known->second;
+    }
+    if (token_.is("DEF")) {
+        if (auto more = advance(); !more) return more.error();
+        auto word = name("DEF");
+        if (!word) return word.error();
+        called = std::move(*word);
+    }
+    const Token type = token_;
+    auto word = name("a node");
+    if (!word) return word.error();
+    const auto* specs = fields_of(scene_.prototypes, *word);
+    if (!specs)
+        return tokens_.wrong(
+            type.at, in_quotes(*word) + " is no node that a touchable clip has" +
+                         (*word == "ROUTE" || *word == "Script" ? ": its scene has no behaviour" : ""));
+    auto made = std::make_shared<Node>(Node{.type = std::move(*word), .name = called});
+    if (auto begun = expect("{", made->type); !begun) return begun.error();
+    while (!token_.is("}")) {
+        auto given = field(*specs, made->type, depth);
+        if (!given) return given.error();
+        if (made->field(given->name)) return wrong(made->type + ": has " + given->name + " twice");
+        made->fields.push_back(std::move(*given));
+    }
+    const auto place = [specs](const Field& each) {
+        return std::find_if(specs->begin(), specs->end(),
+                            [&](const FieldSpec& spec) { return spec.name == each.name; });
+    };
+    std::stable_sort(made->fields.begin(), made->fields.end(),
+                     [&](const Field& a, const Field& b) { return place(a) < place(b); });
+    if (auto ended = advance(); !ended) return ended.error();
+    if (!called.empty() && !named_.emplace(called, made).second)
+        return tokens_.wrong(type.at, "DEF " + called + " is there already");
+    return NodePtr(std::move(made));
+}
+
+Result<Field> TextParser::field(const std::vector<FieldSpec>& specs, const std::string& of_node, int depth) {
+    const Token at = token_;
+    if (at.kind != Token::Kind::word)
+        return wrong(of_node + ": " + found() + ": must be a field's name or }");
+    const auto spec = std::find_if(specs.begin(), specs.end(), [&](const FieldSpec& each) {
+        return each.has_value() && each.name == at.text;
+    });
+    if (spec == specs.end()) {
+        std::vector<std::string> names;
+        for (const FieldSpec& each : specs) names.push_back(each.name);
+        const std::string nearest = nearest_word(at.text, names);
+        return wrong(of_node + ": has no field " + in_quotes(at.text) +
+                     (nearest.empty() ? "" : "; did you mean " + nearest + '?'));
+    }
+    if (auto more = advance(); !more) return more.error();
+    Field made{spec->name};
+    if (!token_.is("IS")) {
+        auto given = values(spec->kind, depth + 1);
+        if (!given) return given.error();
+        made.values = std::move(*given);
+        return made;
+    }
+    if (!inside_) return wrong(of_node + ": IS stands in the body of a PROTO only");
+    if (auto more = advance(); !more) return more.error();
+    const auto& outer = inside_->fields;
+    const auto meant = std::find_if(outer.begin(), outer.end(),
+                                    [&](const FieldSpec& each) { return each.name == token_.text; });
+    if (meant == outer.end() || !(meant->kind == spec->kind))
+        return wrong("PROTO " + printable(inside_->name) + ": has no field " + in_quotes(token_.text) +
+                     " of type " + std::string(kind_name(spec->kind)));
+    made.is = meant->name;
+    if (auto more = advance(); !more) return more.error();
+    return made;
+}
+
+/// One value, or of a list: those in brackets, or one without.
+Result<std::vector<FieldValue>> TextParser::values(FieldKind kind, int depth) {
+    std::vector<FieldValue> all;
+    const bool in_brackets = kind.is_list && token_.is("[");
+    if (in_brackets)
+        if (auto more = advance(); !more) return more.error();
+    while (!in_brackets || !token_.is("]")) {
+        auto each = value(kind.type, depth);
+        if (!each) return each.error();
+        all.push_back(std::move(*each));
+        if (!in_brackets) return all;
+        if (all.size() > most_values)
+            return wrong("a list has more than " + std::to_string(most_values) + " values");
+    }
+    if (auto ended = advance(); !ended) return ended.error();
+    return all;
+}
+
+Result<FieldValue> TextParser::value(FieldType type, int depth) {
+    switch (type) {
+        case FieldType::node: {
+            auto made = node(depth);
+            if (!made) return made.error();
+            return FieldValue(std::move(*made));
+        }
+        case FieldType::url:
+            return url();
+        case FieldType::boolean: {
+            const bool is_true = token_.is("TRUE") || token_.is("true");
+            if (!is_true && !token_.is("FALSE") && !token_.is("false"))
+                return wrong(found() + ": must be TRUE or FALSE");
+            if (auto more = advance(); !more) return more.error();
+            return FieldValue(is_true);
+        }
+        case FieldType::string: {
+            if (token_.kind != Token::Kind::quoted) return wrong(found() + ": must be a string in quotes");
+            FieldValue text(std::move(token_.text));
+            if (auto more = advance(); !more) return more.error();
+            return text;
+        }
+        case FieldType::time: {
+            const auto seconds = number();
+            if (!seconds) return seconds.error();
+            return FieldValue(*seconds);
+        }
+        case FieldType::integer: {
+            std::int32_t whole = 0;
+            const char* const end = token_.text.data() + token_.text.size();
+            if (token_.kind != Token::Kind::word ||
+                std::from_chars(token_.text.data(), end, whole).ptr != end)
+                return wrong(found() + ": must be a whole number");
+            if (auto more = advance(); !more) return more.error();
+            return FieldValue(whole);
+        }
+        case FieldType::real: {
+            const auto real = number();
+            if (!real) return real.error();
+            return FieldValue(static_cast<float>(*real));
+        }
+        case FieldType::vec2:
+            return numbers<2>();
+        case FieldType::vec3:
+        case FieldType::colour:
+            return numbers<3>();
+        case FieldType::rotation:
+            return numbers<4>();
+    }
+    return wrong("a field of this type");
+}
+
+Result<double> TextParser::number() {
+    double value = 0;
+    const char* const end = token_.text.data() + token_.text.size();
+    const auto read = std::from_chars(token_.text.data(), end, value);
+    if (token_.kind != Token::Kind::word || read.ptr != end || read.ec != std::errc{} ||
+        !std::isfinite(static_cast<float>(value)))
+        return wrong(found() + ": must be a number");
+    if (auto more = advance(); !more) return more.error();
+    return value;
+}
+
+template <std::size_t n>
+Result<FieldValue> TextParser::numbers() {
+    std::array<float, n> all{};
+    for (float& each : all) {
+        const auto read = number();
+        if (!read) return read.error();
+        each = static_cast<float>(*read);
+    }
+    return FieldValue(all);
+}
+
+/// A file in quotes, or the number of an object descriptor: 10, "od:10".
+Result<FieldValue> TextParser::url() {
+    constexpr int most = 1023;
+    const bool is_quoted = token_.kind == Token::Kind::quoted;
+    std::string_view digits = token_.text;
+    const bool is_stream = is_quoted && digits.starts_with("od:");
+    if (is_stream) digits.remove_prefix(3);
+    Url made;
+    if (is_quoted && !is_stream) {
+        made.file = token_.text;
+    } else {
+        const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), made.object);
+        if (token_.kind == Token::Kind::bracket || read.ptr != digits.data() + digits.size() ||
+            made.object < 1 || made.object > most)
+            return wrong(found() +
+                         ": must be a file in quotes, or the number of an object descriptor, 1 to 1023");
+    }
+    if (auto more = advance(); !more) return more.error();
+    return FieldValue(std::move(made));
+}
+
+}  // namespace
+
+Result<SceneTree> parse_scene_text(std::string_view text) {
+    if (text.size() > longest_text)
+        return input_error("the scene's text has " + std::to_string(text.size()) +
+                           " bytes: must be 1 MiB at most");
+    return TextParser(text).parse();
+}
+
+}  // namespace touchable::mpeg4

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/mpeg4/scene_text.hpp"
+
+namespace touchable::mpeg4 {
+
+/// A touchable clip by prototypes, whose binary form GPAC's encoder gives as well (`prototype_bytes`).
+inline constexpr std::string_view prototype_scene = R"(
+PROTO HapticTextureSurface [ exposedField SFVec2f stiffnessRange 0 1  exposedField SFVec2f staticFrictionRange 0 1
+  exposedField SFVec2f dynamicFrictionRange 0 1  exposedField SFFloat maxHeight 0
+  exposedField SFNode hapticTexture NULL  exposedField SFNode heightTexture NULL ] { WorldInfo {} }
+PROTO HapticAppearance [ exposedField SFNode material NULL exposedField SFNode texture NULL exposedField SFNode textureTransform NULL
+  exposedField SFNode hapticSurface NULL ] { Appearance { material IS material texture IS texture textureTransform IS textureTransform } }
+PROTO Depth [ exposedField SFFloat focalLength 1 exposedField SFFloat pixelWidth 0.001 exposedField SFFloat nearPlane 1
+  exposedField SFFloat farPlane 10 exposedField SFNode texture NULL ] { Rectangle { size 64 48 } }
+Group { children [ Shape { appearance HapticAppearance { texture MovieTexture { url [10] loop TRUE }
+   hapticSurface HapticTextureSurface { stiffnessRange 0.1 10 staticFrictionRange 0 0.5 dynamicFrictionRange 0 0.4 maxHeight 1.0
+     hapticTexture MovieTexture { url [12] loop TRUE } heightTexture MovieTexture { url [13] loop TRUE } } }
+  geometry Depth { focalLength 6.983 pixelWidth 0.00123 nearPlane 10 farPlane 200 texture MovieTexture { url [11] loop TRUE } } } ]}
+)";
+inline constexpr std::string_view prototype_bytes =
+    "c0d486170746963546578747572655375726661636500a339ba34b3333732b9b9a930b733b280000000001fc00000519"
+    "cdd185d1a58d19c9a58dd1a5bdb94985b99d940000000000fe0000028cc8f2dcc2dad2c68ce4d2c6e8d2dedca4c2dcce"
+    "ca00000000007f000001416d61784865696768740000000000a53430b83a34b1aa32bc3a3ab9328074a6865696768745"
+    "465787475726500c3210c90c2e0e8d2c682e0e0cac2e4c2dcc6ca014a6d6174657269616c00e94e8caf0e8eae4ca01d2"
+    "9d195e1d1d5c99551c985b9cd99bdc9b403a53430b83a34b1a9bab93330b1b280600dcde0e88cae0e8d00141666f6361"
+    "6c4c656e677468003f800000a0b834bc32b62bb4b23a34001d418937d05b99585c941b185b99400fe00000282ccc2e4a"
+    "0d8c2dcca00824000014a7465787475726500c2732140000021200000005a4ccca7ae2a054400567b99999a824000010"
+    "00000003f000000800000001f666666cfe0000027ae2a0649eb8a81b203b40df74bc9d509bfa504800002869000013d7"
+    "1502e4";
+
+/// MPEG-4's own node of depth images, and its binary form by GPAC's encoder.
+inline constexpr std::string_view depth_image_scene = R"(
+Group { children [ DepthImage { nearPlane 10 farPlane 200 fieldOfView 0.9 0.7 orthographic FALSE
+  diTexture SimpleTexture { texture MovieTexture { url [10] loop TRUE } depth MovieTexture { url [11] loop TRUE } } } ] }
+)";
+inline constexpr std::string_view depth_image_bytes =
+    "c085a0000364d1c540b9471502a50d2000027ecccccc7e66666648";
+
+inline SceneTree scene_from(std::string_view text) {
+    auto scene = parse_scene_text(text);
+    EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
+    return scene.ok() ? std::move(*scene) : SceneTree();
+}
+
+inline std::string hex(const std::vector<std::uint8_t>& bytes) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string text;
+    for (const std::uint8_t byte : bytes) {
+        text += digits[byte >> 4];
+        text += digits[byte & 15];
+    }
+    return text;
+}
+
+}  // namespace touchable::mpeg4

@@ -1,0 +1,60 @@
+#include "engine/mpeg4/scene_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/mpeg4/example_scenes.hpp"
+
+namespace touchable::mpeg4 {
+namespace {
+
+std::string refusal(std::string_view text) {
+    const auto scene = parse_scene_text(text);
+    return scene.ok() ? "no error" : scene.error().message;
+}
+
+TEST(SceneText, IsReadAsItIsWritten) {
+    for (const std::string_view text : {prototype_scene, depth_image_scene}) {
+        const std::string once = scene_text(scene_from(text));
+        EXPECT_EQ(scene_text(scene_from(once)), once);
+    }
+}
+
+TEST(SceneText, NodesAndFieldsAreWrittenByLine) {
+    EXPECT_EQ(scene_text(scene_from("Group{children[DEF a Shape{} , USE a]}# a comment")),
+              "Group {\n  children [\n    DEF a Shape {}\n    USE a\n  ]\n}\n");
+    EXPECT_EQ(scene_text(scene_from("MovieTexture { url \"od:12\" loop true startTime 0.1 }")),
+              "MovieTexture {\n  loop TRUE\n  startTime 0.1\n  url [12]\n}\n");
+}
+
+TEST(SceneText, ErrorsNameLineAndColumn) {
+    EXPECT_EQ(refusal("Group {\n  childern []\n}"),
+              "line 2, column 3: Group: has no field \"childern\"; did you mean children?");
+    EXPECT_EQ(refusal("Group { children [\n Sphere {} ] }"),
+              "line 2, column 2: \"Sphere\" is no node that a touchable clip has");
+    EXPECT_EQ(refusal("Group {"), "line 1, column 8: Group: the text ends: must be a field's name or }");
+    EXPECT_EQ(refusal("Group { } }"),
+              "line 1, column 11: the scene is over, but \"}\" follows: there are more closing braces than "
+              "opening ones");
+    EXPECT_EQ(refusal("Rectangle { size 1 x }"), "line 1, column 20: found \"x\": must be a number");
+    EXPECT_EQ(refusal("Rectangle { size 1 1e99 }"), "line 1, column 20: found \"1e99\": must be a number");
+    EXPECT_EQ(refusal("ImageTexture { url [1024] }"),
+              "line 1, column 21: found \"1024\": must be a file in quotes, or the number of an object "
+              "descriptor, 1 to 1023");
+    EXPECT_EQ(refusal("WorldInfo { title \"abc }"), "line 1, column 19: this string has no end");
+    EXPECT_EQ(refusal("Group { children USE a }"),
+              "line 1, column 22: USE: there is no node \"a\" before it");
+    EXPECT_EQ(refusal(""), "line 1, column 1: a node: the text ends: must be a name");
+}
+
+TEST(SceneText, BehaviourIsRefusedByName) {
+    EXPECT_EQ(
+        refusal("Group { children [ Script {} ] }"),
+        "line 1, column 20: \"Script\" is no node that a touchable clip has: its scene has no behaviour");
+    EXPECT_EQ(refusal("Group { children [ QuantizationParameter {} ] }"),
+              "line 1, column 20: \"QuantizationParameter\" is no node that a touchable clip has");
+    EXPECT_EQ(refusal("Group { }\nROUTE a.b TO c.d"),
+              "line 2, column 1: the scene is over, but \"ROUTE\" follows");
+}
+
+}  // namespace
+}  // namespace touchable::mpeg4
