@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/clip/frame_check.hpp"
 #include "engine/ffmpeg/ffmpeg.hpp"
 #include "engine/ffmpeg/reserved_output.hpp"
 #include "engine/new_file.hpp"
@@ -21,17 +21,6 @@ namespace touchable {
 namespace {
 
 constexpr std::int64_t ns_per_ms = 1'000'000;
-
-/// What stays the same from frame to frame; all zero for a plane that is not there.
-struct Shape {
-    int width = 0, height = 0, bytes_per_sample = 0, channels = 0;
-    bool operator==(const Shape&) const = default;
-};
-
-Shape shape_of(const PlaneView& plane) {
-    if (plane.empty()) return {};
-    return {plane.width, plane.height, plane.bytes_per_sample, plane.channels};
-}
 
 struct MuxerCloser {
     void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
@@ -81,7 +70,6 @@ private:
     Result<void> write_sound(std::int64_t until_ms);
     Result<void> attach(const char* name, const char* type, const std::string& text);
     Result<void> attach_scene();
-    Result<void> check_frame(const RawFrame& frame) const;
     std::int64_t time_ms(std::int64_t frame) const {
         return (scene_.rate.time_ns(frame) + ns_per_ms / 2) / ns_per_ms;
     }
@@ -94,8 +82,7 @@ private:
     ReservedOutput room_;
     std::unique_ptr<AVFormatContext, MuxerCloser> muxer_;
     std::vector<TrackWriter> tracks_;  // track k is stream k
-    std::array<Shape, all_roles.size()> shapes_;
-    std::int64_t frames_ = 0;
+    FrameCheck check_;
     bool begun_ = false;  // the file, once it is known how all tracks are coded
     bool over_ = false;   // complete, or failed
     bool complete_ = false;
@@ -122,30 +109,6 @@ Result<void> MatroskaWriter::open() {
     muxer_->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers, no dates: same frames, same bytes
     status = room_.open(output_.path(), *muxer_);
     return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
-}
-
-Result<void> MatroskaWriter::check_frame(const RawFrame& frame) const {
-    const std::string number = std::to_string(frame.number);
-    const auto misuse = [&](const std::string& what) {
-        return Error{ErrorKind::internal, "frame " + number + " given to the clip writer: " + what};
-    };
-    if (over_) return misuse("the clip is finished, or has failed");
-    if (frame.number != frames_) return misuse("number " + std::to_string(frames_) + " was due");
-    if (frame.depth.empty()) return misuse("it has no depth");
-    for (const PlaneRole role : all_roles) {
-        const PlaneView& plane = plane_of(frame, role);
-        const std::string name(role_name(role));
-        const Shape shape = shape_of(plane);
-        if (frames_ > 0 && shape != shapes_[static_cast<std::size_t>(role)])
-            return misuse(name + " is of another size or kind than in frame 0");
-        if (plane.empty()) continue;
-        if (plane.width != scene_.width || plane.height != scene_.height)
-            return misuse(name + " is not of the scene's size");
-        if ((role == PlaneRole::colour || role == PlaneRole::haptic) && plane.channels != 3)
-            return misuse(name + " is not RGB");
-        if (auto fits = check_plane(role, plane, scene_, "frame " + number + ", " + name); !fits) return fits;
-    }
-    return {};
 }
 
 Result<void> MatroskaWriter::attach_scene() {
@@ -179,7 +142,6 @@ Result<void> MatroskaWriter::attach(const char* name, const char* type, const st
 Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
     for (const PlaneRole role : all_roles) {
         const PlaneView& plane = plane_of(first, role);
-        shapes_[static_cast<std::size_t>(role)] = shape_of(plane);
         if (plane.empty()) continue;
         auto track = TrackWriter::open(role, plane, scene_, storage_);
         if (!track) return track.error();
@@ -198,14 +160,13 @@ Result<void> MatroskaWriter::add_track(const TrackWriter& track) {
     const std::string name(role_name(role));
     av_dict_set(&stream->metadata, clip_tags::role_tag, name.c_str(), 0);
     av_dict_set(&stream->metadata, "title", name.c_str(), 0);
-    const Shape& shape = shapes_[static_cast<std::size_t>(role)];
     if (track.coding() != TrackCoding::h264_visual)
         av_dict_set(&stream->metadata, clip_tags::lossless_tag, "1", 0);
-    if (shape.bytes_per_sample == 2 && track.coding() != TrackCoding::ffv1)
+    if (check_.bytes_per_sample(role) == 2 && track.coding() != TrackCoding::ffv1)
         av_dict_set_int(&stream->metadata, clip_tags::bits_tag,
                         role == PlaneRole::depth ? scene_.depth_bits : 16, 0);
     // Ordinary players show the track that is there to be seen.
-    const bool has_colour = shapes_[static_cast<std::size_t>(PlaneRole::colour)] != Shape{};
+    const bool has_colour = check_.bytes_per_sample(PlaneRole::colour) > 0;
     const PlaneRole shown = has_colour ? PlaneRole::colour : PlaneRole::depth;
     stream->disposition = role == shown ? AV_DISPOSITION_DEFAULT : 0;
     return {};
@@ -283,21 +244,22 @@ Result<void> MatroskaWriter::write_complete() {
 }
 
 Result<void> MatroskaWriter::write_frame(const RawFrame& frame) {
-    if (auto fits = check_frame(frame); !fits) return fits;
-    if (frames_ == 0)
+    if (over_)
+        return Error{ErrorKind::internal, "a frame is given to a clip that is finished, or has failed"};
+    if (auto fits = check_.check(frame, scene_); !fits) return fits;
+    if (tracks_.empty())
         if (auto opened = open_tracks(frame); !opened) return opened;
     for (TrackWriter& track : tracks_)
         if (auto added = track.add(plane_of(frame, track.role())); !added) return added;
-    ++frames_;
     return write_complete();
 }
 
 Result<void> MatroskaWriter::end() {
     if (over_) return Error{ErrorKind::internal, "the clip is finished already, or has failed"};
-    if (frames_ == 0) return refuse("not written: no frame was given");
+    if (check_.frames() == 0) return refuse("not written: no frame was given");
     for (TrackWriter& track : tracks_) track.end();
     if (auto written = write_complete(); !written) return written;
-    if (auto written = write_sound(time_ms(frames_)); !written) return written;
+    if (auto written = write_sound(time_ms(check_.frames())); !written) return written;
     if (auto written = check_status(av_write_trailer(muxer_.get())); !written) return written;
     const int status = room_.close();
     if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));

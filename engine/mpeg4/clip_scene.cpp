@@ -1,0 +1,125 @@
+#include "engine/mpeg4/clip_scene.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/trigonometry.hpp"
+
+namespace touchable::mpeg4 {
+namespace {
+
+constexpr double pixel_width = 0.001;  // of a scene that knows pixels alone
+
+bool is_in_the_middle(const Camera& camera, int width, int height) {
+    const Camera paper = camera_from_focal_length(camera.fx, 1, width, height);
+    return camera.fx == camera.fy && camera.cx == paper.cx && camera.cy == paper.cy;
+}
+
+std::array<double PropertyRange::*, 2> ends() {
+    return {&PropertyRange::min, &PropertyRange::max};
+}
+
+/// The numbers that nodes have of a clip.
+std::vector<double> numbers_of(const ClipNodes& nodes) {
+    std::vector<double> all{nodes.focal_length / nodes.pixel_width, nodes.near, nodes.far, nodes.max_height};
+    for (const PropertyRange* range :
+         {&nodes.ranges.stiffness, &nodes.ranges.static_friction, &nodes.ranges.dynamic_friction})
+        for (const auto end : ends()) all.push_back(range->*end);
+    return all;
+}
+
+bool is_same(double a, double b) {
+    constexpr double rounding = 1e-6;  // of numbers of four bytes, one of them of two
+    return std::fabs(a - b) <= rounding * std::fmax(std::fabs(a), std::fabs(b));
+}
+
+/// Half of the picture is seen under half of the angle.
+double focal_length_in_pixels(double angle, int pixels) {
+    return pixels / 2.0 * cosine(angle / 2) / sine(angle / 2);
+}
+
+Result<Camera> camera_of(const ClipNodes& nodes, int width, int height) {
+    if (nodes.focal_length > 0 && nodes.pixel_width > 0)
+        return camera_from_focal_length(nodes.focal_length, nodes.pixel_width, width, height);
+    if (nodes.focal_length != 0 || nodes.pixel_width != 0)
+        return input_error("Depth: focalLength and pixelWidth must be above 0");
+    for (const double angle : {nodes.angle_x, nodes.angle_y})
+        if (!(angle > 0) || !(angle < pi))
+            return input_error("DepthImage: fieldOfView must be between 0 and pi");
+    return Camera{focal_length_in_pixels(nodes.angle_x, width), focal_length_in_pixels(nodes.angle_y, height),
+                  (width - 1) / 2.0, (height - 1) / 2.0};
+}
+
+}  // namespace
+
+ClipNodes nodes_from(const Scene& scene) {
+    ClipNodes nodes;
+    nodes.pixel_width = pixel_width;
+    nodes.focal_length = scene.camera.fx * pixel_width;
+    nodes.near = scene.depth.near;
+    nodes.far = scene.depth.far;
+    nodes.ranges = scene.haptic;
+    const HeightCoding& height = scene.height_coding;
+    nodes.max_height =
+        height.units == HeightUnits::levels ? height.max_height : height.max_height / scene.depth.level();
+    return nodes;
+}
+
+std::vector<std::string> unsaid_by_nodes(const Scene& scene) {
+    std::vector<std::string> unsaid;
+    const auto say = [&](bool is_so, const char* what) {
+        if (is_so) unsaid.emplace_back(what);
+    };
+    const DepthCoding& depth = scene.depth;
+    say(depth.kind != DepthCodingKind::linear || !depth.near_is_high,
+        "depth that is not linear from far (black) to near (white)");
+    say(depth.semantics != DepthSemantics::range,
+        "depth along the camera's axis instead of each pixel's ray");
+    say(depth.invalid_code_count > 0, "values of depth that are holes");
+    say(!is_in_the_middle(scene.camera, scene.width, scene.height),
+        "a camera whose pixels are not square, or whose axis is not in the picture's middle");
+    say(scene.rate.own_times != nullptr, "frames at times of their own");
+    say(scene.colour_camera.has_value(), "a camera of colour");
+    say(!(scene.filter == FilterSettings()), "filters");
+    say(scene.hole_stiffness.has_value(), "the stiffness of holes");
+    return unsaid;
+}
+
+Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int height, int bits) {
+    const auto camera = camera_of(nodes, width, height);
+    if (!camera) return camera.error();
+    SceneDescription described;
+    Scene& scene = described.scene;
+    scene.width = width;
+    scene.height = height;
+    scene.camera = *camera;
+    scene.depth.near = nodes.near;
+    scene.depth.far = nodes.far;
+    scene.depth.code_max = static_cast<std::uint16_t>((1U << bits) - 1);
+    scene.depth_bits = bits;
+    derive_valid_range(scene.depth);
+    scene.haptic = nodes.ranges;
+    scene.height_coding = {nodes.max_height, HeightUnits::levels, 255};
+    described.unstated = {.rate = true, .filters = all_unstated};
+    if (auto valid = validate(described); !valid) return valid.error();
+    return described;
+}
+
+bool take_nodes(const ClipNodes& nodes, Scene& scene) {
+    const auto said = numbers_of(nodes), known = numbers_of(nodes_from(scene));
+    bool is_other = false;
+    for (std::size_t k = 0; k < said.size(); ++k) is_other = is_other || !is_same(said[k], known[k]);
+    if (!is_other) return false;
+    scene.camera.fy *= nodes.focal_length / nodes.pixel_width / scene.camera.fx;
+    scene.camera.fx = nodes.focal_length / nodes.pixel_width;
+    scene.depth.near = nodes.near;
+    scene.depth.far = nodes.far;
+    derive_valid_range(scene.depth);
+    scene.haptic = nodes.ranges;
+    scene.height_coding.max_height = nodes.max_height;
+    scene.height_coding.units = HeightUnits::levels;
+    return true;
+}
+
+}  // namespace touchable::mpeg4

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "engine/video/matroska_writer.hpp"
+
+namespace touchable {
+
+// How an MP4 of ours says what it is beyond its MPEG-4 scene (docs/mpeg4.md): tags of the file, as in
+// Matroska (clip_tags.hpp), and these.
+inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
+inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text.hpp, of a variable rate
+/// Roles of tracks that keep every value, with a space between.
+inline constexpr const char* mp4_lossless_tag = "T3D_LOSSLESS";
+/// The name of a track (its handler's) that has the low bits of another one: "depth_low". The high eight are
+/// in that one.
+inline constexpr const char* low_track_suffix = "_low";
+
+/// A touchable clip as the paper sends it: MP4 with a track of H.264 for each plane, and an MPEG-4 scene that
+/// says what they are. Colour is the track that ordinary players show; the others are marked as auxiliary to
+/// it. Depth and height of more than 8 bits have their low bits in tracks of their own, which the scene does
+/// not name. `storage`: its archive says how hard the encoder tries. Otherwise as create_clip.
+Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path& path,
+                                                    const SceneDescription& described,
+                                                    const ClipStorage& storage = {},
+                                                    Existing existing = Existing::replace,
+                                                    const std::optional<SoundPart>& sound = {});
+
+}  // namespace touchable
