@@ -89,7 +89,11 @@ std::optional<double> Demuxer::pictures_end() const {
         int hours = 0, minutes = 0;
         double seconds = 0;
         const std::string stated = entry(stream.metadata, "DURATION").value_or("");
-        if (std::sscanf(stated.c_str(), "%d:%d:%lf", &hours, &minutes, &seconds) != 3) continue;
+        if (std::sscanf(stated.c_str(), "%d:%d:%lf", &hours, &minutes, &seconds) != 3) {
+            if (stream.duration <= 0) continue;  // nor as MP4's do
+            hours = minutes = 0;
+            seconds = static_cast<double>(stream.duration) * av_q2d(stream.time_base);
+        }
         pictures_s = std::max(pictures_s, 3600.0 * hours + 60.0 * minutes + seconds);
     }
     return has_sound && pictures_s > 0 && pictures_s < whole_s ? pictures_s : whole_s;

@@ -22,8 +22,8 @@
 #include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stop_request.hpp"
+#include "engine/video/clip_file_reader.hpp"
 #include "engine/video/clip_tags.hpp"
-#include "engine/video/matroska_reader.hpp"
 
 namespace touchable {
 namespace {
@@ -51,6 +51,8 @@ struct Candidate {
     const std::string begin = first_bytes(source, telling_bytes);
     /// Whether it is Matroska without anything that makes a clip of ours of it; nothing: nobody asked yet.
     mutable std::optional<bool> is_foreign{};
+    /// Whether it is MP4 with tags of ours or an MPEG-4 scene; likewise.
+    mutable std::optional<bool> is_mpeg4{};
 };
 
 bool is_jpeg(const Candidate& candidate) {
@@ -87,9 +89,16 @@ bool is_ros_recording(const Candidate& candidate) {
     return is_bag(candidate.begin);
 }
 
+bool is_mpeg4(const Candidate& candidate) {
+    if (candidate.begin.size() < 8 || candidate.begin.substr(4, 4) != "ftyp" || is_heic(candidate))
+        return false;
+    if (!candidate.is_mpeg4) candidate.is_mpeg4 = is_mp4_clip(candidate.source);
+    return *candidate.is_mpeg4;
+}
+
 bool is_video(const Candidate& candidate) {
     return begins_like_video(candidate.begin) && !is_heic(candidate) && !is_matroska(candidate) &&
-           !is_depthkit(candidate);
+           !is_depthkit(candidate) && !is_mpeg4(candidate);
 }
 
 bool is_azure_kinect(const Candidate& candidate) {
@@ -180,6 +189,9 @@ const Format formats[] = {
     {is_matroska,
      [](const Candidate& c) { return open_matroska_clip(c.source, c.described, c.colour); },
      {"a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"}},
+    {is_mpeg4,
+     [](const Candidate& c) { return open_mp4_clip(c.source, c.described, c.colour); },
+     {"a touchable clip in MP4, as its MPEG-4 scene describes it", "touchable play clip.mp4"}},
     {is_jpeg,
      open_jpeg,
      {"a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"}},

@@ -104,16 +104,15 @@ std::optional<PlaneView> luma_samples(const AVFrame& frame) {
     return first_plane(frame);
 }
 
-Image joined_bytes(const PlaneView& bytes) {
-    const int height = bytes.height / 2;
-    const std::size_t row_bytes = static_cast<std::size_t>(bytes.width) * 2;
-    Image image{bytes.width, height, 2, 1, {}};
-    image.samples.resize(row_bytes * static_cast<std::size_t>(height));
-    for (int y = 0; y < height; ++y) {
-        const std::uint8_t *high = bytes.row(y), *low = bytes.row(y + height);
+Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits) {
+    const std::size_t row_bytes = static_cast<std::size_t>(high.width) * 2;
+    Image image{high.width, high.height, 2, 1, {}};
+    image.samples.resize(row_bytes * static_cast<std::size_t>(high.height));
+    for (int y = 0; y < high.height; ++y) {
+        const std::uint8_t *above = high.row(y), *below = low.row(y);
         std::uint8_t* to = image.samples.data() + row_bytes * static_cast<std::size_t>(y);
-        for (int x = 0; x < bytes.width; ++x) {
-            const auto sample = static_cast<std::uint16_t>(high[x] << 8 | low[x]);
+        for (int x = 0; x < high.width; ++x) {
+            const auto sample = static_cast<std::uint16_t>(above[x] << low_bits | below[x]);
             std::memcpy(to + 2 * x, &sample, 2);
         }
     }

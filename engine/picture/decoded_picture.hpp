@@ -25,8 +25,9 @@ std::optional<PlaneView> grey_samples(const AVFrame& frame);
 /// The same, or the luma of a YUV format, which is how some decoders return what was stored as grey.
 std::optional<PlaneView> luma_samples(const AVFrame& frame);
 
-/// Samples of two bytes, from a picture of their high bytes above one of their low bytes.
-Image joined_bytes(const PlaneView& bytes);
+/// Samples of two bytes, from a grey picture of their high bytes and one, as large, of their `low_bits` low
+/// bits.
+Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits = 8);
 
 /// 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
 Image rgb_exact(const AVFrame& frame);

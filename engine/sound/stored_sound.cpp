@@ -12,9 +12,9 @@ int sound_stream(AVFormatContext& container) {
     return av_find_best_stream(&container, AVMEDIA_TYPE_AUDIO, -1, -1, nullptr, 0);
 }
 
-bool is_storable(const AVCodecParameters& codec) {
-    const AVOutputFormat* matroska = av_guess_format("matroska", nullptr, nullptr);
-    return matroska && avformat_query_codec(matroska, codec.codec_id, FF_COMPLIANCE_NORMAL) == 1;
+bool is_storable(const AVCodecParameters& codec, const char* container = "matroska") {
+    const AVOutputFormat* const format = av_guess_format(container, nullptr, nullptr);
+    return format && avformat_query_codec(format, codec.codec_id, FF_COMPLIANCE_NORMAL) == 1;
 }
 
 class FfmpegStoredSound final : public StoredSound {
@@ -84,7 +84,8 @@ std::optional<SoundFacts> sound_of(const std::filesystem::path& file) {
     const int stream = container ? sound_stream(*container) : -1;
     if (stream < 0) return std::nullopt;
     const AVCodecParameters& codec = *container->streams[stream]->codecpar;
-    return SoundFacts{avcodec_get_name(codec.codec_id), is_storable(codec)};
+    return SoundFacts{avcodec_get_name(codec.codec_id), is_storable(codec),
+                      is_storable(codec) && is_storable(codec, "mp4")};
 }
 
 Result<std::unique_ptr<StoredSound>> StoredSound::open(const SoundPart& sound) {

@@ -379,4 +379,18 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path&
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }
 
+bool is_mp4_name(const std::filesystem::path& path) {
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return ending == ".mp4";
+}
+
+Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::path& path,
+                                                      const SceneDescription& described,
+                                                      const ClipStorage& storage, Existing existing,
+                                                      const std::optional<SoundPart>& sound) {
+    return (is_mp4_name(path) ? create_mp4_clip : create_clip)(path, described, storage, existing, sound);
+}
+
 }  // namespace touchable

@@ -28,4 +28,13 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path&
                                                     Existing existing = Existing::replace,
                                                     const std::optional<SoundPart>& sound = {});
 
+/// Whether a clip of this name is to be MP4: .mp4, in any case of letters.
+bool is_mp4_name(const std::filesystem::path& path);
+/// create_mp4_clip or create_clip, by its name.
+Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::path& path,
+                                                      const SceneDescription& described,
+                                                      const ClipStorage& storage = {},
+                                                      Existing existing = Existing::replace,
+                                                      const std::optional<SoundPart>& sound = {});
+
 }  // namespace touchable

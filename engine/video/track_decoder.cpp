@@ -198,7 +198,11 @@ Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
     if (!bytes || bytes->bytes_per_sample != 1 || frame.height % 2 != 0)
         return input_error(where() + ": is " + size_text(frame) + "; with the tag T3D_BITS, " + info_.role +
                            " is grey of 8 bits, the high bytes above the low ones");
-    return plane_from(joined_bytes(*bytes), stated_bits_);
+    PlaneView high = *bytes;
+    high.height /= 2;
+    PlaneView low = high;
+    low.data = bytes->row(high.height);
+    return plane_from(joined_bytes(high, low), stated_bits_);
 }
 
 Result<Plane> TrackDecoder::plane(FramePtr frame) {

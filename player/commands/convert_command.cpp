@@ -76,13 +76,13 @@ Result<ClipForm> read_form(const std::filesystem::path& out) {
     std::string ending = out.extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    if (ending == ".mkv") return ClipForm::archive;
+    if (ending == ".mkv" || ending == ".mp4") return ClipForm::archive;
     if (ending == ".png") return ClipForm::still;
     std::error_code ignored;
     if (ending.empty() || std::filesystem::is_directory(out, ignored)) return ClipForm::folder;
     return usage_error(
         "OUT '" + printable(out.string()) +
-        "' is no name of a clip; right would be NAME.mkv, NAME.png, or the name of a folder, which "
+        "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.png, or the name of a folder, which "
         "ends in / if it has a dot");
 }
 
@@ -94,7 +94,7 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
     };
     const bool archive = typed.options.form == ClipForm::archive,
                still = typed.options.form == ClipForm::still;
-    const char* why = "clips, NAME.mkv; pictures keep every value";
+    const char* why = "clips, NAME.mkv and NAME.mp4; pictures keep every value";
     if (auto checked = only(!archive && typed.archive->count() > 0, "--archive", why); !checked.ok())
         return checked;
     if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
@@ -148,10 +148,10 @@ void add_convert_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<ConvertTyped>();
     ConvertOptions& options = typed->options;
     add_clip_options(*sub, typed->clip)->required();
-    add_file_option(
-        *sub, "OUT", options.out,
-        "NAME.mkv: a clip; a name without a dot, or that ends in /: a folder of pictures that opens as it "
-        "is; NAME.png: a depth picture, with its scene file NAME.json")
+    add_file_option(*sub, "OUT", options.out,
+                    "NAME.mkv: a clip; NAME.mp4: the same as MPEG-4 has it; a name without a dot, or that "
+                    "ends in /: a folder of pictures that opens as it "
+                    "is; NAME.png: a depth picture, with its scene file NAME.json")
         ->required();
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, options.existing);

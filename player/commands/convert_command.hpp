@@ -22,7 +22,7 @@ struct ClipMoment {
 
 /// What a clip becomes, by its name.
 enum class ClipForm {
-    archive,  ///< NAME.mkv
+    archive,  ///< NAME.mkv, NAME.mp4
     folder,   ///< a name without an extension, or that ends in /
     still     ///< NAME.png: one frame
 };

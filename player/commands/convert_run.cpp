@@ -12,8 +12,9 @@
 #include "engine/clip/plane_role.hpp"
 #include "engine/clip/resized_frame.hpp"
 #include "engine/import/open_clip.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
 #include "engine/sound/stored_sound.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/video/mp4_writer.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/convert_report.hpp"
 #include "player/commands/plane_loss.hpp"
@@ -123,6 +124,7 @@ private:
 
     bool is_resized() const;
     Result<void> check_loss() const;
+    void say_what_mpeg4_cannot(const Scene& scene) const;
     Result<void> open_writer();
     std::optional<SoundPart> chosen_sound();
     RawFrame as_written(const RawFrame& frame) const;
@@ -183,9 +185,12 @@ Result<void> Conversion::check_loss() const {
 std::optional<SoundPart> Conversion::chosen_sound() {
     const auto sound = sound_of(options_.clip.file);
     if (!sound) return std::nullopt;
-    if (options_.form != ClipForm::archive || !sound->storable) {
+    const bool is_mp4 = is_mp4_name(options_.out);
+    if (options_.form != ClipForm::archive || !(is_mp4 ? sound->storable_in_mp4 : sound->storable)) {
         done_.sound = "LOST: " + sound->codec +
-                      (sound->storable ? ", which pictures cannot hold" : ", which a clip cannot hold");
+                      (options_.form != ClipForm::archive ? ", which pictures cannot hold"
+                       : is_mp4                           ? ", which an MP4 file cannot hold"
+                                                          : ", which a clip cannot hold");
         return std::nullopt;
     }
     done_.sound = "kept as it is (" + sound->codec + ")";
@@ -194,11 +199,22 @@ std::optional<SoundPart> Conversion::chosen_sound() {
     return SoundPart{options_.clip.file, from_ns_, from_ns_ + rate.time_ns(frames)};
 }
 
+/// Before anything is written.
+void Conversion::say_what_mpeg4_cannot(const Scene& scene) const {
+    std::string all;
+    for (const std::string& each : mpeg4::unsaid_by_nodes(scene)) all += (all.empty() ? "" : "; ") + each;
+    if (!all.empty())
+        std::cout << options_.out.string() << ": its MPEG-4 scene cannot say: " << all
+                  << ". touchable reads that from the file's tags; other programs do not." << std::endl;
+}
+
 Result<void> Conversion::open_writer() {
     SceneDescription described = source_->described();
     if (options_.size)
         described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
     done_.scene = described.scene;
+    if (options_.form == ClipForm::archive && is_mp4_name(options_.out))
+        say_what_mpeg4_cannot(described.scene);
     auto writer = [&]() -> Result<std::unique_ptr<ClipWriter>> {
         const auto sound = chosen_sound();
         switch (options_.form) {
@@ -211,7 +227,7 @@ Result<void> Conversion::open_writer() {
         }
         ClipStorage storage = options_.storage;
         storage.gives_colour = true;
-        return create_clip(options_.out, described, storage, options_.existing, sound);
+        return create_named_clip(options_.out, described, storage, options_.existing, sound);
     }();
     if (!writer.ok()) return writer.error();
     writer_ = std::move(*writer);

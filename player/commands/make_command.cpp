@@ -14,7 +14,7 @@
 #include "engine/content/scenes.hpp"
 #include "engine/new_file.hpp"
 #include "engine/result.hpp"
-#include "engine/video/matroska_writer.hpp"
+#include "engine/video/mp4_writer.hpp"
 #include "player/options/file_option.hpp"
 #include "player/options/number_option.hpp"
 #include "player/options/outputs.hpp"
@@ -47,14 +47,13 @@ struct MakeWords {
                       *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
 };
 
-/// A clip is Matroska, whatever it is called; under another name other programs would take it for what it is
-/// not.
+/// Under another name other programs would take a clip for what it is not.
 Result<void> check_name(const std::filesystem::path& out) {
     std::string ending = out.extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    if (ending == ".mkv") return {};
-    return usage_error("OUT '" + out.string() + "' does not end in .mkv; a clip is a Matroska file");
+    if (ending == ".mkv" || is_mp4_name(out)) return {};
+    return usage_error("OUT '" + out.string() + "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
 }
 
 Result<void> read_preset(const std::string& text, SceneOptions& out) {
@@ -148,7 +147,7 @@ Result<void> run_make(const MakeOptions& options) {
     const AnalyticScene& source = **scene;
     SceneDescription described(source.scene());
     described.unstated.filters = all_unstated;  // what its frames ask for
-    auto writer = create_clip(options.out, described, options.storage, options.existing);
+    auto writer = create_named_clip(options.out, described, options.storage, options.existing);
     if (!writer.ok()) return writer.error();
 
     Progress progress("making frame", options.frames, Progress::InALog::lines);
@@ -167,7 +166,9 @@ void add_make_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<MakeWords>();
     SceneOptions& generator = words->options.generator;
     make->add_option("SCENE", words->options.scene, "one of " + known_scenes())->required();
-    add_file_option(*make, "OUT", words->options.out, "the clip to write (.mkv)")->required();
+    add_file_option(*make, "OUT", words->options.out,
+                    "the clip to write: .mkv, or .mp4 as the paper sends it")
+        ->required();
     add_overwrite_option(*make, words->options.existing);
     words->size_typed = make->add_option("--size", words->size,
                                          "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");

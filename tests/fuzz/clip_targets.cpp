@@ -6,7 +6,7 @@
 #include "engine/ffmpeg/matroska_check.hpp"
 #include "engine/video/block_addition.hpp"
 #include "engine/video/clip_tags.hpp"
-#include "engine/video/matroska_reader.hpp"
+#include "engine/video/clip_file_reader.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

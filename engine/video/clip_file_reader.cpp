@@ -1,4 +1,4 @@
-#include "engine/video/matroska_reader.hpp"
+#include "engine/video/clip_file_reader.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,10 @@
 
 #include "engine/clip/far_plane.hpp"
 #include "engine/ffmpeg/demuxer.hpp"
-#include "engine/printable.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/picture/decoded_picture.hpp"
+#include "engine/video/clip_container.hpp"
 #include "engine/video/clip_tags.hpp"
 #include "engine/video/codecs.hpp"
-#include "engine/video/frame_times_text.hpp"
-#include "engine/video/matroska_writer.hpp"
 #include "engine/video/track_thread.hpp"
 
 namespace touchable {
@@ -20,9 +18,10 @@ namespace {
 
 constexpr double ns_per_second = 1e9, latest_seconds = 4e9;
 
-class MatroskaReader final : public ClipReader {
+class ClipFileReader final : public ClipReader {
 public:
-    explicit MatroskaReader(const SourceFile& source) : source_(source), file_(source.string()) {
+    ClipFileReader(const SourceFile& source, std::unique_ptr<ClipContainer> container)
+        : file_(source.string()), container_(std::move(container)) {
         add_input(source.path());
     }
     Result<void> open(const std::optional<SceneDescription>& replacement);
@@ -42,6 +41,9 @@ public:
 private:
     struct Track {
         std::unique_ptr<TrackThread> pictures;
+        std::unique_ptr<TrackThread> low{};  // of samples in two tracks
+        int low_bits = 0;
+        bool is_lossless = false;
         Plane newest{};
         std::int64_t until = 0;  // the frame that needs another picture
     };
@@ -51,11 +53,10 @@ private:
     }
     Result<void> open_file();
     Result<void> start();
-    Result<void> read_version_and_rate();
     Result<void> read_scene(const std::optional<SceneDescription>& replacement);
-    Result<SceneDescription> attached_scene() const;
     Result<void> open_tracks();
     Result<void> describe();
+    std::vector<int> streams() const;
     Result<bool> begin_at(std::int64_t frame);
     double tick_of(int stream) const { return av_q2d(demuxer_->container().streams[stream]->time_base); }
     double seconds_of(std::int64_t frame) const {
@@ -64,6 +65,7 @@ private:
     std::optional<std::int64_t> frame_of(int stream, std::int64_t timestamp) const;
     std::int64_t timestamp_of(int stream, std::int64_t frame) const;
     Result<bool> read_plane(Track& track, RawFrame& frame);
+    Result<void> join_low(Track& track);
     Result<void> check_time(const TrackThread& track, std::int64_t timestamp);
     double longest_gap() const;
     std::int64_t pictures_of_depth() const;
@@ -72,8 +74,8 @@ private:
     Result<void> check_end(const std::vector<std::string>& present,
                            const std::vector<std::string>& ended) const;
 
-    SourceFile source_;
     std::string file_;
+    std::unique_ptr<ClipContainer> container_;
     Scene scene_;
     Unstated unstated_;  // by whoever described it
     FrameRate recorded_rate_;
@@ -91,20 +93,22 @@ private:
     std::optional<RawFrame> first_;  // read to learn the tracks' formats, not yet given away
 };
 
-Result<void> MatroskaReader::open(const std::optional<SceneDescription>& replacement) {
+Result<void> ClipFileReader::open(const std::optional<SceneDescription>& replacement) {
     if (auto opened = open_file(); !opened) return opened;
-    if (auto read = read_version_and_rate(); !read) return read;
+    auto rate = container_->rate(*demuxer_);
+    if (!rate) return rate.error();
+    recorded_rate_ = std::move(*rate);
     if (auto read = read_scene(replacement); !read) return read;
     if (auto started = start(); !started) return started;
     return describe();
 }
 
-Result<void> MatroskaReader::rewind() {
+Result<void> ClipFileReader::rewind() {
     return seek(0);
 }
 
 /// By the file's index, or where that leads nowhere by reading on from the first byte.
-Result<void> MatroskaReader::seek(std::int64_t frame) {
+Result<void> ClipFileReader::seek(std::int64_t frame) {
     if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
     first_.reset();
     const auto begun = begin_at(frame);
@@ -125,32 +129,41 @@ Result<void> MatroskaReader::seek(std::int64_t frame) {
 }
 
 /// Of clips that other programs have encoded anew it is not known.
-std::int64_t MatroskaReader::access_point(std::int64_t frame) const {
+std::int64_t ClipFileReader::access_point(std::int64_t frame) const {
     if (!index_leads_) return 0;
-    const auto is_ours = [](const Track& track) { return track.pictures->has_additions(); };
+    const auto is_ours = [&](const Track& track) {
+        return track.pictures->has_additions() || container_->keeps_access_points();
+    };
     if (std::all_of(tracks_.begin(), tracks_.end(), is_ours))
         return frame - frame % clip_tags::access_interval;
     const auto is_ffv1 = [](const Track& track) { return track.pictures->info().codec == "ffv1"; };
     return std::all_of(tracks_.begin(), tracks_.end(), is_ffv1) ? frame : 0;
 }
 
+std::vector<int> ClipFileReader::streams() const {
+    std::vector<int> all;
+    for (const Track& track : tracks_) {
+        all.push_back(track.pictures->stream());
+        if (track.low) all.push_back(track.low->stream());
+    }
+    return all;
+}
+
 /// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
 /// false where the index leads to no such frame.
-Result<bool> MatroskaReader::begin_at(std::int64_t frame) {
+Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
     const int depth = tracks_.front().pictures->stream();
     if (!demuxer_->seek(depth, timestamp_of(depth, frame))) return false;
     // Of some tracks every picture is on its own: those of the others decide.
     std::int64_t target = frame;
-    for (const Track& track : tracks_) {
-        const int stream = track.pictures->stream();
+    for (const int stream : streams()) {
         const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
         if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
             target = std::min(target, *begins);
     }
     if (target < frame && !demuxer_->seek(depth, timestamp_of(depth, target))) return false;
     std::optional<std::int64_t> there;
-    for (const Track& track : tracks_) {
-        const int stream = track.pictures->stream();
+    for (const int stream : streams()) {
         const auto packet = demuxer_->peek(stream);
         if (!packet || !*packet || ((*packet)->flags & AV_PKT_FLAG_KEY) == 0) return false;
         const auto begins = frame_of(stream, (*packet)->pts);
@@ -160,46 +173,25 @@ Result<bool> MatroskaReader::begin_at(std::int64_t frame) {
     number_ = *there;
     for (Track& track : tracks_) {
         track.pictures->restart(number_);
+        if (track.low) track.low->restart(number_);
         track.until = number_;
     }
     return true;
 }
 
-Result<void> MatroskaReader::open_file() {
-    auto demuxer = Demuxer::open_matroska(source_);
+Result<void> ClipFileReader::open_file() {
+    auto demuxer = container_->open();
     if (!demuxer) return demuxer.error();
     tracks_.clear();
     demuxer_ = std::move(*demuxer);
     return {};
 }
 
-Result<void> MatroskaReader::read_version_and_rate() {
-    const auto version = demuxer_->tag(clip_tags::version_tag);
-    if (!version) return refuse("is not a touchable clip: it has no tag T3D_VERSION");
-    const auto number = clip_tags::parse_version(*version);
-    if (!number)
-        return refuse("its tag T3D_VERSION is " + in_quotes(*version) + ": must be a whole number from 1");
-    if (*number > clip_format_version)
-        return refuse("is of clip format " + printable(*version) + "; this program reads up to " +
-                      std::to_string(clip_format_version) + ": use a newer one");
-    const auto rate = demuxer_->tag(clip_tags::rate_tag);
-    const auto parsed = rate ? clip_tags::parse_rate(*rate) : std::nullopt;
-    if (!parsed || clip_tags::is_too_fast(*parsed))
-        return refuse("its tag T3D_RATE is " + (rate ? in_quotes(*rate) : "missing") +
-                      ": must be a frame rate such as 30000/1001, at most " +
-                      std::to_string(clip_tags::fastest_rate) + "/1");
-    recorded_rate_ = *parsed;
-    const auto own = demuxer_->attachment(clip_tags::times_file);
-    if (!own) return {};
-    auto times = parse_frame_times(*own, file_ + ": " + clip_tags::times_file);
-    if (!times) return times.error();
-    recorded_rate_.own_times = std::move(times->own_times);
-    return {};
-}
-
-Result<void> MatroskaReader::read_scene(const std::optional<SceneDescription>& replacement) {
-    auto described = replacement ? Result<SceneDescription>(*replacement) : attached_scene();
+Result<void> ClipFileReader::read_scene(const std::optional<SceneDescription>& replacement) {
+    auto described =
+        replacement ? Result<SceneDescription>(*replacement) : container_->scene(*demuxer_, recorded_rate_);
     if (!described) return described.error();
+    notes_.insert(notes_.end(), container_->notes().begin(), container_->notes().end());
     if (!described->unstated.rate)
         if (auto note = clip_tags::rate_note(described->scene.rate, recorded_rate_))
             notes_.push_back(std::move(*note));
@@ -210,24 +202,8 @@ Result<void> MatroskaReader::read_scene(const std::optional<SceneDescription>& r
     return {};
 }
 
-/// Its rate is the recorded one, of which it does not say the frames' own times.
-Result<SceneDescription> MatroskaReader::attached_scene() const {
-    const auto json = demuxer_->attachment(clip_tags::scene_file);
-    if (!json)
-        return refuse("has no scene.json attached: describe it with a scene file",
-                      {{Setting::scene_file, "FILE"}});
-    auto described = parse_scene(*json, file_ + ": scene.json");
-    if (!described) return described;
-    const FrameRate& rate = described->scene.rate;
-    if (!described->unstated.rate && !clip_tags::same_rate(rate, recorded_rate_))
-        return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded_rate_) +
-                      ", but its scene.json says " + clip_tags::rate_text(rate));
-    described->unstated.rate = true;
-    return described;
-}
-
 /// Opens the tracks of a file just opened and reads frame 0.
-Result<void> MatroskaReader::start() {
+Result<void> ClipFileReader::start() {
     number_ = 0;
     first_.reset();
     if (auto opened = open_tracks(); !opened) return opened;
@@ -238,36 +214,37 @@ Result<void> MatroskaReader::start() {
     return {};
 }
 
-Result<void> MatroskaReader::open_tracks() {
-    const AVFormatContext& container = demuxer_->container();
-    for (const PlaneRole role : all_roles) {
-        for (unsigned k = 0; k < container.nb_streams; ++k) {
-            const AVStream& stream = *container.streams[k];
-            const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::role_tag, nullptr, 0);
-            if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO || !tag) continue;
-            const std::string number = "track " + std::to_string(k + 1);
-            const auto tagged = role_named(tag->value);
-            if (!tagged)
-                return refuse(number + " has the role " + in_quotes(tag->value) +
-                              ": must be depth, colour, haptic or height");
-            if (*tagged != role) continue;
-            if (!tracks_.empty() && tracks_.back().pictures->role() == role)
-                return refuse(number + " is a second track of role " + tag->value + ": must be one");
-            auto decoder = TrackDecoder::open(stream, role, file_);
+Result<void> ClipFileReader::open_tracks() {
+    const auto found = container_->tracks(*demuxer_);
+    if (!found) return found.error();
+    for (const ClipTrack& track : *found) {
+        const PlaneRole role = track.role;
+        const auto open = [&](int stream, TrackThread::Fit fit) -> Result<std::unique_ptr<TrackThread>> {
+            auto decoder = TrackDecoder::open(*demuxer_->container().streams[stream], role, file_);
             if (!decoder) return decoder.error();
-            demuxer_->select(static_cast<int>(k));
-            const auto fit = [this, role](Plane plane, const std::string& where) {
-                return fit_plane(role, std::move(plane), scene_, where);
-            };
-            tracks_.push_back({std::make_unique<TrackThread>(std::move(*decoder), static_cast<int>(k), fit)});
-        }
-        if (tracks_.empty()) return refuse("has no track of role depth (tag T3D_ROLE)");
+            demuxer_->select(stream);
+            return std::make_unique<TrackThread>(std::move(*decoder), stream, std::move(fit));
+        };
+        const auto fit = [this, role](Plane plane, const std::string& where) {
+            return fit_plane(role, std::move(plane), scene_, where);
+        };
+        const auto leave = [](Plane plane, const std::string&) { return Result<Plane>(std::move(plane)); };
+        auto pictures =
+            open(track.stream, track.low_stream ? TrackThread::Fit(leave) : TrackThread::Fit(fit));
+        if (!pictures) return pictures.error();
+        Track& made = tracks_.emplace_back(Track{.pictures = std::move(*pictures)});
+        made.low_bits = track.low_bits;
+        made.is_lossless = track.is_lossless;
+        if (!track.low_stream) continue;
+        auto low = open(*track.low_stream, leave);
+        if (!low) return low.error();
+        made.low = std::move(*low);
     }
     return {};
 }
 
 /// What can be told of the whole clip once frame 0 is there.
-Result<void> MatroskaReader::describe() {
+Result<void> ClipFileReader::describe() {
     // Whoever completes a Matroska file writes its duration, so a file that ends sooner is not whole.
     const std::optional<double> end_s = demuxer_->pictures_end();
     if (!end_s) return refuse("was never completed: it has no duration");
@@ -283,7 +260,9 @@ Result<void> MatroskaReader::describe() {
                     : std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
     bool has_haptic = false;
     for (const Track& track : tracks_) {
-        const TrackInfo& info = infos_.emplace_back(track.pictures->info());
+        TrackInfo& info = infos_.emplace_back(track.pictures->info());
+        info.lossless = info.lossless || track.is_lossless;
+        if (track.low) info.pixel_format = std::to_string(8 + track.low_bits) + " bits in two tracks";
         const PlaneRole role = track.pictures->role();
         has_haptic = has_haptic || role == PlaneRole::haptic;
         if (role == PlaneRole::haptic && info.pixel_format.starts_with("gray"))
@@ -298,12 +277,12 @@ Result<void> MatroskaReader::describe() {
     return {};
 }
 
-Result<std::optional<RawFrame>> MatroskaReader::next() {
+Result<std::optional<RawFrame>> ClipFileReader::next() {
     if (first_) return std::exchange(first_, std::nullopt);
     return read();
 }
 
-Result<std::optional<RawFrame>> MatroskaReader::read() {
+Result<std::optional<RawFrame>> ClipFileReader::read() {
     RawFrame frame;
     frame.number = number_;
     frame.time_ns = scene_.rate.time_ns(number_);
@@ -312,6 +291,7 @@ Result<std::optional<RawFrame>> MatroskaReader::read() {
         if (!with_colour_ && number_ > 0 && track.pictures->role() == PlaneRole::colour)
             track.pictures->leave_out();
         track.pictures->fill(*demuxer_);
+        if (track.low) track.low->fill(*demuxer_);
     }
     std::vector<std::string> present, ended;
     for (Track& track : tracks_) {
@@ -328,7 +308,7 @@ Result<std::optional<RawFrame>> MatroskaReader::read() {
 }
 
 /// False after the last.
-Result<bool> MatroskaReader::read_plane(Track& track, RawFrame& frame) {
+Result<bool> ClipFileReader::read_plane(Track& track, RawFrame& frame) {
     if (number_ >= track.until) {
         auto picture = track.pictures->next(*demuxer_);
         if (!picture) return picture.error();
@@ -336,24 +316,47 @@ Result<bool> MatroskaReader::read_plane(Track& track, RawFrame& frame) {
         if (auto timely = check_time(*track.pictures, (*picture)->timestamp); !timely) return timely.error();
         track.newest = std::move((*picture)->plane);
         track.until = number_ + (*picture)->frames;
+        if (track.low)
+            if (auto joined = join_low(track); !joined) return joined.error();
     }
     if (!track.newest.view.empty()) add_plane(frame, track.pictures->role(), track.newest);
     return true;
 }
 
+/// To the high bits of the newest picture the low ones.
+Result<void> ClipFileReader::join_low(Track& track) {
+    auto low = track.low->next(*demuxer_);
+    if (!low) return low.error();
+    const std::string where = track.pictures->name() + ", frame " + std::to_string(number_);
+    if (!*low) return input_error(where + ": its low bits are missing");
+    if (auto timely = check_time(*track.low, (*low)->timestamp); !timely) return timely.error();
+    const PlaneView &high = track.newest.view, &below = (*low)->plane.view;
+    const auto is_grey = [](const PlaneView& plane) {
+        return plane.channels == 1 && plane.bytes_per_sample == 1;
+    };
+    if (!is_grey(high) || !is_grey(below) || high.width != below.width || high.height != below.height)
+        return input_error(where + ": its high and low bits are not two grey pictures of one size");
+    auto fits =
+        fit_plane(track.pictures->role(),
+                  plane_from(joined_bytes(high, below, track.low_bits), 8 + track.low_bits), scene_, where);
+    if (!fits) return fits.error();
+    track.newest = std::move(*fits);
+    return {};
+}
+
 // Frames are at their numbers' times, to whole milliseconds; frame 0 is at the origin.
-std::optional<std::int64_t> MatroskaReader::frame_of(int stream, std::int64_t timestamp) const {
+std::optional<std::int64_t> ClipFileReader::frame_of(int stream, std::int64_t timestamp) const {
     if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
     const double seconds = static_cast<double>(timestamp) * tick_of(stream) - origin_seconds_;
     if (!(std::fabs(seconds) < latest_seconds)) return std::nullopt;
     return recorded_rate_.nearest(std::llround(seconds * ns_per_second));
 }
 
-std::int64_t MatroskaReader::timestamp_of(int stream, std::int64_t frame) const {
+std::int64_t ClipFileReader::timestamp_of(int stream, std::int64_t frame) const {
     return std::llround((origin_seconds_ + seconds_of(frame)) / tick_of(stream));
 }
 
-double MatroskaReader::longest_gap() const {
+double ClipFileReader::longest_gap() const {
     const auto& times_ns = *recorded_rate_.own_times;
     std::int64_t longest = 0;
     for (std::size_t n = 1; n < times_ns.size(); ++n)
@@ -362,8 +365,8 @@ double MatroskaReader::longest_gap() const {
 }
 
 /// By going through the whole file once more; as many as can be read.
-std::int64_t MatroskaReader::pictures_of_depth() const {
-    const auto file = Demuxer::open_matroska(source_);
+std::int64_t ClipFileReader::pictures_of_depth() const {
+    const auto file = container_->open();
     if (!file) return 0;
     const int stream = tracks_.front().pictures->stream();
     (*file)->select(stream);
@@ -372,14 +375,14 @@ std::int64_t MatroskaReader::pictures_of_depth() const {
     return count;
 }
 
-Error MatroskaReader::refuse_times() const {
+Error ClipFileReader::refuse_times() const {
     return refuse("its " + std::string(clip_tags::times_file) + " has the times of " +
                   std::to_string(recorded_rate_.own_times->size()) + " frames, but depth has " +
                   std::to_string(pictures_of_depth()) + " pictures: must be one time for each");
 }
 
 /// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
-Result<void> MatroskaReader::check_time(const TrackThread& track, std::int64_t timestamp) {
+Result<void> ClipFileReader::check_time(const TrackThread& track, std::int64_t timestamp) {
     const double seconds = static_cast<double>(timestamp) * tick_of(track.stream());
     if (number_ == 0 && track.role() == PlaneRole::depth) origin_seconds_ = seconds;
     const double expected = seconds_of(number_);
@@ -393,7 +396,7 @@ Result<void> MatroskaReader::check_time(const TrackThread& track, std::int64_t t
                        std::to_string(expected) + " s");
 }
 
-Result<void> MatroskaReader::check_end(const std::vector<std::string>& present,
+Result<void> ClipFileReader::check_end(const std::vector<std::string>& present,
                                        const std::vector<std::string>& ended) const {
     const std::string where = "track " + ended.front() + ", frame " + std::to_string(number_);
     if (!present.empty()) return refuse(where + ": is missing, though track " + present.front() + " has it");
@@ -402,16 +405,29 @@ Result<void> MatroskaReader::check_end(const std::vector<std::string>& present,
                   " frames: it is truncated or damaged");
 }
 
+Result<std::unique_ptr<ClipReader>> open_clip_file(const SourceFile& file,
+                                                   std::unique_ptr<ClipContainer> container,
+                                                   const std::optional<SceneDescription>& described,
+                                                   Colour colour) {
+    auto reader = std::make_unique<ClipFileReader>(file, std::move(container));
+    if (auto opened = reader->open(described); !opened) return opened.error();
+    if (colour == Colour::left_out) reader->leave_out_colour();
+    const bool far_is_open = reader->leaves_far_open();
+    return with_far_plane(std::move(reader), far_is_open, file.path());
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
                                                        const std::optional<SceneDescription>& described,
                                                        Colour colour) {
-    auto reader = std::make_unique<MatroskaReader>(file);
-    if (auto opened = reader->open(described); !opened) return opened.error();
-    if (colour == Colour::left_out) reader->leave_out_colour();
-    const bool far_is_open = reader->leaves_far_open();
-    return with_far_plane(std::move(reader), far_is_open, file.path());
+    return open_clip_file(file, matroska_container(file), described, colour);
+}
+
+Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
+                                                  const std::optional<SceneDescription>& described,
+                                                  Colour colour) {
+    return open_clip_file(file, mp4_container(file), described, colour);
 }
 
 }  // namespace touchable

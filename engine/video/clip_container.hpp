@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/clip/plane_role.hpp"
+#include "engine/ffmpeg/demuxer.hpp"
+#include "engine/result.hpp"
+#include "engine/scene/scene_description.hpp"
+
+namespace touchable {
+
+/// Which stream of a file is which plane.
+struct ClipTrack {
+    PlaneRole role;
+    int stream = 0;
+    std::optional<int> low_stream{};  ///< has the low bits of its samples; the high eight are in `stream`
+    int low_bits = 0;
+    bool is_lossless = false;  ///< so the file says of the whole track; of a picture its own bytes may
+};
+
+/// How a kind of container holds a touchable clip. Errors name the file.
+class ClipContainer {
+public:
+    virtual ~ClipContainer() = default;
+    /// The file, from its first byte.
+    virtual Result<std::unique_ptr<Demuxer>> open() = 0;
+    /// The rate at which it was recorded.
+    virtual Result<FrameRate> rate(const Demuxer& file) = 0;
+    /// What it says of itself, its rate left open.
+    virtual Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) = 0;
+    /// Depth is the first.
+    virtual Result<std::vector<ClipTrack>> tracks(const Demuxer& file) = 0;
+    /// Whether decoding can begin every clip_tags::access_interval frames, though pictures do not say so.
+    virtual bool keeps_access_points() const { return false; }
+    /// What a person should know of all that, once it was asked for.
+    const std::vector<std::string>& notes() const { return notes_; }
+
+protected:
+    std::vector<std::string> notes_;
+};
+
+std::unique_ptr<ClipContainer> matroska_container(const SourceFile& file);
+std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file);
+
+/// The rate in a file's tags. An error where it is no clip of ours, or of a version to come.
+Result<FrameRate> tagged_rate(const Demuxer& file, const std::string& name);
+
+}  // namespace touchable

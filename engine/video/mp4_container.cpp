@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cstring>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "engine/byte_source.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
+#include "engine/mpeg4/scene_stream.hpp"
+#include "engine/printable.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/video/clip_container.hpp"
+#include "engine/video/clip_file_reader.hpp"
+#include "engine/video/clip_tags.hpp"
+#include "engine/video/frame_times_text.hpp"
+#include "engine/video/mp4_writer.hpp"
+
+namespace touchable {
+namespace {
+
+Result<mpeg4::Bytes> bytes_at(ByteSource& file, std::uint64_t at, std::uint64_t count) {
+    if (count > file.size() || at > file.size() - count)
+        return input_error("is cut short: " + std::to_string(count) + " bytes at " + std::to_string(at) +
+                           " are not there");
+    mpeg4::Bytes bytes(count);
+    if (auto read = file.read(at, reinterpret_cast<char*>(bytes.data()), bytes.size()); !read)
+        return read.error();
+    return bytes;
+}
+
+/// The content of the movie box; empty where there is none.
+Result<mpeg4::Bytes> movie_box_of(ByteSource& file) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
+    for (std::uint64_t at = 0; at + 8 <= file.size();) {
+        const auto head = bytes_at(file, at, std::min<std::uint64_t>(16, file.size() - at));
+        if (!head) return head.error();
+        const std::uint64_t stated = mpeg4::number_at(*head, 0, 4);
+        const std::uint64_t size = stated == 1   ? mpeg4::number_at(*head, 8, 8)
+                                   : stated == 0 ? file.size() - at
+                                                 : stated;
+        const std::uint64_t before = stated == 1 ? 16 : 8;
+        if (size < before || size > file.size() - at) break;
+        if (std::memcmp(head->data() + 4, "moov", 4) == 0) {
+            if (size > most_bytes) return input_error("its movie box has more than 64 MiB");
+            return bytes_at(file, at + before, size - before);
+        }
+        at += size;
+    }
+    return mpeg4::Bytes();
+}
+
+/// An MPEG-4 scene says which track is which plane, and what the planes mean, as far as it can; tags say the
+/// rest. A file without a scene, such as a fragmented one, says it by tags and by the names of its tracks.
+class Mp4Container final : public ClipContainer {
+public:
+    explicit Mp4Container(const SourceFile& source) : source_(source), file_(source.string()) {}
+    Result<std::unique_ptr<Demuxer>> open() override;
+    Result<FrameRate> rate(const Demuxer& file) override;
+    Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
+    Result<std::vector<ClipTrack>> tracks(const Demuxer& file) override;
+    bool keeps_access_points() const override { return is_ours_; }
+
+private:
+    Error refuse(const std::string& what, Hints hints = {}) const {
+        return input_error(file_ + ": " + what, std::move(hints));
+    }
+    Result<void> read_scene_stream();
+    Result<SceneDescription> tagged_scene(const std::string& json, const FrameRate& recorded) const;
+    Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
+    static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
+    bool is_lossless(const Demuxer& file, const ClipTrack& track) const;
+
+    SourceFile source_;
+    std::string file_;
+    std::optional<mpeg4::SceneStream> stream_;
+    std::optional<mpeg4::ClipNodes> nodes_;
+    bool is_ours_ = false;
+    int low_bits_of_depth_ = 0;  // as the tagged scene has them
+};
+
+Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
+    if (!nodes_)
+        if (auto read = read_scene_stream(); !read) return read.error();
+    return Demuxer::open_quicktime(source_);
+}
+
+Result<void> Mp4Container::read_scene_stream() {
+    const auto file = bytes_of_file(source_);
+    if (!file) return file.error();
+    const auto movie = movie_box_of(**file);
+    if (!movie) return refuse(movie.error().message);
+    auto stream = mpeg4::read_scene_stream(
+        *movie, [&](std::uint64_t at, std::uint64_t count) { return bytes_at(**file, at, count); });
+    if (!stream) return refuse("its MPEG-4 scene cannot be read: " + stream.error().message);
+    if (!*stream) return {};
+    stream_ = std::move(**stream);
+    const auto scene = mpeg4::decode_scene(stream_->scene, stream_->config);
+    if (!scene) return refuse("its MPEG-4 scene is damaged: " + scene.error().message);
+    auto nodes = mpeg4::clip_nodes_of(*scene);
+    if (!nodes) return refuse("its MPEG-4 scene is no touchable clip: " + nodes.error().message);
+    nodes_ = std::move(*nodes);
+    return {};
+}
+
+/// Of a file that another program wrote: that of its pictures of depth.
+Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
+    if (!file.tag(clip_tags::version_tag) && nodes_) {
+        const auto depth = stream_of(file, PlaneRole::depth);
+        if (!depth) return depth.error();
+        const AVRational said = file.container().streams[depth->value_or(0)]->avg_frame_rate;
+        if (said.num <= 0 || said.den <= 0) return refuse("its depth says no frame rate");
+        return FrameRate{said.num, said.den};
+    }
+    auto rate = tagged_rate(file, file_);
+    if (!rate) return rate;
+    is_ours_ = true;
+    const auto own = file.tag(mp4_times_tag);
+    if (!own) return rate;
+    auto times = parse_frame_times(*own, file_ + ": " + mp4_times_tag);
+    if (!times) return times.error();
+    rate->own_times = std::move(times->own_times);
+    return rate;
+}
+
+/// Its rate is the recorded one, of which it does not say the frames' own times.
+Result<SceneDescription> Mp4Container::tagged_scene(const std::string& json,
+                                                    const FrameRate& recorded) const {
+    auto described = parse_scene(json, file_ + ": tag " + mp4_scene_tag);
+    if (!described) return described;
+    const FrameRate& rate = described->scene.rate;
+    if (!described->unstated.rate && !clip_tags::same_rate(rate, recorded))
+        return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded) + ", but its tag " +
+                      mp4_scene_tag + " says " + clip_tags::rate_text(rate));
+    described->unstated.rate = true;
+    return described;
+}
+
+Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRate& recorded) {
+    notes_.clear();
+    if (const auto json = file.tag(mp4_scene_tag)) {
+        auto described = tagged_scene(*json, recorded);
+        if (!described) return described;
+        low_bits_of_depth_ = std::max(0, described->scene.depth_bits - 8);
+        if (nodes_ && mpeg4::take_nodes(*nodes_, described->scene)) {
+            notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
+                                std::string(mp4_scene_tag) + ": the scene stands");
+            if (auto valid = validate(*described); !valid)
+                return refuse("its MPEG-4 scene: " + valid.error().message);
+        }
+        return described;
+    }
+    if (!nodes_)
+        return refuse("has neither an MPEG-4 scene nor a tag " + std::string(mp4_scene_tag) +
+                          ": describe it with a scene file",
+                      {{Setting::scene_file, "FILE"}});
+    const auto depth = stream_of(file, PlaneRole::depth);
+    if (!depth) return depth.error();
+    const AVCodecParameters& stored = *file.container().streams[depth->value_or(0)]->codecpar;
+    constexpr int bits = 8;
+    auto described = mpeg4::described_by(*nodes_, stored.width, stored.height, bits);
+    if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
+    described->scene.name = source_.path().stem().string();
+    return described;
+}
+
+std::optional<int> Mp4Container::stream_named(const Demuxer& file, const std::string& name) {
+    const AVFormatContext& container = file.container();
+    for (unsigned k = 0; k < container.nb_streams; ++k) {
+        const AVStream& stream = *container.streams[k];
+        const AVDictionaryEntry* handler = av_dict_get(stream.metadata, "handler_name", nullptr, 0);
+        if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && handler && handler->value == name)
+            return static_cast<int>(k);
+    }
+    return std::nullopt;
+}
+
+Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRole role) const {
+    const std::string name(role_name(role));
+    if (!nodes_) return stream_named(file, name);
+    const std::optional<mpeg4::PlaneTexture> textures[] = {nodes_->depth, nodes_->colour, nodes_->haptic,
+                                                           nodes_->height};
+    const auto& texture = textures[static_cast<std::size_t>(role)];
+    if (!texture) return std::optional<int>();
+    if (texture->url.object == 0)
+        return refuse("its MPEG-4 scene has " + name + " in another file (" + in_quotes(texture->url.file) +
+                      "): must be a track of its own");
+    const auto track = stream_->objects.find(texture->url.object);
+    const std::string object = name + " is object " + std::to_string(texture->url.object);
+    if (track == stream_->objects.end()) return refuse("its MPEG-4 scene: " + object + ", which is no track");
+    const AVFormatContext& container = file.container();
+    for (unsigned k = 0; k < container.nb_streams; ++k)
+        if (container.streams[k]->id == static_cast<int>(track->second) &&
+            container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
+            return std::optional(static_cast<int>(k));
+    return refuse("its MPEG-4 scene: " + object + ", track " + std::to_string(track->second) +
+                  ", which has no pictures");
+}
+
+/// H.264 can be lossless in one of its profiles alone. Whoever encodes a track anew takes another.
+bool Mp4Container::is_lossless(const Demuxer& file, const ClipTrack& track) const {
+    constexpr int high_444_predictive = 244;  // by the second byte of avcC
+    const AVCodecParameters& stored = *file.container().streams[track.stream]->codecpar;
+    if (stored.codec_id != AV_CODEC_ID_H264 || stored.extradata_size < 2 ||
+        stored.extradata[1] != high_444_predictive)
+        return false;
+    std::istringstream said(file.tag(mp4_lossless_tag).value_or(""));
+    for (std::string role; said >> role;)
+        if (role == role_name(track.role)) return true;
+    return false;
+}
+
+Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file) {
+    std::vector<ClipTrack> tracks;
+    for (const PlaneRole role : all_roles) {
+        const auto stream = stream_of(file, role);
+        if (!stream) return stream.error();
+        if (!*stream && role == PlaneRole::depth) return refuse("has no track of depth");
+        if (!*stream) continue;
+        ClipTrack track{role, **stream};
+        track.is_lossless = is_lossless(file, track);
+        track.low_bits = role == PlaneRole::depth ? low_bits_of_depth_ : 8;
+        if (track.low_bits > 0 && (role == PlaneRole::depth || role == PlaneRole::height))
+            track.low_stream = stream_named(file, std::string(role_name(role)) + low_track_suffix);
+        tracks.push_back(track);
+    }
+    return tracks;
+}
+
+}  // namespace
+
+bool is_mp4_clip(const SourceFile& file) {
+    const auto bytes = bytes_of_file(file);
+    const auto movie = bytes ? movie_box_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
+    if (!movie) return false;
+    const auto has = [&](std::string_view word) {
+        return std::search(movie->begin(), movie->end(), word.begin(), word.end()) != movie->end();
+    };
+    return has(clip_tags::version_tag) || has("sdsm");
+}
+
+std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file) {
+    return std::make_unique<Mp4Container>(file);
+}
+
+}  // namespace touchable
