@@ -18,10 +18,10 @@ namespace {
 /// A file for each picture, or one that holds those of all frames.
 class FolderPictures final : public FrameSource {
 public:
-    FolderPictures(std::filesystem::path folder, DepthCodingKind coding,
-                   std::shared_ptr<ReadPictures> pictures)
+    FolderPictures(std::filesystem::path folder, const Scene& scene, std::shared_ptr<ReadPictures> pictures)
         : folder_(std::move(folder)),
-          coding_(coding),
+          coding_(scene.depth.kind),
+          haptic_may_be_lossy_(scene.folder->haptic_may_be_lossy),
           pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()) {}
     Result<void> find(StoredClip& clip);
 
@@ -57,6 +57,7 @@ private:
 
     std::filesystem::path folder_;
     DepthCodingKind coding_;
+    bool haptic_may_be_lossy_;
     std::vector<Track> tracks_;               // depth is the first
     std::shared_ptr<ReadPictures> pictures_;  // not null
 };
@@ -125,7 +126,7 @@ Result<TrackPicture> FolderPictures::picture(PlaneRole role, std::int64_t frame)
         (role == PlaneRole::depth && coding_ != DepthCodingKind::hue) || role == PlaneRole::height;
     if (is_grey && stored->image.channels == 3)
         if (auto grey = as_grey(stored->image)) stored->image = std::move(*grey);
-    if (role == PlaneRole::haptic && stored->codec == "mjpeg")
+    if (role == PlaneRole::haptic && stored->codec == "mjpeg" && !haptic_may_be_lossy_)
         return input_error(where(role, frame) + ": is JPEG, which mixes materials; haptic is PNG");
     if (role != PlaneRole::colour && stored->interlaced)
         return input_error(where(role, frame) + ": is an interlaced PNG: must be a plain one to be touched");
@@ -149,7 +150,7 @@ Result<std::unique_ptr<ClipReader>> open_image_folder(const std::filesystem::pat
         maps.haptic = folder / haptic;
         haptic.clear();
     }
-    auto pictures = std::make_unique<FolderPictures>(folder, described.scene.depth.kind, std::move(opened));
+    auto pictures = std::make_unique<FolderPictures>(folder, described.scene, std::move(opened));
     if (auto found = pictures->find(clip); !found) return found.error();
     clip.pictures = std::move(pictures);
     return with_still_maps(open_stored_clip(std::move(clip), colour), maps);

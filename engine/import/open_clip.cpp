@@ -18,6 +18,7 @@
 #include "engine/import/photo/heic_image.hpp"
 #include "engine/import/photo/jpeg_depth.hpp"
 #include "engine/import/pinhole_frames.hpp"
+#include "engine/import/scene_text_clip.hpp"
 #include "engine/import/video_clip.hpp"
 #include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -192,6 +193,9 @@ const Format formats[] = {
     {is_mpeg4,
      [](const Candidate& c) { return open_mp4_clip(c.source, c.described, c.colour); },
      {"a touchable clip in MP4, as its MPEG-4 scene describes it", "touchable play clip.mp4"}},
+    {[](const Candidate& c) { return is_scene_text(c.source); },
+     [](const Candidate& c) { return open_scene_text(c.source, c.described, c.colour); },
+     {"the text of an MPEG-4 scene, beside the pictures that it names", "touchable play scene.bt"}},
     {is_jpeg,
      open_jpeg,
      {"a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"}},

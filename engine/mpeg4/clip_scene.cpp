@@ -53,8 +53,13 @@ Result<Camera> camera_of(const ClipNodes& nodes, int width, int height) {
 
 }  // namespace
 
-ClipNodes nodes_from(const Scene& scene) {
+ClipNodes nodes_from(const Scene& scene, StreamsBeside streams) {
     ClipNodes nodes;
+    const auto stream = [](std::uint16_t object) { return PlaneTexture{{.object = object}, true}; };
+    nodes.depth = stream(depth_object);
+    if (streams.colour) nodes.colour = stream(colour_object);
+    if (streams.haptic) nodes.haptic = stream(haptic_object);
+    if (streams.height) nodes.height = stream(height_object);
     nodes.pixel_width = pixel_width;
     nodes.focal_length = scene.camera.fx * pixel_width;
     nodes.near = scene.depth.near;

@@ -8,8 +8,15 @@
 
 namespace touchable::mpeg4 {
 
-/// What the nodes can say of a scene, without textures: the paper's camera, near and far plane, ranges.
-ClipNodes nodes_from(const Scene& scene);
+/// The objects that our scenes name: the streams of colour, depth, haptic and height.
+inline constexpr std::uint16_t colour_object = 10, depth_object = 11, haptic_object = 12, height_object = 13;
+
+/// What the nodes can say of a scene: the paper's camera, near and far plane, ranges; and streams of depth
+/// and of those planes that it has.
+struct StreamsBeside {
+    bool colour = false, haptic = false, height = false;
+};
+ClipNodes nodes_from(const Scene& scene, StreamsBeside streams = {});
 /// What they cannot, each as a person reads it: "frames at times of their own". Empty: they say all.
 std::vector<std::string> unsaid_by_nodes(const Scene& scene);
 

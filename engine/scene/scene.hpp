@@ -101,6 +101,8 @@ struct FolderSource {
     /// Files with the camera of each frame, where it changes: numbered, with a star, or a list. Empty: none.
     std::string cameras{};
     PictureNumbers camera_numbers{};
+    /// Haptic pictures are read though their coding mixes materials. No scene file says so.
+    bool haptic_may_be_lossy = false;
 };
 
 /// Whether a pattern names a single picture.

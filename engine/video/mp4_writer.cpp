@@ -29,9 +29,17 @@ constexpr PlaneRole track_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneR
                                      PlaneRole::height};
 
 std::uint16_t object_of(PlaneRole role) {
-    const auto place =
-        std::find(std::begin(track_order), std::end(track_order), role) - std::begin(track_order);
-    return static_cast<std::uint16_t>(10 + place);
+    switch (role) {
+        case PlaneRole::colour:
+            return mpeg4::colour_object;
+        case PlaneRole::haptic:
+            return mpeg4::haptic_object;
+        case PlaneRole::height:
+            return mpeg4::height_object;
+        case PlaneRole::depth:
+            break;
+    }
+    return mpeg4::depth_object;
 }
 
 /// Eight bits of each sample of a plane.
@@ -289,20 +297,15 @@ Result<void> Mp4Writer::write_frame(const RawFrame& frame) {
     return {};
 }
 
-/// Textures are object descriptors 10 to 13, each a track.
+/// Each plane's texture is a track.
 Result<mpeg4::SceneStream> Mp4Writer::scene_stream() const {
-    mpeg4::ClipNodes nodes = mpeg4::nodes_from(scene_);
+    const auto has = [&](PlaneRole role) { return check_.bytes_per_sample(role) > 0; };
+    const mpeg4::ClipNodes nodes =
+        mpeg4::nodes_from(scene_, {has(PlaneRole::colour), has(PlaneRole::haptic), has(PlaneRole::height)});
     mpeg4::SceneStream stream;
-    for (std::size_t k = 0; k < tracks_.size(); ++k) {
-        if (tracks_[k].part == Part::low) continue;
-        const PlaneRole role = tracks_[k].role;
-        stream.objects[object_of(role)] = static_cast<std::uint32_t>(k + 1);
-        const mpeg4::PlaneTexture texture{{.object = object_of(role)}, true};
-        if (role == PlaneRole::depth) nodes.depth = texture;
-        if (role == PlaneRole::colour) nodes.colour = texture;
-        if (role == PlaneRole::haptic) nodes.haptic = texture;
-        if (role == PlaneRole::height) nodes.height = texture;
-    }
+    for (std::size_t k = 0; k < tracks_.size(); ++k)
+        if (tracks_[k].part != Part::low)
+            stream.objects[object_of(tracks_[k].role)] = static_cast<std::uint32_t>(k + 1);
     const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
     stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);
     auto bytes = mpeg4::encode_scene(tree, stream.config);

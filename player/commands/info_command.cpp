@@ -11,6 +11,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/mpeg4/clip_scene.hpp"
+#include "engine/mpeg4/scene_text.hpp"
 #include "engine/printable.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/terraces.hpp"
@@ -310,15 +312,28 @@ std::string to_text(const ClipFacts& facts) {
     return lines.text();
 }
 
+/// The clip's scene as MPEG-4 has it; what that cannot say stands before it.
+std::string mpeg4_text(const ClipFacts& facts) {
+    std::string text;
+    for (const std::string& unsaid : mpeg4::unsaid_by_nodes(facts.scene))
+        text += "# An MPEG-4 scene cannot say: " + unsaid + '\n';
+    const mpeg4::ClipNodes nodes = mpeg4::nodes_from(
+        facts.scene, {facts.has_track("colour"), facts.has_track("haptic"), facts.has_track("height")});
+    return text + mpeg4::scene_text(mpeg4::scene_of(nodes, facts.scene.width, facts.scene.height));
+}
+
 struct InfoOptions {
     ClipChoice clip;
     bool json = false;
+    bool scene_text = false;
 };
 
 Result<void> print_facts(const InfoOptions& options) {
     const auto facts = clip_facts(options.clip);
     if (!facts.ok()) return facts.error();
-    if (options.json)  // names of files need not be UTF-8
+    if (options.scene_text)
+        std::cout << mpeg4_text(*facts);
+    else if (options.json)  // names of files need not be UTF-8
         std::cout << to_json(*facts).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
     else
         std::cout << to_text(*facts);
@@ -334,17 +349,20 @@ Result<void> run_info(const InfoOptions& options) {
 
 void add_info_command(CLI::App& app, Command& command) {
     auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch");
-    auto json = std::make_shared<bool>(false);
+    auto json = std::make_shared<bool>(false), scene_text = std::make_shared<bool>(false);
     auto clip = std::make_shared<ClipTyped>();
     add_clip_options(*info, *clip)->required();
-    info->add_flag("--json", *json, "the same facts as JSON");
+    auto* as_json = info->add_flag("--json", *json, "the same facts as JSON");
+    info->add_flag("--scene-text", *scene_text,
+                   "the text of its MPEG-4 scene (docs/mpeg4.md) and nothing else")
+        ->excludes(as_json);
     add_camera_options(*info, clip->camera);
     add_filter_options(*info, *clip);
-    info->callback([json, clip, &command] {
-        command = [json, clip]() -> Result<void> {
+    info->callback([json, scene_text, clip, &command] {
+        command = [json, scene_text, clip]() -> Result<void> {
             auto choice = read_clip(*clip);
             if (!choice.ok()) return choice.error();
-            return run_info({std::move(*choice), *json});
+            return run_info({std::move(*choice), *json, *scene_text});
         };
     });
 }
