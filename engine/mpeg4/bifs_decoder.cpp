@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "engine/mpeg4/bifs.hpp"
@@ -13,8 +14,6 @@ namespace touchable::mpeg4 {
 namespace {
 
 constexpr std::size_t longest_name = 256, longest_string = 4096, most_bytes = std::size_t{64} << 10;
-
-constexpr std::string_view no_name = "{}[]\"#,";
 
 class SceneDecoder {
 public:
@@ -29,9 +28,9 @@ private:
     }
     Result<std::string> name(const char* of_what);
     Result<std::string> string();
-    bool is_named(const std::string& text) const {
-        return std::any_of(named_.begin(), named_.end(),
-                           [&](const auto& each) { return each.second->name == text; });
+    void forget_names() {
+        named_.clear();
+        names_.clear();
     }
     Result<Prototype> prototype();
     Result<void> prototype_fields(Prototype& made);
@@ -52,6 +51,7 @@ private:
     SceneTree scene_;
     std::vector<std::uint64_t> prototype_ids_;
     std::map<std::uint64_t, NodePtr> named_;
+    std::set<std::string> names_;        // theirs
     const Prototype* inside_ = nullptr;  // whose body is read
 };
 
@@ -79,12 +79,12 @@ Result<std::string> SceneDecoder::name(const char* of_what) {
     std::string text;
     while (const auto c = bits_.get(8)) {
         text += static_cast<char>(c);
-        if (text.size() > longest_name || c <= ' ' || c > '~' || no_name.find(text.back()) != no_name.npos)
-            return wrong("the name of a " + std::string(of_what) + ", " + in_quotes(text) +
-                         ": must be a word of 256 letters at most");
+        if (text.size() > longest_name) break;
     }
     if (bits_.is_over()) return wrong("");
-    return text;
+    if (is_name(text)) return text;
+    return wrong("the name of a " + std::string(of_what) + ", " + in_quotes(text) +
+                 ": must be a word of 1 to 256 letters");
 }
 
 Result<std::string> SceneDecoder::string() {
@@ -104,7 +104,7 @@ Result<Prototype> SceneDecoder::prototype() {
     if (has_names_) {
         auto text = name("PROTO");
         if (!text) return text.error();
-        if (text->empty() || prototype_named(scene_.prototypes, *text))
+        if (prototype_named(scene_.prototypes, *text))
             return wrong("PROTO " + in_quotes(*text) + ": must have a name of its own");
         made.name = std::move(*text);
     }
@@ -127,9 +127,9 @@ Result<Prototype> SceneDecoder::prototype() {
             made.body.push_back(std::move(*part));
         } while (bits_.flag());
         inside_ = nullptr;
-        named_.clear();  // its own names end with it
         if (bits_.flag()) return wrong("PROTO " + printable(made.name) + ": has a ROUTE, which is not read");
     }
+    forget_names();  // its own end with it
     if (bits_.get(2) != 0)
         return wrong("PROTO " + printable(made.name) +
                      ": its fields are quantised or animated, which is not read");
@@ -151,6 +151,8 @@ Result<void> SceneDecoder::prototype_fields(Prototype& made) {
             if (!text) return text.error();
             spec.name = std::move(*text);
         }
+        if (field_named(made.fields, spec.name))
+            return wrong("PROTO " + printable(made.name) + ": has " + spec.name + " twice");
         if (!spec.has_value())
             return wrong("PROTO " + printable(made.name) + ": has an event, " + printable(spec.name) +
                          ": a touchable clip's scene has no behaviour");
@@ -163,14 +165,17 @@ Result<void> SceneDecoder::prototype_fields(Prototype& made) {
 }
 
 Result<NodePtr> SceneDecoder::node(NodeSlot slot, int depth) {
-    if (depth > deepest_node)
+    const auto too_deep = [&] {
         return wrong("nodes stand in each other more than " + std::to_string(deepest_node) + " deep");
+    };
+    if (depth > deepest_node) return too_deep();
     if (bits_.flag()) {
         const auto id = bits_.get(config_.node_id_bits);
         if (id + 1 == std::uint64_t{1} << config_.node_id_bits) return NodePtr();
         const auto known = named_.find(id);
         if (known == named_.end())
             return wrong("a node is used again that is not there, number " + std::to_string(id + 1));
+        if (depth + known->second->levels - 1 > deepest_node) return too_deep();
         return known->second;
     }
     auto of_type = type(slot);
@@ -180,19 +185,20 @@ Result<NodePtr> SceneDecoder::node(NodeSlot slot, int depth) {
     if (bits_.flag()) {
         id = bits_.get(config_.node_id_bits);
         made->name = "N" + std::to_string(*id + 1);
-        if (named_.contains(*id))
-            return wrong(made->type + ": a second node of number " + std::to_string(*id + 1));
         if (has_names_) {
             auto text = name("node");
             if (!text) return text.error();
-            if (text->empty() || is_named(*text))
-                return wrong(made->type + ": DEF " + *text + ": must have a name of its own");
             made->name = std::move(*text);
         }
     }
     if (auto read = fields(*made, depth); !read) return read.error();
     if (bits_.is_over()) return wrong("");
-    if (id) named_[*id] = made;
+    made->levels = levels_of(*made);
+    if (!id) return NodePtr(std::move(made));
+    if (!named_.emplace(*id, made).second)
+        return wrong(made->type + ": a second node of number " + std::to_string(*id + 1));
+    if (!names_.insert(made->name).second)
+        return wrong(made->type + ": DEF " + made->name + ": must have a name of its own");
     return NodePtr(std::move(made));
 }
 
@@ -346,8 +352,9 @@ Result<FieldValue> SceneDecoder::value(FieldType type, NodeSlot slot, int depth)
     }
     auto text = string();
     if (!text) return text.error();
-    made.file = std::move(*text);
-    return FieldValue(std::move(made));
+    auto url = url_of(std::move(*text));
+    if (!url) return wrong("the number of an object descriptor in a URL: must be 1 to 1023");
+    return FieldValue(std::move(*url));
 }
 
 Result<float> SceneDecoder::real() {

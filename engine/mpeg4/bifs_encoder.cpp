@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <map>
 #include <set>
 #include <type_traits>
@@ -15,19 +16,26 @@ namespace {
 
 constexpr std::uint64_t scene_replace = 3;
 
+void find_named(const NodePtr& node, std::vector<const Node*>& found);
+
+void find_named(const std::vector<FieldValue>& values, std::vector<const Node*>& found) {
+    for (const FieldValue& value : values)
+        if (const auto* inner = std::get_if<NodePtr>(&value)) find_named(*inner, found);
+}
+
 /// The nodes that have names, each once, in the order in which the binary form meets them.
 void find_named(const NodePtr& node, std::vector<const Node*>& found) {
     if (!node || std::find(found.begin(), found.end(), node.get()) != found.end()) return;
     if (!node->name.empty()) found.push_back(node.get());
-    for (const Field& field : node->fields)
-        for (const FieldValue& value : field.values)
-            if (const auto* inner = std::get_if<NodePtr>(&value)) find_named(*inner, found);
+    for (const Field& field : node->fields) find_named(field.values, found);
 }
 
 std::vector<const Node*> named_nodes(const SceneTree& scene) {
     std::vector<const Node*> found;
-    for (const Prototype& prototype : scene.prototypes)
+    for (const Prototype& prototype : scene.prototypes) {
+        for (const FieldSpec& field : prototype.fields) find_named(field.initial, found);
         for (const NodePtr& part : prototype.body) find_named(part, found);
+    }
     find_named(scene.root, found);
     return found;
 }
@@ -88,6 +96,11 @@ private:
         bits_.put(static_cast<std::uint64_t>(size_bits), 5);
         bits_.put(text.size(), size_bits);
         for (const char c : text) bits_.put(static_cast<std::uint8_t>(c), 8);
+    }
+    Result<void> real(float number) {
+        if (!std::isfinite(number)) return input_error("has a number that four bytes cannot hold");
+        bits_.put(std::bit_cast<std::uint32_t>(number), 32);
+        return {};
     }
     void no_node() {
         bits_.put(1, 1);
@@ -276,7 +289,7 @@ Result<void> SceneEncoder::value(const FieldValue& value, NodeSlot slot) {
         if constexpr (std::is_same_v<T, bool>) {
             bits_.put(each ? 1 : 0, 1);
         } else if constexpr (std::is_same_v<T, float>) {
-            bits_.put(std::bit_cast<std::uint32_t>(each), 32);
+            return real(each);
         } else if constexpr (std::is_same_v<T, double>) {
             bits_.put(std::bit_cast<std::uint64_t>(each), 64);
         } else if constexpr (std::is_same_v<T, std::int32_t>) {
@@ -292,7 +305,8 @@ Result<void> SceneEncoder::value(const FieldValue& value, NodeSlot slot) {
             else
                 string(each.file);
         } else {
-            for (const float number : each) bits_.put(std::bit_cast<std::uint32_t>(number), 32);
+            for (const float number : each)
+                if (auto put = real(number); !put) return put;
         }
         return {};
     };

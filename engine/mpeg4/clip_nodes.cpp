@@ -77,7 +77,9 @@ Result<std::optional<PlaneTexture>> NodeView::texture(const char* name) const {
     if (!urls || urls->size() != 1)
         return wrong(std::string(name) + " has " + std::to_string(urls ? urls->size() : 0) +
                      " urls: must be one");
-    return std::optional(PlaneTexture{std::get<Url>(urls->front()), there.is("MovieTexture")});
+    const Url* const url = std::get_if<Url>(&urls->front());
+    if (!url) return wrong(std::string(name) + " is a PROTO whose url is none");
+    return std::optional(PlaneTexture{*url, there.is("MovieTexture")});
 }
 
 /// The only Shape of a scene, or DepthImage; WorldInfo may stand beside it.
@@ -87,7 +89,9 @@ Result<NodeView> only_shape(const SceneTree& scene) {
     const Node* shape = nullptr;
     const Field* children = root.field("children");
     for (const FieldValue& each : children ? children->values : std::vector<FieldValue>()) {
-        const NodePtr& child = std::get<NodePtr>(each);
+        const NodePtr* const held = std::get_if<NodePtr>(&each);
+        if (!held) return input_error("Group: is a PROTO whose children are no nodes");
+        const NodePtr& child = *held;
         if (!child || child->type == "WorldInfo") continue;
         if (shape)
             return input_error("Group: has a " + printable(shape->type) + " and a " + printable(child->type) +

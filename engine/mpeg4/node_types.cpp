@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <string>
 #include <utility>
 
@@ -101,6 +102,38 @@ constexpr std::array<std::pair<FieldType, std::array<std::string_view, 2>>, 11> 
 
 }  // namespace
 
+bool is_name(std::string_view word) {
+    constexpr std::size_t longest = 256;
+    constexpr std::string_view marks = "{}[]\"#,";
+    constexpr std::array<std::string_view, 6> keywords{"DEF", "USE", "NULL", "IS", "PROTO", "EXTERNPROTO"};
+    const auto is_letter = [marks](char c) { return c > ' ' && c <= '~' && marks.find(c) == marks.npos; };
+    return !word.empty() && word.size() <= longest && std::all_of(word.begin(), word.end(), is_letter) &&
+           std::find(keywords.begin(), keywords.end(), word) == keywords.end();
+}
+
+std::optional<Url> url_of(std::string text) {
+    constexpr int most = 1023;
+    constexpr std::string_view scheme = "od:";
+    Url made;
+    if (!text.starts_with(scheme)) {
+        made.file = std::move(text);
+        return made;
+    }
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data() + scheme.size(), end, made.object);
+    if (read.ptr != end || made.object < 1 || made.object > most) return std::nullopt;
+    return made;
+}
+
+int levels_of(const Node& node) {
+    int most = 0;
+    for (const Field& field : node.fields)
+        for (const FieldValue& value : field.values)
+            if (const auto* inner = std::get_if<NodePtr>(&value); inner && *inner)
+                most = std::max(most, (*inner)->levels);
+    return most + 1;
+}
+
 const NodeType* node_type(std::string_view name) {
     const auto found = std::find_if(types().begin(), types().end(),
                                     [name](const NodeType& type) { return type.name == name; });
@@ -131,6 +164,12 @@ int code_bits(NodeSlot slot, int version) {
 
 const Prototype* prototype_named(std::span<const Prototype> prototypes, std::string_view name) {
     for (const Prototype& each : prototypes)
+        if (each.name == name) return &each;
+    return nullptr;
+}
+
+const FieldSpec* field_named(std::span<const FieldSpec> fields, std::string_view name) {
+    for (const FieldSpec& each : fields)
         if (each.name == name) return &each;
     return nullptr;
 }

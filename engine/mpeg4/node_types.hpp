@@ -35,6 +35,8 @@ inline constexpr int versions = 5;
 
 /// A scene's prototype of that name; null where there is none.
 const Prototype* prototype_named(std::span<const Prototype> prototypes, std::string_view name);
+/// The field of that name; null where there is none.
+const FieldSpec* field_named(std::span<const FieldSpec> fields, std::string_view name);
 /// The fields of a node; null where it is neither a prototype nor a node that is known.
 const std::vector<FieldSpec>* fields_of(std::span<const Prototype> prototypes, std::string_view type);
 

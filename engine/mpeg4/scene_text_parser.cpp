@@ -127,6 +127,8 @@ Result<void> TextParser::expect(std::string_view wanted, const std::string& of_w
 Result<std::string> TextParser::name(const char* of_what) {
     if (token_.kind != Token::Kind::word)
         return wrong(std::string(of_what) + ": " + found() + ": must be a name");
+    if (!is_name(token_.text))
+        return wrong(std::string(of_what) + ": " + found() + ": must be a name of 1 to 256 letters");
     std::string word = std::move(token_.text);
     if (auto more = advance(); !more) return more.error();
     return word;
@@ -159,8 +161,12 @@ Result<Prototype> TextParser::prototype(bool is_external) {
     Prototype made{.name = std::move(*called)};
     if (auto begun = expect("[", "PROTO " + printable(made.name)); !begun) return begun.error();
     while (!token_.is("]")) {
+        const std::size_t field_at = token_.at;
         auto spec = prototype_field(is_external);
         if (!spec) return spec.error();
+        if (field_named(made.fields, spec->name))
+            return tokens_.wrong(field_at,
+                                 "PROTO " + printable(made.name) + ": has " + spec->name + " twice");
         made.fields.push_back(std::move(*spec));
     }
     if (auto ended = advance(); !ended) return ended.error();
@@ -212,8 +218,10 @@ Result<FieldSpec> TextParser::prototype_field(bool is_external) {
 }
 
 Result<NodePtr> TextParser::node(int depth) {
-    if (depth > deepest_node)
+    const auto too_deep = [&] {
         return wrong("nodes stand in each other more than " + std::to_string(deepest_node) + " deep");
+    };
+    if (depth > deepest_node) return too_deep();
     std::string called;
     if (token_.is("NULL")) {
         if (auto more = advance(); !more) return more.error();
@@ -224,6 +232,7 @@ Result<NodePtr> TextParser::node(int depth) {
         const auto known = named_.find(token_.text);
         if (known == named_.end())
             return wrong("USE: there is no node " + in_quotes(token_.text) + " before it");
+        if (depth + known->second->levels - 1 > deepest_node) return too_deep();
         if (auto more = advance(); !more) return more.error();
         return known->second;
     }
@@ -255,6 +264,7 @@ Result<NodePtr> TextParser::node(int depth) {
     };
     std::stable_sort(made->fields.begin(), made->fields.end(),
                      [&](const Field& a, const Field& b) { return place(a) < place(b); });
+    made->levels = levels_of(*made);
     if (auto ended = advance(); !ended) return ended.error();
     if (!called.empty() && !named_.emplace(called, made).second)
         return tokens_.wrong(type.at, "DEF " + called + " is there already");
@@ -344,8 +354,8 @@ Result<FieldValue> TextParser::value(FieldType type, int depth) {
         case FieldType::integer: {
             std::int32_t whole = 0;
             const char* const end = token_.text.data() + token_.text.size();
-            if (token_.kind != Token::Kind::word ||
-                std::from_chars(token_.text.data(), end, whole).ptr != end)
+            const auto read = std::from_chars(token_.text.data(), end, whole);
+            if (token_.kind != Token::Kind::word || read.ptr != end || read.ec != std::errc{})
                 return wrong(found() + ": must be a whole number");
             if (auto more = advance(); !more) return more.error();
             return FieldValue(whole);
@@ -390,23 +400,13 @@ Result<FieldValue> TextParser::numbers() {
 
 /// A file in quotes, or the number of an object descriptor: 10, "od:10".
 Result<FieldValue> TextParser::url() {
-    constexpr int most = 1023;
     const bool is_quoted = token_.kind == Token::Kind::quoted;
-    std::string_view digits = token_.text;
-    const bool is_stream = is_quoted && digits.starts_with("od:");
-    if (is_stream) digits.remove_prefix(3);
-    Url made;
-    if (is_quoted && !is_stream) {
-        made.file = token_.text;
-    } else {
-        const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), made.object);
-        if (token_.kind == Token::Kind::bracket || read.ptr != digits.data() + digits.size() ||
-            made.object < 1 || made.object > most)
-            return wrong(found() +
-                         ": must be a file in quotes, or the number of an object descriptor, 1 to 1023");
-    }
+    auto made = is_quoted ? url_of(token_.text) : url_of("od:" + token_.text);
+    if (!made)
+        return wrong(found() +
+                     ": must be a file in quotes, or the number of an object descriptor, 1 to 1023");
     if (auto more = advance(); !more) return more.error();
-    return FieldValue(std::move(made));
+    return FieldValue(std::move(*made));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -60,6 +61,8 @@ struct Url {
     std::string file{};
     bool operator==(const Url&) const = default;
 };
+/// Of its text: "od:10" is object 10, anything else a file; nothing where an object has an impossible number.
+std::optional<Url> url_of(std::string text);
 
 using FieldValue = std::variant<bool, float, double, std::string, std::int32_t, std::array<float, 2>,
                                 std::array<float, 3>, std::array<float, 4>, NodePtr, Url>;
@@ -86,6 +89,7 @@ struct Node {
     std::string type;             ///< "Shape", or a prototype's name
     std::string name{};           ///< by which it is used again (DEF); empty: none
     std::vector<Field> fields{};  ///< in the order of its kind's
+    int levels = 1;               ///< of nodes, itself and those in it, as whoever read it counted
     const Field* field(std::string_view wanted) const {
         for (const Field& each : fields)
             if (each.name == wanted) return &each;
@@ -106,7 +110,13 @@ struct SceneTree {
     NodePtr root;
 };
 
+/// Whether nodes, prototypes and fields may be called so: both forms have all of it, and text reads it as
+/// nothing else. 256 bytes at most.
+bool is_name(std::string_view word);
+
 /// How deep nodes may stand in nodes. Those of a touchable clip are 5 deep.
 inline constexpr int deepest_node = 32;
+/// What `Node::levels` is by the nodes in its fields.
+int levels_of(const Node& node);
 
 }  // namespace touchable::mpeg4

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/mpeg4/example_scenes.hpp"
 
 namespace touchable::mpeg4 {
@@ -149,6 +151,23 @@ TEST(Bifs, LimitsHold) {
     for (std::size_t k = 0; k < bits.size(); ++k)
         if (bits[k] == '1') bytes[k / 8] = static_cast<std::uint8_t>(bytes[k / 8] | (128 >> k % 8));
     EXPECT_NE(refusal(bytes).find("more than 32 deep"), std::string::npos) << refusal(bytes);
+}
+
+TEST(Bifs, NumbersThatFourBytesCannotHoldAreRefused) {
+    SceneTree scene = scene_from("Shape { geometry Rectangle { size 3 4 } }");
+    auto& size = std::get<NodePtr>(scene.root->fields[0].values[0])->fields[0].values[0];
+    size = std::array{1.0F, std::numeric_limits<float>::infinity()};
+    scene.root = std::make_shared<Node>(Node{.type = "Group", .fields = {{"children", {scene.root}}}});
+    const auto refused = encode_scene(scene, config_for(scene, 64, 48));
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().message, "Group: Shape: Rectangle: has a number that four bytes cannot hold");
+}
+
+TEST(Bifs, NodesWithNamesMayStandInPrototypesFields) {
+    constexpr std::string_view scene =
+        "PROTO Held [ exposedField SFNode inner DEF kept WorldInfo { title \"a\" } ] { WorldInfo {} USE kept }\n"
+        "Group { children [ Held {} DEF kept WorldInfo { title \"b\" } USE kept ] }";
+    EXPECT_EQ(through_bits(scene), as_written(scene));
 }
 
 TEST(Bifs, ConfigurationsComeBack) {

@@ -174,6 +174,12 @@ TEST(ClipNodes, AnotherLayoutIsRefusedByName) {
     EXPECT_EQ(layout_refusal(
                   "PROTO Depth [ field SFFloat focalLength 1 ] { Rectangle {} } Shape { geometry Depth {} }"),
               "Depth: must have a field pixelWidth of the paper's type");
+    EXPECT_EQ(layout_refusal(
+                  "PROTO Group [ field MFFloat children [1 2] ] { WorldInfo {} } Group {  children [1] }"),
+              "Group: is a PROTO whose children are no nodes");
+    EXPECT_EQ(layout_refusal("PROTO ImageTexture [ field SFBool url TRUE ] { WorldInfo {} } "
+                             "Shape { geometry Depth { texture ImageTexture { url FALSE } } }"),
+              "Depth: texture is a PROTO whose url is none");
     EXPECT_EQ(layout_refusal("DepthImage { diTexture SimpleTexture { depth ImageTexture { url \"d\" } } }"),
               "DepthImage: is orthographic: must have a perspective camera (orthographic FALSE)");
 }

@@ -46,6 +46,32 @@ TEST(SceneText, ErrorsNameLineAndColumn) {
     EXPECT_EQ(refusal(""), "line 1, column 1: a node: the text ends: must be a name");
 }
 
+TEST(SceneText, WhatCannotBeANameOrANumberIsRefused) {
+    const std::string long_name(257, 'a');
+    EXPECT_NE(refusal("Group { children DEF " + long_name + " Group {} }")
+                  .find("must be a name of 1 to 256 letters"),
+              std::string::npos);
+    EXPECT_NE(refusal("Group { children DEF NULL Group {} }").find("\"NULL\": must be a name"),
+              std::string::npos);
+    EXPECT_NE(refusal("Group { children DEF \xc3\xa9 Group {} }").find("must be a name"), std::string::npos);
+    EXPECT_EQ(refusal("PROTO P [ field SFBool a TRUE field SFBool a TRUE ] { Group {} } P {}"),
+              "line 1, column 31: PROTO P: has a twice");
+    EXPECT_EQ(refusal("PROTO P [ field SFInt32 a 99999999999 ] { Group {} } P {}"),
+              "line 1, column 27: found \"99999999999\": must be a whole number");
+}
+
+/// What is used again counts where it is used: nodes made of each other would stand deeper than any in the
+/// text.
+TEST(SceneText, NodesThatAreUsedAgainStandNoDeeper) {
+    std::string text = "Group { children [ DEF n0 Group {}";
+    for (int k = 1; k < 20; ++k)
+        text += " DEF n" + std::to_string(k) + " Group { children USE n" + std::to_string(k - 1) + " }";
+    EXPECT_EQ(refusal(text + " ] }"), "no error");
+    for (int k = 20; k < 4000; ++k)
+        text += " DEF n" + std::to_string(k) + " Group { children USE n" + std::to_string(k - 1) + " }";
+    EXPECT_NE(refusal(text + " ] }").find("more than 32 deep"), std::string::npos);
+}
+
 TEST(SceneText, BehaviourIsRefusedByName) {
     EXPECT_EQ(
         refusal("Group { children [ Script {} ] }"),
