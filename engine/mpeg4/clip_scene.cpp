@@ -20,9 +20,9 @@ std::array<double PropertyRange::*, 2> ends() {
     return {&PropertyRange::min, &PropertyRange::max};
 }
 
-/// The numbers that nodes have of a clip.
-std::vector<double> numbers_of(const ClipNodes& nodes) {
-    std::vector<double> all{nodes.focal_length / nodes.pixel_width, nodes.near, nodes.far, nodes.max_height};
+/// The numbers that nodes have of a clip, whose camera is this one.
+std::vector<double> numbers_of(const ClipNodes& nodes, const Camera& camera) {
+    std::vector<double> all{camera.fx, nodes.near, nodes.far, nodes.max_height};
     for (const PropertyRange* range :
          {&nodes.ranges.stiffness, &nodes.ranges.static_friction, &nodes.ranges.dynamic_friction})
         for (const auto end : ends()) all.push_back(range->*end);
@@ -111,19 +111,21 @@ Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int hei
     return described;
 }
 
-bool take_nodes(const ClipNodes& nodes, Scene& scene) {
-    const auto said = numbers_of(nodes), known = numbers_of(nodes_from(scene));
+Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene) {
+    const auto camera = camera_of(nodes, scene.width, scene.height);
+    if (!camera) return camera.error();
+    const auto said = numbers_of(nodes, *camera), known = numbers_of(nodes_from(scene), scene.camera);
     bool is_other = false;
     for (std::size_t k = 0; k < said.size(); ++k) is_other = is_other || !is_same(said[k], known[k]);
     if (!is_other) return false;
-    scene.camera.fy *= nodes.focal_length / nodes.pixel_width / scene.camera.fx;
-    scene.camera.fx = nodes.focal_length / nodes.pixel_width;
+    scene.camera.fy *= camera->fx / scene.camera.fx;
+    scene.camera.fx = camera->fx;
     scene.depth.near = nodes.near;
     scene.depth.far = nodes.far;
     derive_valid_range(scene.depth);
     scene.haptic = nodes.ranges;
-    scene.height_coding.max_height = nodes.max_height;
-    scene.height_coding.units = HeightUnits::levels;
+    HeightCoding& height = scene.height_coding;
+    height.max_height = nodes.max_height * (height.units == HeightUnits::levels ? 1 : scene.depth.level());
     return true;
 }
 

@@ -24,7 +24,7 @@ std::vector<std::string> unsaid_by_nodes(const Scene& scene);
 /// so many bits, its rate left open. Lengths are millimetres.
 Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int height, int bits);
 /// A scene of which the nodes say something else than `nodes_from` it, as they say it; false where they
-/// agree, but for what four bytes round.
-bool take_nodes(const ClipNodes& nodes, Scene& scene);
+/// agree, but for what four bytes round. An error where a clip cannot be what they say.
+Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene);
 
 }  // namespace touchable::mpeg4

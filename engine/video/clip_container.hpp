@@ -31,8 +31,8 @@ public:
     virtual Result<FrameRate> rate(const Demuxer& file) = 0;
     /// What it says of itself, its rate left open.
     virtual Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) = 0;
-    /// Depth is the first.
-    virtual Result<std::vector<ClipTrack>> tracks(const Demuxer& file) = 0;
+    /// Depth is the first. `scene`: that describes them.
+    virtual Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) = 0;
     /// Whether decoding can begin every clip_tags::access_interval frames, though pictures do not say so.
     virtual bool keeps_access_points() const { return false; }
     /// What a person should know of all that, once it was asked for.

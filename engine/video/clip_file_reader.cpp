@@ -215,7 +215,7 @@ Result<void> ClipFileReader::start() {
 }
 
 Result<void> ClipFileReader::open_tracks() {
-    const auto found = container_->tracks(*demuxer_);
+    const auto found = container_->tracks(*demuxer_, scene_);
     if (!found) return found.error();
     for (const ClipTrack& track : *found) {
         const PlaneRole role = track.role;

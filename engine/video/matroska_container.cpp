@@ -18,7 +18,7 @@ public:
     Result<std::unique_ptr<Demuxer>> open() override { return Demuxer::open_matroska(source_); }
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
-    Result<std::vector<ClipTrack>> tracks(const Demuxer& file) override;
+    Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
 
 private:
     Error refuse(const std::string& what, Hints hints = {}) const {
@@ -56,7 +56,7 @@ Result<SceneDescription> MatroskaContainer::scene(const Demuxer& file, const Fra
     return described;
 }
 
-Result<std::vector<ClipTrack>> MatroskaContainer::tracks(const Demuxer& file) {
+Result<std::vector<ClipTrack>> MatroskaContainer::tracks(const Demuxer& file, const Scene& /*scene*/) {
     const AVFormatContext& container = file.container();
     std::vector<ClipTrack> tracks;
     for (const PlaneRole role : all_roles) {

@@ -269,19 +269,22 @@ Result<void> MatroskaWriter::end() {
 
 }  // namespace
 
-Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
-                                                const SceneDescription& described, const ClipStorage& storage,
-                                                Existing existing, const std::optional<SoundPart>& sound) {
-    silence_ffmpeg();
-    const Scene& scene = described.scene;
+Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described) {
+    const FrameRate& rate = described.scene.rate;
     if (auto valid = validate(described); !valid)
         return input_error(path.string() + ": " + valid.error().message);
     if (described.unstated.far)
         return input_error(path.string() + ": not written: the scene's depth.far is not known yet");
-    if (clip_tags::is_too_fast(scene.rate))
-        return input_error(path.string() + ": not written: the scene's rate is " +
-                           clip_tags::rate_text(scene.rate) + " frames/s; a clip has at most " +
-                           std::to_string(clip_tags::fastest_rate));
+    if (!clip_tags::is_too_fast(rate)) return {};
+    return input_error(path.string() + ": not written: the scene's rate is " + clip_tags::rate_text(rate) +
+                       " frames/s; a clip has at most " + std::to_string(clip_tags::fastest_rate));
+}
+
+Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
+                                                const SceneDescription& described, const ClipStorage& storage,
+                                                Existing existing, const std::optional<SoundPart>& sound) {
+    silence_ffmpeg();
+    if (auto storable = check_storable(path, described); !storable) return storable.error();
     std::unique_ptr<StoredSound> heard;
     if (sound) {
         auto opened = StoredSound::open(*sound);

@@ -27,6 +27,9 @@ struct ClipStorage {
     bool gives_colour = false;  ///< whoever writes asks for ClipWriter::stored_colour; costs decoding it
 };
 
+/// Refuses a scene that no clip of ours can have, whatever its container. Errors name the file to be written.
+Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described);
+
 /// A touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON; filters
 /// may be left open there. A size that no clip can hold is told by the first `write`, as an error of kind
 /// usage.

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cstring>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "engine/byte_source.hpp"
+#include "engine/mpeg4/bit_stream.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
 #include "engine/printable.hpp"
@@ -49,6 +49,33 @@ Result<mpeg4::Bytes> movie_box_of(ByteSource& file) {
     return mpeg4::Bytes();
 }
 
+/// Whether its coding may leave out the transform, without which it keeps every value: a flag of the
+/// sequence's parameters (ISO/IEC 14496-10, 7.3.2.1.1), for which encoders ask only where they are to be
+/// lossless.
+bool is_lossless_h264(const Demuxer& file, int stream) {
+    constexpr std::size_t sequence_at = 8;  // in avcC
+    constexpr std::uint64_t high_444_predictive = 244;
+    const AVCodecParameters& stored = *file.container().streams[stream]->codecpar;
+    const mpeg4::BytesView bytes(stored.extradata, static_cast<std::size_t>(stored.extradata_size));
+    if (stored.codec_id != AV_CODEC_ID_H264 || bytes.size() <= sequence_at) return false;
+    mpeg4::BitReader bits(bytes.subspan(sequence_at));
+    const auto number = [&bits] {  // Exp-Golomb: as many bits follow as zeros came
+        int zeros = 0;
+        while (zeros < 32 && !bits.flag()) ++zeros;
+        return (std::uint64_t{1} << zeros) - 1 + bits.get(zeros);
+    };
+    bits.get(8);
+    if (bits.get(8) != high_444_predictive) return false;
+    bits.get(16);
+    number();
+    constexpr std::uint64_t colours_at_full_size = 3;
+    if (number() == colours_at_full_size) bits.get(1);
+    number();
+    number();
+    const bool leaves_out_transform = bits.flag();
+    return leaves_out_transform && !bits.is_over();
+}
+
 /// An MPEG-4 scene says which track is which plane, and what the planes mean, as far as it can; tags say the
 /// rest. A file without a scene, such as a fragmented one, says it by tags and by the names of its tracks.
 class Mp4Container final : public ClipContainer {
@@ -57,7 +84,7 @@ public:
     Result<std::unique_ptr<Demuxer>> open() override;
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
-    Result<std::vector<ClipTrack>> tracks(const Demuxer& file) override;
+    Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
     bool keeps_access_points() const override { return is_ours_; }
 
 private:
@@ -65,17 +92,16 @@ private:
         return input_error(file_ + ": " + what, std::move(hints));
     }
     Result<void> read_scene_stream();
+    Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const;
     Result<SceneDescription> tagged_scene(const std::string& json, const FrameRate& recorded) const;
     Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
     static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
-    bool is_lossless(const Demuxer& file, const ClipTrack& track) const;
 
     SourceFile source_;
     std::string file_;
     std::optional<mpeg4::SceneStream> stream_;
     std::optional<mpeg4::ClipNodes> nodes_;
     bool is_ours_ = false;
-    int low_bits_of_depth_ = 0;  // as the tagged scene has them
 };
 
 Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
@@ -108,8 +134,11 @@ Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
         const auto depth = stream_of(file, PlaneRole::depth);
         if (!depth) return depth.error();
         const AVRational said = file.container().streams[depth->value_or(0)]->avg_frame_rate;
-        if (said.num <= 0 || said.den <= 0) return refuse("its depth says no frame rate");
-        return FrameRate{said.num, said.den};
+        const FrameRate rate{said.num, said.den};
+        if (said.num <= 0 || said.den <= 0 || clip_tags::is_too_fast(rate))
+            return refuse("its depth says no frame rate of at most " +
+                          std::to_string(clip_tags::fastest_rate) + "/1");
+        return rate;
     }
     auto rate = tagged_rate(file, file_);
     if (!rate) return rate;
@@ -140,13 +169,14 @@ Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRat
     if (const auto json = file.tag(mp4_scene_tag)) {
         auto described = tagged_scene(*json, recorded);
         if (!described) return described;
-        low_bits_of_depth_ = std::max(0, described->scene.depth_bits - 8);
-        if (nodes_ && mpeg4::take_nodes(*nodes_, described->scene)) {
-            notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
-                                std::string(mp4_scene_tag) + ": the scene stands");
-            if (auto valid = validate(*described); !valid)
-                return refuse("its MPEG-4 scene: " + valid.error().message);
-        }
+        if (!nodes_) return described;
+        const auto is_other = mpeg4::take_nodes(*nodes_, described->scene);
+        if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
+        if (!*is_other) return described;
+        notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
+                            std::string(mp4_scene_tag) + ": the scene stands");
+        if (auto valid = validate(*described); !valid)
+            return refuse("its MPEG-4 scene: " + valid.error().message);
         return described;
     }
     if (!nodes_)
@@ -160,6 +190,10 @@ Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRat
     auto described = mpeg4::described_by(*nodes_, stored.width, stored.height, bits);
     if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
     described->scene.name = source_.path().stem().string();
+    for (const PlaneRole role : {PlaneRole::depth, PlaneRole::height})
+        if (const std::string low = std::string(role_name(role)) + low_track_suffix; stream_named(file, low))
+            notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " + low +
+                             ", are left out: no tag " + mp4_scene_tag + " says what they are");
     return described;
 }
 
@@ -196,20 +230,18 @@ Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRol
                   ", which has no pictures");
 }
 
-/// H.264 can be lossless in one of its profiles alone. Whoever encodes a track anew takes another.
-bool Mp4Container::is_lossless(const Demuxer& file, const ClipTrack& track) const {
-    constexpr int high_444_predictive = 244;  // by the second byte of avcC
-    const AVCodecParameters& stored = *file.container().streams[track.stream]->codecpar;
-    if (stored.codec_id != AV_CODEC_ID_H264 || stored.extradata_size < 2 ||
-        stored.extradata[1] != high_444_predictive)
-        return false;
-    std::istringstream said(file.tag(mp4_lossless_tag).value_or(""));
-    for (std::string role; said >> role;)
-        if (role == role_name(track.role)) return true;
-    return false;
+/// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
+Result<int> Mp4Container::low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
+    const auto json = file.tag(mp4_scene_tag);
+    if (role == PlaneRole::height) return json || scene.height_coding.code_max > 255 ? 8 : 0;
+    if (role != PlaneRole::depth) return 0;
+    if (!json) return scene.depth_bits - 8;
+    const auto tagged = parse_scene(*json, file_ + ": tag " + mp4_scene_tag);
+    if (!tagged) return tagged.error();
+    return tagged->scene.depth_bits - 8;
 }
 
-Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file) {
+Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const Scene& scene) {
     std::vector<ClipTrack> tracks;
     for (const PlaneRole role : all_roles) {
         const auto stream = stream_of(file, role);
@@ -217,10 +249,16 @@ Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file) {
         if (!*stream && role == PlaneRole::depth) return refuse("has no track of depth");
         if (!*stream) continue;
         ClipTrack track{role, **stream};
-        track.is_lossless = is_lossless(file, track);
-        track.low_bits = role == PlaneRole::depth ? low_bits_of_depth_ : 8;
-        if (track.low_bits > 0 && (role == PlaneRole::depth || role == PlaneRole::height))
-            track.low_stream = stream_named(file, std::string(role_name(role)) + low_track_suffix);
+        const auto bits = low_bits(file, role, scene);
+        if (!bits) return bits.error();
+        track.low_bits = *bits;
+        if (*bits > 0) track.low_stream = stream_named(file, std::string(role_name(role)) + low_track_suffix);
+        track.is_lossless = is_lossless_h264(file, track.stream) &&
+                            (!track.low_stream || is_lossless_h264(file, *track.low_stream));
+        for (const ClipTrack& other : tracks)
+            if (other.stream == track.stream)
+                return refuse("its " + std::string(role_name(role)) + " is the same track as its " +
+                              std::string(role_name(other.role)) + ": must be one of its own");
         tracks.push_back(track);
     }
     return tracks;

@@ -50,7 +50,6 @@ struct Mp4Track {
     Part part = Part::whole;
     int low_bits = 0;  // of a sample that is in two parts
     std::unique_ptr<TrackEncoder> encoder{};
-    TrackCoding coding = TrackCoding::h264_quick;
     std::vector<std::uint8_t> bytes{};  // of the newest picture of a part
     std::string name() const {
         return std::string(role_name(role)) + (part == Part::low ? low_track_suffix : "");
@@ -77,6 +76,12 @@ PlaneView part_of(const PlaneView& plane, Mp4Track& track) {
 
 struct ContainerCloser {
     void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
+};
+
+/// Content, and where in the file the box begins.
+struct MovieBox {
+    std::uint64_t at = 0;
+    mpeg4::Bytes content;
 };
 
 class Mp4Writer final : public ClipWriter {
@@ -120,7 +125,8 @@ private:
     Result<void> read_along(const AVPacket& packet);
     Result<void> write_sound(std::int64_t until_ms);
     Result<void> add_scene();
-    Result<mpeg4::SceneStream> scene_stream() const;
+    Result<void> make_scene_stream();
+    Result<MovieBox> movie_box() const;
     Result<void> end();
     /// Exact where frames come evenly: a rate of 30000/1001 has ticks of 1/30000 s.
     AVRational time_base() const {
@@ -139,6 +145,7 @@ private:
     ReservedOutput room_;
     std::unique_ptr<AVFormatContext, ContainerCloser> muxer_;
     std::vector<Mp4Track> tracks_;  // track k is stream k, and has number k + 1
+    mpeg4::SceneStream scene_stream_;
     FrameCheck check_;
     std::unique_ptr<TrackDecoder> reader_;  // of colour as stored; null: nobody asked
     Plane as_read_;
@@ -168,10 +175,10 @@ Result<void> Mp4Writer::open() {
 
 Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
     const bool is_seen = track.role == PlaneRole::colour && !storage_.exact_colour;
-    track.coding = is_seen                             ? TrackCoding::h264_visual
-                   : storage_.archive == Archive::fast ? TrackCoding::h264_quick
-                                                       : TrackCoding::h264_thrifty;
-    auto encoder = TrackEncoder::open(track.role, track.coding, part_of(first, track), scene_);
+    const TrackCoding coding = is_seen                             ? TrackCoding::h264_visual
+                               : storage_.archive == Archive::fast ? TrackCoding::h264_quick
+                                                                   : TrackCoding::h264_thrifty;
+    auto encoder = TrackEncoder::open(track.role, coding, part_of(first, track), scene_);
     if (!encoder) return encoder.error();
     track.encoder = std::move(*encoder);
     AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
@@ -203,6 +210,7 @@ Result<void> Mp4Writer::open_tracks(const RawFrame& first) {
             if (auto opened = open_track(std::move(track), plane); !opened) return opened;
         }
     }
+    if (auto made = make_scene_stream(); !made) return made;
     return begin_file();
 }
 
@@ -234,12 +242,8 @@ Result<void> Mp4Writer::add_tags() {
     av_dict_set(&tags, clip_tags::rate_tag, clip_tags::rate_text(scene_.rate).c_str(), 0);
     av_dict_set(&tags, mp4_scene_tag, scene_to_json(described).c_str(), 0);
     if (scene_.rate.own_times) av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
-    std::string lossless;
-    for (const Mp4Track& track : tracks_)
-        if (track.part != Part::low && track.coding != TrackCoding::h264_visual)
-            lossless += (lossless.empty() ? "" : " ") + track.name();
-    return av_dict_set(&tags, mp4_lossless_tag, lossless.c_str(), 0) < 0 ? refuse("out of memory")
-                                                                         : Result<void>{};
+    const int wanted = scene_.rate.own_times ? 4 : 3;
+    return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
 }
 
 Result<void> Mp4Writer::write_picture(std::size_t track, const PlaneView& plane) {
@@ -298,52 +302,63 @@ Result<void> Mp4Writer::write_frame(const RawFrame& frame) {
 }
 
 /// Each plane's texture is a track.
-Result<mpeg4::SceneStream> Mp4Writer::scene_stream() const {
+Result<void> Mp4Writer::make_scene_stream() {
     const auto has = [&](PlaneRole role) { return check_.bytes_per_sample(role) > 0; };
     const mpeg4::ClipNodes nodes =
         mpeg4::nodes_from(scene_, {has(PlaneRole::colour), has(PlaneRole::haptic), has(PlaneRole::height)});
-    mpeg4::SceneStream stream;
+    mpeg4::SceneStream& stream = scene_stream_;
     for (std::size_t k = 0; k < tracks_.size(); ++k)
         if (tracks_[k].part != Part::low)
             stream.objects[object_of(tracks_[k].role)] = static_cast<std::uint32_t>(k + 1);
     const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
     stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);
     auto bytes = mpeg4::encode_scene(tree, stream.config);
-    if (!bytes) return bytes.error();
+    if (!bytes) return refuse("MPEG-4 has no such scene: " + bytes.error().message);
     stream.scene = std::move(*bytes);
-    return stream;
+    return {};
+}
+
+/// As FFmpeg has written it, the file's last box.
+Result<MovieBox> Mp4Writer::movie_box() const {
+    std::ifstream file(output_.path(), std::ios::binary | std::ios::ate);
+    const auto read = [&file](std::uint64_t from, std::uint64_t count) {
+        mpeg4::Bytes bytes(count);
+        file.seekg(static_cast<std::streamoff>(from));
+        file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
+        return bytes;
+    };
+    const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
+    constexpr std::uint64_t head_bytes = 16;
+    for (std::uint64_t at = 0; at + head_bytes <= end;) {
+        const mpeg4::Bytes head = read(at, head_bytes);
+        const std::uint64_t stated = mpeg4::number_at(head, 0, 4),
+                            size = stated == 1 ? mpeg4::number_at(head, 8, 8) : stated;
+        if (!file || size < 8 || size > end - at) break;
+        if (std::memcmp(head.data() + 4, "moov", 4) != 0) {
+            at += size;
+            continue;
+        }
+        if (at + size != end) break;
+        mpeg4::Bytes content = read(at + 8, size - 8);
+        if (!file) break;
+        return MovieBox{at, std::move(content)};
+    }
+    return file ? Error{ErrorKind::internal, "the movie box is not the MP4 file's last"}
+                : refuse("cannot be written: what is there already cannot be read");
 }
 
 /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, which is the last.
 Result<void> Mp4Writer::add_scene() {
-    std::fstream file(output_.path(), std::ios::in | std::ios::out | std::ios::binary);
-    file.seekg(0, std::ios::end);
-    const auto size = static_cast<std::uint64_t>(file.tellg());
-    std::uint64_t at = 0;
-    mpeg4::Bytes head(16);
-    std::uint64_t length = 0;
-    for (; at + 8 <= size; at += length) {
-        file.seekg(static_cast<std::streamoff>(at));
-        file.read(reinterpret_cast<char*>(head.data()),
-                  static_cast<std::streamsize>(std::min<std::uint64_t>(16, size - at)));
-        length = mpeg4::number_at(head, 0, 4);
-        if (length == 1) length = mpeg4::number_at(head, 8, 8);
-        const bool is_movie = std::memcmp(head.data() + 4, "moov", 4) == 0;
-        if (!file || length < 8 || is_movie) break;
-    }
-    if (!file || at + length != size)
-        return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
-    mpeg4::Bytes movie(length - 8);
-    file.seekg(static_cast<std::streamoff>(at + 8));
-    file.read(reinterpret_cast<char*>(movie.data()), static_cast<std::streamsize>(movie.size()));
-    const auto stream = scene_stream();
-    if (!stream) return stream.error();
-    const auto made = mpeg4::with_scene_stream(movie, *stream, 1, at);
+    avio_flush(muxer_->pb);
+    const auto movie = movie_box();
+    if (!movie) return movie.error();
+    const auto made = mpeg4::with_scene_stream(movie->content, scene_stream_, 1, movie->at);
     if (!made) return made.error();
-    file.seekp(static_cast<std::streamoff>(at));
-    file.write(reinterpret_cast<const char*>(made->data()), static_cast<std::streamsize>(made->size()));
-    file.close();
-    return file ? Result<void>{} : refuse("cannot be written: no space is left, or the disk fails");
+    if (avio_seek(muxer_->pb, static_cast<std::int64_t>(movie->at), SEEK_SET) < 0)
+        return refuse("cannot be written: no way back in it");
+    avio_write(muxer_->pb, made->data(), static_cast<int>(made->size()));
+    avio_flush(muxer_->pb);
+    return check_status(0);
 }
 
 Result<void> Mp4Writer::end() {
@@ -353,9 +368,9 @@ Result<void> Mp4Writer::end() {
     if (auto written = write_sound(scene_.rate.time_ns(check_.frames()) / ns_per_ms); !written)
         return written;
     if (auto written = check_status(av_write_trailer(muxer_.get())); !written) return written;
+    if (auto added = add_scene(); !added) return added;
     const int status = room_.close();
     if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
-    if (auto added = add_scene(); !added) return added;
     over_ = complete_ = true;
     return {};
 }
@@ -367,10 +382,7 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path&
                                                     const ClipStorage& storage, Existing existing,
                                                     const std::optional<SoundPart>& sound) {
     silence_ffmpeg();
-    if (auto valid = validate(described); !valid)
-        return input_error(path.string() + ": " + valid.error().message);
-    if (described.unstated.far)
-        return input_error(path.string() + ": not written: the scene's depth.far is not known yet");
+    if (auto storable = check_storable(path, described); !storable) return storable.error();
     std::unique_ptr<StoredSound> heard;
     if (sound) {
         auto opened = StoredSound::open(*sound);

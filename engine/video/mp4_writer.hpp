@@ -12,8 +12,6 @@ namespace touchable {
 // Matroska (clip_tags.hpp), and these.
 inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
 inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text.hpp, of a variable rate
-/// Roles of tracks that keep every value, with a space between.
-inline constexpr const char* mp4_lossless_tag = "T3D_LOSSLESS";
 /// The name of a track (its handler's) that has the low bits of another one: "depth_low". The high eight are
 /// in that one.
 inline constexpr const char* low_track_suffix = "_low";
