@@ -354,7 +354,7 @@ TEST_F(Convert, TakesThePartThatIsAskedFor) {
 TEST_F(Convert, WhatCannotBeIsRefusedAndLeavesNothing) {
     make("globe");
     const std::string clip = at("clip.mkv");
-    expect_refused({clip, at("out/a.mp4")}, "is no name of a clip");
+    expect_refused({clip, at("out/a.avi")}, "is no name of a clip");
     expect_refused({clip, at("out/a"), "--archive", "small"}, "--archive is for clips");
     expect_refused({clip, at("out/a.png"), "--exact-colour"}, "--exact-colour is for clips");
     expect_refused({clip, at("out/a.png"), "--to", "3"}, "--to is for");

@@ -160,17 +160,18 @@ TEST(Make, EarlierFileStaysUnlessItMayBeReplaced) {
     EXPECT_TRUE(open_clip(out).ok());
 }
 
-TEST(Make, OtherNamesThanMatroskasAreCode2) {
+TEST(Make, OtherNamesThanOfMatroskaAndMp4AreCode2) {
     const TemporaryFolder folder;
-    for (const char* name : {"clip.mp4", "clip", "clip.mkv.png", "mkv"}) {
+    for (const char* name : {"clip.avi", "clip", "clip.mkv.png", "mkv", "mp4"}) {
         const Outcome run =
             run_touchable({"make", "plane", folder / name, "--size", "16x12", "--frames", "1"});
         EXPECT_EQ(run.code, 2) << name;
-        EXPECT_NE(run.err.find("does not end in .mkv"), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find("does not end in .mkv (Matroska) or .mp4"), std::string::npos) << run.err;
     }
-    EXPECT_EQ(run_touchable({"make", "plane", folder / "CLIP.MKV", "--size", "16x12", "--frames", "1"}).code,
-              0);
-    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"CLIP.MKV"});
+    for (const char* name : {"CLIP.MKV", "CLIP.Mp4"})
+        EXPECT_EQ(run_touchable({"make", "plane", folder / name, "--size", "16x12", "--frames", "1"}).code,
+                  0);
+    EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"CLIP.MKV", "CLIP.Mp4"}));
 }
 
 TEST(Make, PicturesThatMemoryCannotHoldAreCode3AndSaysSo) {
