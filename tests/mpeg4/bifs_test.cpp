@@ -165,7 +165,7 @@ TEST(Bifs, NumbersThatFourBytesCannotHoldAreRefused) {
 
 TEST(Bifs, NodesWithNamesMayStandInPrototypesFields) {
     constexpr std::string_view scene =
-        "PROTO Held [ exposedField SFNode inner DEF kept WorldInfo { title \"a\" } ] { WorldInfo {} USE kept }\n"
+        "PROTO Held [ exposedField SFNode inner DEF kept WorldInfo { title \"a\" } ] { WorldInfo {} }\n"
         "Group { children [ Held {} DEF kept WorldInfo { title \"b\" } USE kept ] }";
     EXPECT_EQ(through_bits(scene), as_written(scene));
 }
