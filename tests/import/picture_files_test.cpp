@@ -180,6 +180,49 @@ TEST(PictureFiles, OfAStarSayWhichNumbersAreMissing) {
     EXPECT_NE(message(depth_files(folder.path(), source)).find("is no regular file"), std::string::npos);
 }
 
+TEST(PictureFiles, OfAStarSayWhichNumbersAreMissingHoweverMany) {
+    const struct {
+        std::vector<int> numbers;
+        const char* remark;
+    } rows[] = {{{0, 1, 2, 3, 8}, "d*.png: missing numbers: 4 to 7"},
+                {{0, 1, 2, 3, 9}, "d*.png: missing numbers: 4 to 8"},
+                {{1, 2, 20}, "d*.png: missing numbers: 3 to 19"},
+                {{0, 1, 2, 10, 11, 12}, "d*.png: missing numbers: 3 to 9"},
+                {{0, 5, 10, 15, 20}, ""},
+                {{33, 67, 100, 133, 167, 200}, ""}};
+    for (const auto& row : rows) {
+        const TemporaryFolder folder;
+        for (const int number : row.numbers)
+            write_bytes(folder / ("d" + std::to_string(number) + ".png"), "");
+        EXPECT_EQ(found_in(folder, "d*.png").remark, row.remark) << row.numbers.back();
+    }
+    const TemporaryFolder folder;
+    for (const char* name : {"d0.png", "d6.png", "d7.png", "d8.png"}) write_bytes(folder / name, "");
+    FolderSource source{.depth = "d*.png", .colour = "", .haptic = "", .height = ""};
+    source.first = 1;
+    EXPECT_EQ(depth_files(folder.path(), source)->remark, "") << "none of those that are used";
+}
+
+TEST(PictureFiles, OfAnotherPlaneSayWhichOfDepthsNumbersAreMissing) {
+    const TemporaryFolder folder;
+    for (const char* name : {"d1.png", "d2.png", "d3.png", "d4.png", "d5.png", "c1.png", "c2.png", "c3.png",
+                             "c5.png", "c6.png", "t1.50.png", "t2.00.png", "u1.51.png", "u2.01.png"})
+        write_bytes(folder / name, "");
+    const auto remark = [&](const char* depth, const char* colour) {
+        const FolderSource source{.depth = depth, .colour = colour, .haptic = "", .height = ""};
+        const auto beside =
+            files_beside(folder.path(), PlaneRole::colour, source, *depth_files(folder.path(), source));
+        EXPECT_EQ(message(beside), "");
+        return beside ? beside->remark : "";
+    };
+    EXPECT_EQ(remark("d*.png", "c*.png"),
+              "colour: missing numbers that depth has; those frames get the nearest one's: 4");
+    EXPECT_EQ(remark("c*.png", "d*.png"),
+              "colour: missing numbers that depth has; those frames get the nearest one's: 6");
+    EXPECT_EQ(remark("d*.png", "d*.png"), "");
+    EXPECT_EQ(remark("t*.png", "u*.png"), "") << "times";
+}
+
 TEST(PictureFiles, StampsTellTheirUnitByTheirSize) {
     for (const double unit : {1.0, 1e3, 1e6, 1e9}) {
         PictureFiles found;

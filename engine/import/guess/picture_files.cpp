@@ -249,8 +249,8 @@ std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
     return seconds;
 }
 
-/// Says which numbers a row lacks whose files are counted, evenly; nothing where at least as many are missing
-/// as there are, as of chosen frames.
+/// Says which numbers a row lacks whose files are counted, evenly; nothing where no two of them are one step
+/// apart, as of chosen frames and of times.
 std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
     if (found.count() < 3 || found.keys.empty() || found.has_decimals || seconds_per_key(found)) return "";
     std::int64_t step = 0;
@@ -258,16 +258,16 @@ std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
         step = std::gcd(step, static_cast<std::int64_t>(found.keys[n] - found.keys[n - 1]));
     if (step == 0) return "";
     std::string gaps;
-    std::int64_t missing = 0;
+    bool is_a_row = false;
     for (std::size_t n = 1; n < found.keys.size(); ++n) {
         const auto first = static_cast<std::int64_t>(found.keys[n - 1]) + step,
                    last = static_cast<std::int64_t>(found.keys[n]) - step;
+        is_a_row |= last - first == -step;
         if (last < first) continue;
-        missing += (last - first) / step + 1;
         gaps += (gaps.empty() ? "" : ", ") + std::to_string(first);
         if (last > first) gaps += " to " + std::to_string(last);
     }
-    if (missing == 0 || missing >= static_cast<std::int64_t>(found.count())) return "";
+    if (gaps.empty() || !is_a_row) return "";
     return pattern + ": missing numbers: " + printable(gaps, 120);
 }
 
@@ -281,6 +281,11 @@ std::string close_times(const PictureFiles& found, const std::string& pattern) {
                    printable(found.files[n].filename().string()) +
                    " are less than 1 ms apart: all are taken evenly, at their mean rate";
     return "";
+}
+
+/// Of numbers that are missing, or of times that cannot be.
+std::string row_remark(const PictureFiles& found, const std::string& pattern) {
+    return rate_of(found) ? close_times(found, pattern) : gaps_in(found, pattern);
 }
 
 /// Of frames that are so many seconds apart: a whole number a second where it is nearly one.
@@ -323,7 +328,7 @@ std::size_t nearest_key(const std::vector<double>& keys, double key) {
 
 Result<PictureFiles> found_files(const fs::path& folder, const std::string& pattern) {
     auto found = is_list(pattern) ? listed_files(folder / pattern) : starred_files(folder, pattern);
-    if (found) found->remark = rate_of(*found) ? close_times(*found, pattern) : gaps_in(*found, pattern);
+    if (found) found->remark = row_remark(*found, pattern);
     return found;
 }
 
@@ -346,6 +351,7 @@ Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& sou
     keep(found->keys);
     if (found->files.empty())
         return input_error((folder / source.depth).string() + ": has no picture from folder.first on");
+    found->remark = row_remark(*found, source.depth);
     return found;
 }
 
@@ -357,6 +363,19 @@ struct FilesBeside {
     const std::string& pattern;
     const PictureNumbers& numbers;
 };
+
+/// Says which of depth's numbers no file of another plane has; nothing where they are times.
+std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::string_view what) {
+    for (const PictureFiles* row : {&found, &depth})
+        if (row->has_decimals || seconds_per_key(*row)) return "";
+    std::string numbers;
+    for (const double key : depth.keys)
+        if (!std::binary_search(found.keys.begin(), found.keys.end(), key))
+            numbers += (numbers.empty() ? "" : ", ") + std::to_string(static_cast<std::int64_t>(key));
+    if (numbers.empty()) return "";
+    return std::string(what) +
+           ": missing numbers that depth has; those frames get the nearest one's: " + printable(numbers, 120);
+}
 
 Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sought,
                                   const FolderSource& source, const PictureFiles& depth) {
@@ -385,6 +404,7 @@ Result<PictureFiles> paired_files(const fs::path& folder, const FilesBeside& sou
          frame < (by_key ? depth.keys.size() : std::min(found->count(), depth.count())); ++frame)
         beside.files.push_back(found->files[by_key ? nearest_key(found->keys, depth.keys[frame]) : frame]);
     beside.frames = depth.count();
+    if (by_key) beside.remark = unpaired(*found, depth, what);
     if (!by_key && found->count() != depth.count())
         beside.remark = std::string(what) + " has " + std::to_string(found->count()) + " files for depth's " +
                         std::to_string(depth.count()) + ": paired in their order, from the first on";

@@ -21,7 +21,7 @@ struct PictureFiles {
     std::vector<double> keys;
     bool has_decimals = false;   ///< keys were written with a point: they are seconds, even if whole
     std::filesystem::path list;  ///< that names them, if one does
-    std::string remark;          ///< of a numbered pattern: that it ends before later numbers
+    std::string remark;          ///< of numbers that are missing, and of times that cannot be
 
     std::size_t frames = 0;  ///< where they are more than files
 
@@ -31,11 +31,13 @@ struct PictureFiles {
     }
 };
 
-/// What the depth pattern of `source` stands for in `folder` (FolderSource). An error names what is missing.
+/// What the depth pattern of `source` stands for in `folder` (FolderSource). Its remark says which numbers a
+/// row lacks. An error names what is missing.
 Result<PictureFiles> depth_files(const std::filesystem::path& folder, const FolderSource& source);
 
 /// A file of another plane for each of `depth`: that of the same number, that which is nearest by key where
-/// both have keys, otherwise that of the same place in its row; or the same still for all.
+/// both have keys, otherwise that of the same place in its row; or the same still for all. Its remark says
+/// which of depth's numbers it has not.
 Result<PictureFiles> files_beside(const std::filesystem::path& folder, PlaneRole role,
                                   const FolderSource& source, const PictureFiles& depth);
 
