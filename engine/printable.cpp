@@ -49,4 +49,31 @@ std::string in_quotes(std::string_view foreign) {
     return std::string("\"").append(printable(foreign)).append("\"");
 }
 
+std::string shell_word(std::string_view file) {
+    constexpr std::string_view plain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:@%+,=";
+    const auto is_plain = [&](char c) {
+        return plain.find(c) != std::string_view::npos || static_cast<unsigned char>(c) >= 0x80;
+    };
+    bool is_odd = file.empty(), has_control = false;
+    std::string inside = file.starts_with('-') ? "./" : "";
+    for (std::size_t n = 0; n < file.size(); ++n) {
+        is_odd |= !is_plain(file[n]);
+        has_control |= is_control(file.substr(n));
+    }
+    if (!is_odd && !has_control) return inside.append(file);
+    // $'...' alone can say a control character.
+    for (const char c : file) {
+        if (has_control && (c == '\\' || c == '\''))
+            inside.append({'\\', c});
+        else if (c == '\'')
+            inside += "'\\''";
+        else
+            inside += has_control && (is_control({&c, 1}) || static_cast<unsigned char>(c) >= 0x80)
+                          ? escaped(c)
+                          : std::string(1, c);
+    }
+    return (has_control ? "$'" : "'") + inside + '\'';
+}
+
 }  // namespace touchable

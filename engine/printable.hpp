@@ -11,5 +11,8 @@ namespace touchable {
 std::string printable(std::string_view foreign, std::size_t most = 80);
 /// The same between double quotes.
 std::string in_quotes(std::string_view foreign);
+/// A file's name as a command in a message has it: a shell reads it as this one word, whole, and a command
+/// not as an option.
+std::string shell_word(std::string_view file);
 
 }  // namespace touchable

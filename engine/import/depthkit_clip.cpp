@@ -193,6 +193,18 @@ std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem:
     return metadata;
 }
 
+std::optional<std::filesystem::path> depthkit_video_of(const std::filesystem::path& metadata) {
+    const std::filesystem::path stem = metadata.stem().stem();  // without ".Metadata.asset"
+    for (const char* extension : {".mov", ".mp4", ".MOV", ".MP4"}) {
+        std::filesystem::path video = metadata.parent_path() / stem;
+        video += extension;
+        std::error_code ignored;
+        if (depthkit_metadata_of(video) == metadata && std::filesystem::is_regular_file(video, ignored))
+            return video;
+    }
+    return std::nullopt;
+}
+
 Result<std::unique_ptr<ClipReader>> open_depthkit_clip(const SourceFile& video,
                                                        const std::filesystem::path& metadata,
                                                        const std::optional<SceneDescription>& described) {

@@ -21,6 +21,7 @@
 #include "engine/import/scene_text_clip.hpp"
 #include "engine/import/video_clip.hpp"
 #include "engine/picture/stored_image.hpp"
+#include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/stop_request.hpp"
 #include "engine/video/clip_file_reader.hpp"
@@ -232,17 +233,32 @@ Hints of_bare_pictures() {
     return {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}};
 }
 
+/// Whether it is a clip of ours, which has its scene in it.
+bool has_scene(const Candidate& candidate) {
+    return is_matroska(candidate) && !is_azure_kinect(candidate);
+}
+
+/// As it says itself what a camera, a unit or a preset would.
+Error refused_description(const Candidate& candidate) {
+    const std::string name = candidate.file.string();
+    if (!has_scene(candidate))
+        return usage_error(
+            name + ": is no picture, so a camera, a unit or a preset says nothing of it: leave them out",
+            of_bare_pictures());
+    return usage_error(name +
+                           ": has its scene in it, which a camera, a unit or a preset does not change: leave "
+                           "them out, or write that scene to a file (touchable init-scene " +
+                           shell_word(name) + "), change it and name it",
+                       {{Setting::scene_file, "FILE"}});
+}
+
 Opened open_file(const SourceFile& source, const std::optional<SceneDescription>& described,
                  const SourceDescription& known, Colour colour) {
     const Candidate candidate{source, described, known, colour};
     const std::filesystem::path& file = candidate.file;
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
-    if (describes_itself && !(known == SourceDescription()))
-        return usage_error(
-            file.string() +
-                ": is no picture, so a camera, a unit or a preset says nothing of it: leave them out",
-            of_bare_pictures());
+    if (describes_itself && !(known == SourceDescription())) return refused_description(candidate);
     if (describes_itself && described && !described->scene.stored.is_plain())
         return usage_error(file.string() +
                            ": the scene's depth.coding is of pictures in files, not of videos");
@@ -252,6 +268,9 @@ Opened open_file(const SourceFile& source, const std::optional<SceneDescription>
                            "video), then: touchable play EXPORT.mp4");
     for (const Format& format : formats)
         if (format.recognises(candidate)) return format.open(candidate);
+    if (const auto video = depthkit_video_of(file))
+        return input_error(file.string() + ": says what the depth of a Depthkit video is: touchable play " +
+                           shell_word(video->string()));
     return input_error(file.string() +
                        ": is not a Matroska file, nor a video, nor a recording of ROS 1 (.bag), nor a "
                        "picture of depth (PNG, PGM, TIFF, PFM, "
@@ -323,21 +342,41 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
     return reader;
 }
 
+/// That of a clip of ours, without the files that it once was of.
+Result<GuessedScene> scene_in(const Candidate& candidate) {
+    const auto reader = open_matroska_clip(candidate.source, std::nullopt, Colour::left_out);
+    if (!reader) return reader.error();
+    GuessedScene scene{(*reader)->described(), {}, {}, {}};
+    scene.scene.folder.reset();
+    scene.scene.video.reset();
+    return scene;
+}
+
+/// A name of pictures that `convert` can make beside a clip: what is there is not replaced.
+std::filesystem::path free_name(const std::filesystem::path& clip, const char* extension) {
+    const std::filesystem::path stem = clip.parent_path() / clip.stem();
+    std::filesystem::path name = stem;
+    name += extension;
+    std::error_code ignored;
+    for (int n = 2; std::filesystem::exists(name, ignored); ++n) {
+        name = stem;
+        name += '-' + std::to_string(n) + extension;
+    }
+    return name;
+}
+
 /// What a scene file would say of it, it says itself; nothing where there is something to guess.
 std::optional<Error> nothing_to_guess(const Candidate& candidate) {
     const std::string name = candidate.file.string();
-    const std::string in_pictures =
-        ": nothing is to be guessed; as pictures with a scene file: touchable convert " + name + ' ' +
-        (candidate.file.parent_path() / candidate.file.stem()).string();
-    if (is_azure_kinect(candidate)) return {};
-    if (is_matroska(candidate))
-        return input_error(name + ": is a clip that has its scene in it" + in_pictures);
+    const auto refused = [&](const char* what, const char* extension) {
+        return input_error(
+            name + what + ": nothing is to be guessed; as pictures with a scene file: touchable convert " +
+            shell_word(name) + ' ' + shell_word(free_name(candidate.file, extension).string()));
+    };
     if (is_heic(candidate) || (is_jpeg(candidate) && has_jpeg_depth(candidate.source)))
-        return input_error(name + ": is a photograph that says itself what its depth is" + in_pictures +
-                           ".png");
+        return refused(": is a photograph that says itself what its depth is", ".png");
     if (is_depthkit(candidate))
-        return input_error(name + ": is a Depthkit video, whose metadata beside it say what its depth is" +
-                           in_pictures);
+        return refused(": is a Depthkit video, whose metadata beside it say what its depth is", "");
     return {};
 }
 
@@ -352,6 +391,9 @@ Result<GuessedScene> guess_stored(const std::filesystem::path& path, const Sourc
     const SourceFile source(path);
     const Candidate candidate{source, none, known, Colour::wanted};
     if (auto refused = nothing_to_guess(candidate)) return std::move(*refused);
+    if (has_scene(candidate))
+        return known == SourceDescription() ? scene_in(candidate)
+                                            : Result<GuessedScene>(refused_description(candidate));
     return is_ros_recording(candidate)  ? guess_bag(source, known)
            : is_azure_kinect(candidate) ? guess_k4a(source, known)
            : is_video(candidate)        ? guess_video(source, known)

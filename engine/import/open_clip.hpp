@@ -23,7 +23,8 @@ struct ClipFormat {
 std::vector<ClipFormat> clip_formats();
 
 /// The scene of what has no scene file of its own: a folder of pictures, a picture or video of depth, a
-/// recording. An error of kind interrupted soon after it was `given_up`, here and below.
+/// recording; of a clip of ours that which is in it. An error of kind interrupted soon after it was
+/// `given_up`, here and below.
 Result<GuessedScene> guess_clip(const std::filesystem::path& path, const SourceDescription& known,
                                 std::stop_token given_up = {});
 

@@ -18,7 +18,7 @@ void add_touch_command(CLI::App& app, Command& command);
 void add_info_command(CLI::App& app, Command& command);
 /// What can be opened, and how.
 void add_formats_command(CLI::App& app, Command& command);
-/// Writes the scene file of pictures that have none.
+/// Writes the scene file of pictures that have none, or of a clip that has it in it.
 void add_init_scene_command(CLI::App& app, Command& command);
 void add_export_command(CLI::App& app, Command& command);
 void add_convert_command(CLI::App& app, Command& command);

@@ -9,6 +9,7 @@
 
 #include "engine/import/open_clip.hpp"
 #include "engine/new_file.hpp"
+#include "engine/printable.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "player/options/camera_options.hpp"
 #include "player/options/file_option.hpp"
@@ -35,18 +36,19 @@ Result<void> write_text(const std::filesystem::path& target, const std::string& 
     return file.commit();
 }
 
-/// What opens the pictures as `target` describes them. It names them from their own folder, so that it opens
-/// by itself only there.
+/// What opens the pictures as `target` describes them. Where it names them it does so from their own folder,
+/// so that it opens by itself only there.
 std::string opening(const std::filesystem::path& target, const std::filesystem::path& pictures,
-                    bool is_folder) {
+                    bool is_folder, const Scene& scene) {
     std::error_code failure;
     const auto whole = [&](const std::filesystem::path& path) {
         return std::filesystem::weakly_canonical(std::filesystem::absolute(path, failure), failure);
     };
     const auto home = is_folder ? whole(pictures) : whole(pictures).parent_path();
-    if (whole(target).parent_path() == home && target.extension() == ".json")
-        return "touchable " + target.string();
-    return "touchable play " + pictures.string() + " --scene " + target.string();
+    const bool names_pictures = scene.folder || scene.video;
+    if (names_pictures && whole(target).parent_path() == home && target.extension() == ".json")
+        return "touchable " + shell_word(target.string());
+    return "touchable play " + shell_word(pictures.string()) + " --scene " + shell_word(target.string());
 }
 
 Result<void> run_init_scene(const InitSceneOptions& options) {
@@ -66,8 +68,8 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
     if (auto written = write_text(target, scene_to_json(*guessed), options.existing); !written.ok())
         return written;
-    std::cout << target.string() << " is written; " << opening(target, options.pictures, is_folder)
-              << " opens the pictures so\n";
+    std::cout << target.string() << " is written; "
+              << opening(target, options.pictures, is_folder, guessed->scene) << " opens the pictures so\n";
     for (const Remark& remark : guessed->scene.remarks)  // this scene file says the rest
         std::cout << "  " << (remark.hints.empty() ? remark_in_words(remark) : remark_with_options(remark))
                   << '\n';
@@ -78,10 +80,12 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
 
 void add_init_scene_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand(
-        "init-scene", "write the scene file of pictures, a video or a recording without one, guesses marked");
+        "init-scene",
+        "write the scene file of pictures, a video or a recording without one, guesses marked; or "
+        "that of a packed clip, to change it");
     auto options = std::make_shared<InitSceneOptions>();
     add_file_option(*sub, "PICTURES", options->pictures,
-                    "a folder of pictures, a picture or video of depth, or a .bag")
+                    "a folder of pictures, a picture or video of depth, a .bag, or a packed clip")
         ->required();
     add_file_option(*sub, "--out", options->out,
                     "the file; otherwise scene.json in the folder, or beside the picture");

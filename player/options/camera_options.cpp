@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "engine/import/guess/camera_file.hpp"
+#include "engine/import/guess/number_words.hpp"
 #include "engine/import/guess/presets.hpp"
 #include "engine/printable.hpp"
 #include "player/options/number_option.hpp"
@@ -26,6 +27,22 @@ std::vector<double> numbers_in(std::string_view text) {
         if (part.size() == text.size()) return numbers;
         text.remove_prefix(part.size() + 1);
     }
+}
+
+/// Pixels are nearly as high as wide: other focal lengths come of a comma in place of a point.
+Result<std::optional<SourceDescription>> with_likely_pixels(SourceDescription known,
+                                                            const std::string& typed) {
+    constexpr double most = 2;
+    const double fx = known.intrinsics->fx, fy = std::abs(known.intrinsics->fy);
+    if (fx <= most * fy && fy <= most * fx) return std::optional(std::move(known));
+    std::string message = "--intrinsics '" + printable(typed);
+    message += "': fx is ";
+    message += short_number(fx);
+    message += " and fy " + short_number(fy);
+    return usage_error(
+        message +
+        ", one more than twice the other, as of no camera; right would be FX,FY or FX,FY,CX,CY "
+        "in pixels, with a decimal point, such as 525.5,525.5");
 }
 
 }  // namespace
@@ -66,7 +83,7 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
         known.intrinsics = Intrinsics{.fx = numbers[0], .fy = numbers[1]};
         if (numbers.size() == 4) known.intrinsics->cx = numbers[2];
         if (numbers.size() == 4) known.intrinsics->cy = numbers[3];
-        return std::optional(known);
+        return with_likely_pixels(std::move(known), *typed.intrinsics);
     }
     std::error_code ignored;
     if (numbers.empty() && typed.intrinsics->find_first_of("./") != std::string::npos &&
@@ -81,7 +98,7 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
     if (!file.ok()) return file.error();
     known.intrinsics = file->intrinsics;
     known.file = *typed.intrinsics;
-    return std::optional(known);
+    return with_likely_pixels(std::move(known), *typed.intrinsics);
 }
 
 }  // namespace touchable

@@ -186,6 +186,83 @@ TEST_F(GuessedFolder, OfArkitScenesHasTheCamerasOfItsFrames) {
               std::string::npos);
 }
 
+std::string remarks_in(const GuessedScene& guessed) {
+    std::string text;
+    for (const Remark& remark : guessed.scene.remarks) text += remark_in_words(remark) + '\n';
+    return text;
+}
+
+TEST_F(GuessedFolder, OfSeveralTakesSaysWhichAreLeftOutAndMixesNone) {
+    for (const char* take : {"t1/", "t2/", "t3/"})
+        for (const char* number : {"1", "2", "3"}) {
+            if (*number == '3' && take != std::string("t2/")) continue;
+            depth(take + std::string("depth_") + number + ".png");
+            if (take != std::string("t2/")) colour(take + std::string("color_") + number + ".png");
+        }
+    const GuessedScene guessed = guess();
+    EXPECT_EQ(guessed.scene.folder->depth, "t2/depth_*.png");
+    EXPECT_EQ(guessed.scene.folder->colour, "") << "another take's";
+    EXPECT_NE(remarks_in(guessed).find("left out: t1/, t3/ (name one of these to open it)"),
+              std::string::npos)
+        << remarks_in(guessed);
+    colour("rgb/1.png");
+    colour("rgb/2.png");
+    EXPECT_EQ(guess().scene.folder->colour, "rgb/*.png");
+    for (const char* take : {"t1", "t3"}) std::filesystem::remove_all(folder / take);
+    EXPECT_EQ(remarks_in(guess()).find("left out"), std::string::npos);
+    write_bytes(folder / "depth.txt", "0.1 t2/depth_1.png\n0.2 t2/depth_2.png\n");
+    EXPECT_EQ(guess().scene.folder->depth, "depth.txt");
+    EXPECT_EQ(remarks_in(guess()).find("left out"), std::string::npos) << "those that it names";
+}
+
+TEST_F(GuessedFolder, SaysWhereFilesTellThatColourIsElsewhere) {
+    depth("depth_1.png");
+    depth("depth_2.png");
+    colour("color_1.png");
+    colour("color_2.png");
+    const auto says = [&](const std::string& what) {
+        return remarks_in(guess()).find("colour lies on depth's pixels, though " + what) != std::string::npos;
+    };
+    EXPECT_FALSE(says(""));
+    write_bytes(folder / "depth_M_color.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    EXPECT_FALSE(says("")) << "nothing is moved";
+    write_bytes(folder / "depth_M_color.txt", "1 0 0 0.02\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    EXPECT_TRUE(
+        says("depth_M_color.txt says how its camera stands (a scene file's colour_camera says otherwise)"))
+        << remarks_in(guess());
+    std::filesystem::remove(folder / "depth_M_color.txt");
+    write_bytes(folder / "camera_depth.json", R"({"fx": 20, "fy": 20, "cx": 7.5, "cy": 5.5})");
+    write_bytes(folder / "camera_color.json",
+                R"({"fx": 40, "fy": 40, "cx": 15.5, "cy": 11.5, "width": 32, "height": 24})");
+    EXPECT_FALSE(says("")) << "of larger pictures the same view";
+    write_bytes(folder / "camera_color.json", R"({"fx": 40, "fy": 40, "cx": 7.5, "cy": 5.5})");
+    EXPECT_TRUE(says("camera_color.json is of another camera than depth's")) << remarks_in(guess());
+    for (const char* number : {"1", "2"})
+        std::filesystem::remove(folder / (std::string("color_") + number + ".png"));
+    EXPECT_FALSE(says("")) << "there is no colour";
+}
+
+TEST_F(GuessedFolder, WithoutPicturesSaysWhereTheyAre) {
+    const auto refusal = [&] { return message(open_clip(folder.path())); };
+    colour("a b/seq/rgb/1.png");
+    depth("a b/seq/depth/1.png");
+    EXPECT_NE(refusal().find("there are no pictures, but further down than it is looked: touchable play '" +
+                             (folder / "a b/seq").string() + "')"),
+              std::string::npos)
+        << refusal();
+    depth("c/d/1.png");
+    EXPECT_NE(refusal().find("one of 2 such folders"), std::string::npos) << refusal();
+    write_bytes(folder / "Test.mov", "");
+    EXPECT_NE(refusal().find("but a video: touchable play " + (folder / "Test.mov").string() + ')'),
+              std::string::npos)
+        << refusal();
+    write_bytes(folder / "Test.Metadata.asset", "{\"_versionMajor\": 0}");
+    const std::string asset = message(open_clip(folder / "Test.Metadata.asset"));
+    EXPECT_NE(asset.find("touchable play " + (folder / "Test.mov").string()), std::string::npos) << asset;
+    std::filesystem::remove(folder / "Test.mov");
+    EXPECT_EQ(message(open_clip(folder / "Test.Metadata.asset")).find("touchable play"), std::string::npos);
+}
+
 TEST_F(GuessedFolder, WithoutDepthSaysWhatIsThere) {
     colour("holiday/1.png");
     colour("holiday/2.png");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/picture/image_file.hpp"
@@ -79,16 +80,59 @@ TEST_F(BarePicture, ASceneFileToBeginWithIsWritten) {
     EXPECT_NE(elsewhere.out.find("touchable play " + picture() + " --scene " + other), std::string::npos)
         << elsewhere.out;
     EXPECT_EQ(run_touchable({"info", picture(), "--scene", other}).code, 0);
-    const std::string clip = folder / "packed.mkv";
-    ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1"}).code, 0);
-    const Outcome packed = run_touchable({"init-scene", clip});
-    EXPECT_EQ(packed.code, 3);
-    EXPECT_NE(packed.err.find("is a clip that has its scene in it"), std::string::npos) << packed.err;
-    EXPECT_NE(packed.err.find("touchable convert " + clip + ' ' + (folder / "packed").string()),
-              std::string::npos);
     EXPECT_EQ(run_touchable({"init-scene", picture(), "--out", picture(), "--overwrite"}).code, 2);
     EXPECT_EQ(run_touchable({"init-scene", folder / "nothing"}).code, 3);
     EXPECT_NE(run_touchable({"formats"}).out.find("--preset NAME"), std::string::npos);
+}
+
+TEST_F(BarePicture, PackedHasItsSceneWrittenToBeChanged) {
+    const std::string clip = folder / "my clip.mkv";
+    const std::string as_typed = "'" + clip + "'";
+    ASSERT_EQ(run_touchable({"convert", picture(), clip}).code, 0);
+    const Outcome told = run({"info", clip}, camera);
+    EXPECT_EQ(told.code, 2);
+    EXPECT_NE(told.err.find("touchable init-scene " + as_typed), std::string::npos) << told.err;
+    EXPECT_EQ(run({"init-scene", clip}, camera).code, 2);
+    const Outcome written = run_touchable({"init-scene", clip});
+    ASSERT_EQ(written.code, 0) << written.err;
+    const std::string file = folder / "my clip.json";
+    EXPECT_NE(written.out.find("touchable play " + as_typed + " --scene '" + file + "'"), std::string::npos)
+        << written.out;
+    EXPECT_NE(written.out.find("guessed: a code is 1 mm"), std::string::npos) << written.out;
+    auto scene = nlohmann::json::parse(file_contents(file));
+    EXPECT_FALSE(scene.contains("folder"));
+    const auto forces = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"touch", clip, "--seconds", "0.1", "--json", "-"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome touched = run_touchable(words);
+        EXPECT_EQ(touched.code, 0) << touched.err;
+        return touched.code == 0 ? nlohmann::json::parse(touched.out)["force_hash"] : nlohmann::json();
+    };
+    EXPECT_EQ(forces({}), forces({"--scene", file})) << "the same scene";
+    scene["camera"]["fx"] = 77;
+    std::ofstream(file) << scene.dump();
+    const Outcome changed = run_touchable({"info", clip, "--scene", file, "--json"});
+    ASSERT_EQ(changed.code, 0) << changed.err;
+    EXPECT_EQ(nlohmann::json::parse(changed.out)["camera"]["fx"], 77);
+}
+
+TEST_F(BarePicture, CommasForPointsInACameraAreRefused) {
+    for (const char* text : {"525,5,525,5", "525,5", "5,525", "525,-200"}) {
+        const Outcome told = run_touchable({"info", picture(), "--intrinsics", text});
+        EXPECT_EQ(told.code, 2) << text;
+        EXPECT_NE(told.err.find("one more than twice the other"), std::string::npos) << told.err;
+    }
+    const std::string file = folder / "camera.json";
+    std::ofstream(file) << R"({"fx": 525, "fy": 5})";
+    EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", file}).code, 2);
+    std::filesystem::remove(folder / "camera.json");
+    EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", "52,104"}).code, 0);
+    const Outcome far = run_touchable({"info", picture(), "--intrinsics", "50,50,-40,5"});
+    EXPECT_NE(far.out.find("the principal point that was said, -40, 5, is far beside the picture"),
+              std::string::npos)
+        << far.out;
+    EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", "50,50,8,5"}).out.find("far beside"),
+              std::string::npos);
 }
 
 TEST_F(BarePicture, ACameraThatIsNoneIsCode2) {

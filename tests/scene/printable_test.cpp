@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <string>
+
 #include "engine/scene/scene_file.hpp"
 
 namespace touchable {
@@ -13,6 +16,26 @@ TEST(Printable, OrdinaryTextStaysAsItIs) {
     EXPECT_EQ(printable("\xff\xfe"), "\xff\xfe");  // names of files need not be UTF-8
     EXPECT_EQ(printable(std::string(80, 'x')), std::string(80, 'x'));
     EXPECT_EQ(in_quotes("a"), "\"a\"");
+}
+
+TEST(Printable, AFileInACommandIsOneWordOfAShell) {
+    EXPECT_EQ(shell_word("clips/my-clip_1.mkv"), "clips/my-clip_1.mkv");
+    EXPECT_EQ(shell_word("Größe.json"), "Größe.json");
+    EXPECT_EQ(shell_word("-clip.mkv"), "./-clip.mkv");
+    EXPECT_EQ(shell_word("my clip.mkv"), "'my clip.mkv'");
+    for (const std::string name : {"my clip.mkv", "it's.mkv", "$HOME;`ls` \"x\" *?[a]~#&|<>()!.mkv", "~",
+                                   "a\\b", "Büro Köln ä/redwood", "two\nlines's\\.mkv", "\x1b[0m",
+                                   "\xc2\x9b"
+                                   "5",
+                                   ""}) {
+        const std::string command = "bash -c " + shell_word("printf %s " + shell_word(name));
+        FILE* const pipe = popen(command.c_str(), "r");
+        ASSERT_NE(pipe, nullptr);
+        char said[200] = {};
+        const std::size_t bytes = fread(said, 1, sizeof said, pipe);
+        pclose(pipe);
+        EXPECT_EQ(std::string(said, bytes), name) << command;
+    }
 }
 
 TEST(Printable, ControlCharactersAreEscaped) {

@@ -11,8 +11,10 @@
 #include "engine/import/guess/picture_files.hpp"
 #include "engine/import/guess/picture_groups.hpp"
 #include "engine/import/guess/presets.hpp"
+#include "engine/import/guess/unregistered_colour.hpp"
 #include "engine/import/guess/value_estimator.hpp"
 #include "engine/picture/image_file.hpp"
+#include "engine/printable.hpp"
 #include "engine/stop_request.hpp"
 
 namespace touchable {
@@ -42,6 +44,7 @@ public:
     void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     Result<void> find_rate(const fs::path& folder);
+    void doubt_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures);
 
 private:
     Result<void> find_camera(const fs::path& folder);
@@ -60,6 +63,7 @@ private:
     std::vector<fs::path> inputs_;
     CameraFile file_;
     std::optional<GuessedCameras> frames_;  // that have one each
+    bool has_camera_of_depth_ = false;      // which was said, or read
 };
 
 /// Of pictures of another size, those of a camera with the same view.
@@ -84,8 +88,14 @@ Result<void> Guess::find_camera(const fs::path& folder) {
         if (const auto read = read_camera_file(*beside); read.ok()) file_ = *read;
         inputs_.push_back(*beside);
     }
+    has_camera_of_depth_ = known_.intrinsics || known_.fov || frames_ || beside;
     if (known_.intrinsics) {
         take(*known_.intrinsics, "the camera that was said");
+        const Camera& camera = scene_.camera;
+        const auto is_far = [](double at, int side) { return at < -0.5 * side || at > 1.5 * side; };
+        if (is_far(camera.cx, scene_.width) || is_far(camera.cy, scene_.height))
+            add_remark(scene_.remarks, {"the principal point that was said, " + short_number(camera.cx) +
+                                        ", " + short_number(camera.cy) + ", is far beside the picture"});
     } else if (known_.fov) {
         take_fov(*known_.fov);
     } else if (frames_) {
@@ -254,6 +264,25 @@ Result<void> Guess::find_rate(const fs::path& folder) {
     return {};
 }
 
+/// Says so where colour is taken to lie on depth's pixels and a file there says something else.
+void Guess::doubt_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures) {
+    const fs::path here = folder.empty() ? fs::path(".") : folder;
+    std::string why;
+    if (const auto file = colour_movement_in(here)) {
+        why = file->filename().string() + " says how its camera stands";
+        inputs_.push_back(*file);
+    } else if (const auto picture = pictures.look(colour); picture && has_camera_of_depth_) {
+        const auto other =
+            camera_of_colour_in(here, scene_, (*picture)->image.width, (*picture)->image.height);
+        if (!other) return;
+        why = other->filename().string() + " is of another camera than depth's";
+        inputs_.push_back(*other);
+    } else {
+        return;
+    }
+    say("colour lies on depth's pixels, though " + why, "a scene file's colour_camera says otherwise");
+}
+
 Result<const Preset*> known_preset(const SourceDescription& known) {
     if (known.preset.empty()) return static_cast<const Preset*>(nullptr);
     if (const Preset* preset = preset_named(known.preset)) return preset;
@@ -346,23 +375,62 @@ Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPi
     return groups;
 }
 
-/// Null: none goes as depth.
-const PictureGroup* depth_among(const std::vector<PictureGroup>& groups, ReadPictures& pictures) {
-    const PictureGroup* depth = nullptr;
-    int best = 0;
-    for (const PictureGroup& group : groups)
-        if (const int mark = depth_mark(group, pictures); mark > best) {
-            best = mark;
-            depth = &group;
-        }
-    return depth;
+/// Those that go best as depth, the largest first.
+std::vector<const PictureGroup*> depths_among(const std::vector<PictureGroup>& groups,
+                                              ReadPictures& pictures) {
+    std::vector<const PictureGroup*> best;
+    int highest = 1;
+    for (const PictureGroup& group : groups) {
+        const int mark = depth_mark(group, pictures);
+        if (mark > highest) best.clear();
+        highest = std::max(highest, mark);
+        if (mark == highest) best.push_back(&group);
+    }
+    return best;
 }
 
-const PictureGroup* colour_among(const std::vector<PictureGroup>& groups, const PictureGroup& depth,
-                                 ReadPictures& pictures) {
-    for (const PictureGroup& group : groups)
-        if (goes_as_colour(group, depth, pictures) && (group.count == 1) == (depth.count == 1)) return &group;
-    return nullptr;
+/// Rather from depth's own folder, and from none that has depth of its own.
+const PictureGroup* colour_among(const std::vector<PictureGroup>& groups,
+                                 const std::vector<const PictureGroup*>& depths, ReadPictures& pictures) {
+    const PictureGroup& depth = *depths.front();
+    const PictureGroup* elsewhere = nullptr;
+    for (const PictureGroup& group : groups) {
+        if (!goes_as_colour(group, depth, pictures) || (group.count == 1) != (depth.count == 1)) continue;
+        const std::string folder = folder_of(group);
+        if (folder == folder_of(depth)) return &group;
+        const bool is_of_another = std::any_of(depths.begin(), depths.end(), [&](const PictureGroup* other) {
+            return folder_of(*other) == folder;
+        });
+        if (elsewhere == nullptr && !is_of_another) elsewhere = &group;
+    }
+    return elsewhere;
+}
+
+/// What goes as depth as well, by its folder where that is another: "t2/, t3/".
+std::string left_out(const std::vector<const PictureGroup*>& depths) {
+    const PictureGroup& depth = *depths.front();
+    const bool is_listed = depth.pattern.ends_with(".txt");
+    std::string names;
+    std::vector<std::string> told;
+    for (const PictureGroup* other : depths) {
+        if (other == &depth || (is_listed && other->first.parent_path() == depth.first.parent_path()))
+            continue;
+        const std::string folder = folder_of(*other),
+                          name = folder.empty() || folder == folder_of(depth) ? other->pattern : folder;
+        if (std::find(told.begin(), told.end(), name) != told.end()) continue;
+        told.push_back(name);
+        names += (names.empty() ? "" : ", ") + name;
+    }
+    return printable(names, 200);
+}
+
+Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& groups) {
+    std::string message =
+        folder.string() + ": no pictures of depth were found (there are " + found_there(groups);
+    const std::string elsewhere = found_elsewhere(folder);
+    if (!elsewhere.empty()) return input_error(message + ", " + elsewhere + ')');
+    return input_error(message + "): describe them with a scene file, as docs/scene_file.md has it",
+                       {{Setting::scene_file, "FILE"}});
 }
 
 }  // namespace
@@ -373,14 +441,11 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     const auto pictures = std::make_shared<ReadPictures>();
     const auto groups = readable_groups(folder, *pictures);
     if (!groups) return groups.error();
-    const PictureGroup* depth = depth_among(*groups, *pictures);
-    if (depth == nullptr && stop_requested()) return interrupted_looking(folder);
-    if (depth == nullptr)
-        return input_error(folder.string() + ": no pictures of depth were found (there are " +
-                               found_there(*groups) +
-                               "): describe them with a scene file, as docs/scene_file.md has it",
-                           {{Setting::scene_file, "FILE"}});
-    const PictureGroup* colour = colour_among(*groups, *depth, *pictures);
+    const std::vector<const PictureGroup*> depths = depths_among(*groups, *pictures);
+    if (depths.empty() && stop_requested()) return interrupted_looking(folder);
+    if (depths.empty()) return without_depth(folder, *groups);
+    const PictureGroup* const depth = depths.front();
+    const PictureGroup* const colour = colour_among(*groups, depths, *pictures);
     if (stop_requested()) return interrupted_looking(folder);  // so it may not be that there is none
     const auto stored = depth_in(depth->first, *pictures);
     if (!stored) return stored.error();
@@ -410,6 +475,9 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     for (const std::string& remark : unusable_lists(folder)) guess.say(remark);
     guess.say("depth is " + depth->pattern +
               (colour != nullptr ? ", colour is " + colour->pattern : ", there is no colour"));
+    if (const std::string others = left_out(depths); !others.empty())
+        guess.say("left out: " + others, "name one of these to open it");
+    if (colour != nullptr) guess.doubt_colour(folder, colour->first, *pictures);
     if (depth->count > 1)
         if (auto timed = guess.find_rate(folder); !timed) return timed.error();
     GuessedScene made = guess.made();
@@ -446,6 +514,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (const auto colour = colour_beside(file, *pictures)) {
         guess.scene().folder->colour = colour->filename().string();
         guess.say("colour is " + guess.scene().folder->colour);
+        guess.doubt_colour(file.parent_path(), *colour, *pictures);
     }
     GuessedScene made = guess.made();
     made.pictures = pictures;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "engine/import/guess/picture_files.hpp"
+#include "engine/printable.hpp"
 
 namespace touchable {
 namespace {
@@ -15,15 +17,22 @@ constexpr std::size_t most_entries = 1'000'000;
 constexpr const char* extensions[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".tif",
                                       ".tiff", ".pfm", ".exr",  ".npy", ".npz"};
 
+constexpr const char* video_extensions[] = {".mkv", ".webm", ".mp4", ".m4v", ".mov", ".avi", ".bag", ".r3d"};
+
 std::string small_letters(std::string text) {
     for (char& c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     return text;
 }
 
-bool is_picture(const fs::path& file) {
+template <std::size_t n>
+bool has_extension(const fs::path& file, const char* const (&known)[n]) {
     const std::string extension = small_letters(file.extension().string());
-    return std::find(std::begin(extensions), std::end(extensions), extension) != std::end(extensions);
+    return std::find(std::begin(known), std::end(known), extension) != std::end(known);
+}
+
+bool is_picture(const fs::path& file) {
+    return has_extension(file, extensions);
 }
 
 bool is_camera_of_frame(const fs::path& file) {
@@ -84,7 +93,46 @@ std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
     return groups;
 }
 
+/// Folders above those with pictures, as each is looked into one level down.
+std::set<fs::path> folders_further_down(const fs::path& folder) {
+    constexpr int deepest = 5;
+    constexpr std::size_t most_looked_at = 100'000, most_folders = 100;
+    std::set<fs::path> found;
+    std::size_t entries = 0;
+    std::error_code failure;
+    for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, failure),
+         end;
+         !failure && at != end && ++entries < most_looked_at && found.size() < most_folders;
+         at.increment(failure)) {
+        if (at.depth() >= deepest) at.disable_recursion_pending();
+        std::error_code ignored;
+        if (at.depth() > 1 && is_picture(at->path()) && at->is_regular_file(ignored))
+            found.insert(at->path().parent_path().parent_path());
+    }
+    return found;
+}
+
 }  // namespace
+
+std::string folder_of(const PictureGroup& group) {
+    const fs::path within = fs::path(group.pattern).parent_path();
+    return within.empty() ? "" : within.string() + '/';
+}
+
+std::string found_elsewhere(const fs::path& folder) {
+    std::set<fs::path> videos;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (has_extension(entry.path(), video_extensions)) videos.insert(entry.path());
+    if (!videos.empty())
+        return std::string("but ") + (videos.size() == 1 ? "a video" : "videos") + ": touchable play " +
+               shell_word(videos.begin()->string());
+    const std::set<fs::path> folders = folders_further_down(folder);
+    if (folders.empty()) return "";
+    return std::string("but further down than it is looked: touchable play ") +
+           shell_word(folders.begin()->string()) +
+           (folders.size() > 1 ? " (one of " + std::to_string(folders.size()) + " such folders)" : "");
+}
 
 bool has_word(const std::string& name, std::initializer_list<const char*> words) {
     const std::string small = small_letters(name);
