@@ -100,7 +100,8 @@ private:
     Result<Field> field(const std::vector<FieldSpec>& specs, const std::string& of_node, int depth);
     Result<std::vector<FieldValue>> values(FieldKind kind, int depth);
     Result<FieldValue> value(FieldType type, int depth);
-    Result<double> number();
+    template <class T>
+    Result<T> number();
     template <std::size_t n>
     Result<FieldValue> numbers();
     Result<FieldValue> url();
@@ -347,7 +348,7 @@ Result<FieldValue> TextParser::value(FieldType type, int depth) {
             return text;
         }
         case FieldType::time: {
-            const auto seconds = number();
+            const auto seconds = number<double>();
             if (!seconds) return seconds.error();
             return FieldValue(*seconds);
         }
@@ -361,9 +362,9 @@ Result<FieldValue> TextParser::value(FieldType type, int depth) {
             return FieldValue(whole);
         }
         case FieldType::real: {
-            const auto real = number();
-            if (!real) return real.error();
-            return FieldValue(static_cast<float>(*real));
+            const auto read = number<float>();
+            if (!read) return read.error();
+            return FieldValue(*read);
         }
         case FieldType::vec2:
             return numbers<2>();
@@ -376,12 +377,13 @@ Result<FieldValue> TextParser::value(FieldType type, int depth) {
     return wrong("a field of this type");
 }
 
-Result<double> TextParser::number() {
-    double value = 0;
+template <class T>
+Result<T> TextParser::number() {
+    T value = 0;
     const char* const end = token_.text.data() + token_.text.size();
     const auto read = std::from_chars(token_.text.data(), end, value);
     if (token_.kind != Token::Kind::word || read.ptr != end || read.ec != std::errc{} ||
-        !std::isfinite(static_cast<float>(value)))
+        !std::isfinite(value))
         return wrong(found() + ": must be a number");
     if (auto more = advance(); !more) return more.error();
     return value;
@@ -391,9 +393,9 @@ template <std::size_t n>
 Result<FieldValue> TextParser::numbers() {
     std::array<float, n> all{};
     for (float& each : all) {
-        const auto read = number();
+        const auto read = number<float>();
         if (!read) return read.error();
-        each = static_cast<float>(*read);
+        each = *read;
     }
     return FieldValue(all);
 }

@@ -24,6 +24,10 @@ TEST(SceneText, NodesAndFieldsAreWrittenByLine) {
               "Group {\n  children [\n    DEF a Shape {}\n    USE a\n  ]\n}\n");
     EXPECT_EQ(scene_text(scene_from("MovieTexture { url \"od:12\" loop true startTime 0.1 }")),
               "MovieTexture {\n  loop TRUE\n  startTime 0.1\n  url [12]\n}\n");
+    EXPECT_EQ(scene_text(scene_from("MovieTexture { startTime 1e200 }")),
+              "MovieTexture {\n  startTime 1e+200\n}\n");
+    constexpr std::string_view largest = "Rectangle {\n  size 3.4028235e+38 1e-45\n}\n";
+    EXPECT_EQ(scene_text(scene_from(largest)), largest);
 }
 
 TEST(SceneText, ErrorsNameLineAndColumn) {
