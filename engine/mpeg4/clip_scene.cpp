@@ -82,10 +82,16 @@ std::vector<std::string> unsaid_by_nodes(const Scene& scene) {
     say(depth.semantics != DepthSemantics::range,
         "depth along the camera's axis instead of each pixel's ray");
     say(depth.invalid_code_count > 0, "values of depth that are holes");
+    say(scene.depth_bits > 8 || scene.height_coding.code_max > 255,
+        "bits of depth and height below the high 8, which are tracks of their own");
+    say(scene.metres_per_unit != Scene().metres_per_unit, "lengths that are not millimetres");
     say(!is_in_the_middle(scene.camera, scene.width, scene.height),
         "a camera whose pixels are not square, or whose axis is not in the picture's middle");
     say(scene.rate.own_times != nullptr, "frames at times of their own");
+    say(scene.lens.any(), "a lens that bends what it shows");
     say(scene.colour_camera.has_value(), "a camera of colour");
+    say(scene.interpolation != FrameInterpolation::linear, "frames that stay as they are until the next one");
+    say(scene.device_metres_per_unit.has_value(), "the size of the workspace");
     say(!(scene.filter == FilterSettings()), "filters");
     say(scene.hole_stiffness.has_value(), "the stiffness of holes");
     return unsaid;
@@ -114,18 +120,24 @@ Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int hei
 Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene) {
     const auto camera = camera_of(nodes, scene.width, scene.height);
     if (!camera) return camera.error();
-    const auto said = numbers_of(nodes, *camera), known = numbers_of(nodes_from(scene), scene.camera);
+    const ClipNodes before = nodes_from(scene);
+    ClipNodes now = nodes;
+    if (nodes.focal_length == 0) {  // a DepthImage, which says nothing of touch
+        now.ranges = before.ranges;
+        now.max_height = before.max_height;
+    }
+    const auto said = numbers_of(now, *camera), known = numbers_of(before, scene.camera);
     bool is_other = false;
     for (std::size_t k = 0; k < said.size(); ++k) is_other = is_other || !is_same(said[k], known[k]);
     if (!is_other) return false;
     scene.camera.fy *= camera->fx / scene.camera.fx;
     scene.camera.fx = camera->fx;
-    scene.depth.near = nodes.near;
-    scene.depth.far = nodes.far;
+    scene.depth.near = now.near;
+    scene.depth.far = now.far;
     derive_valid_range(scene.depth);
-    scene.haptic = nodes.ranges;
+    scene.haptic = now.ranges;
     HeightCoding& height = scene.height_coding;
-    height.max_height = nodes.max_height * (height.units == HeightUnits::levels ? 1 : scene.depth.level());
+    height.max_height = now.max_height * (height.units == HeightUnits::levels ? 1 : scene.depth.level());
     return true;
 }
 

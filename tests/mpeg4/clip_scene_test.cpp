@@ -1,0 +1,103 @@
+#include "engine/mpeg4/clip_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "tests/mpeg4/example_scenes.hpp"
+
+namespace touchable::mpeg4 {
+namespace {
+
+/// One that nodes can say whole.
+Scene papers_clip() {
+    Scene scene;
+    scene.width = 64;
+    scene.height = 48;
+    scene.camera = camera_from_focal_length(50, 1, 64, 48);
+    scene.depth.near = 10;
+    scene.depth.far = 200;
+    derive_valid_range(scene.depth);
+    scene.height_coding.max_height = 2;
+    scene.haptic.stiffness = {0.2, 7};
+    return scene;
+}
+
+TEST(ClipScene, WhatNodesCannotSayIsSaid) {
+    EXPECT_TRUE(unsaid_by_nodes(papers_clip()).empty());
+    const std::vector<std::pair<const char*, std::function<void(Scene&)>>> changes{
+        {"linear from far", [](Scene& scene) { scene.depth.near_is_high = false; }},
+        {"along the camera's axis", [](Scene& scene) { scene.depth.semantics = DepthSemantics::planar; }},
+        {"holes", [](Scene& scene) { scene.depth.invalid_code_count = 1; }},
+        {"below the high 8", [](Scene& scene) { scene.depth_bits = 9; }},
+        {"below the high 8", [](Scene& scene) { scene.height_coding.code_max = 1023; }},
+        {"not millimetres", [](Scene& scene) { scene.metres_per_unit = 1; }},
+        {"not square", [](Scene& scene) { scene.camera.fy = 51; }},
+        {"times of their own",
+         [](Scene& scene) {
+             scene.rate = *rate_of_own_times({0, 5'000'000, 9'000'000});
+         }},
+        {"a lens", [](Scene& scene) { scene.lens.terms[0] = 0.1; }},
+        {"a camera of colour", [](Scene& scene) { scene.colour_camera.emplace(); }},
+        {"until the next one", [](Scene& scene) { scene.interpolation = FrameInterpolation::hold; }},
+        {"the workspace", [](Scene& scene) { scene.device_metres_per_unit = 0.002; }},
+        {"filters", [](Scene& scene) { scene.filter.median = 3; }},
+        {"stiffness of holes", [](Scene& scene) { scene.hole_stiffness = 1; }}};
+    for (const auto& [said, change] : changes) {
+        Scene scene = papers_clip();
+        change(scene);
+        const auto unsaid = unsaid_by_nodes(scene);
+        ASSERT_EQ(unsaid.size(), 1U) << said;
+        EXPECT_NE(unsaid[0].find(said), std::string::npos) << unsaid[0];
+    }
+}
+
+TEST(ClipScene, NodesDescribeTheClipThatTheyCameFrom) {
+    const Scene scene = papers_clip();
+    const auto described = described_by(mpeg4::nodes_from(scene), 64, 48, 8);
+    ASSERT_TRUE(described.ok()) << described.error().message;
+    EXPECT_EQ(described->scene.depth.near, 10);
+    EXPECT_EQ(described->scene.depth.far, 200);
+    EXPECT_EQ(described->scene.height_coding.max_height, 2);
+    EXPECT_NEAR(described->scene.camera.fx, 50, 1e-12);
+    EXPECT_EQ(described->scene.camera.cy, scene.camera.cy);
+    Scene same = scene;
+    const auto taken = take_nodes(mpeg4::nodes_from(scene), same);
+    ASSERT_TRUE(taken.ok());
+    EXPECT_FALSE(*taken);
+}
+
+/// A DepthImage has angles instead of a focal length: half the picture under half of the angle. It says
+/// nothing of touch.
+TEST(ClipScene, ADepthImageOverAnotherCameraStands) {
+    Scene scene = papers_clip();
+    ClipNodes nodes = mpeg4::nodes_from(scene);
+    nodes.focal_length = nodes.pixel_width = 0;
+    nodes.ranges = {};
+    nodes.max_height = 0;
+    nodes.angle_x = 2 * std::atan(32.0 / 80);
+    nodes.angle_y = 2 * std::atan(24.0 / 80);
+    const auto taken = take_nodes(nodes, scene);
+    ASSERT_TRUE(taken.ok()) << taken.error().message;
+    EXPECT_TRUE(*taken);
+    EXPECT_NEAR(scene.camera.fx, 80, 1e-9);
+    EXPECT_NEAR(scene.camera.fy, 80, 1e-9);
+    EXPECT_EQ(scene.height_coding.max_height, 2);
+    EXPECT_EQ(scene.haptic.stiffness.max, 7);
+}
+
+/// Height in scene units stays in them.
+TEST(ClipScene, AnotherHeightIsTakenInTheScenesUnits) {
+    Scene scene = papers_clip();
+    scene.height_coding = {3, HeightUnits::world, 255};
+    ClipNodes nodes = mpeg4::nodes_from(scene);
+    EXPECT_NEAR(nodes.max_height, 3 / (190.0 / 255), 1e-12);
+    nodes.max_height *= 2;
+    ASSERT_TRUE(take_nodes(nodes, scene).ok());
+    EXPECT_EQ(scene.height_coding.units, HeightUnits::world);
+    EXPECT_NEAR(scene.height_coding.max_height, 6, 1e-12);
+}
+
+}  // namespace
+}  // namespace touchable::mpeg4
