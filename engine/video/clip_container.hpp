@@ -33,8 +33,8 @@ public:
     virtual Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) = 0;
     /// Depth is the first. `scene`: that describes them.
     virtual Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) = 0;
-    /// Whether decoding can begin every clip_tags::access_interval frames, though pictures do not say so.
-    virtual bool keeps_access_points() const { return false; }
+    /// Whether a file just opened knows all pictures that decoding can begin with.
+    virtual bool has_whole_index() const { return false; }
     /// What a person should know of all that, once it was asked for.
     const std::vector<std::string>& notes() const { return notes_; }
 

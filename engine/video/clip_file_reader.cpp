@@ -57,6 +57,7 @@ private:
     Result<void> open_tracks();
     Result<void> describe();
     std::vector<int> streams() const;
+    std::int64_t indexed_access_point(std::int64_t frame) const;
     Result<bool> begin_at(std::int64_t frame);
     double tick_of(int stream) const { return av_q2d(demuxer_->container().streams[stream]->time_base); }
     double seconds_of(std::int64_t frame) const {
@@ -131,9 +132,8 @@ Result<void> ClipFileReader::seek(std::int64_t frame) {
 /// Of clips that other programs have encoded anew it is not known.
 std::int64_t ClipFileReader::access_point(std::int64_t frame) const {
     if (!index_leads_) return 0;
-    const auto is_ours = [&](const Track& track) {
-        return track.pictures->has_additions() || container_->keeps_access_points();
-    };
+    if (container_->has_whole_index()) return indexed_access_point(frame);
+    const auto is_ours = [](const Track& track) { return track.pictures->has_additions(); };
     if (std::all_of(tracks_.begin(), tracks_.end(), is_ours))
         return frame - frame % clip_tags::access_interval;
     const auto is_ffv1 = [](const Track& track) { return track.pictures->info().codec == "ffv1"; };
@@ -149,18 +149,24 @@ std::vector<int> ClipFileReader::streams() const {
     return all;
 }
 
-/// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
-/// false where the index leads to no such frame.
-Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
-    const int depth = tracks_.front().pictures->stream();
-    if (!demuxer_->seek(depth, timestamp_of(depth, frame))) return false;
-    // Of some tracks every picture is on its own: those of the others decide.
+/// The last frame up to this one at which every track begins anew, as far as the index knows. Of some tracks
+/// every picture is on its own: those of the others decide.
+std::int64_t ClipFileReader::indexed_access_point(std::int64_t frame) const {
     std::int64_t target = frame;
     for (const int stream : streams()) {
         const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
         if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
             target = std::min(target, *begins);
     }
+    return target;
+}
+
+/// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
+/// false where the index leads to no such frame.
+Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
+    const int depth = tracks_.front().pictures->stream();
+    if (!demuxer_->seek(depth, timestamp_of(depth, frame))) return false;
+    const std::int64_t target = indexed_access_point(frame);
     if (target < frame && !demuxer_->seek(depth, timestamp_of(depth, target))) return false;
     std::optional<std::int64_t> there;
     for (const int stream : streams()) {

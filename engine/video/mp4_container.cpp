@@ -85,7 +85,7 @@ public:
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
     Result<std::vector<ClipTrack>> tracks(const Demuxer& file, const Scene& scene) override;
-    bool keeps_access_points() const override { return is_ours_; }
+    bool has_whole_index() const override { return true; }
 
 private:
     Error refuse(const std::string& what, Hints hints = {}) const {
@@ -101,7 +101,6 @@ private:
     std::string file_;
     std::optional<mpeg4::SceneStream> stream_;
     std::optional<mpeg4::ClipNodes> nodes_;
-    bool is_ours_ = false;
 };
 
 Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
@@ -142,7 +141,6 @@ Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
     }
     auto rate = tagged_rate(file, file_);
     if (!rate) return rate;
-    is_ours_ = true;
     const auto own = file.tag(mp4_times_tag);
     if (!own) return rate;
     auto times = parse_frame_times(*own, file_ + ": " + mp4_times_tag);

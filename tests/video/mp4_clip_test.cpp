@@ -334,6 +334,8 @@ TEST(Mp4Clip, WithoutTagsItsSceneDescribesItAndLowBitsAreSaidToBeLeftOut) {
     ASSERT_EQ(message(reader), "");
     const Scene& found = (*reader)->scene();
     EXPECT_EQ(found.depth_bits, 8);
+    EXPECT_EQ((*reader)->access_point(14), 0);
+    EXPECT_EQ((*reader)->access_point(17), 15) << "by its own index";
     for (const TrackInfo& track : (*reader)->tracks()) EXPECT_TRUE(track.lossless) << track.role;
     EXPECT_EQ(found.depth.near, 10);
     EXPECT_EQ(found.depth.far, 200);
