@@ -43,8 +43,9 @@ public:
     /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
     /// where the file offers no way there. What follows may be anything: whoever reads on checks the times.
     bool seek(int stream, std::int64_t timestamp);
-    /// When the index has a packet of `stream` that decoding can begin with, at `timestamp` or the last before;
-    /// nothing where it has none. Of Matroska, whose index is read by the first `seek`, once there was one.
+    /// When the index has a packet of `stream` that decoding can begin with, at `timestamp` or the last
+    /// before; nothing where it has none. Of Matroska, whose index is read by the first `seek`, once there
+    /// was one.
     std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
     /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
     bool is_all_keys(int stream) const;
