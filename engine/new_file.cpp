@@ -110,6 +110,17 @@ Result<void> NewFile::check() const {
     return {};
 }
 
+Result<void> NewFile::write(std::string_view text) {
+    if (auto usable = check(); !usable.ok()) return usable;
+    while (!text.empty()) {
+        const ssize_t taken = ::write(file_, text.data(), text.size());
+        if (taken < 0 && errno == EINTR) continue;
+        if (taken < 0) return failed(errno);
+        text.remove_prefix(static_cast<std::size_t>(taken));
+    }
+    return {};
+}
+
 int NewFile::replace(const fs::path& name) {
     if (hidden_.empty()) {
         // Only a file with a name can take the place of another.

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "engine/result.hpp"
 
@@ -28,6 +29,8 @@ public:
     /// Refuses a target that is a folder or a device: only a file is ever replaced; and a place where nothing
     /// can be written. `commit` looks again.
     Result<void> check() const;
+    /// All that it shall hold, at once. An error names the target and the reason.
+    Result<void> write(std::string_view text);
     /// Safe on the disk first, then named. Refused where `keep` was asked for and there is such a file by
     /// now.
     Result<void> commit() { return commit_as(target_); }

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -21,6 +20,7 @@
 #include "engine/frame/surface_frame.hpp"
 #include "engine/new_file.hpp"
 #include "engine/picture/image_file.hpp"
+#include "engine/printable.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -97,15 +97,6 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
     return nlohmann::ordered_json{{"depth", whole.at("depth")}}.dump(2);
 }
 
-Result<void> write_text(NewFile& file, const std::string& text) {
-    if (auto usable = file.check(); !usable.ok()) return usable;
-    std::ofstream out(file.path(), std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) return input_error(file.target().string() + " cannot be written; is there room on the disk?");
-    return {};
-}
-
 /// Writes one frame, raw and built, for `folder`, which is not committed. `surface` holds codes (not lazy) of
 /// `raw`.
 Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const SurfaceFrame& surface,
@@ -126,10 +117,9 @@ Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const 
             !written.ok())
             return written;
     }
-    if (auto written = write_text(folder.add("codes.json"), codes_to_json(surface, scene) + "\n");
-        !written.ok())
+    if (auto written = folder.add("codes.json").write(codes_to_json(surface, scene) + "\n"); !written.ok())
         return written;
-    return write_text(folder.add("scene.json"), scene_to_json(as_still(scene, raw)) + "\n");
+    return folder.add("scene.json").write(scene_to_json(as_still(scene, raw)) + "\n");
 }
 
 struct ExportOptions {
@@ -151,14 +141,16 @@ Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene
     return picture.deliver(HeightField(scene, still), still, raw.colour, {});
 }
 
+/// `files`: how many there are so far.
 Result<void> export_frame(const RawFrame& raw, const Scene& scene, const SurfaceFrame& surface,
-                          const ExportOptions& options) {
+                          const ExportOptions& options, std::size_t& files) {
     if (options.out.empty()) return {};
     auto folder = StagedFolder::create(
         options.folder_per_frame ? options.out / std::to_string(raw.number) : options.out, options.existing);
     if (!folder.ok()) return folder.error();
     if (auto written = write_frame_files(*folder, raw, surface, scene, options.mesh); !written.ok())
         return written;
+    files += folder->count();
     return folder->commit(frame_file_names);
 }
 
@@ -199,6 +191,9 @@ Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
         return usage_error("--picture draws a single frame; right would be --frame N instead of --frames");
     if (typed.one) {
         const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, 0, last_number);
+        if (!number.ok() && typed.one->find('-', 1) != std::string::npos)
+            return usage_error("--frame '" + printable(*typed.one) +
+                               "' will not do; right would be one frame's number; several are --frames A-B");
         if (!number.ok()) return number.error();
         out.first = *number;
         out.last = *number;
@@ -253,11 +248,29 @@ Error with_what_stays(Error error, const ExportOptions& options, std::int64_t fa
     return error;
 }
 
-/// Reads, builds and writes from `options.first` on, and leaves in `number` that of the frame after the last
-/// one written. A temporal filter begins empty some frames before the first (docs/conventions.md).
+/// Of what is whole: the number of the frame after the last one, and how many files there are.
+struct Exported {
+    std::int64_t number = 0;
+    std::size_t files = 0;
+};
+
+std::string in_words(const ExportOptions& options, const Exported& done) {
+    const std::string picture = options.picture.file ? options.picture.file->string() : "";
+    if (options.out.empty()) return picture + " is written";
+    const std::int64_t first = options.first, last = done.number - 1;
+    return options.out.string() + " is written: frame" +
+           (last > first ? "s " + std::to_string(first) + " to " + std::to_string(last)
+                         : ' ' + std::to_string(first)) +
+           (options.folder_per_frame && last > first ? ", a folder each, " : ", ") +
+           std::to_string(done.files) + " files" + (picture.empty() ? "" : "; and " + picture);
+}
+
+/// Reads, builds and writes from `options.first` on. A temporal filter begins empty some frames before the
+/// first (docs/conventions.md).
 Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportOptions& options,
                            SurfaceBuilder& builder, std::optional<PictureOrder>& picture,
-                           std::int64_t& number) {
+                           Exported& exported) {
+    std::int64_t& number = exported.number;
     Progress progress("exporting frame", options.last ? *options.last + 1 : reader.frame_count().value_or(0));
     SurfaceFrame surface;
     number = std::max<std::int64_t>(0, options.first - (scene.filter.temporal ? temporal_warm_up_frames : 0));
@@ -271,7 +284,8 @@ Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportO
         progress.at(number);
         if (auto built = builder.build(**raw, surface); !built.ok()) return built.error();
         if (number < options.first) continue;
-        if (auto done = export_frame(**raw, scene, surface, options); !done.ok()) return done.error();
+        if (auto done = export_frame(**raw, scene, surface, options, exported.files); !done.ok())
+            return done.error();
         if (picture)
             if (auto drawn = draw(*picture, **raw, scene, surface); !drawn.ok()) return drawn.error();
     }
@@ -301,11 +315,13 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (!picture.ok()) return picture.error();
 
     if (auto found = find_scale(*reader, scene, **builder); !found.ok()) return found;
-    std::int64_t number = 0;
-    if (auto done = export_frames(*reader, scene, options, **builder, *picture, number); !done.ok())
+    Exported exported;
+    const std::int64_t& number = exported.number;
+    if (auto done = export_frames(*reader, scene, options, **builder, *picture, exported); !done.ok())
         return with_what_stays(done.error(), options, number);
     if (number <= wanted) return with_what_stays(beyond_the_end(options, wanted, number), options, number);
     if (clip->chosen) std::cerr << "touchable: filters: " << filters_in_words(scene, clip->chosen) << '\n';
+    std::cout << in_words(options, exported) << '\n';
     return {};
 }
 

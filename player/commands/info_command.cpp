@@ -248,7 +248,10 @@ void tell_depth(const ClipFacts& facts, Lines& lines) {
                               << facts.invalid_pct << " % of the pixels invalid\n";
     lines.line("kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
                         << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
-                        << " units (depth of one code / width of a pixel)\n";
+                        << " units ("
+                        << (scene.filter.levels == DepthLength{} ? "depth of one code"
+                                                                 : "distance of two levels")
+                        << " / width of a pixel)\n";
     lines.line("filters") << filters_in_words(scene, facts.chosen) << '\n';
     lines.line("levels") << level_words(facts) << '\n';
     if (facts.measured) lines.line("noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -28,11 +27,7 @@ struct InitSceneOptions {
 
 Result<void> write_text(const std::filesystem::path& target, const std::string& text, Existing existing) {
     NewFile file(target, existing);
-    if (auto free = file.check(); !free.ok()) return free;
-    std::ofstream out(file.path(), std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) return input_error(target.string() + ": cannot be written");
+    if (auto written = file.write(text); !written.ok()) return written;
     return file.commit();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -21,6 +22,7 @@ public:
 
     /// A file that shall have this name there: written to and closed before `commit`.
     NewFile& add(const std::string& name);
+    std::size_t count() const { return files_.size(); }
     /// Of `names`, all that such a folder may hold, those not added go, too, where an earlier run left them.
     /// They are replaced from the last to the first and appear from the first to the last.
     Result<void> commit(std::span<const char* const> names);

@@ -291,7 +291,8 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const st
                                   const TouchSetup& setup) {
     std::vector<Result<void>> done;
     const auto keep = [&](Result<void> finished, const std::filesystem::path& file) {
-        if (finished.ok() && !is_standard_output(file)) written_.push_back(file.string());
+        if (!written_) written_.emplace();
+        if (finished.ok() && !is_standard_output(file)) written_->push_back(file.string());
         done.push_back(std::move(finished));
     };
     if (forces_) keep(forces_->finish(), *options_.forces);

@@ -81,8 +81,8 @@ public:
     /// the others. An error says of which something is missing.
     Result<void> finish(const nlohmann::ordered_json& report, const std::string& force_hash,
                         const TouchSetup& setup);
-    /// The files that `finish` has completed, but for standard output.
-    const std::vector<std::string>& written() const { return written_; }
+    /// The files that `finish` has completed, but for standard output; nothing where none was asked for.
+    const std::optional<std::vector<std::string>>& written() const { return written_; }
     /// What else there is to say of them after the table; may be empty.
     std::string remark() const { return picture_ ? picture_->line() : std::string(); }
 
@@ -92,7 +92,7 @@ private:
     Result<void> finish_json(const nlohmann::ordered_json& report);
 
     const TouchOptions& options_;
-    std::vector<std::string> written_;
+    std::optional<std::vector<std::string>> written_;
     std::unique_ptr<ForcesFile> forces_;
     std::unique_ptr<DeviceLogFile> device_log_;
     std::unique_ptr<RecordingFile> record_;

@@ -309,7 +309,7 @@ Json join_reports(const std::vector<Json>& parts, const TouchFigures& all) {
     return report;
 }
 
-std::string report_in_short(const Json& report, const std::vector<std::string>& files) {
+std::string report_in_short(const Json& report, const std::optional<std::vector<std::string>>& files) {
     std::string text, written;
     for (const auto& warning : report["warnings"]) text += labelled("warning", warning.get<std::string>());
     const auto fingers = report["fingers"].get<int>();
@@ -322,10 +322,11 @@ std::string report_in_short(const Json& report, const std::vector<std::string>& 
         text += labelled("note", note);
     text += labelled("force", force_words(report));
     text += labelled("verdict", verdict_words(report));
-    for (const std::string& file : files) written += (written.empty() ? "" : ", ") + file;
-    text += labelled("figures", written.empty()
-                                    ? "--verbose prints more; --json FILE and --forces FILE write them"
-                                    : written + "; --verbose prints them");
+    for (const std::string& file : files.value_or(std::vector<std::string>()))
+        written += (written.empty() ? "" : ", ") + file;
+    text += labelled("figures", !files ? "--verbose prints more; --json FILE and --forces FILE write them"
+                                : written.empty() ? "--verbose prints them"
+                                                  : written + "; --verbose prints them");
     return text;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ nlohmann::ordered_json join_reports(const std::vector<nlohmann::ordered_json>& p
 /// The same as a table for a person; of several parts each after the other.
 std::string report_to_text(const nlohmann::ordered_json& report);
 /// What most people want to know of it: warnings, what was touched, the force, whether it is sound, and where
-/// the figures are. `files`: those that were written.
-std::string report_in_short(const nlohmann::ordered_json& report, const std::vector<std::string>& files);
+/// the figures are. `files`: those that were written; nothing where none was asked for.
+std::string report_in_short(const nlohmann::ordered_json& report,
+                            const std::optional<std::vector<std::string>>& files);
 
 }  // namespace touchable

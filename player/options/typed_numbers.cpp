@@ -12,6 +12,14 @@ std::string in_digits(double number) {
     return text;
 }
 
+/// One comma, with digits on both sides.
+bool has_decimal_comma(std::string_view text) {
+    const auto is_digit = [&](std::size_t k) { return k < text.size() && text[k] >= '0' && text[k] <= '9'; };
+    const std::size_t comma = text.find(',');
+    return comma != std::string_view::npos && comma > 0 && is_digit(comma - 1) && is_digit(comma + 1) &&
+           text.find(',', comma + 1) == std::string_view::npos;
+}
+
 }  // namespace
 
 Result<double> read_number(const std::string& option, std::string_view text, double least, double most) {
@@ -30,6 +38,7 @@ Result<double> read_number(const std::string& option, std::string_view text, dou
         message += ", " + in_digits(least) + " to " + in_digits(most);
     else if (has_least)
         message += ", " + in_digits(least) + " or more";
+    if (has_decimal_comma(text)) message += ", with a decimal point in place of the comma";
     return usage_error(std::move(message));
 }
 

@@ -36,6 +36,14 @@ std::string noise_found(const MeasuredDepth& measured, double metres_per_unit) {
     return measured.noise == DepthLength{} ? "none found" : mm(measured.noise_at_median(), metres_per_unit);
 }
 
+/// What decides on a median: roughness as a share of a pixel, of a camera's depth.
+std::string median_reason(const MeasuredDepth& measured, double metres_per_unit) {
+    std::string reason = "roughness " + mm(measured.roughness, metres_per_unit);
+    if (measured.pixel > 0)
+        reason += number(measured.roughness / measured.pixel, " of a pixel's width").insert(0, ", ");
+    return measured.from_a_camera() ? reason : reason + ", no sign of a camera";
+}
+
 /// Lines of filters that are on, and of those that were left out by choice.
 class FilterList {
 public:
@@ -82,14 +90,14 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
     list.add(filter.fill_holes > 0, by.fill_holes, "hole filling",
              share(measured.tiny_holes, "are tiny holes"));
     list.add(filter.median > 0, by.median, filter.median > 0 ? "median " + side + "x" + side : "median",
-             "roughness " + mm(measured.roughness, unit));
+             median_reason(measured, unit));
     list.add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
              "noise " + noise_found(measured, unit));
     list.add(filter.terraces == TerraceRemoval::on, by.terraces, "terraces",
              "levels " + where_it_is(measured, unit));
     if (known && by == all_unstated && !list.has_any())
         return "none needed (levels " + where_it_is(measured, unit) + ", noise " +
-               noise_found(measured, unit) + ", roughness " + mm(measured.roughness, unit) + ")" + damage;
+               noise_found(measured, unit) + ", " + median_reason(measured, unit) + ")" + damage;
     return list.in_words() + (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
 }
 

@@ -154,7 +154,9 @@ TEST(DepthValues, AllOfSixteenBitsMayBeDepthWithoutAScale) {
     scene.stored.kind = StoredDepth::Kind::relative;
     DepthValues values(scene);
     values.look(words(3, {0, 65535, 1000}));
-    ASSERT_EQ(message(values.settle(scene)), "");
+    const auto said = values.settle(scene);
+    ASSERT_EQ(message(said), "");
+    EXPECT_EQ(*said, "depth values from 0 to 65535 are depths from 1.5 to 0.5") << "large values near";
     const Image codes = values.codes(words(3, {0, 65535, 1000}));
     EXPECT_EQ(depth_at(scene, codes, 0), 1.5);
     EXPECT_EQ(depth_at(scene, codes, 1), 0.5);

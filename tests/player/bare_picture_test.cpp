@@ -116,6 +116,13 @@ TEST_F(BarePicture, PackedHasItsSceneWrittenToBeChanged) {
     EXPECT_EQ(nlohmann::json::parse(changed.out)["camera"]["fx"], 77);
 }
 
+TEST_F(BarePicture, ASceneFileForWhichThereIsNoRoomSaysSo) {
+    const Outcome full = run_on_full_disk({"init-scene", picture()}, 0);
+    EXPECT_EQ(full.code, 3);
+    EXPECT_NE(full.err.find("my.json: cannot be written: File too large"), std::string::npos) << full.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "my.json"));
+}
+
 TEST_F(BarePicture, CommasForPointsInACameraAreRefused) {
     for (const char* text : {"525,5,525,5", "525,5", "5,525", "525,-200"}) {
         const Outcome told = run_touchable({"info", picture(), "--intrinsics", text});

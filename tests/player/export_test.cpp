@@ -118,8 +118,20 @@ TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
 
 TEST_F(Export, RangeWritesAFolderPerFrame) {
     make("moving", 4);
-    ASSERT_EQ(run_touchable({"export", clip(), "--frames", "1-2", "--out", out()}).code, 0);
+    const Outcome some = run_touchable({"export", clip(), "--frames", "1-2", "--out", out()});
+    ASSERT_EQ(some.code, 0);
     EXPECT_EQ(names_in(out()), (std::vector<std::string>{"1", "2"}));
+    const std::size_t files = names_in(out("1")).size() + names_in(out("2")).size();
+    EXPECT_EQ(some.out,
+              out() + " is written: frames 1 to 2, a folder each, " + std::to_string(files) + " files\n");
+    const Outcome one = run_touchable(
+        {"export", clip(), "--frame", "3", "--out", folder / "one", "--picture", folder / "p.png"});
+    EXPECT_EQ(one.out, (folder / "one").string() + " is written: frame 3, " +
+                           std::to_string(names_in(folder / "one").size()) + " files; and " +
+                           (folder / "p.png").string() + '\n');
+    const Outcome range = run_touchable({"export", clip(), "--frame", "0-3", "--out", folder / "two"});
+    EXPECT_EQ(range.code, 2);
+    EXPECT_NE(range.err.find("several are --frames A-B"), std::string::npos) << range.err;
     EXPECT_EQ(differing(image_of(out("2/depth.png")).view(), frame(2).depth), 0);
     EXPECT_FALSE(std::filesystem::exists(out("2/mesh.ply")));
     ASSERT_EQ(

@@ -92,6 +92,23 @@ TEST(Info, TellsAPersonTheSame) {
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
 }
 
+TEST(Info, SaysOfWhichStepKappaIsAndWhatDecidesOnAMedian) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv";
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1", "--bits", "8", "--plain"}).code, 0);
+    const Outcome plain = run_touchable({"info", clip});
+    EXPECT_NE(plain.out.find("(depth of one code / width of a pixel)"), std::string::npos) << plain.out;
+    EXPECT_NE(plain.out.find(" of a pixel's width, no sign of a camera)"), std::string::npos) << plain.out;
+    const std::string file = folder / "levels.json";
+    ASSERT_EQ(run_touchable({"init-scene", clip, "--out", file}).code, 0);
+    auto scene = nlohmann::json::parse(file_contents(file));
+    scene["filter"]["levels"] = {5, 0};
+    std::ofstream(file) << scene.dump();
+    const Outcome levels = run_touchable({"info", clip, "--scene", file});
+    EXPECT_NE(levels.out.find("(distance of two levels / width of a pixel)"), std::string::npos)
+        << levels.out << levels.err;
+}
+
 TEST(Info, TellsOnceWhatStandsForAHapticPlane) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";

@@ -210,6 +210,7 @@ TEST_F(TouchRefusal, FullDiskIsCode3AndLeavesNothing) {
         EXPECT_EQ(run.code, 3) << option << ": " << run.err;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_NE(run.err.find(option), std::string::npos) << run.err;
+        EXPECT_EQ(run.out.find("--forces FILE"), std::string::npos) << run.out;
         EXPECT_TRUE(names_in(out()).empty()) << option;
     };
     for (const char* option : {"--forces", "--record"}) expect_nothing(64, option, "3");

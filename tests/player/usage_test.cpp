@@ -85,6 +85,14 @@ TEST(Usage, NumbersAreFiniteAndInTheirRange) {
         }
 }
 
+TEST(Usage, ACommaInANumberIsToldThatAPointIsWanted) {
+    const std::string wanted = "with a decimal point in place of the comma";
+    EXPECT_NE(run_touchable({"info", "clip.mkv", "--fov", "62,5"}).err.find(wanted), std::string::npos);
+    for (const char* number : {",5", "1,", "1,2,3", "one"})
+        EXPECT_EQ(run_touchable({"info", "clip.mkv", "--fov", number}).err.find(wanted), std::string::npos)
+            << number;
+}
+
 TEST(Usage, AFileWhoseNameBeginsLikeAnOptionIsToldHowToBeTyped) {
     const TemporaryFolder folder;
     std::ofstream(folder / "-x.png") << "?";

@@ -32,6 +32,12 @@ std::string range_words(double least, double most) {
     return short_number(least) + " to " + short_number(most);
 }
 
+/// Whole values, as pictures of integers have them, with all their digits.
+std::string value_words(double value) {
+    const bool is_whole = value == std::floor(value) && std::abs(value) < 1e6;
+    return is_whole ? std::to_string(static_cast<std::int64_t>(value)) : short_number(value);
+}
+
 }  // namespace
 
 bool DepthValues::is_valid(double value) const {
@@ -113,8 +119,8 @@ Result<std::string> DepthValues::settle_line(Scene& scene, double far, double ne
                            ": of 65536, one has to be free");
     if (!is_float_) code_max_ = static_cast<std::uint16_t>(std::max(range, 1.0));
     per_value_ = is_float_ ? code_max_ / range : 1;
-    return "depth values from " + range_words(least_, most_) + " are depths from " +
-           range_words(depth.near, depth.far);
+    return "depth values from " + value_words(least_) + " to " + value_words(most_) + " are depths from " +
+           (near_is_high ? range_words(depth.far, depth.near) : range_words(depth.near, depth.far));
 }
 
 Result<std::string> DepthValues::settle(Scene& scene) {
