@@ -246,7 +246,8 @@ Error refused_description(const Candidate& candidate) {
             name + ": is no picture, so a camera, a unit or a preset says nothing of it: leave them out",
             of_bare_pictures());
     return usage_error(name +
-                           ": has its scene in it, which a camera, a unit or a preset does not change: leave "
+                           ": is no picture and has its scene in it, which a camera, a unit or a preset does "
+                           "not change: leave "
                            "them out, or write that scene to a file (touchable init-scene " +
                            shell_word(name) + "), change it and name it",
                        {{Setting::scene_file, "FILE"}});
