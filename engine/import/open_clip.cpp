@@ -235,7 +235,7 @@ Hints of_bare_pictures() {
 
 /// Whether it is a clip of ours, which has its scene in it.
 bool has_scene(const Candidate& candidate) {
-    return is_matroska(candidate) && !is_azure_kinect(candidate);
+    return is_mpeg4(candidate) || (is_matroska(candidate) && !is_azure_kinect(candidate));
 }
 
 /// As it says itself what a camera, a unit or a preset would.
@@ -345,7 +345,8 @@ Opened open_stored(const std::filesystem::path& path, const std::optional<std::f
 
 /// That of a clip of ours, without the files that it once was of.
 Result<GuessedScene> scene_in(const Candidate& candidate) {
-    const auto reader = open_matroska_clip(candidate.source, std::nullopt, Colour::left_out);
+    const auto open = is_mpeg4(candidate) ? open_mp4_clip : open_matroska_clip;
+    const auto reader = open(candidate.source, std::nullopt, Colour::left_out);
     if (!reader) return reader.error();
     GuessedScene scene{(*reader)->described(), {}, {}, {}};
     scene.scene.folder.reset();

@@ -65,6 +65,7 @@ Result<SceneTree> SceneDecoder::decode() {
         auto made = prototype();
         if (!made) return made.error();
         scene_.prototypes.push_back(std::move(*made));
+        if (scene_.prototypes.size() > most_prototypes) return wrong("more than 64 prototypes");
     }
     auto root = node(NodeSlot::top, 0);
     if (!root) return root.error();
@@ -160,6 +161,8 @@ Result<void> SceneDecoder::prototype_fields(Prototype& made) {
         if (!initial) return initial.error();
         spec.initial = std::move(*initial);
         made.fields.push_back(std::move(spec));
+        if (made.fields.size() > most_fields)
+            return wrong("PROTO " + printable(made.name) + ": has more than 64 fields");
     }
     return bits_.is_over() ? Result<void>(wrong("")) : Result<void>();
 }

@@ -141,6 +141,7 @@ Result<SceneTree> TextParser::parse() {
         auto made = prototype(token_.is("EXTERNPROTO"));
         if (!made) return made.error();
         scene_.prototypes.push_back(std::move(*made));
+        if (scene_.prototypes.size() > most_prototypes) return wrong("more than 64 prototypes");
     }
     auto root = node(0);
     if (!root) return root.error();
@@ -169,6 +170,8 @@ Result<Prototype> TextParser::prototype(bool is_external) {
             return tokens_.wrong(field_at,
                                  "PROTO " + printable(made.name) + ": has " + spec->name + " twice");
         made.fields.push_back(std::move(*spec));
+        if (made.fields.size() > most_fields)
+            return tokens_.wrong(field_at, "PROTO " + printable(made.name) + ": has more than 64 fields");
     }
     if (auto ended = advance(); !ended) return ended.error();
     if (is_external) {

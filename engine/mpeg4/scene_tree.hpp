@@ -114,6 +114,9 @@ struct SceneTree {
 /// nothing else. 256 bytes at most.
 bool is_name(std::string_view word);
 
+/// How many prototypes a scene may have, and fields one of them. A touchable clip has 3, of up to 6.
+inline constexpr std::size_t most_prototypes = 64, most_fields = 64;
+
 /// How deep nodes may stand in nodes. Those of a touchable clip are 5 deep.
 inline constexpr int deepest_node = 32;
 /// What `Node::levels` is by the nodes in its fields.

@@ -231,12 +231,13 @@ Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRol
 /// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
 Result<int> Mp4Container::low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
     const auto json = file.tag(mp4_scene_tag);
-    if (role == PlaneRole::height) return json || scene.height_coding.code_max > 255 ? 8 : 0;
-    if (role != PlaneRole::depth) return 0;
-    if (!json) return scene.depth_bits - 8;
-    const auto tagged = parse_scene(*json, file_ + ": tag " + mp4_scene_tag);
+    if (role != PlaneRole::depth && role != PlaneRole::height) return 0;
+    const auto tagged = json ? parse_scene(*json, file_ + ": tag " + mp4_scene_tag)
+                             : Result<SceneDescription>(SceneDescription(scene));
     if (!tagged) return tagged.error();
-    return tagged->scene.depth_bits - 8;
+    const Scene& stored = tagged->scene;
+    return std::max(0,
+                    (role == PlaneRole::depth ? stored.depth_bits : height_bits(stored.height_coding)) - 8);
 }
 
 Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const Scene& scene) {

@@ -205,7 +205,8 @@ Result<void> Mp4Writer::open_tracks(const RawFrame& first) {
             const PlaneView& plane = plane_of(first, role);
             const bool is_wide = plane.bytes_per_sample == 2;
             if (plane.empty() || (part == Part::low && !is_wide)) continue;
-            const int bits = role == PlaneRole::depth ? scene_.depth_bits : 16;
+            const int bits =
+                role == PlaneRole::depth ? scene_.depth_bits : std::max(8, height_bits(scene_.height_coding));
             Mp4Track track{role, is_wide ? part : Part::whole, is_wide ? bits - 8 : 0};
             if (auto opened = open_track(std::move(track), plane); !opened) return opened;
         }

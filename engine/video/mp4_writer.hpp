@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,6 +13,10 @@ namespace touchable {
 // Matroska (clip_tags.hpp), and these.
 inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
 inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text.hpp, of a variable rate
+/// Bits of the largest height code; the low ones beyond 8 are in a track of their own.
+constexpr int height_bits(const HeightCoding& height) {
+    return std::bit_width(height.code_max);
+}
 /// The name of a track (its handler's) that has the low bits of another one: "depth_low". The high eight are
 /// in that one.
 inline constexpr const char* low_track_suffix = "_low";

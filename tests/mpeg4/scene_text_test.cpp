@@ -86,5 +86,17 @@ TEST(SceneText, BehaviourIsRefusedByName) {
               "line 2, column 1: the scene is over, but \"ROUTE\" follows");
 }
 
+/// A scene of 64 KiB could have thousands, and every use of one would look through them.
+TEST(SceneText, PrototypesAndTheirFieldsAreFew) {
+    std::string fields, many;
+    for (int k = 0; k < 65; ++k) {
+        fields += " field SFBool f" + std::to_string(k) + " TRUE";
+        many += "PROTO P" + std::to_string(k) + " [] { WorldInfo {} }\n";
+    }
+    EXPECT_NE(refusal("PROTO P [" + fields + "] { WorldInfo {} } Group {}").find("has more than 64 fields"),
+              std::string::npos);
+    EXPECT_NE(refusal(many + "Group {}").find("more than 64 prototypes"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace touchable::mpeg4

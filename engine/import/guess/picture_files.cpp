@@ -253,6 +253,8 @@ std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
 /// apart, as of chosen frames and of times.
 std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
     if (found.count() < 3 || found.keys.empty() || found.has_decimals || seconds_per_key(found)) return "";
+    constexpr double largest = 1e15;  // whole numbers, exactly
+    if (found.keys.front() < -largest || found.keys.back() > largest) return "";
     std::int64_t step = 0;
     for (std::size_t n = 1; n < found.keys.size(); ++n)
         step = std::gcd(step, static_cast<std::int64_t>(found.keys[n] - found.keys[n - 1]));
