@@ -16,6 +16,11 @@ std::vector<std::string> clip_notes(const ClipReader& clip) {
     return told;
 }
 
+const std::filesystem::path& sound_file_of(const ClipReader& clip) {
+    static const std::filesystem::path none;
+    return clip.inputs().empty() ? none : clip.inputs().front();
+}
+
 /// The way that is right for every format: reading up to there.
 Result<void> ClipReader::seek(std::int64_t frame) {
     if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");

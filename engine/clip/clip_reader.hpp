@@ -80,8 +80,8 @@ public:
     /// source that is gone has no next frame.
     virtual std::vector<std::string> remarks() const { return {}; }
 
-    /// Every file that this clip is read from: itself or each of its pictures, what lies beside it, its scene
-    /// file. Nobody may write there.
+    /// Every file that this clip is read from: first that with its pictures, or each of them, then what lies
+    /// beside it, its scene file. Nobody may write there.
     const std::vector<std::filesystem::path>& inputs() const { return inputs_; }
     /// A file that was read to open it.
     void add_input(std::filesystem::path file) { inputs_.push_back(std::move(file)); }
@@ -89,6 +89,9 @@ public:
 private:
     std::vector<std::filesystem::path> inputs_;
 };
+
+/// The file that may have the clip's sound, that with its pictures; empty where there is no file.
+const std::filesystem::path& sound_file_of(const ClipReader& clip);
 
 /// All a person should know of a clip: what was guessed or remarked of its scene, then the reader's notes.
 std::vector<Remark> remarks_of(const ClipReader& clip);

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/clip/hidden_folder.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -41,36 +42,6 @@ Result<void> write_scene(const fs::path& path, const SceneDescription& described
     out.close();
     return out ? Result<void>{} : input_error(name.string() + ": cannot be written");
 }
-
-/// A folder that goes again with all it holds unless it was given a name.
-class HiddenFolder {
-public:
-    explicit HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) {
-        if (!fs::create_directory(path_, failure_)) return;
-        opened_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    }
-    HiddenFolder(const HiddenFolder&) = delete;
-    HiddenFolder& operator=(const HiddenFolder&) = delete;
-    ~HiddenFolder() {
-        remove();
-        if (opened_ >= 0) close(opened_);
-    }
-    const fs::path& path() const { return path_; }
-    const std::error_code& failure() const { return failure_; }
-    /// All in it safe on the disk, as far as its file system can.
-    void sync() const {
-        if (opened_ >= 0) syncfs(opened_);
-    }
-    void remove() const {
-        std::error_code ignored;
-        if (!failure_) fs::remove_all(path_, ignored);
-    }
-
-private:
-    fs::path path_;
-    std::error_code failure_;
-    int opened_ = -1;
-};
 
 /// What both kinds have in common: frames come in order, into a hidden folder, and are whole or nothing.
 class PictureWriter : public ClipWriter {
@@ -279,25 +250,7 @@ private:
     fs::path opens_by() const override { return own_scene_name(); }
     fs::path home() const override { return place_.parent_path(); }
 
-    Result<void> name_it() override {
-        for (auto name = names_.begin(); name != names_.end(); ++name) {
-            const fs::path from = hidden_.path() / *name, to = place_.parent_path() / *name;
-            std::error_code failure;
-            if (existing_ == Existing::replace)
-                fs::rename(from, to, failure);
-            else
-                failure.assign(move_to_free_name(from, to), std::generic_category());
-            if (!failure) continue;
-            if (existing_ == Existing::keep)  // nothing of it is left
-                for (auto done = names_.begin(); done != name; ++done) {
-                    std::error_code ignored;
-                    fs::remove(place_.parent_path() / *done, ignored);
-                }
-            return unwritable(to, failure);
-        }
-        sync_folder(place_.parent_path());
-        return {};
-    }
+    Result<void> name_it() override { return hidden_.move_to(place_.parent_path(), names_, existing_); }
 
     Existing existing_;
     std::vector<std::string> names_;  // of its files, in the order in which they appear

@@ -12,6 +12,7 @@
 #include "engine/import/bag/bag_file.hpp"
 #include "engine/import/bare_picture.hpp"
 #include "engine/import/depthkit_clip.hpp"
+#include "engine/import/gltf_clip.hpp"
 #include "engine/import/guess/guessed_scene.hpp"
 #include "engine/import/guessed_video.hpp"
 #include "engine/import/image_folder.hpp"
@@ -197,6 +198,9 @@ const Format formats[] = {
     {[](const Candidate& c) { return is_scene_text(c.source); },
      [](const Candidate& c) { return open_scene_text(c.source, c.described, c.colour); },
      {"the text of an MPEG-4 scene, beside the pictures that it names", "touchable play scene.bt"}},
+    {[](const Candidate& c) { return is_gltf(c.source); },
+     [](const Candidate& c) { return open_gltf_clip(c.source, c.described, c.colour); },
+     {"a glTF scene whose depth is a texture, beside its video or pictures", "touchable play clip.gltf"}},
     {is_jpeg,
      open_jpeg,
      {"a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"}},

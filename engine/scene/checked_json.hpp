@@ -46,6 +46,7 @@ public:
     std::int64_t integer(std::int64_t least, std::int64_t most) const;
     int whole() const;  ///< not negative
     std::string text() const;
+    std::string json() const { return value_.dump(); }  ///< whatever it is, as a text of its own
     std::vector<Node> elements(std::size_t least, std::size_t most, const std::string& right) const;
 
     /// The choice whose name this string is.

@@ -9,6 +9,7 @@
 #include "engine/ffmpeg/demuxer.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
+#include "engine/video/clip_file_reader.hpp"
 
 namespace touchable {
 
@@ -43,7 +44,9 @@ protected:
 };
 
 std::unique_ptr<ClipContainer> matroska_container(const SourceFile& file);
-std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file);
+/// `told`: which tracks are which plane, whatever the file says of that itself.
+std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file,
+                                             const std::optional<PlaneTracks>& told = {});
 
 /// The rate in a file's tags. An error where it is no clip of ours, or of a version to come.
 Result<FrameRate> tagged_rate(const Demuxer& file, const std::string& name);

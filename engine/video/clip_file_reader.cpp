@@ -436,4 +436,9 @@ Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
     return open_clip_file(file, mp4_container(file), described, colour);
 }
 
+Result<std::unique_ptr<ClipReader>> open_mp4_tracks(const SourceFile& file, const PlaneTracks& tracks,
+                                                    const SceneDescription& described, Colour colour) {
+    return open_clip_file(file, mp4_container(file, tracks), described, colour);
+}
+
 }  // namespace touchable

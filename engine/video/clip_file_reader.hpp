@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
 #include "engine/clip/clip_reader.hpp"
+#include "engine/clip/plane_role.hpp"
 #include "engine/given_file.hpp"
 
 namespace touchable {
@@ -19,5 +22,18 @@ Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
                                                   Colour colour = Colour::wanted);
 /// Whether a file is one of these: it has tags of ours or an MPEG-4 scene.
 bool is_mp4_clip(const SourceFile& file);
+
+/// A plane in an MP4 file: the numbers of its track, and of that with the low bits of samples of more than 8.
+struct NumberedTrack {
+    std::uint32_t track = 0;
+    std::optional<std::uint32_t> low{};
+};
+using PlaneTracks = std::array<std::optional<NumberedTrack>, all_roles.size()>;  ///< by PlaneRole
+
+/// Tracks of an MP4 file of which another file says what they are and mean. It may be anybody's; one with
+/// tags of ours says the frames' times.
+Result<std::unique_ptr<ClipReader>> open_mp4_tracks(const SourceFile& file, const PlaneTracks& tracks,
+                                                    const SceneDescription& described,
+                                                    Colour colour = Colour::wanted);
 
 }  // namespace touchable

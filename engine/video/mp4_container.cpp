@@ -80,7 +80,8 @@ bool is_lossless_h264(const Demuxer& file, int stream) {
 /// rest. A file without a scene, such as a fragmented one, says it by tags and by the names of its tracks.
 class Mp4Container final : public ClipContainer {
 public:
-    explicit Mp4Container(const SourceFile& source) : source_(source), file_(source.string()) {}
+    Mp4Container(const SourceFile& source, const std::optional<PlaneTracks>& told)
+        : source_(source), file_(source.string()), told_(told) {}
     Result<std::unique_ptr<Demuxer>> open() override;
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
@@ -95,16 +96,19 @@ private:
     Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const;
     Result<SceneDescription> tagged_scene(const std::string& json, const FrameRate& recorded) const;
     Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
+    Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const;
+    Result<int> stream_numbered(const Demuxer& file, std::uint32_t track, const std::string& what) const;
     static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
 
     SourceFile source_;
     std::string file_;
+    std::optional<PlaneTracks> told_;
     std::optional<mpeg4::SceneStream> stream_;
     std::optional<mpeg4::ClipNodes> nodes_;
 };
 
 Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
-    if (!nodes_)
+    if (!nodes_ && !told_)
         if (auto read = read_scene_stream(); !read) return read.error();
     return Demuxer::open_quicktime(source_);
 }
@@ -129,7 +133,7 @@ Result<void> Mp4Container::read_scene_stream() {
 
 /// Of a file that another program wrote: that of its pictures of depth.
 Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
-    if (!file.tag(clip_tags::version_tag) && nodes_) {
+    if (!file.tag(clip_tags::version_tag) && (nodes_ || told_)) {
         const auto depth = stream_of(file, PlaneRole::depth);
         if (!depth) return depth.error();
         const AVRational said = file.container().streams[depth->value_or(0)]->avg_frame_rate;
@@ -206,8 +210,27 @@ std::optional<int> Mp4Container::stream_named(const Demuxer& file, const std::st
     return std::nullopt;
 }
 
+Result<int> Mp4Container::stream_numbered(const Demuxer& file, std::uint32_t track,
+                                          const std::string& what) const {
+    const AVFormatContext& container = file.container();
+    for (unsigned k = 0; k < container.nb_streams; ++k)
+        if (container.streams[k]->id == static_cast<int>(track) &&
+            container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
+            return static_cast<int>(k);
+    return refuse(what + ", track " + std::to_string(track) + ", which has no pictures");
+}
+
 Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRole role) const {
     const std::string name(role_name(role));
+    const auto numbered = [&](std::uint32_t track, const std::string& what) -> Result<std::optional<int>> {
+        const auto stream = stream_numbered(file, track, what);
+        if (!stream) return stream.error();
+        return std::optional(*stream);
+    };
+    if (told_) {
+        const auto& track = (*told_)[static_cast<std::size_t>(role)];
+        return track ? numbered(track->track, name) : std::optional<int>();
+    }
     if (!nodes_) return stream_named(file, name);
     const std::optional<mpeg4::PlaneTexture> textures[] = {nodes_->depth, nodes_->colour, nodes_->haptic,
                                                            nodes_->height};
@@ -217,15 +240,20 @@ Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRol
         return refuse("its MPEG-4 scene has " + name + " in another file (" + in_quotes(texture->url.file) +
                       "): must be a track of its own");
     const auto track = stream_->objects.find(texture->url.object);
-    const std::string object = name + " is object " + std::to_string(texture->url.object);
-    if (track == stream_->objects.end()) return refuse("its MPEG-4 scene: " + object + ", which is no track");
-    const AVFormatContext& container = file.container();
-    for (unsigned k = 0; k < container.nb_streams; ++k)
-        if (container.streams[k]->id == static_cast<int>(track->second) &&
-            container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
-            return std::optional(static_cast<int>(k));
-    return refuse("its MPEG-4 scene: " + object + ", track " + std::to_string(track->second) +
-                  ", which has no pictures");
+    const std::string object =
+        "its MPEG-4 scene: " + name + " is object " + std::to_string(texture->url.object);
+    if (track == stream_->objects.end()) return refuse(object + ", which is no track");
+    return numbered(track->second, object);
+}
+
+Result<std::optional<int>> Mp4Container::low_stream_of(const Demuxer& file, PlaneRole role) const {
+    const std::string name = std::string(role_name(role)) + low_track_suffix;
+    if (!told_) return stream_named(file, name);
+    const auto& track = (*told_)[static_cast<std::size_t>(role)];
+    if (!track || !track->low) return std::optional<int>();
+    const auto stream = stream_numbered(file, *track->low, name);
+    if (!stream) return stream.error();
+    return std::optional(*stream);
 }
 
 /// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
@@ -251,7 +279,9 @@ Result<std::vector<ClipTrack>> Mp4Container::tracks(const Demuxer& file, const S
         const auto bits = low_bits(file, role, scene);
         if (!bits) return bits.error();
         track.low_bits = *bits;
-        if (*bits > 0) track.low_stream = stream_named(file, std::string(role_name(role)) + low_track_suffix);
+        const auto low = *bits > 0 ? low_stream_of(file, role) : Result<std::optional<int>>(std::nullopt);
+        if (!low) return low.error();
+        track.low_stream = *low;
         track.is_lossless = is_lossless_h264(file, track.stream) &&
                             (!track.low_stream || is_lossless_h264(file, *track.low_stream));
         for (const ClipTrack& other : tracks)
@@ -275,8 +305,8 @@ bool is_mp4_clip(const SourceFile& file) {
     return has(clip_tags::version_tag) || has("sdsm");
 }
 
-std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file) {
-    return std::make_unique<Mp4Container>(file);
+std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file, const std::optional<PlaneTracks>& told) {
+    return std::make_unique<Mp4Container>(file, told);
 }
 
 }  // namespace touchable

@@ -78,12 +78,13 @@ Result<ClipForm> read_form(const std::filesystem::path& out) {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (ending == ".mkv" || ending == ".mp4") return ClipForm::archive;
     if (ending == ".png") return ClipForm::still;
+    if (ending == ".gltf") return ClipForm::gltf;
     std::error_code ignored;
     if (ending.empty() || std::filesystem::is_directory(out, ignored)) return ClipForm::folder;
     return usage_error(
         "OUT '" + printable(out.string()) +
-        "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.png, or the name of a folder, which "
-        "ends in / if it has a dot");
+        "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, or the name of a "
+        "folder, which ends in / if it has a dot");
 }
 
 /// An option that would do nothing is refused.
@@ -92,9 +93,9 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
         if (!given) return {};
         return usage_error(std::string(option) + " is for " + what);
     };
-    const bool archive = typed.options.form == ClipForm::archive,
-               still = typed.options.form == ClipForm::still;
-    const char* why = "clips, NAME.mkv and NAME.mp4; pictures keep every value";
+    const ClipForm form = typed.options.form;
+    const bool archive = form == ClipForm::archive || form == ClipForm::gltf, still = form == ClipForm::still;
+    const char* why = "clips, NAME.mkv, NAME.mp4 and NAME.gltf; pictures keep every value";
     if (auto checked = only(!archive && typed.archive->count() > 0, "--archive", why); !checked.ok())
         return checked;
     if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
@@ -149,7 +150,8 @@ void add_convert_command(CLI::App& app, Command& command) {
     ConvertOptions& options = typed->options;
     add_clip_options(*sub, typed->clip)->required();
     add_file_option(*sub, "OUT", options.out,
-                    "NAME.mkv: a clip; NAME.mp4: the same as MPEG-4 has it; a name without a dot, or that "
+                    "NAME.mkv: a clip; NAME.mp4: the same as MPEG-4 has it; NAME.gltf: a glTF scene beside "
+                    "its NAME.mp4, which any glTF viewer shows; a name without a dot, or that "
                     "ends in /: a folder of pictures that opens as it "
                     "is; NAME.png: a depth picture, with its scene file NAME.json")
         ->required();

@@ -24,7 +24,8 @@ struct ClipMoment {
 enum class ClipForm {
     archive,  ///< NAME.mkv, NAME.mp4
     folder,   ///< a name without an extension, or that ends in /
-    still     ///< NAME.png: one frame
+    still,    ///< NAME.png: one frame
+    gltf      ///< NAME.gltf
 };
 
 struct ConvertOptions {

@@ -1,5 +1,6 @@
 #include "player/commands/convert_report.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdarg>
 #include <cstdio>
@@ -65,6 +66,19 @@ std::string files_beside(const ConvertOptions& options, const Converted& done) {
     return words;
 }
 
+/// Those that a glTF scene names.
+std::string files_of_scene(const ConvertOptions& options, const Converted& done) {
+    const std::string stem = options.out.stem().string();
+    const bool has_colour = std::any_of(done.tracks.begin(), done.tracks.end(),
+                                        [](const TrackInfo& track) { return track.role == "colour"; });
+    std::string words = stem + ".bin";
+    if (done.frames > 1) words += ", " + stem + ".mp4";
+    if (done.frames > 1 || !has_colour) words += ", " + stem + ".png";
+    if (done.frames == 1)
+        for (const TrackInfo& track : done.tracks) words += ", " + stem + "_" + track.role + ".png";
+    return words + " lie beside it and belong to it";
+}
+
 }  // namespace
 
 std::string report_to_text(const ConvertOptions& options, const Converted& done) {
@@ -91,6 +105,7 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
     if (!done.sound.empty()) text += line("sound", done.sound);
     if (done.forces) text += line("force", forces_in_words(*done.forces));
     if (options.form == ClipForm::still) text += line("scene", files_beside(options, done));
+    if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
     for (const std::string& note : done.notes) text += line("note", note);
     return text;
 }

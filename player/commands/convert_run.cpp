@@ -11,6 +11,7 @@
 #include "engine/clip/image_folder_writer.hpp"
 #include "engine/clip/plane_role.hpp"
 #include "engine/clip/resized_frame.hpp"
+#include "engine/gltf/gltf_clip_writer.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/sound/stored_sound.hpp"
@@ -61,6 +62,8 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
     if (options.form == ClipForm::archive) outputs.push_back({"OUT", options.out});
     if (options.form == ClipForm::still)
         for (const fs::path& file : still_files(options.out)) outputs.push_back({"OUT", file});
+    if (options.form == ClipForm::gltf)
+        for (const fs::path& file : gltf_clip_files(options.out)) outputs.push_back({"OUT", file});
     return check_outputs({outputs, options.existing}, inputs);
 }
 
@@ -84,7 +87,8 @@ Error as_named(Error error, const ConvertOptions& options, const fs::path& writt
     const bool is_file = options.form == ClipForm::archive;
     const std::string hidden = (is_file ? written : written.parent_path()).string();
     const fs::path folder = options.out.has_parent_path() ? options.out.parent_path() : fs::path(".");
-    const std::string name = (options.form == ClipForm::still ? folder : options.out).string();
+    const bool is_beside = options.form == ClipForm::still || options.form == ClipForm::gltf;
+    const std::string name = (is_beside ? folder : options.out).string();
     for (auto at = error.message.find(hidden); at != std::string::npos;
          at = error.message.find(hidden, at + name.size()))
         error.message.replace(at, hidden.size(), name);
@@ -126,6 +130,8 @@ private:
     Result<void> check_loss() const;
     void say_what_mpeg4_cannot(const Scene& scene) const;
     Result<void> open_writer();
+    bool is_one_frame() const;
+    bool holds_video() const;
     std::optional<SoundPart> chosen_sound();
     RawFrame as_written(const RawFrame& frame) const;
     Result<std::optional<RawFrame>> next();
@@ -183,20 +189,31 @@ Result<void> Conversion::check_loss() const {
 
 /// What is kept of the clip's sound; says what becomes of it.
 std::optional<SoundPart> Conversion::chosen_sound() {
-    const auto sound = sound_of(options_.clip.file);
+    const fs::path file = sound_file_of(*source_);
+    const auto sound = sound_of(file);
     if (!sound) return std::nullopt;
-    const bool is_mp4 = is_mp4_name(options_.out);
-    if (options_.form != ClipForm::archive || !(is_mp4 ? sound->storable_in_mp4 : sound->storable)) {
+    const bool is_mp4 = is_mp4_name(options_.out) || options_.form == ClipForm::gltf,
+               is_video = holds_video();
+    if (!is_video || !(is_mp4 ? sound->storable_in_mp4 : sound->storable)) {
         done_.sound = "LOST: " + sound->codec +
-                      (options_.form != ClipForm::archive ? ", which pictures cannot hold"
-                       : is_mp4                           ? ", which an MP4 file cannot hold"
-                                                          : ", which a clip cannot hold");
+                      (!is_video ? ", which pictures cannot hold"
+                       : is_mp4  ? ", which an MP4 file cannot hold"
+                                 : ", which a clip cannot hold");
         return std::nullopt;
     }
     done_.sound = "kept as it is (" + sound->codec + ")";
     const FrameRate& rate = source_->scene().rate;
     const std::int64_t frames = source_->frame_count().value_or(std::int64_t{1} << 32);
-    return SoundPart{options_.clip.file, from_ns_, from_ns_ + rate.time_ns(frames)};
+    return SoundPart{file, from_ns_, from_ns_ + rate.time_ns(frames)};
+}
+
+bool Conversion::is_one_frame() const {
+    return source_->frame_count() == 1;
+}
+
+/// A glTF scene of one frame has pictures.
+bool Conversion::holds_video() const {
+    return options_.form == ClipForm::archive || (options_.form == ClipForm::gltf && !is_one_frame());
 }
 
 /// Before anything is written.
@@ -223,10 +240,14 @@ Result<void> Conversion::open_writer() {
             case ClipForm::still:
                 return create_still(options_.out, described, options_.existing);
             case ClipForm::archive:
+            case ClipForm::gltf:
                 break;
         }
         ClipStorage storage = options_.storage;
         storage.gives_colour = true;
+        if (options_.form == ClipForm::gltf)
+            return create_gltf_clip(options_.out, described, is_one_frame(), storage, options_.existing,
+                                    sound);
         return create_named_clip(options_.out, described, storage, options_.existing, sound);
     }();
     if (!writer.ok()) return writer.error();

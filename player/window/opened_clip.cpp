@@ -167,7 +167,7 @@ Result<void> OpenedClip::begin() {
 }
 
 void OpenedClip::begin_sound() {
-    if (!clip_.is_camera()) sound_.open_clip(session_->setup().clip.file);
+    if (!clip_.is_camera()) sound_.open_clip(sound_file_of(session_->setup().feed->reader()));
     begin_listening();
 }
 

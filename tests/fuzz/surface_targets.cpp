@@ -1,5 +1,7 @@
-// Maps of touch in the files of other programs.
+// Maps of touch in the files of other programs, and clips as glTF scenes.
+#include "engine/import/gltf_clip.hpp"
 #include "engine/import/touch_maps/still_maps.hpp"
+#include "engine/picture/image_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
@@ -27,8 +29,31 @@ bool parse_gltf(std::string_view bytes) {
     return is_haptic_map(file_of(bytes, "material.gltf"));
 }
 
+/// Beside a picture of depth and one of touch, and a clip in MP4.
+bool parse_gltf_clip(std::string_view bytes) {
+    static const bool is_ready = [] {
+        constexpr int side = 16;  // as the clip's
+        const std::vector<std::uint8_t> samples(std::size_t{side} * side * 3, 200);
+        const auto put = [&](const char* name, int channels) {
+            const PlaneView plane{samples.data(), std::ptrdiff_t{side} * channels, side, side, 1, channels};
+            return write_png(file_of("", name), plane).ok();
+        };
+        const Target seeds{.name = "mp4_clip", .parse = nullptr};
+        file_of(seeds_of(seeds).front().bytes, "planes.mp4");
+        return put("depth.png", 1) && put("touch.png", 3);
+    }();
+    require(is_ready, "the files beside it cannot be written");
+    return is_clip(open_gltf_clip(file_of(bytes, "clip.gltf"), std::nullopt));
+}
+
 const Registered x3d_target{{.name = "x3d", .parse = parse_x3d}};
 const Registered gltf_target{{.name = "gltf", .parse = parse_gltf}};
+const Registered gltf_clip_target{{.name = "gltf_clip",
+                                   .parse = parse_gltf_clip,
+                                   .cuts_are_refused = true,
+                                   .needless_bytes = 1,
+                                   .most_mebibytes = 2048,
+                                   .most_live_mebibytes = 2048}};
 
 }  // namespace
 }  // namespace touchable::fuzz

@@ -1,4 +1,4 @@
-// A clip in MP4 is felt as the same clip in Matroska, to the bit.
+// A clip in MP4, or as a glTF scene, is felt as the same clip in Matroska, to the bit.
 #include <gtest/gtest.h>
 
 #include "tests/player/program.hpp"
@@ -21,7 +21,9 @@ TEST_P(Mp4Touch, ForcesAreTheSameInMatroskaInMp4AndThereAndBack) {
                   {"--size", "320x240", "--frames", "6", "--bits", std::to_string(GetParam())});
     const std::string known = forces("made.mkv");
     EXPECT_EQ(forces("made.mp4"), known);
-    for (const auto& [from, to] : {std::pair{"made.mkv", "converted.mp4"}, {"converted.mp4", "back.mkv"}}) {
+    for (const auto& [from, to] : {std::pair{"made.mkv", "converted.mp4"},
+                                   {"converted.mp4", "scene.gltf"},
+                                   {"scene.gltf", "back.mkv"}}) {
         const Outcome run = run_touchable({"convert", at(from), at(to)});
         ASSERT_EQ(run.code, 0) << run.err;
         EXPECT_EQ(forces(to), known) << to;

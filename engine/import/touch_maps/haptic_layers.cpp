@@ -1,6 +1,7 @@
 #include "engine/import/touch_maps/haptic_layers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "engine/clip/resized_frame.hpp"
@@ -10,25 +11,29 @@
 namespace touchable {
 namespace {
 
+constexpr std::array<std::string_view, 3> channel_names{"red", "green", "blue"};
+
 /// Grey, 8 bits.
 struct LayerPicture {
     LinkedFile from;
+    int channel = 0;  // of that
     int width = 0, height = 0;
     std::vector<std::uint8_t> samples;
 };
 
-/// A sample's first channel in 8 bits. (A picture of floats has none.)
-std::uint8_t first_channel(const StoredImage& stored, std::size_t pixel) {
+/// A sample's channel in 8 bits; of grey there is one. (A picture of floats has none.)
+std::uint8_t channel_of(const StoredImage& stored, std::size_t pixel, int channel) {
     const Image& image = stored.image;
     const auto bytes = static_cast<std::size_t>(image.bytes_per_sample);
     const std::uint8_t* const sample =
-        &image.samples[pixel * bytes * static_cast<std::size_t>(image.channels)];
+        &image.samples[bytes * (pixel * static_cast<std::size_t>(image.channels) +
+                                static_cast<std::size_t>(image.channels == 1 ? 0 : channel))];
     const unsigned most = image.channels == 1 ? (1U << static_cast<unsigned>(stored.bits)) - 1U : 255U;
     const unsigned value = bytes == 1 ? sample[0] : sample[0] | static_cast<unsigned>(sample[1]) << 8U;
     return static_cast<std::uint8_t>((std::min(value, most) * 255U + most / 2U) / most);
 }
 
-Result<LayerPicture> read_layer(const LinkedFile& link, std::string_view property,
+Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string_view property,
                                 std::vector<std::string>& notes) {
     const auto bytes = bytes_of(link);
     if (!bytes) return bytes.error();
@@ -38,14 +43,17 @@ Result<LayerPicture> read_layer(const LinkedFile& link, std::string_view propert
     const Image& image = stored->image;
     if (!stored->values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
     const std::string what = std::string(property) + ": " + link.name;
-    if (!is_grey(image)) notes.push_back(what + " is colour: its red is taken");
+    if (!is_grey(image))
+        notes.push_back(what + " is colour: its " +
+                        std::string(channel_names[static_cast<std::size_t>(channel)]) + " is taken");
     if (image.channels == 1 && stored->bits > 8)
         notes.push_back(what + " has " + std::to_string(stored->bits) + " bits: 8 are kept");
     if (stored->codec == "mjpeg")
         notes.push_back(what + " is JPEG: where it changes sharply, values are a little off");
-    LayerPicture picture{link, image.width, image.height, {}};
+    LayerPicture picture{link, channel, image.width, image.height, {}};
     picture.samples.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-    for (std::size_t k = 0; k < picture.samples.size(); ++k) picture.samples[k] = first_channel(*stored, k);
+    for (std::size_t k = 0; k < picture.samples.size(); ++k)
+        picture.samples[k] = channel_of(*stored, k, channel);
     return picture;
 }
 
@@ -92,16 +100,16 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
     Image joined{0, 0, 1, 3, {}};
     LayerPicture last;
     for (std::size_t k = 0; k < layers.properties.size(); ++k) {
-        const auto& [picture, range] = layers.properties[k];
+        const auto& [picture, range, channel] = layers.properties[k];
         const std::string property(property_names[k]);
         if (!picture) {
             notes.push_back(property + " is " + short_number(range.min) + (k == 0 ? " N/mm" : "") +
                             " everywhere");
             continue;
         }
-        if (last.samples.empty() || !(last.from == *picture)) {
+        if (last.samples.empty() || !(last.from == *picture) || last.channel != channel) {
             last = {};  // two large ones are one too many
-            auto read = read_layer(*picture, property, notes);
+            auto read = read_layer(*picture, channel, property, notes);
             if (!read) return read.error();
             last = std::move(*read);
             if (!picture->file.empty()) layers.files.push_back(picture->file);

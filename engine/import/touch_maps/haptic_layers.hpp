@@ -18,7 +18,8 @@ namespace touchable {
 /// What the surface of another program says of one property.
 struct HapticLayer {
     std::optional<LinkedFile> picture;  ///< nothing: the same everywhere
-    PropertyRange range;                ///< at black and white; both the same without a picture
+    PropertyRange range{};              ///< at black and white; both the same without a picture
+    int channel = 0;                    ///< of a picture in colour: red, green or blue
 };
 
 /// Its stiffness (N/mm), static and dynamic friction.
@@ -33,7 +34,7 @@ inline constexpr std::array<std::string_view, 3> property_names{"stiffness", "st
 
 /// One haptic picture of all layers, of the size of the first that is a picture, or of the scene's where that
 /// is smaller; others are resampled to the nearest pixel. Each must be whole: 8 bits are kept of grey, and
-/// red of colour. `scene` gets the ranges, and the remarks.
+/// a channel of colour. `scene` gets the ranges, and the remarks.
 Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene);
 
 }  // namespace touchable

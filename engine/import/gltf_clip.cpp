@@ -1,0 +1,337 @@
+#include "engine/import/gltf_clip.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/import/guess/guessed_scene.hpp"
+#include "engine/import/guess/read_pictures.hpp"
+#include "engine/import/image_folder.hpp"
+#include "engine/import/touch_maps/gltf_material.hpp"
+#include "engine/import/touch_maps/still_maps.hpp"
+#include "engine/import/video_clip.hpp"
+#include "engine/printable.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/video/clip_file_reader.hpp"
+
+namespace touchable {
+namespace {
+
+using checked_json::Node;
+using checked_json::Refusal;
+
+constexpr std::size_t largest_file = std::size_t{64} << 20;
+
+/// Where a plane is.
+struct GltfPlane {
+    std::optional<GltfVideo> video;
+    std::string picture;  ///< a file in the scene's folder or below, where it is no video
+};
+
+/// The array's element of which `choose` makes something, the first.
+template <class Choose>
+auto first_of(const Node& root, const char* array, const Choose& choose)
+    -> decltype(choose(root, std::size_t{0})) {
+    if (!root.has(array)) return {};
+    const std::vector<Node> elements = gltf_array(root[array]);
+    for (std::size_t k = 0; k < elements.size(); ++k)
+        if (auto chosen = choose(elements[k], k)) return chosen;
+    return {};
+}
+
+std::optional<Node> own_extras(const Node& mesh) {
+    if (!mesh.has("extras") || !mesh["extras"].has("touchable")) return std::nullopt;
+    return mesh["extras"]["touchable"];
+}
+
+class GltfClip {
+public:
+    GltfClip(const SourceFile& source, std::string_view bytes)
+        : gltf_(source.path(), bytes),
+          folder_(source.path().parent_path()),
+          own_(first_of(gltf_.root(), "meshes",
+                        [](const Node& mesh, std::size_t) { return own_extras(mesh); })) {}
+    Result<std::unique_ptr<ClipReader>> open(const std::optional<SceneDescription>& replacement,
+                                             Colour colour);
+
+private:
+    std::string name_beside(const std::string& uri) const;
+    std::optional<std::size_t> depth_texture() const;
+    std::optional<std::size_t> colour_texture() const;
+    GltfPlane plane(std::size_t texture) const;
+    void find_planes();
+    void find_touch();
+    SceneDescription described() const;
+    SceneDescription assumed() const;
+    void take_ranges(Scene& scene);
+    const GltfPlane& depth() const { return *planes_.front(); }
+    Result<std::unique_ptr<ClipReader>> open_tracks(const SceneDescription& described, Colour colour) const;
+    Result<std::unique_ptr<ClipReader>> open_files(SceneDescription described, Colour colour) const;
+
+    GltfFile gltf_;
+    std::filesystem::path folder_;
+    const std::optional<Node> own_;  // what we wrote of it
+    std::array<std::optional<GltfPlane>, all_roles.size()> planes_;
+    std::optional<GltfTouch> touch_;
+    StillMaps maps_;  // pictures that serve all frames of a video
+    std::vector<Remark> remarks_;
+};
+
+/// In the scene's folder or below.
+std::string GltfClip::name_beside(const std::string& uri) const {
+    auto link = follow_link(uri, gltf_.file());
+    if (!link) throw link.error();
+    const std::filesystem::path named =
+        link->file.lexically_normal().lexically_relative(folder_.lexically_normal());
+    if (link->file.empty() || named.empty() || named.is_absolute() || *named.begin() == "..")
+        throw Refusal{"a plane of it is " + in_quotes(uri.substr(0, 40)) +
+                      ": must be a file beside it or in a folder below"};
+    return named.string();
+}
+
+/// As its mesh says; otherwise the video whose samples are depth.
+std::optional<std::size_t> GltfClip::depth_texture() const {
+    if (own_) return static_cast<std::size_t>((*own_)["depth"].whole());
+    return first_of(
+        gltf_.root(), "textures", [](const Node& texture, std::size_t k) -> std::optional<std::size_t> {
+            const auto moving = gltf_extension(texture, "MPEG_texture_video");
+            const bool is_depth =
+                moving && moving->has("format") && (*moving)["format"].text() == "DEPTH_COMPONENT";
+            return is_depth ? std::optional(k) : std::nullopt;
+        });
+}
+
+/// As its mesh says; otherwise what is drawn on the first mesh that is drawn with a picture.
+std::optional<std::size_t> GltfClip::colour_texture() const {
+    if (own_)
+        return own_->has("colour") ? std::optional(static_cast<std::size_t>((*own_)["colour"].whole()))
+                                   : std::nullopt;
+    const auto of_primitive = [this](const Node& primitive, std::size_t) -> std::optional<std::size_t> {
+        if (!primitive.has("material")) return std::nullopt;
+        const Node material = gltf_.element("materials", primitive["material"]);
+        if (!material.has("pbrMetallicRoughness")) return std::nullopt;
+        const Node look = material["pbrMetallicRoughness"];
+        if (!look.has("baseColorTexture")) return std::nullopt;
+        return static_cast<std::size_t>(look["baseColorTexture"]["index"].whole());
+    };
+    return first_of(gltf_.root(), "meshes", [&](const Node& mesh, std::size_t) {
+        return first_of(mesh, "primitives", of_primitive);
+    });
+}
+
+GltfPlane GltfClip::plane(std::size_t index) const {
+    const std::vector<Node> textures = gltf_array(gltf_.root()["textures"]);
+    if (index >= textures.size())
+        throw Refusal{"names texture " + std::to_string(index) + ", but has " +
+                      std::to_string(textures.size())};
+    const Node& texture = textures[index];
+    if (auto video = gltf_.video(texture)) {
+        video->file = name_beside(video->file);
+        return {std::move(video), ""};
+    }
+    if (!texture.has("source")) throw Refusal{"a texture is neither a picture nor a video"};
+    const Node image = gltf_.element("images", texture["source"]);
+    if (image.has("bufferView"))
+        throw Refusal{"a plane of it is a picture within the file: must be a file beside it"};
+    return {{}, name_beside(image["uri"].text())};
+}
+
+void GltfClip::find_planes() {
+    const auto depth = depth_texture();
+    if (!depth)
+        throw Refusal{
+            "has no depth (a texture of format DEPTH_COMPONENT, or \"depth\" in the extras of a mesh): it is "
+            "no clip; what it says of touch serves a clip of depth"};
+    const auto at = [this](PlaneRole role) -> std::optional<GltfPlane>& {
+        return planes_[static_cast<std::size_t>(role)];
+    };
+    at(PlaneRole::depth) = plane(*depth);
+    if (const auto colour = colour_texture()) at(PlaneRole::colour) = plane(*colour);
+    find_touch();
+}
+
+/// A material's textures that are one video are a plane; pictures are a map, as of any other clip.
+void GltfClip::find_touch() {
+    if (!has_touch(gltf_)) return;
+    touch_ = touch_of(gltf_);
+    std::optional<std::size_t> texture;
+    bool is_one = true;
+    for (std::size_t k = 0; k < touch_->properties.size(); ++k) {
+        const auto& property = touch_->properties[k];
+        if (!property) continue;
+        is_one =
+            is_one && (!texture || *texture == property->texture) && property->channel == static_cast<int>(k);
+        texture = property->texture;
+    }
+    if (touch_->height) planes_[static_cast<std::size_t>(PlaneRole::height)] = plane(touch_->height->texture);
+    if (!texture) return;
+    const bool is_video = [&] {
+        const std::vector<Node> textures = gltf_array(gltf_.root()["textures"]);
+        return gltf_extension(textures.at(*texture), "MPEG_texture_video").has_value();
+    }();
+    if (is_video && !is_one)
+        throw Refusal{
+            "its stiffness and friction are not channels 0, 1 and 2 of one video, which alone is read "
+            "(\"extras\": {\"touchable_channel\": 1, \"touchable_kind\": \"static\"} beside a texture)"};
+    if (is_one)
+        planes_[static_cast<std::size_t>(PlaneRole::haptic)] = plane(*texture);
+    else
+        maps_.haptic = gltf_.file();
+}
+
+/// Of depth that says nothing of lengths: of larger values as a depth buffer's are, which are farther.
+SceneDescription GltfClip::assumed() const {
+    const auto& video = depth().video;
+    if (!video) throw Refusal{"its mesh does not say what its depth means: describe it with a scene file"};
+    constexpr double near = 0.5, far = 1.5;  // metres
+    DepthCoding coding;
+    coding.semantics = DepthSemantics::planar;
+    coding.near_is_high = false;
+    coding.near = near;
+    coding.far = far;
+    StoredImage size;
+    size.image = {video->width, video->height, 1, 1, {}};
+    auto guessed = guess_scene(folder_, size, {}, &coding);
+    if (!guessed) throw guessed.error();
+    Scene& scene = guessed->scene;
+    scene.name = gltf_.file().stem().string();
+    add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
+                               true,
+                               "a scene file's depth.near and far say otherwise",
+                               {{Setting::scene_file, "FILE"}}});
+    return std::move(*guessed);
+}
+
+SceneDescription GltfClip::described() const {
+    if (!own_) return assumed();
+    auto scene =
+        parse_scene((*own_)["scene"].json(), gltf_.file().string() + ": the scene in its mesh's extras");
+    if (!scene) throw scene.error();
+    return std::move(*scene);
+}
+
+/// What stands beside a texture counts: somebody may have changed it there.
+void GltfClip::take_ranges(Scene& scene) {
+    const std::array<PropertyRange*, 3> ranges{&scene.haptic.stiffness, &scene.haptic.static_friction,
+                                               &scene.haptic.dynamic_friction};
+    const HapticProperties& usual = scene.default_properties;
+    const std::array<double, 3> otherwise{usual.stiffness / 1000.0, usual.static_friction,
+                                          usual.dynamic_friction};
+    bool states_all = true, is_other = false;
+    const auto take = [&](PropertyRange& range, const PropertyRange& stated) {
+        is_other = is_other || range.min != stated.min || range.max != stated.max;
+        range = stated;
+    };
+    for (std::size_t k = 0; k < ranges.size(); ++k) {
+        const auto& property = touch_->properties[k];
+        states_all = states_all && (!property || property->range);
+        if (!property) take(*ranges[k], {otherwise[k], otherwise[k]});
+        if (property && property->range) take(*ranges[k], *property->range);
+    }
+    if (own_ && is_other)
+        add_remark(remarks_, {"the ranges of its haptic material are others than those of the scene in its "
+                              "mesh: the material's stand"});
+    if (!own_ && !states_all)
+        add_remark(remarks_,
+                   {"its haptic material states no units: black and white are the usual ends", true,
+                    "\"extras\": {\"touchable_range\": [black, white]} beside a texture say others"});
+}
+
+/// Tracks of one file, and pictures beside them.
+Result<std::unique_ptr<ClipReader>> GltfClip::open_tracks(const SceneDescription& described,
+                                                          Colour colour) const {
+    const std::string& file = depth().video->file;
+    PlaneTracks tracks;
+    StillMaps maps = maps_;
+    for (const PlaneRole role : all_roles) {
+        const auto& plane = planes_[static_cast<std::size_t>(role)];
+        if (!plane) continue;
+        const std::string name(role_name(role));
+        if (!plane->video) {
+            if (role == PlaneRole::haptic) maps.haptic = gltf_.file();
+            if (role == PlaneRole::height) maps.height = folder_ / plane->picture;
+            continue;  // a picture of colour is what others show of the video
+        }
+        if (plane->video->file != file)
+            throw Refusal{name + " and depth are videos in two files: must be tracks of one"};
+        const auto& numbers = plane->video->tracks;
+        if (numbers.empty() || numbers.size() > 2)
+            throw Refusal{name + " is " + std::to_string(numbers.size()) +
+                          " tracks of its file: must be one, or one of the high bits and one of the low"};
+        tracks[static_cast<std::size_t>(role)] =
+            NumberedTrack{numbers[0], numbers.size() == 2 ? std::optional(numbers[1]) : std::nullopt};
+    }
+    auto reader = open_mp4_tracks(SourceFile(folder_ / file), tracks, described, colour);
+    if (!maps.haptic && !maps.height) return reader;
+    return with_still_maps(std::move(reader), maps);
+}
+
+/// Pictures; or videos, each a file of its own.
+Result<std::unique_ptr<ClipReader>> GltfClip::open_files(SceneDescription described, Colour colour) const {
+    std::array<std::string, all_roles.size()> names;
+    const bool is_moving = depth().video.has_value();
+    for (const PlaneRole role : all_roles) {
+        const auto& plane = planes_[static_cast<std::size_t>(role)];
+        if (!plane) continue;
+        if (plane->video && (!is_moving || role == PlaneRole::haptic || role == PlaneRole::height))
+            throw Refusal{std::string(role_name(role)) +
+                          " is a video in a file of its own: must be a picture, or a track of depth's file"};
+        if (plane->video)
+            names[static_cast<std::size_t>(role)] = plane->video->file;
+        else if (role != PlaneRole::colour || !is_moving)
+            names[static_cast<std::size_t>(role)] = plane->picture;
+    }
+    const auto& [depth, of_colour, haptic, height] = names;
+    Scene& scene = described.scene;
+    if (is_moving) {
+        scene.video = VideoSource{depth, of_colour};
+        scene.video->haptic = haptic;
+        scene.video->height = height;
+    } else {
+        scene.folder.emplace();
+        scene.folder->depth = depth;
+        scene.folder->colour = of_colour;
+        scene.folder->haptic = haptic;
+        scene.folder->height = height;
+        scene.folder->count = 1;
+    }
+    auto reader = is_moving ? open_video_clip(folder_, described, colour)
+                            : open_image_folder(folder_, described, {}, colour);
+    return maps_.haptic ? with_still_maps(std::move(reader), maps_) : std::move(reader);
+}
+
+Result<std::unique_ptr<ClipReader>> GltfClip::open(const std::optional<SceneDescription>& replacement,
+                                                   Colour colour) {
+    find_planes();
+    SceneDescription scene = replacement ? *replacement : described();
+    if (!replacement && planes_[static_cast<std::size_t>(PlaneRole::haptic)]) take_ranges(scene.scene);
+    scene.scene.remarks = joined_remarks(std::move(scene.scene.remarks), remarks_);
+    scene.scene.folder.reset();
+    scene.scene.video.reset();
+    const bool has_tracks = depth().video && !depth().video->tracks.empty();
+    auto reader = has_tracks ? open_tracks(scene, colour) : open_files(std::move(scene), colour);
+    if (reader) (*reader)->add_input(gltf_.file());
+    return reader;
+}
+
+}  // namespace
+
+bool is_gltf(const SourceFile& file) {
+    std::string ending = file.path().extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending == ".gltf" || ending == ".glb" || first_bytes(file, 4) == "glTF";
+}
+
+Result<std::unique_ptr<ClipReader>> open_gltf_clip(const SourceFile& file,
+                                                   const std::optional<SceneDescription>& described,
+                                                   Colour colour) {
+    const auto bytes = file.read("a glTF scene", largest_file);
+    if (!bytes) return bytes.error();
+    return read_gltf(file.path(), [&] { return GltfClip(file, *bytes).open(described, colour); });
+}
+
+}  // namespace touchable

@@ -1,0 +1,168 @@
+// A clip that was written as a glTF scene comes back; so does what other programs could have written.
+#include <algorithm>
+
+#include "engine/scene/scene_file.hpp"
+#include "tests/gltf/gltf_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+void expect_comes_back(const fs::path& file, const Scene& scene, int frames, const Planes& planes) {
+    ASSERT_EQ(message(write_gltf(file, scene, frames, planes, Existing::replace)), "");
+    auto reader = open_clip(file);
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), frames);
+    Scene read_scene = (*reader)->scene();
+    read_scene.folder.reset();
+    EXPECT_EQ(scene_to_json(read_scene), scene_to_json(scene));
+    const auto read = read_all(**reader);
+    ASSERT_EQ(message(read), "");
+    ASSERT_EQ(read->size(), static_cast<std::size_t>(frames));
+    for (int n = 0; n < frames; ++n)
+        EXPECT_TRUE(same_frame((*read)[static_cast<std::size_t>(n)], test_frame(scene, n, planes)))
+            << scene.depth_bits << " bits, frame " << n << " of " << frames;
+}
+
+Scene scene_of_bits(int depth_bits, int height_bits) {
+    Scene scene = small_scene(63, 47, depth_bits);
+    scene.height_coding = {1.5, HeightUnits::levels, static_cast<std::uint16_t>((1 << height_bits) - 1)};
+    return scene;
+}
+
+TEST(GltfClip, EveryBitComesBackAsVideoAndAsPictures) {
+    const TemporaryFolder folder;
+    for (const int frames : {1, 3})
+        for (const int bits : {8, 10, 12, 16})
+            expect_comes_back(folder / "a clip é.gltf", scene_of_bits(bits, bits == 12 ? 16 : 8), frames,
+                              all_planes);
+}
+
+TEST(GltfClip, AnyOfItsOtherPlanesMayBeMissing) {
+    const TemporaryFolder folder;
+    for (const int frames : {1, 2})
+        for (int choice = 0; choice < 8; ++choice)
+            expect_comes_back(folder / "clip.gltf", scene_of_bits(16, 8), frames,
+                              {(choice & 1) != 0, (choice & 2) != 0, (choice & 4) != 0});
+}
+
+TEST_F(GltfClipTest, FilesAppearTogetherOrNotAtAll) {
+    write(2);
+    const auto files = [this] {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder.path()))
+            names.push_back(entry.path().filename());
+        std::sort(names.begin(), names.end());
+        return names;
+    };
+    EXPECT_EQ(files(), (std::vector<std::string>{"clip.bin", "clip.gltf", "clip.mp4", "clip.png"}));
+    for (const char* name : {"clip.gltf", "clip.png"}) fs::remove(folder / name);
+    const std::string before = read_bytes(folder / "clip.mp4");
+    const auto again = write_gltf(file, scene, 3, all_planes, Existing::keep);
+    EXPECT_NE(message(again).find("cannot be written: File exists"), std::string::npos) << message(again);
+    EXPECT_EQ(files(), (std::vector<std::string>{"clip.bin", "clip.mp4"}));
+    EXPECT_EQ(read_bytes(folder / "clip.mp4"), before);
+    EXPECT_EQ(message(write_gltf(file, scene, 3, all_planes, Existing::replace)), "");
+    EXPECT_EQ(message(open_clip(file)), "");
+}
+
+TEST_F(GltfClipTest, RangesBesideATextureCount) {
+    write(2);
+    auto& stiffness = gltf["extensions"]["MPEG_haptic_material"]["materials"][0]["stiffness"][0];
+    stiffness["extras"]["touchable_range"] = {0.5, 0.75};
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().haptic.stiffness.min, 0.5);
+    EXPECT_EQ((*clip)->scene().haptic.stiffness.max, 0.75);
+    const auto notes = clip_notes(**clip);
+    EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+        return note.find("the material's stand") != std::string::npos;
+    }));
+}
+
+/// What of it is only ours.
+void forget_extras(nlohmann::json& node) {
+    if (node.is_object()) node.erase("extras");
+    for (auto& child : node)
+        if (child.is_structured()) forget_extras(child);
+}
+
+TEST_F(GltfClipTest, AFileOfOthersIsOpenedAndSaysWhatItAssumes) {
+    write(2);
+    forget_extras(gltf);
+    auto& material = gltf["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material.erase("friction");
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    const Scene& found = (*clip)->scene();
+    EXPECT_EQ(found.depth.near, 0.5);
+    EXPECT_EQ(found.depth.far, 1.5);
+    EXPECT_FALSE(found.depth.near_is_high);
+    EXPECT_EQ(found.haptic.static_friction.min, found.default_properties.static_friction);
+    EXPECT_EQ(found.haptic.static_friction.max, found.default_properties.static_friction);
+    const auto notes = clip_notes(**clip);
+    for (const char* words : {"states no units", "0.5 m, black, to 1.5 m", "60 degrees"})
+        EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
+            return note.find(words) != std::string::npos;
+        })) << words;
+    const auto frame = (*clip)->next();
+    ASSERT_EQ(message(frame), "");
+    const RawFrame whole = test_frame(scene, 0, all_planes);
+    EXPECT_TRUE(same_plane((*frame)->depth, whole.depth));
+    EXPECT_TRUE(same_plane((*frame)->colour, whole.colour));
+    EXPECT_TRUE(same_plane((*frame)->haptic, whole.haptic));
+    EXPECT_TRUE((*frame)->height.empty());
+}
+
+TEST_F(GltfClipTest, NamesOfTheDraftAreReadAsWell) {
+    write(2);
+    auto& all = gltf["extensions"];
+    all["MPEG_material_haptic"] = all["MPEG_haptic_material"]["materials"];
+    all.erase("MPEG_haptic_material");
+    auto& mesh = gltf["meshes"][0]["extensions"];
+    mesh = {{"MPEG_material_haptic", 0}};
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    const auto frame = (*clip)->next();
+    ASSERT_EQ(message(frame), "");
+    EXPECT_FALSE((*frame)->haptic.empty());
+}
+
+/// Stiffness and friction as pictures of their own, under every frame of a video.
+TEST_F(GltfClipTest, PicturesOfTouchServeAllFramesOfAVideo) {
+    write(3);
+    const Image stiff{24, 16, 1, 1, std::vector<std::uint8_t>(24 * 16, 51)};
+    ASSERT_TRUE(write_png(folder / "stiff.png", stiff.view()).ok());
+    gltf["images"].push_back({{"uri", "stiff.png"}});
+    gltf["textures"].push_back({{"source", 1}});
+    auto& material = gltf["extensions"]["MPEG_haptic_material"]["materials"][0];
+    material.erase("friction");
+    material["stiffness"][0]["texture"]["index"] = 4;
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    for (const RawFrame& frame : *frames) {
+        EXPECT_EQ(frame.haptic.sample(5, 5, 0), 51);
+        EXPECT_FALSE(frame.height.empty());
+    }
+}
+
+/// A file for each plane, without a list of tracks.
+TEST_F(GltfClipTest, DepthMayBeAVideoOfItsOwn) {
+    write(2, 8, {.noisy = false});
+    gltf["extensions"]["MPEG_media"]["media"][0]["alternatives"][0].erase("tracks");
+    for (auto& buffer : gltf["buffers"])
+        if (buffer.contains("extensions")) buffer["extensions"]["MPEG_buffer_circular"].erase("tracks");
+    const auto clip = open();
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 2U);
+    EXPECT_TRUE(same_plane((*frames)[1].depth, test_frame(scene, 1, {.noisy = false}).depth));
+}
+
+}  // namespace
+}  // namespace touchable::test

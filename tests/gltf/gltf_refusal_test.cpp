@@ -1,0 +1,117 @@
+// glTF scenes that are damaged, or that ask for what is not read, are refused in one line.
+#include <functional>
+
+#include "tests/gltf/gltf_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Json& media(Json& gltf) {
+    return gltf["extensions"]["MPEG_media"]["media"][0]["alternatives"][0];
+}
+Json& frames_of(Json& gltf, std::size_t plane) {  // buffer 0 is the mesh's
+    return gltf["buffers"][plane + 1]["extensions"]["MPEG_buffer_circular"];
+}
+Json& material(Json& gltf) {
+    return gltf["extensions"]["MPEG_haptic_material"]["materials"][0];
+}
+
+struct Fault {
+    std::function<void(Json&)> make;
+    const char* words;
+};
+
+TEST_F(GltfClipTest, NothingIsFetchedAndNothingLiesOutside) {
+    write(2);
+    const Json whole = gltf;
+    for (const char* uri : {"http://example.org/clip.mp4", "ftp://clip.mp4", "//host/clip.mp4"}) {
+        media(gltf)["uri"] = uri;
+        expect_refused("nothing is fetched");
+    }
+    for (const char* uri : {"../clip.mp4", "a/../../clip.mp4", "/etc/clip.mp4", "%2e%2e/clip.mp4",
+                            "file:///etc/passwd", "data:video/mp4;base64,AAAA"}) {
+        media(gltf)["uri"] = uri;
+        expect_refused("must be a file beside it or in a folder below");
+    }
+    media(gltf)["uri"] = "missing.mp4";
+    const auto missing = open();
+    ASSERT_FALSE(missing.ok());
+    EXPECT_NE(missing.error().message.find("missing.mp4"), std::string::npos) << missing.error().message;
+}
+
+TEST_F(GltfClipTest, WhatIsNotReadIsRefusedByName) {
+    write(2);
+    const Json whole = gltf;
+    const Fault faults[] = {
+        {[](Json& g) { g.erase("extensions"); }, "no extensions.MPEG_media"},
+        {[](Json& g) { frames_of(g, 1)["media"] = 1; }, "a number of one of 1 media"},
+        {[](Json& g) { frames_of(g, 1)["tracks"] = {7}; }, "a number of one of 4 tracks"},
+        {[](Json& g) {
+             frames_of(g, 1)["tracks"] = {1, 2, 3};
+         },
+         "depth is 3 tracks"},
+        {[](Json& g) { g["buffers"][2].erase("extensions"); }, "no MPEG_buffer_circular"},
+        {[](Json& g) { media(g)["tracks"][1]["track"] = "#trackID=2"; }, "must be \"#track_ID=N\""},
+        {[](Json& g) { media(g)["tracks"][1]["track"] = "#track_ID=0"; },
+         "must be \"#track_ID=N\", N from 1"},
+        {[](Json& g) { g["textures"][1]["extensions"]["MPEG_texture_video"]["width"] = 0; },
+         "a whole number from 1 to 16384"},
+        {[](Json& g) { g["textures"][1]["extensions"]["MPEG_texture_video"]["accessor"] = 99; },
+         "a number of one of 7 accessors"},
+        {[](Json& g) { g["meshes"][0]["extras"]["touchable"]["depth"] = 9; }, "names texture 9, but has 4"},
+        {[](Json& g) { g["meshes"][0]["extras"]["touchable"]["scene"]["width"] = -1; }, "width is -1"},
+        {[](Json& g) { g["meshes"][0]["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = 4; },
+         "a number of one of 1 materials"},
+        {[](Json& g) { material(g)["stiffness"][0]["type"] = "Reference"; }, "type Reference"},
+        {[](Json& g) { material(g)["stiffness"][0]["extras"]["touchable_channel"] = 3; },
+         "a whole number from 0 to 2"},
+        {[](Json& g) { material(g)["stiffness"][0]["extras"]["touchable_channel"] = 1; },
+         "channels 0, 1 and 2 of one video"},
+        {[](Json& g) { material(g)["stiffness"][0]["texture"]["index"] = 0; },
+         "channels 0, 1 and 2 of one video"},
+        {[](Json& g) { g["textures"][3].erase("extensions"); }, "neither a picture nor a video"},
+        {[](Json& g) {
+             g["meshes"][0].erase("extras");
+             for (auto& texture : g["textures"])
+                 texture["extensions"]["MPEG_texture_video"]["format"] = "RED";
+         },
+         "has no depth"},
+    };
+    for (const Fault& fault : faults) {
+        gltf = whole;
+        fault.make(gltf);
+        expect_refused(fault.words);
+    }
+    gltf = whole;
+    media(gltf)["tracks"][1]["track"] = "#track_ID=77";
+    const auto other = open();
+    ASSERT_FALSE(other.ok());
+    EXPECT_NE(other.error().message.find("depth, track 77, which has no pictures"), std::string::npos)
+        << other.error().message;
+}
+
+TEST_F(GltfClipTest, ACutSceneIsRefusedInOneLine) {
+    write(1);
+    const std::string whole = read_bytes(file);
+    int taken = 0;
+    for (std::size_t length = 0; length + 2 < whole.size(); length += 1 + whole.size() / 200) {
+        write_bytes(file, whole.substr(0, length));
+        const auto clip = open_clip(file);
+        taken += clip.ok();
+        EXPECT_EQ(message(clip).find('\n'), std::string::npos);
+    }
+    EXPECT_EQ(taken, 0);
+}
+
+TEST_F(GltfClipTest, WithoutItsVideoOrAPictureItIsRefused) {
+    write(1);
+    std::filesystem::remove(folder / "clip_haptic.png");
+    const auto still = open();
+    ASSERT_FALSE(still.ok());
+    EXPECT_NE(still.error().message.find("clip_haptic.png"), std::string::npos) << still.error().message;
+}
+
+}  // namespace
+}  // namespace touchable::test
