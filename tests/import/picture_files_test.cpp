@@ -221,6 +221,10 @@ TEST(PictureFiles, OfAnotherPlaneSayWhichOfDepthsNumbersAreMissing) {
               "colour: missing numbers that depth has; those frames get the nearest one's: 6");
     EXPECT_EQ(remark("d*.png", "d*.png"), "");
     EXPECT_EQ(remark("t*.png", "u*.png"), "") << "times";
+    write_bytes(folder / "one.txt", "13050311019032303616 d1.png\n");  // beyond 64 bits
+    EXPECT_EQ(remark("one.txt", "c*.png"),
+              "colour: missing numbers that depth has; those frames get the nearest one's: "
+              "13050311019032303616");
 }
 
 TEST(PictureFiles, StampsTellTheirUnitByTheirSize) {

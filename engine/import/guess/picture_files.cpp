@@ -1,6 +1,7 @@
 #include "engine/import/guess/picture_files.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numeric>
@@ -366,6 +367,14 @@ struct FilesBeside {
     const PictureNumbers& numbers;
 };
 
+/// All its digits: one picture's may be of any size.
+std::string whole_number(double key) {
+    std::array<char, 320> digits{};
+    const auto end =
+        std::to_chars(digits.data(), digits.data() + digits.size(), key, std::chars_format::fixed, 0);
+    return {digits.data(), end.ptr};
+}
+
 /// Says which of depth's numbers no file of another plane has; nothing where they are times.
 std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::string_view what) {
     for (const PictureFiles* row : {&found, &depth})
@@ -373,7 +382,7 @@ std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::
     std::string numbers;
     for (const double key : depth.keys)
         if (!std::binary_search(found.keys.begin(), found.keys.end(), key))
-            numbers += (numbers.empty() ? "" : ", ") + std::to_string(static_cast<std::int64_t>(key));
+            numbers += (numbers.empty() ? "" : ", ") + whole_number(key);
     if (numbers.empty()) return "";
     return std::string(what) +
            ": missing numbers that depth has; those frames get the nearest one's: " + printable(numbers, 120);
