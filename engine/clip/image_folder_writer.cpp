@@ -90,8 +90,8 @@ protected:
     /// The folder that the files will be in.
     virtual fs::path home() const = 0;
 
-    Result<void> write_picture(const std::string& name, const PlaneView& plane) const {
-        return write_png_to(hidden_.path() / name, plane, home() / name, PngEffort::quick);
+    Result<void> write_picture(PlaneRole role, const std::string& name, const PlaneView& plane) const {
+        return write_png_to(hidden_.path() / name, plane, home() / name, PngEffort::quick, png_colours(role));
     }
     /// What describes the pictures that are here, without their names.
     SceneDescription described_pictures() const {
@@ -138,11 +138,12 @@ private:
             if (same_samples(first, plane)) return {};
             for (std::int64_t frame = 0; frame < frames_; ++frame) {
                 if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted"};
-                if (auto written = write_picture(numbered(role, frame), first); !written) return written;
+                if (auto written = write_picture(role, numbered(role, frame), first); !written)
+                    return written;
             }
             changes = true;
         }
-        return write_picture(numbered(role, frames_), plane);
+        return write_picture(role, numbered(role, frames_), plane);
     }
 
     Result<void> end() override {
@@ -156,7 +157,7 @@ private:
             const bool is_still = role != PlaneRole::depth && !changes_[static_cast<std::size_t>(role)];
             pattern_of(*scene.folder, role) = name + (is_still ? ".png" : "_%06d.png");
             if (!is_still) continue;
-            if (auto written = write_picture(name + ".png", plane); !written) return written;
+            if (auto written = write_picture(role, name + ".png", plane); !written) return written;
         }
         if (scene.rate.own_times) {
             scene.folder->depth = times_list;
@@ -241,7 +242,7 @@ private:
             if (plane.empty()) continue;
             names_.push_back(name_of(role));
             pattern_of(*scene.folder, role) = names_.back();
-            if (auto written = write_picture(names_.back(), plane); !written) return written;
+            if (auto written = write_picture(role, names_.back(), plane); !written) return written;
         }
         names_.push_back(own_scene_name());
         return write_scene(hidden_.path() / names_.back(), described, home() / names_.back());

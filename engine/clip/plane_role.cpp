@@ -146,6 +146,10 @@ Result<void> check_bits(PlaneRole role, int bits, const Scene& scene, std::strin
 
 }  // namespace
 
+PngColours png_colours(PlaneRole role) {
+    return role == PlaneRole::haptic ? PngColours::indexed_if_few : PngColours::rgb;
+}
+
 std::string_view role_name(PlaneRole role) {
     return names[static_cast<std::size_t>(role)];
 }

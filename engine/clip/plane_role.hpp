@@ -24,6 +24,9 @@ std::optional<PlaneRole> role_named(std::string_view name);
 PlaneView& plane_of(RawFrame& frame, PlaneRole role);
 const PlaneView& plane_of(const RawFrame& frame, PlaneRole role);
 
+/// How its pictures are stored as PNG: those of haptic have few materials, each a colour.
+PngColours png_colours(PlaneRole role);
+
 /// Where a folder has the pictures of a role.
 std::string& pattern_of(FolderSource& source, PlaneRole role);
 const std::string& pattern_of(const FolderSource& source, PlaneRole role);

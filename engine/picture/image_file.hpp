@@ -34,13 +34,17 @@ Result<Image> read_image(const std::filesystem::path& file);
 bool is_grey(const Image& image);
 /// Grey, or grey that is stored as RGB: red, green and blue the same everywhere. Nothing of colour.
 std::optional<Image> as_grey(const Image& image);
+/// How 8-bit RGB is stored: as it is, or, where a picture has at most 256 colours, as indices into a palette
+/// of them, which takes fewer bytes where they lie in areas, as materials do. Both keep every value.
+enum class PngColours { rgb, indexed_if_few };
 /// Lossless. Grey of 8 or 16 bits, or RGB of 8. Whoever owns `file` commits it.
-Result<void> write_png(NewFile& file, const PlaneView& image);
+Result<void> write_png(NewFile& file, const PlaneView& image, PngColours colours = PngColours::rgb);
 /// Quick: half the time, for 5 % more bytes of a photograph and fewer of smooth depth.
 enum class PngEffort { quick, thorough };
 /// The same into a file of whatever name; messages speak of `name`.
 Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& image,
-                          const std::filesystem::path& name, PngEffort effort);
+                          const std::filesystem::path& name, PngEffort effort,
+                          PngColours colours = PngColours::rgb);
 /// The same, and gives it its name, over an earlier file.
 Result<void> write_png(const std::filesystem::path& file, const PlaneView& image);
 

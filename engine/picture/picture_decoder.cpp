@@ -57,8 +57,24 @@ struct PngHeader {
     int bits = 8;
     std::uint64_t pixels = 0;
     bool grey = false, interlaced = false;
-    bool made_after = false;  ///< FFmpeg makes its samples of others once all are decoded
+    std::optional<std::size_t> colours{};  ///< of its palette
+    bool made_after = false;               ///< FFmpeg makes its samples of others once all are decoded
 };
+
+/// As many as FFmpeg takes: of several palettes the last one before the picture's data.
+std::size_t colours_in_palette(std::string_view png) {
+    constexpr std::size_t around = 12;  // a chunk's content: its length, its name, a checksum
+    std::size_t colours = 0;
+    for (std::size_t at = 8; at + around <= png.size();) {
+        const std::string_view name = png.substr(at + 4, 4);
+        if (name == "IDAT") break;
+        std::size_t length = 0;
+        for (const char c : png.substr(at, 4)) length = length << 8 | static_cast<unsigned char>(c);
+        if (name == "PLTE") colours = length / 3;
+        at += around + length;
+    }
+    return colours;
+}
 
 PngHeader png_header(std::string_view png) {
     constexpr std::size_t end = 33;  // of signature and IHDR, which comes first
@@ -74,6 +90,7 @@ PngHeader png_header(std::string_view png) {
     header.grey = byte(25) == 0 || byte(25) == 4;
     header.interlaced = byte(28) != 0;
     const bool palette = byte(25) == 3;
+    if (palette) header.colours = colours_in_palette(png);
     const bool transparent = png.substr(0, png.find("IDAT")).find("tRNS") != std::string_view::npos;
     header.made_after = header.bits < 8 || (transparent && !palette);
     return header;
@@ -190,6 +207,18 @@ Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec
     return std::move(*frame);
 }
 
+/// FFmpeg makes pixels black that name a colour beyond the palette's last.
+Result<void> check_indices(const std::string& where, const AVFrame& frame, std::size_t colours) {
+    for (int y = 0; y < frame.height; ++y) {
+        const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+        const std::uint8_t* most = std::max_element(row, row + frame.width);
+        if (*most >= colours)
+            return input_error(where + ": is damaged: a pixel has colour " + std::to_string(*most) +
+                               " of its palette, which has " + std::to_string(colours));
+    }
+    return {};
+}
+
 /// A PNG is decoded once more, over other noise, where its last row is the noise, or was made of what was
 /// decoded and may have been noise: no row that was decoded depends on it.
 Result<FramePtr> decode_png(const std::string& where, const AVPacket& packet, const PngHeader& header) {
@@ -220,6 +249,8 @@ Result<DecodedPicture> decode_picture(std::string_view bytes, const std::string&
     auto frame = codec == AV_CODEC_ID_PNG ? decode_png(where, **packet, header)
                                           : decode_unless_stopped(where, codec, **packet, std::nullopt);
     if (!frame) return frame.error();
+    if (header.colours && (*frame)->format == AV_PIX_FMT_PAL8)
+        if (auto sound = check_indices(where, **frame, *header.colours); !sound) return sound.error();
     return DecodedPicture{std::move(*frame), codec, header.grey ? header.bits : 8, header.interlaced};
 }
 

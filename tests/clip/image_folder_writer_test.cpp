@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "engine/picture/stored_image.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
@@ -119,6 +120,31 @@ TEST(ImageFolderWriter, ReplacesOnlyAFolderLikeItAndOnlyWhereItMay) {
     EXPECT_EQ(names_of(folder.path()), (std::vector<std::string>{"clip", "link"}));
     EXPECT_NE(message(write_pictures(folder / "none/clip", scene, one)).find("there is no folder"),
               std::string::npos);
+}
+
+TEST(ImageFolderWriter, HapticPicturesOfFewMaterialsAreIndexedAndOthersNot) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(40, 30);
+    std::vector<RawFrame> frames{test_frame(scene, 0, all_planes), test_frame(scene, 1, all_planes),
+                                 test_frame(scene, 2, all_planes)};
+    Samples materials(3 * 40 * 30);  // the middle picture has more than 256 colours, these have three
+    for (std::size_t k = 0; k < materials.size(); ++k)
+        materials[k] = static_cast<std::uint8_t>(k % 3 * 40 + k / 3 / 40 % 3);
+    for (const std::size_t n : {std::size_t{0}, std::size_t{2}})
+        frames[n].haptic = frames[n].colour = {materials.data(), 3 * 40, 40, 30, 1, 3};
+    ASSERT_EQ(message(write_pictures(folder / "clip", scene, frames)), "");
+    const auto format = [&](const char* name) {
+        const auto stored = read_stored_image(folder / (std::string("clip/") + name));
+        return stored ? stored->pixel_format : stored.error().message;
+    };
+    EXPECT_EQ(format("haptic_000000.png"), "pal8");
+    EXPECT_EQ(format("haptic_000001.png"), "rgb24");
+    EXPECT_EQ(format("haptic_000002.png"), "pal8");
+    EXPECT_EQ(format("colour_000000.png"), "rgb24") << "as every program reads it";
+    const auto read = read_clip(folder / "clip");
+    ASSERT_EQ(message(read), "");
+    ASSERT_EQ(read->size(), 3U);
+    for (std::size_t n = 0; n < 3; ++n) EXPECT_TRUE(same_frame((*read)[n], frames[n])) << n;
 }
 
 TEST(ImageFolderWriter, AStillIsAPictureWithItsSceneFile) {

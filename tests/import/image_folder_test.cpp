@@ -6,6 +6,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "engine/video/matroska_writer.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/raw_png.hpp"
 
 namespace touchable::test {
 namespace {
@@ -268,6 +269,38 @@ TEST(ImageFolder, ImagesThatDoNotFitAreNamed) {
     EXPECT_PRED2(says, refused("height_000.png", test_plane(memory, columns, rows, 1, 3, 255, 1, true)),
                  "(height, frame 0): is 8-bit RGB, but");
     EXPECT_EQ(refusal(folder), "");
+}
+
+/// A picture of 24x18 whose indices are 0 and 1, in colours or in grey.
+std::string indexed_picture(bool is_grey) {
+    std::string pixels;
+    for (int y = 0; y < rows; ++y) {
+        pixels += '\0';
+        for (int x = 0; x < columns; ++x) pixels += static_cast<char>((x + y) % 2);
+    }
+    return raw_png({columns, rows, 8, 3}, pixels, true,
+                   png_chunk("PLTE", is_grey ? "\x20\x20\x20\x41\x41\x41" : "\x20\x20\x20\x41\x42\x41"));
+}
+
+TEST(ImageFolder, IndexedDepthAndHeightAreReadWhereTheyAreGreyAndRefusedOtherwise) {
+    const TemporaryFolder folder;
+    const FolderSource source{"depth_%03d.png", "", "", "height_%03d.png", 0, 0};
+    write_folder(folder, folder_scene(source, 8), 1, {false, false, true});
+    ASSERT_EQ(refusal(folder), "");
+    for (const char* name : {"depth_000.png", "height_000.png"}) {
+        write_bytes(folder / name, indexed_picture(true));
+        ASSERT_EQ(refusal(folder), "") << name;
+    }
+    const auto frames = read_clip(folder / "scene.json");
+    EXPECT_EQ(frames->front().depth.sample(2, 1), 0x41);
+    EXPECT_EQ(frames->front().height.sample(2, 2), 0x20);
+    for (const char* name : {"height_000.png", "depth_000.png"}) {
+        write_bytes(folder / name, indexed_picture(false));
+        EXPECT_NE(refusal(folder).find(std::string(name) + " (" + std::string(name).substr(0, 5)),
+                  std::string::npos)
+            << refusal(folder);
+        EXPECT_NE(refusal(folder).find("RGB"), std::string::npos) << refusal(folder);
+    }
 }
 
 TEST(ImageFolder, DamagedImagesAreNamedWithTheirFrame) {

@@ -144,23 +144,37 @@ TEST_F(StoredClips, APictureThatStaysIsReadOnce) {
 
 TEST_F(StoredClips, ALaterPictureOfAnotherSizeOrFormatIsRefusedByItsName) {
     for (const PlaneRole role : {PlaneRole::depth, PlaneRole::colour}) {
+        const std::string other = role == PlaneRole::depth ? "pal8" : "yuvj444p";
         for (const bool is_wider : {true, false}) {
             pictures = std::make_unique<FakePictures>(asked);
             pictures->made = [&, role, is_wider](PlaneRole asked_for, std::int64_t frame) {
                 const bool differs = asked_for == role && frame == 2;
                 StoredImage stored =
                     picture_of(asked_for, frame, differs && is_wider ? fake_wide + 1 : fake_wide);
-                if (differs && !is_wider) stored.pixel_format = "pal8";
+                if (differs && !is_wider) stored.pixel_format = other;
                 return TrackPicture{std::move(stored)};
             };
             auto clip = opened();
             ASSERT_EQ(message(clip), "");
             const std::string format = role == PlaneRole::depth ? "gray" : "rgb24";
             EXPECT_EQ(message(read_all(**clip)), in_words(role, 2) + ": is " +
-                                                     (is_wider ? "9x6 " + format : "8x6 pal8") +
+                                                     (is_wider ? "9x6 " + format : "8x6 " + other) +
                                                      ", but frame 0 is 8x6 " + format);
         }
     }
+}
+
+TEST_F(StoredClips, APictureOfFewColoursMayHaveAPaletteAndTheNextOneNot) {
+    pictures->made = [](PlaneRole role, std::int64_t frame) {
+        TrackPicture picture{picture_of(role, frame)};
+        if (role == PlaneRole::colour && frame % 2 == 1) picture.image.pixel_format = "pal8";
+        return picture;
+    };
+    auto clip = opened(4);
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    for (const RawFrame& frame : *frames) EXPECT_EQ(frame.colour.sample(0, 0), 10 + frame.number);
 }
 
 TEST_F(StoredClips, SamplesOfADecoderStayWhereTheyAre) {

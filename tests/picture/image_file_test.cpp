@@ -4,7 +4,9 @@
 
 #include <cstdlib>
 
+#include "engine/picture/stored_image.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/picture/encoded_picture.hpp"
 
 namespace touchable::test {
@@ -95,6 +97,61 @@ TEST(Image, PaletteBecomesRgb) {
             EXPECT_EQ(image->view().sample(x, y, 1), 255 - k);
             EXPECT_EQ(image->view().sample(x, y, 2), k ^ 0x5A);
         }
+}
+
+/// Areas of so many colours.
+Image areas_of(int colours, int width = 64, int height = 48) {
+    Image image{width, height, 1, 3, {}};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int k = (x / 2 + width / 2 * (y / 3)) % colours;
+            for (const int sample : {k & 255, 255 - (k >> 1 & 255), k >> 8 | 2})
+                image.samples.push_back(static_cast<std::uint8_t>(sample));
+        }
+    return image;
+}
+
+TEST(Image, FewColoursAreStoredAsAPaletteOfThem) {
+    const TemporaryFolder folder;
+    for (const int colours : {1, 2, 3, 17, 255, 256, 257, 512}) {
+        const Image image = areas_of(colours);
+        for (const PngEffort effort : {PngEffort::quick, PngEffort::thorough}) {
+            const auto write = [&](const char* name, PngColours how) {
+                ASSERT_EQ(message(write_png_to(folder / name, image.view(), folder / name, effort, how)), "");
+            };
+            write("rgb.png", PngColours::rgb);
+            write("few.png", PngColours::indexed_if_few);
+            const auto plain = read_stored_image(folder / "rgb.png"),
+                       few = read_stored_image(folder / "few.png");
+            ASSERT_EQ(message(plain) + message(few), "") << colours;
+            EXPECT_EQ(plain->pixel_format, "rgb24");
+            EXPECT_EQ(few->pixel_format, colours <= 256 ? "pal8" : "rgb24");
+            EXPECT_EQ(few->image.samples, image.samples) << colours;
+            const std::string bytes = read_bytes(folder / "few.png");
+            const std::size_t palette = bytes.find("PLTE");
+            if (colours > 256) {
+                EXPECT_EQ(palette, std::string::npos);
+                continue;
+            }
+            ASSERT_NE(palette, std::string::npos);
+            EXPECT_EQ(bytes.substr(palette - 4, 4), big_endian(3 * static_cast<std::uint64_t>(colours), 4));
+            EXPECT_EQ(bytes.find("tRNS"), std::string::npos) << "nothing of it is transparent";
+        }
+    }
+    Image materials{320, 240, 1, 3, {}};  // sea, land and ice, whose borders are slanted
+    for (int y = 0; y < 240; ++y)
+        for (int x = 0; x < 320; ++x)
+            for (const int sample : {90, 40 + 80 * (3 * x + y > 500), 7 + 50 * (x * x + 2 * y * y > 90000)})
+                materials.samples.push_back(static_cast<std::uint8_t>(sample));
+    for (const auto& [name, how] :
+         {std::pair{"rgb.png", PngColours::rgb}, {"few.png", PngColours::indexed_if_few}})
+        ASSERT_EQ(message(write_png_to(folder / name, materials.view(), name, PngEffort::quick, how)), "");
+    EXPECT_LT(3 * read_bytes(folder / "few.png").size(), 2 * read_bytes(folder / "rgb.png").size());
+    const Image grey{2, 1, 1, 1, {7, 9}};
+    ASSERT_EQ(message(write_png_to(folder / "grey.png", grey.view(), "grey.png", PngEffort::quick,
+                                   PngColours::indexed_if_few)),
+              "");
+    EXPECT_EQ(read_stored_image(folder / "grey.png")->pixel_format, "gray");
 }
 
 /// A plain colour passes 4:2:0 unharmed, so what comes back shows whether range and matrix are JPEG's.

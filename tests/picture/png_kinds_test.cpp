@@ -96,6 +96,57 @@ TEST(PngKinds, WhatStandsBeforeTheHeaderIsRefused) {
     EXPECT_NE(message(read_png(folder, png)).find("must begin with its header, IHDR"), std::string::npos);
 }
 
+/// A row of 16 indices of so many bits, and a palette.
+std::string indexed_png(int bits, const std::vector<int>& indices, int colours,
+                        const std::string& more = "") {
+    std::string row(1, '\0');
+    int byte = 0, filled = 0;
+    for (const int index : indices) {
+        byte = byte << bits | index;
+        filled += bits;
+        if (filled < 8) continue;
+        row += static_cast<char>(byte);
+        byte = filled = 0;
+    }
+    std::string palette;
+    for (int k = 0; k < colours; ++k)
+        for (const int sample : {200 - k, 7 * k, 3 * k + 1}) palette += static_cast<char>(sample);
+    return raw_png({static_cast<int>(indices.size()), 1, bits, 3}, row, true,
+                   png_chunk("PLTE", palette) + more);
+}
+
+TEST(PngKinds, PalettesOfAnyBitsBecomeTheirColoursWhateverTheirTransparency) {
+    const TemporaryFolder folder;
+    for (const int bits : {1, 2, 4, 8})
+        for (const std::string& more : {std::string(), png_chunk("tRNS", std::string("\0\x80", 2))}) {
+            std::vector<int> indices;
+            for (int k = 0; k < 16; ++k) indices.push_back(k % std::min(1 << bits, 11));
+            const auto image = read_png(folder, indexed_png(bits, indices, std::min(1 << bits, 11), more));
+            ASSERT_EQ(message(image), "") << bits;
+            ASSERT_EQ(image->channels, 3);
+            for (int x = 0; x < 16; ++x) {
+                const int k = indices[static_cast<std::size_t>(x)];
+                EXPECT_EQ(image->view().sample(x, 0, 0), 200 - k) << bits << ", " << x;
+                EXPECT_EQ(image->view().sample(x, 0, 1), 7 * k) << bits << ", " << x;
+                EXPECT_EQ(image->view().sample(x, 0, 2), 3 * k + 1) << bits << ", " << x;
+            }
+        }
+}
+
+TEST(PngKinds, AnIndexBeyondItsPaletteIsRefused) {
+    const TemporaryFolder folder;
+    for (const int bits : {1, 2, 4, 8}) {
+        std::vector<int> indices(16);
+        indices[13] = 1;
+        EXPECT_EQ(message(read_png(folder, indexed_png(bits, indices, 2))), "");
+        EXPECT_EQ(message(read_png(folder, indexed_png(bits, indices, 1))),
+                  (folder / "image.png").string() +
+                      ": is damaged: a pixel has colour 1 of its palette, which has 1");
+    }
+    EXPECT_NE(message(read_png(folder, indexed_png(8, std::vector<int>(16), 0))), "");
+    EXPECT_NE(message(read_png(folder, raw_png({1, 1, 8, 3}, std::string(2, '\0')))), "") << "no palette";
+}
+
 TEST(PngKinds, LargePicturesAreHeldOnce) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "a sanitizer keeps what is freed";

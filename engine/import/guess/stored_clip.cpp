@@ -111,6 +111,12 @@ Result<void> StoredClipReader::look_at_some(const StoredImage& first) {
     return {};
 }
 
+/// A palette is a way to store 8-bit RGB, which a picture of few colours may have and the next one not.
+bool is_same_format(const std::string& a, const std::string& b) {
+    const auto is_rgb = [](const std::string& format) { return format == "rgb24" || format == "pal8"; };
+    return a == b || (is_rgb(a) && is_rgb(b));
+}
+
 Result<void> StoredClipReader::read(Track& track, std::int64_t frame) {
     if (track.number == clip_.pictures->picture_number(track.role, frame)) return {};
     track = {track.role};  // first, so that its memory can serve the next
@@ -123,7 +129,7 @@ Result<void> StoredClipReader::read(Track& track, std::int64_t frame) {
     const StoredImage& stored = picture->image;
     const Image& image = stored.image;
     if (image.width != first.width || image.height != first.height ||
-        stored.pixel_format != first.pixel_format)
+        !is_same_format(stored.pixel_format, first.pixel_format))
         return input_error(clip_.pictures->where(track.role, frame) + ": is " +
                            text(image.width, image.height, stored.pixel_format) + ", but frame 0 is " +
                            text(first.width, first.height, first.pixel_format));
