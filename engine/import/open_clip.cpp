@@ -264,7 +264,9 @@ Opened open_file(const SourceFile& source, const std::optional<SceneDescription>
     const bool describes_itself = !is_picture(candidate) && !is_jpeg(candidate) && !is_heic(candidate) &&
                                   !is_video(candidate) && !is_ros_recording(candidate);
     if (describes_itself && !(known == SourceDescription())) return refused_description(candidate);
-    if (describes_itself && described && !described->scene.stored.is_plain())
+    // A scene's text may name pictures; the reader of the videos that it names instead knows what they cannot
+    // be.
+    if (describes_itself && described && !described->scene.stored.is_plain() && !is_scene_text(source))
         return usage_error(file.string() +
                            ": the scene's depth.coding is of pictures in files, not of videos");
     if (file.extension() == ".r3d")
@@ -358,7 +360,8 @@ Result<GuessedScene> scene_in(const Candidate& candidate) {
     return scene;
 }
 
-/// A name of pictures that `convert` can make beside a clip: what is there is not replaced.
+/// A name of pictures that `convert` can make beside a clip: what is there is not replaced. Without an
+/// extension it is a folder's, which ends in / where it has a dot.
 std::filesystem::path free_name(const std::filesystem::path& clip, const char* extension) {
     const std::filesystem::path stem = clip.parent_path() / clip.stem();
     std::filesystem::path name = stem;
@@ -368,6 +371,7 @@ std::filesystem::path free_name(const std::filesystem::path& clip, const char* e
         name = stem;
         name += '-' + std::to_string(n) + extension;
     }
+    if (*extension == '\0' && !name.extension().empty()) name /= "";
     return name;
 }
 

@@ -79,6 +79,8 @@ std::vector<std::string> unsaid_by_nodes(const Scene& scene) {
     const DepthCoding& depth = scene.depth;
     say(depth.kind != DepthCodingKind::linear || !depth.near_is_high,
         "depth that is not linear from far (black) to near (white)");
+    say(depth.kind == DepthCodingKind::linear && depth.code_max != (1U << scene.depth_bits) - 1,
+        "a white of depth that is not the largest number of its bits");
     say(depth.semantics != DepthSemantics::range,
         "depth along the camera's axis instead of each pixel's ray");
     say(depth.invalid_code_count > 0, "values of depth that are holes");
@@ -94,6 +96,10 @@ std::vector<std::string> unsaid_by_nodes(const Scene& scene) {
     say(scene.device_metres_per_unit.has_value(), "the size of the workspace");
     say(!(scene.filter == FilterSettings()), "filters");
     say(scene.hole_stiffness.has_value(), "the stiffness of holes");
+    const HapticProperties &felt = scene.default_properties, usual;
+    say(felt.stiffness != usual.stiffness || felt.static_friction != usual.static_friction ||
+            felt.dynamic_friction != usual.dynamic_friction,
+        "how it feels where it has no haptic picture");
     return unsaid;
 }
 

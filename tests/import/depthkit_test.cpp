@@ -6,8 +6,8 @@
 #include "engine/frame/stored_code.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/video/quicktime.hpp"
 #include "tests/real_data.hpp"
+#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {
@@ -162,6 +162,24 @@ TEST(Depthkit, ASceneFileReplacesTheDescription) {
     write_bytes(folder / "scene.json", scene_to_json(small_scene(width, height)));
     EXPECT_NE(message(open_clip(folder / "Clip.mov", folder / "scene.json")).find("8-bit RGB"),
               std::string::npos);
+}
+
+/// The command that is proposed must do: a folder whose name has a dot ends in /.
+TEST(Depthkit, AFolderIsProposedForItsPicturesAsConvertTakesIt) {
+    const TemporaryFolder folder;
+    write_depthkit(folder, noise(1));
+    const auto proposed = [&](const char* video) {
+        const std::string refused = message(guess_clip(folder / video, {}));
+        return refused.substr(std::min(refused.size(), refused.rfind(" ") + 1));
+    };
+    EXPECT_EQ(proposed("Clip.mov"), (folder / "Clip").string());
+    for (const char* file : {"Clip.mov", "Clip.Metadata.asset"}) {
+        const std::string name = file;
+        std::filesystem::copy(folder / name, folder / ("My.1." + name));
+    }
+    EXPECT_EQ(proposed("My.1.Clip.mov"), (folder / "My.1.Clip").string() + "/");
+    std::filesystem::create_directory(folder / "My.1.Clip");
+    EXPECT_EQ(proposed("My.1.Clip.mov"), (folder / "My.1.Clip-2").string() + "/");
 }
 
 TEST(Depthkit, MetadataThatDoNotFitAreRefusedByName) {

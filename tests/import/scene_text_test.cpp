@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "engine/frame/stored_code.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -83,6 +84,34 @@ TEST_F(SceneTextClips, AHapticPictureInJpegIsReadAndSaid) {
         is_said = is_said || note.find("haptic is stored as mjpeg") != std::string::npos;
     EXPECT_TRUE(is_said);
     EXPECT_EQ(message(read_all(**clip)), "");
+}
+
+/// The pictures that a text names are pictures like any other to a scene file.
+TEST_F(SceneTextClips, ASceneFileMayCallItsDepthDisparities) {
+    write_bytes(folder / "scene.bt", scene_with(R"(ImageTexture { url "depth.png" })"));
+    write_bytes(folder / "other.json", R"({"touchable_scene": 1, "width": 12, "height": 8,
+        "camera": {"fx": 9, "fy": 9, "cx": 5.5, "cy": 3.5},
+        "depth": {"coding": "disparity", "baseline": 100, "invalid": [0]}})");
+    const auto clip = open_clip(folder / "scene.bt", folder / "other.json");
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    const DepthCoding& depth = (*clip)->scene().depth;
+    const int stored = painted(1, 2).view().sample(3, 1);
+    EXPECT_NEAR(depth.depth(stored_code(frames->front().depth, depth, 3, 1)), 9.0 * 100 / stored, 1e-9);
+    ASSERT_FALSE(frames->front().haptic.empty()) << "its other pictures stay";
+    // Of a video it is refused by what is true of one.
+    write_bytes(folder / "video.mkv", "");
+    auto writer = create_clip(folder / "video.mkv", small_scene(text_wide, text_high), exact_clip);
+    ASSERT_EQ(message(writer), "");
+    ASSERT_EQ(message((*writer)->write(test_frame(small_scene(text_wide, text_high), 0, {}))), "");
+    ASSERT_EQ(message((*writer)->finish()), "");
+    write_bytes(folder / "scene.bt",
+                R"(Shape { geometry Depth { texture MovieTexture { url "video.mkv" } } })");
+    EXPECT_NE(message(open_clip(folder / "scene.bt", folder / "other.json"))
+                  .find("video.mkv: depth.coding disparity"),
+              std::string::npos)
+        << message(open_clip(folder / "scene.bt", folder / "other.json"));
 }
 
 TEST_F(SceneTextClips, NothingOutsideItsFolderIsRead) {

@@ -30,7 +30,15 @@ TEST(ClipScene, WhatNodesCannotSayIsSaid) {
         {"linear from far", [](Scene& scene) { scene.depth.near_is_high = false; }},
         {"along the camera's axis", [](Scene& scene) { scene.depth.semantics = DepthSemantics::planar; }},
         {"holes", [](Scene& scene) { scene.depth.invalid_code_count = 1; }},
-        {"below the high 8", [](Scene& scene) { scene.depth_bits = 9; }},
+        {"below the high 8",
+         [](Scene& scene) {
+             scene.depth_bits = 9;
+             scene.depth.code_max = 511;
+         }},
+        {"white of depth", [](Scene& scene) { scene.depth.code_max = 254; }},
+        {"has no haptic picture", [](Scene& scene) { scene.default_properties.stiffness = 601; }},
+        {"has no haptic picture", [](Scene& scene) { scene.default_properties.static_friction = 0.5; }},
+        {"has no haptic picture", [](Scene& scene) { scene.default_properties.dynamic_friction = 0.1; }},
         {"below the high 8", [](Scene& scene) { scene.height_coding.code_max = 1023; }},
         {"not millimetres", [](Scene& scene) { scene.metres_per_unit = 1; }},
         {"not square", [](Scene& scene) { scene.camera.fy = 51; }},
