@@ -7,6 +7,7 @@
 
 #include "engine/clip/plane_role.hpp"
 #include "engine/ffmpeg/demuxer.hpp"
+#include "engine/given_file.hpp"
 #include "engine/result.hpp"
 #include "engine/scene/scene_description.hpp"
 #include "engine/video/clip_file_reader.hpp"
@@ -20,6 +21,12 @@ struct ClipTrack {
     std::optional<int> low_stream{};  ///< has the low bits of its samples; the high eight are in `stream`
     int low_bits = 0;
     bool is_lossless = false;  ///< so the file says of the whole track; of a picture its own bytes may
+};
+
+/// How a kind of container calls what describes a clip, in messages.
+struct ContainerWords {
+    const char* scene;  ///< "scene.json"
+    const char* times;  ///< "timestamps.txt"
 };
 
 /// How a kind of container holds a touchable clip. Errors name the file.
@@ -38,8 +45,21 @@ public:
     virtual bool has_whole_index() const { return false; }
     /// What a person should know of all that, once it was asked for.
     const std::vector<std::string>& notes() const { return notes_; }
+    const ContainerWords& words() const { return words_; }
 
 protected:
+    ClipContainer(const SourceFile& source, ContainerWords words);
+    Error refuse(const std::string& what, Hints hints = {}) const;
+    /// By the file's tags and, of frames at times of their own, this text. An error where it is no clip of
+    /// ours, or of a version to come.
+    Result<FrameRate> tagged_rate(const Demuxer& file, const std::optional<std::string>& own_times) const;
+    /// As this text describes it. An error where its rate is not the recorded one; that of the frames' own
+    /// times it does not say.
+    Result<SceneDescription> described_by(const std::string& json, const FrameRate& recorded) const;
+
+    SourceFile source_;
+    std::string file_;
+    ContainerWords words_;
     std::vector<std::string> notes_;
 };
 
@@ -47,8 +67,5 @@ std::unique_ptr<ClipContainer> matroska_container(const SourceFile& file);
 /// `told`: which tracks are which plane, whatever the file says of that itself.
 std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file,
                                              const std::optional<PlaneTracks>& told = {});
-
-/// The rate in a file's tags. An error where it is no clip of ours, or of a version to come.
-Result<FrameRate> tagged_rate(const Demuxer& file, const std::string& name);
 
 }  // namespace touchable

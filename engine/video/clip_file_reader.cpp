@@ -382,7 +382,7 @@ std::int64_t ClipFileReader::pictures_of_depth() const {
 }
 
 Error ClipFileReader::refuse_times() const {
-    return refuse("its " + std::string(clip_tags::times_file) + " has the times of " +
+    return refuse("its " + std::string(container_->words().times) + " has the times of " +
                   std::to_string(recorded_rate_.own_times->size()) + " frames, but depth has " +
                   std::to_string(pictures_of_depth()) + " pictures: must be one time for each");
 }

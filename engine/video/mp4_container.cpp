@@ -12,7 +12,6 @@
 #include "engine/video/clip_container.hpp"
 #include "engine/video/clip_file_reader.hpp"
 #include "engine/video/clip_tags.hpp"
-#include "engine/video/frame_times_text.hpp"
 #include "engine/video/mp4_writer.hpp"
 
 namespace touchable {
@@ -76,12 +75,14 @@ bool is_lossless_h264(const Demuxer& file, int stream) {
     return leaves_out_transform && !bits.is_over();
 }
 
+constexpr ContainerWords mp4_words{"tag T3D_SCENE", "tag T3D_TIMES"};
+
 /// An MPEG-4 scene says which track is which plane, and what the planes mean, as far as it can; tags say the
 /// rest. A file without a scene, such as a fragmented one, says it by tags and by the names of its tracks.
 class Mp4Container final : public ClipContainer {
 public:
     Mp4Container(const SourceFile& source, const std::optional<PlaneTracks>& told)
-        : source_(source), file_(source.string()), told_(told) {}
+        : ClipContainer(source, mp4_words), told_(told) {}
     Result<std::unique_ptr<Demuxer>> open() override;
     Result<FrameRate> rate(const Demuxer& file) override;
     Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
@@ -89,19 +90,13 @@ public:
     bool has_whole_index() const override { return true; }
 
 private:
-    Error refuse(const std::string& what, Hints hints = {}) const {
-        return input_error(file_ + ": " + what, std::move(hints));
-    }
     Result<void> read_scene_stream();
     Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const;
-    Result<SceneDescription> tagged_scene(const std::string& json, const FrameRate& recorded) const;
     Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
     Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const;
     Result<int> stream_numbered(const Demuxer& file, std::uint32_t track, const std::string& what) const;
     static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
 
-    SourceFile source_;
-    std::string file_;
     std::optional<PlaneTracks> told_;
     std::optional<mpeg4::SceneStream> stream_;
     std::optional<mpeg4::ClipNodes> nodes_;
@@ -143,33 +138,13 @@ Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
                           std::to_string(clip_tags::fastest_rate) + "/1");
         return rate;
     }
-    auto rate = tagged_rate(file, file_);
-    if (!rate) return rate;
-    const auto own = file.tag(mp4_times_tag);
-    if (!own) return rate;
-    auto times = parse_frame_times(*own, file_ + ": " + mp4_times_tag);
-    if (!times) return times.error();
-    rate->own_times = std::move(times->own_times);
-    return rate;
-}
-
-/// Its rate is the recorded one, of which it does not say the frames' own times.
-Result<SceneDescription> Mp4Container::tagged_scene(const std::string& json,
-                                                    const FrameRate& recorded) const {
-    auto described = parse_scene(json, file_ + ": tag " + mp4_scene_tag);
-    if (!described) return described;
-    const FrameRate& rate = described->scene.rate;
-    if (!described->unstated.rate && !clip_tags::same_rate(rate, recorded))
-        return refuse("its tag T3D_RATE is " + clip_tags::rate_text(recorded) + ", but its tag " +
-                      mp4_scene_tag + " says " + clip_tags::rate_text(rate));
-    described->unstated.rate = true;
-    return described;
+    return tagged_rate(file, file.tag(mp4_times_tag));
 }
 
 Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRate& recorded) {
     notes_.clear();
     if (const auto json = file.tag(mp4_scene_tag)) {
-        auto described = tagged_scene(*json, recorded);
+        auto described = described_by(*json, recorded);
         if (!described) return described;
         if (!nodes_) return described;
         const auto is_other = mpeg4::take_nodes(*nodes_, described->scene);
@@ -260,7 +235,7 @@ Result<std::optional<int>> Mp4Container::low_stream_of(const Demuxer& file, Plan
 Result<int> Mp4Container::low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
     const auto json = file.tag(mp4_scene_tag);
     if (role != PlaneRole::depth && role != PlaneRole::height) return 0;
-    const auto tagged = json ? parse_scene(*json, file_ + ": tag " + mp4_scene_tag)
+    const auto tagged = json ? parse_scene(*json, file_ + ": " + words_.scene)
                              : Result<SceneDescription>(SceneDescription(scene));
     if (!tagged) return tagged.error();
     const Scene& stored = tagged->scene;

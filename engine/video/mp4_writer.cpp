@@ -7,18 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "engine/clip/frame_check.hpp"
 #include "engine/clip/plane_role.hpp"
-#include "engine/ffmpeg/ffmpeg.hpp"
-#include "engine/ffmpeg/reserved_output.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_stream.hpp"
-#include "engine/new_file.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/sound/stored_sound.hpp"
 #include "engine/video/clip_tags.hpp"
 #include "engine/video/frame_times_text.hpp"
-#include "engine/video/track_decoder.hpp"
+#include "engine/video/muxed_clip_writer.hpp"
+#include "engine/video/read_along.hpp"
 #include "engine/video/track_encoder.hpp"
 
 namespace touchable {
@@ -74,60 +70,30 @@ PlaneView part_of(const PlaneView& plane, Mp4Track& track) {
     return {track.bytes.data(), plane.width, plane.width, plane.height, 1, 1};
 }
 
-struct ContainerCloser {
-    void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
-};
-
 /// Content, and where in the file the box begins.
 struct MovieBox {
     std::uint64_t at = 0;
     mpeg4::Bytes content;
 };
 
-class Mp4Writer final : public ClipWriter {
+class Mp4Writer final : public MuxedClipWriter {
 public:
     Mp4Writer(const std::filesystem::path& path, const SceneDescription& described,
-              const ClipStorage& storage, Existing existing, std::unique_ptr<StoredSound> sound)
-        : scene_(described.scene),
-          unstated_(described.unstated),
-          storage_(storage),
-          output_(path, existing),
-          sound_(std::move(sound)) {}
-    Result<void> open();
-    Result<void> write(const RawFrame& frame) override { return keep(write_frame(frame)); }
-    PlaneView stored_colour() const override { return as_read_.view; }
-    bool is_full() const override { return room_.is_full(); }
-    Result<std::filesystem::path> complete() override {
-        if (auto ended = keep(end()); !ended) return ended.error();
-        return output_.path();
-    }
-    Result<void> finish() override {
-        if (!complete_)
-            if (auto ended = keep(end()); !ended) return ended;
-        return output_.commit();
-    }
+              const ClipStorage& storage, Existing existing)
+        : MuxedClipWriter(path, described, storage, existing, "mp4") {}
+    PlaneView stored_colour() const override { return reader_ ? reader_->picture() : PlaneView{}; }
 
 private:
-    Error refuse(const std::string& what) const {
-        return input_error(output_.target().string() + ": " + what);
-    }
-    Result<void> keep(Result<void> result) {  // what went wrong once is not written over
-        over_ = over_ || !result.ok();
-        return result;
-    }
-    Result<void> check_status(int status) const;
-    Result<void> write_frame(const RawFrame& frame);
+    Result<void> add(const RawFrame& frame) override;
+    Result<void> amend() override { return add_scene(); }
     Result<void> open_tracks(const RawFrame& first);
     Result<void> open_track(Mp4Track track, const PlaneView& first);
     Result<void> begin_file();
-    Result<void> add_tags();
-    Result<void> write_picture(std::size_t track, const PlaneView& plane);
-    Result<void> read_along(const AVPacket& packet);
-    Result<void> write_sound(std::int64_t until_ms);
+    Result<void> tag_scene();
+    Result<void> encode(std::size_t track, const PlaneView& plane);
     Result<void> add_scene();
     Result<void> make_scene_stream();
     Result<MovieBox> movie_box() const;
-    Result<void> end();
     /// Exact where frames come evenly: a rate of 30000/1001 has ticks of 1/30000 s.
     AVRational time_base() const {
         if (scene_.rate.own_times) return {1, 1'000'000};
@@ -137,41 +103,10 @@ private:
         return scene_.rate.own_times ? scene_.rate.time_ns(frame) / 1000 : frame;
     }
 
-    Scene scene_;
-    Unstated unstated_;
-    ClipStorage storage_;
-    NewFile output_;
-    std::unique_ptr<StoredSound> sound_;  // null: none
-    ReservedOutput room_;
-    std::unique_ptr<AVFormatContext, ContainerCloser> muxer_;
     std::vector<Mp4Track> tracks_;  // track k is stream k, and has number k + 1
     mpeg4::SceneStream scene_stream_;
-    FrameCheck check_;
-    std::unique_ptr<TrackDecoder> reader_;  // of colour as stored; null: nobody asked
-    Plane as_read_;
-    bool over_ = false;  // complete, or failed
-    bool complete_ = false;
+    std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: nobody asked
 };
-
-Result<void> Mp4Writer::check_status(int status) const {
-    if (status >= 0 && muxer_->pb->error < 0) status = muxer_->pb->error;
-    if (status >= 0) return {};
-    return refuse("cannot be written: " + ffmpeg_text(status));
-}
-
-Result<void> Mp4Writer::open() {
-    if (auto usable = output_.check(); !usable) return usable;
-    AVFormatContext* muxer = nullptr;
-    int status = avformat_alloc_output_context2(&muxer, nullptr, "mp4", nullptr);
-    if (status < 0) return Error{ErrorKind::internal, "MP4 muxer: " + ffmpeg_text(status)};
-    muxer_.reset(muxer);
-    muxer_->flags |= AVFMT_FLAG_BITEXACT;
-    if (sound_ && avformat_query_codec(muxer_->oformat, sound_->codec().codec_id, FF_COMPLIANCE_NORMAL) != 1)
-        return refuse(std::string("cannot hold sound of codec ") +
-                      avcodec_get_name(sound_->codec().codec_id));
-    status = room_.open(output_.path(), *muxer_);
-    return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
-}
 
 Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
     const bool is_seen = track.role == PlaneRole::colour && !storage_.exact_colour;
@@ -190,9 +125,9 @@ Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
     av_dict_set(&stream->metadata, "handler_name", track.name().c_str(), 0);
     stream->disposition = tracks_.empty() ? AV_DISPOSITION_DEFAULT : 0;
     if (is_seen && storage_.gives_colour) {
-        auto reader = TrackDecoder::open(*stream, track.role, "what is written");
+        auto reader = ReadAlong::open(*track.encoder, track.role);
         if (!reader) return reader.error();
-        reader_ = std::make_unique<TrackDecoder>(std::move(*reader));
+        reader_ = std::move(*reader);
     }
     tracks_.push_back(std::move(track));
     return {};
@@ -216,88 +151,39 @@ Result<void> Mp4Writer::open_tracks(const RawFrame& first) {
 }
 
 Result<void> Mp4Writer::begin_file() {
-    if (sound_) {
-        AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
-        if (!stream || avcodec_parameters_copy(stream->codecpar, &sound_->codec()) < 0)
-            return refuse("out of memory");
-        stream->codecpar->codec_tag = 0;  // the other container's
-        stream->id = static_cast<int>(tracks_.size()) + 1;
-        stream->time_base = {1, 1000};
-    }
-    if (auto tagged = add_tags(); !tagged) return tagged;
+    if (auto added = add_sound_stream(); !added) return added;
+    if (auto tagged = tag_scene(); !tagged) return tagged;
     AVDictionary* options = nullptr;
     av_dict_set(&options, "movflags", "use_metadata_tags", 0);
-    const int status = avformat_write_header(muxer_.get(), &options);
-    av_dict_free(&options);
-    return check_status(status);
+    return write_header(options);
 }
 
-Result<void> Mp4Writer::add_tags() {
-    SceneDescription described(scene_);
-    described.unstated = unstated_;
-    described.scene.folder.reset();  // the frames are here now
-    described.scene.video.reset();
-    described.scene.stored = {};  // as codes
+Result<void> Mp4Writer::tag_scene() {
+    add_tags();
     AVDictionary*& tags = muxer_->metadata;
-    av_dict_set_int(&tags, clip_tags::version_tag, clip_format_version, 0);
-    av_dict_set(&tags, clip_tags::rate_tag, clip_tags::rate_text(scene_.rate).c_str(), 0);
-    av_dict_set(&tags, mp4_scene_tag, scene_to_json(described).c_str(), 0);
+    av_dict_set(&tags, mp4_scene_tag, scene_to_json(to_be_said()).c_str(), 0);
     if (scene_.rate.own_times) av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
     const int wanted = scene_.rate.own_times ? 4 : 3;
     return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
 }
 
-Result<void> Mp4Writer::write_picture(std::size_t track, const PlaneView& plane) {
+Result<void> Mp4Writer::encode(std::size_t track, const PlaneView& plane) {
     const std::int64_t frame = check_.frames() - 1;
     auto packet = tracks_[track].encoder->encode(plane, frame % clip_tags::access_interval == 0);
     if (!packet) return packet.error();
     if (reader_ && tracks_[track].role == PlaneRole::colour)
-        if (auto read = read_along(**packet); !read) return read;
-    (*packet)->stream_index = static_cast<int>(track);
+        if (auto read = reader_->add(**packet); !read) return read;
     (*packet)->pts = (*packet)->dts = tick_of(frame);
     (*packet)->duration = tick_of(frame + 1) - tick_of(frame);
-    av_packet_rescale_ts(packet->get(), time_base(), muxer_->streams[track]->time_base);
-    auto written = check_status(av_write_frame(muxer_.get(), packet->get()));
-    room_.end_picture();
-    return written;
+    return write_picture(**packet, track, time_base());
 }
 
-/// The encoder holds no picture back, so none waits for a later one.
-Result<void> Mp4Writer::read_along(const AVPacket& packet) {
-    if (auto sent = reader_->send(&packet); !sent) return sent;
-    auto picture = reader_->receive();
-    if (!picture) return picture.error();
-    if (!*picture)
-        return Error{ErrorKind::internal, reader_->where() + ": is not decoded before the next one"};
-    as_read_ = std::move((*picture)->plane);
-    return {};
-}
-
-/// What is heard up to then.
-Result<void> Mp4Writer::write_sound(std::int64_t until_ms) {
-    if (!sound_) return {};
-    const auto stream = static_cast<int>(tracks_.size());
-    while (true) {
-        const auto packet = sound_->next(until_ms);
-        if (!packet) return packet.error();
-        if (!*packet) return {};
-        (*packet)->stream_index = stream;
-        av_packet_rescale_ts(packet->get(), {1, 1000}, muxer_->streams[stream]->time_base);
-        if (auto written = check_status(av_write_frame(muxer_.get(), packet->get())); !written)
-            return written;
-    }
-}
-
-Result<void> Mp4Writer::write_frame(const RawFrame& frame) {
-    if (over_)
-        return Error{ErrorKind::internal, "a frame is given to a clip that is finished, or has failed"};
-    if (auto fits = check_.check(frame, scene_); !fits) return fits;
+Result<void> Mp4Writer::add(const RawFrame& frame) {
     if (tracks_.empty())
         if (auto opened = open_tracks(frame); !opened) return opened;
-    constexpr std::int64_t ns_per_ms = 1'000'000;
-    if (auto written = write_sound(scene_.rate.time_ns(frame.number) / ns_per_ms); !written) return written;
+    if (auto written = write_sound(time_ms(frame.number)); !written) return written;
     for (std::size_t k = 0; k < tracks_.size(); ++k)
-        if (auto written = write_picture(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])); !written)
+        if (auto written = encode(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])); !written)
             return written;
     return {};
 }
@@ -362,37 +248,13 @@ Result<void> Mp4Writer::add_scene() {
     return check_status(0);
 }
 
-Result<void> Mp4Writer::end() {
-    if (over_) return Error{ErrorKind::internal, "the clip is finished already, or has failed"};
-    if (check_.frames() == 0) return refuse("not written: no frame was given");
-    constexpr std::int64_t ns_per_ms = 1'000'000;
-    if (auto written = write_sound(scene_.rate.time_ns(check_.frames()) / ns_per_ms); !written)
-        return written;
-    if (auto written = check_status(av_write_trailer(muxer_.get())); !written) return written;
-    if (auto added = add_scene(); !added) return added;
-    const int status = room_.close();
-    if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
-    over_ = complete_ = true;
-    return {};
-}
-
 }  // namespace
 
 Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path& path,
                                                     const SceneDescription& described,
                                                     const ClipStorage& storage, Existing existing,
                                                     const std::optional<SoundPart>& sound) {
-    silence_ffmpeg();
-    if (auto storable = check_storable(path, described); !storable) return storable.error();
-    std::unique_ptr<StoredSound> heard;
-    if (sound) {
-        auto opened = StoredSound::open(*sound);
-        if (!opened) return opened.error();
-        heard = std::move(*opened);
-    }
-    auto writer = std::make_unique<Mp4Writer>(path, described, storage, existing, std::move(heard));
-    if (auto opened = writer->open(); !opened) return opened.error();
-    return std::unique_ptr<ClipWriter>(std::move(writer));
+    return open_clip_writer<Mp4Writer>(path, described, storage, existing, sound);
 }
 
 bool is_mp4_name(const std::filesystem::path& path) {

@@ -20,21 +20,6 @@ std::vector<CodingOffer> offers_for(PlaneRole role, const PlaneView& first, cons
     return {{h264_thrifty}, {ffv1}};
 }
 
-struct ContainerDeleter {
-    void operator()(AVFormatContext* container) const { avformat_free_context(container); }
-};
-
-/// As a reader of the clip has it.
-Result<std::unique_ptr<TrackDecoder>> decoder_of(const TrackEncoder& encoder, PlaneRole role) {
-    const std::unique_ptr<AVFormatContext, ContainerDeleter> container(avformat_alloc_context());
-    AVStream* const stream = container ? avformat_new_stream(container.get(), nullptr) : nullptr;
-    if (!stream) return Error{ErrorKind::internal, "out of memory"};
-    if (auto described = encoder.describe(*stream->codecpar); !described) return described.error();
-    auto decoder = TrackDecoder::open(*stream, role, "what is written");
-    if (!decoder) return decoder.error();
-    return std::make_unique<TrackDecoder>(std::move(*decoder));
-}
-
 }  // namespace
 
 Result<TrackWriter> TrackWriter::open(PlaneRole role, const PlaneView& first, const Scene& scene,
@@ -54,7 +39,7 @@ Result<TrackWriter> TrackWriter::open(PlaneRole role, const PlaneView& first, co
     if (track.codings_.empty())
         if (auto opened = open({TrackCoding::ffv1}); !opened) return opened.error();
     if (storage.gives_colour && track.coding() == TrackCoding::h264_visual) {
-        auto reader = decoder_of(track.encoder(), role);
+        auto reader = ReadAlong::open(track.encoder(), role);
         if (!reader) return reader.error();
         track.reader_ = std::move(*reader);
     }
@@ -87,22 +72,11 @@ Result<void> TrackWriter::add(const PlaneView& plane) {
         auto packet = coding.encoder->encode(plane, access);
         if (!packet) return packet.error();
         if (reader_)
-            if (auto read = read_along(**packet); !read) return read;
+            if (auto read = reader_->add(**packet); !read) return read;
         coding.bytes += (*packet)->size;
         coding.pictures.push_back({std::move(*packet), frames_});
     }
     ++frames_;
-    return {};
-}
-
-/// The encoder holds no picture back, so none waits for a later one.
-Result<void> TrackWriter::read_along(const AVPacket& packet) {
-    if (auto sent = reader_->send(&packet); !sent) return sent;
-    auto picture = reader_->receive();
-    if (!picture) return picture.error();
-    if (!*picture)
-        return Error{ErrorKind::internal, reader_->where() + ": is not decoded before the next one"};
-    as_read_ = std::move((*picture)->plane);
     return {};
 }
 

@@ -7,7 +7,7 @@
 
 #include "engine/clip/clip_reader.hpp"
 #include "engine/video/matroska_writer.hpp"
-#include "engine/video/track_decoder.hpp"
+#include "engine/video/read_along.hpp"
 #include "engine/video/track_encoder.hpp"
 
 namespace touchable {
@@ -38,7 +38,7 @@ public:
     Result<void> add(const PlaneView& plane);
     /// That plane as readers will be given it, where the coding changes values and ClipStorage::gives_colour
     /// asked for it; empty otherwise.
-    PlaneView as_read() const { return as_read_.view; }
+    PlaneView as_read() const { return reader_ ? reader_->picture() : PlaneView{}; }
     /// No frame comes any more.
     void end();
 
@@ -61,7 +61,6 @@ private:
     };
     TrackWriter() = default;
     bool stays(const PlaneView& plane);
-    Result<void> read_along(const AVPacket& packet);
     void decide();
 
     PlaneRole role_ = PlaneRole::depth;
@@ -69,8 +68,7 @@ private:
     std::vector<std::uint8_t> newest_;  // samples of the picture before
     std::int64_t frames_ = 0;
     bool ended_ = false;
-    std::unique_ptr<TrackDecoder> reader_;  // of what is stored; null: nobody asked
-    Plane as_read_;                         // the newest that it gave
+    std::unique_ptr<ReadAlong> reader_;  // null: nobody asked
 };
 
 }  // namespace touchable
