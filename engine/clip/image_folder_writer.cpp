@@ -36,9 +36,14 @@ std::string numbered(PlaneRole role, std::int64_t frame) {
     return std::string(role_name(role)) + digits.data();
 }
 
-Result<void> write_scene(const fs::path& path, const SceneDescription& described, const fs::path& name) {
+/// "NAME_colour.png", beside a file NAME of whatever kind.
+std::string beside(const fs::path& file, PlaneRole role) {
+    return file.stem().string() + "_" + std::string(role_name(role)) + ".png";
+}
+
+Result<void> write_text(const fs::path& path, const std::string& text, const fs::path& name) {
     std::ofstream out(path, std::ios::binary);
-    out << scene_to_json(described);
+    out << text;
     out.close();
     return out ? Result<void>{} : input_error(name.string() + ": cannot be written");
 }
@@ -164,7 +169,7 @@ private:
             scene.folder->count = 0;  // as long as the list
             if (auto written = write_times(); !written) return written;
         }
-        return write_scene(hidden_.path() / scene_name, described, place_ / scene_name);
+        return write_text(hidden_.path() / scene_name, scene_to_json(described), place_ / scene_name);
     }
 
     /// Seconds and name of each picture of depth, as TUM's recordings have them.
@@ -222,17 +227,15 @@ private:
 
 class StillWriter final : public PictureWriter {
 public:
-    StillWriter(const fs::path& place, const SceneDescription& described, Existing existing)
-        : PictureWriter(place, described), existing_(existing) {}
+    /// `depth`, `text`: names of its picture of depth, and of what describes all.
+    struct Form {
+        std::string depth, text;
+        DescribeStill describe;
+    };
+    StillWriter(const fs::path& place, const SceneDescription& described, Existing existing, Form form)
+        : PictureWriter(place, described), existing_(existing), form_(std::move(form)) {}
 
 private:
-    std::string name_of(PlaneRole role) const {
-        const std::string stem = place_.stem().string();
-        return role == PlaneRole::depth ? place_.filename().string()
-                                        : stem + "_" + std::string(role_name(role)) + ".png";
-    }
-    std::string own_scene_name() const { return place_.stem().string() + ".json"; }
-
     Result<void> write_frame(const RawFrame& frame) override {
         if (frames_ > 0) return Error{ErrorKind::internal, place_.string() + ": is of one frame"};
         SceneDescription described = described_pictures();
@@ -240,20 +243,21 @@ private:
         for (const PlaneRole role : all_roles) {
             const PlaneView& plane = plane_of(frame, role);
             if (plane.empty()) continue;
-            names_.push_back(name_of(role));
+            names_.push_back(role == PlaneRole::depth ? form_.depth : beside(place_, role));
             pattern_of(*scene.folder, role) = names_.back();
             if (auto written = write_picture(role, names_.back(), plane); !written) return written;
         }
-        names_.push_back(own_scene_name());
-        return write_scene(hidden_.path() / names_.back(), described, home() / names_.back());
+        names_.push_back(form_.text);
+        return write_text(hidden_.path() / form_.text, form_.describe(described), home() / form_.text);
     }
     Result<void> end() override { return {}; }
-    fs::path opens_by() const override { return own_scene_name(); }
+    fs::path opens_by() const override { return form_.text; }
     fs::path home() const override { return place_.parent_path(); }
 
     Result<void> name_it() override { return hidden_.move_to(place_.parent_path(), names_, existing_); }
 
     Existing existing_;
+    Form form_;
     std::vector<std::string> names_;  // of its files, in the order in which they appear
 };
 
@@ -278,12 +282,19 @@ Result<void> check_place(const fs::path& place, const SceneDescription& describe
     return {};
 }
 
-template <class Writer>
+/// % and * stand for numbers in the names that a scene file has of pictures.
+Result<void> check_name(const fs::path& still) {
+    const std::string stem = still.stem().string();
+    if (is_still(stem + ".png")) return {};
+    return usage_error(still.string() + ": has a % or * in its name, which stand for numbers");
+}
+
+template <class Writer, class... More>
 Result<std::unique_ptr<ClipWriter>> opened(const fs::path& path, const SceneDescription& described,
-                                           Existing existing) {
+                                           Existing existing, More... more) {
     const fs::path place = whole_name(path);
     if (auto checked = check_place(place, described); !checked) return checked.error();
-    auto writer = std::make_unique<Writer>(place, described, existing);
+    auto writer = std::make_unique<Writer>(place, described, existing, std::move(more)...);
     if (auto able = writer->open(); !able) return able.error();
     return std::unique_ptr<ClipWriter>(std::move(writer));
 }
@@ -320,9 +331,19 @@ Result<std::unique_ptr<ClipWriter>> create_image_folder(const fs::path& folder,
 
 Result<std::unique_ptr<ClipWriter>> create_still(const fs::path& picture, const SceneDescription& described,
                                                  Existing existing) {
-    if (!is_still(picture.filename().string()))
-        return usage_error(picture.string() + ": has a % in its name, which stands for numbers");
-    return opened<StillWriter>(picture, described, existing);
+    if (auto checked = check_name(picture); !checked) return checked.error();
+    const StillWriter::Form form{picture.filename().string(), picture.stem().string() + ".json",
+                                 scene_to_json};
+    return opened<StillWriter>(picture, described, existing, form);
+}
+
+Result<std::unique_ptr<ClipWriter>> create_described_still(const fs::path& text,
+                                                           const SceneDescription& described,
+                                                           Existing existing, DescribeStill describe) {
+    if (auto checked = check_name(text); !checked) return checked.error();
+    const StillWriter::Form form{beside(text, PlaneRole::depth), text.filename().string(),
+                                 std::move(describe)};
+    return opened<StillWriter>(text, described, existing, form);
 }
 
 std::vector<fs::path> still_files(const fs::path& picture) {
@@ -330,7 +351,13 @@ std::vector<fs::path> still_files(const fs::path& picture) {
     const std::string stem = picture.stem().string();
     std::vector<fs::path> files{picture, folder / (stem + ".json")};
     for (const PlaneRole role : {PlaneRole::colour, PlaneRole::haptic, PlaneRole::height})
-        files.push_back(folder / (stem + "_" + std::string(role_name(role)) + ".png"));
+        files.push_back(folder / beside(picture, role));
+    return files;
+}
+
+std::vector<fs::path> described_still_files(const fs::path& text) {
+    std::vector<fs::path> files{text};
+    for (const PlaneRole role : all_roles) files.push_back(text.parent_path() / beside(text, role));
     return files;
 }
 

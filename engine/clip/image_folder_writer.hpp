@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "engine/clip/clip_reader.hpp"
@@ -30,7 +32,17 @@ bool is_image_folder(const std::filesystem::path& folder);
 Result<std::unique_ptr<ClipWriter>> create_still(const std::filesystem::path& picture,
                                                  const SceneDescription& described, Existing existing);
 
-/// Every file that `create_still` may write.
+/// Every file that `create_still` may write; what opens it is the second.
 std::vector<std::filesystem::path> still_files(const std::filesystem::path& picture);
+
+/// The text that describes the pictures of one frame, whose names are in `scene.folder`.
+using DescribeStill = std::function<std::string(const SceneDescription&)>;
+/// One frame that another text than a scene file describes: NAME.ext beside NAME_depth.png, NAME_colour.png
+/// and so on. The text opens it.
+Result<std::unique_ptr<ClipWriter>> create_described_still(const std::filesystem::path& text,
+                                                           const SceneDescription& described,
+                                                           Existing existing, DescribeStill describe);
+/// Every file that it may write; the first is the text.
+std::vector<std::filesystem::path> described_still_files(const std::filesystem::path& text);
 
 }  // namespace touchable

@@ -12,6 +12,7 @@
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/mpeg4/scene_text.hpp"
 #include "engine/printable.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "engine/video/video_file.hpp"
 
 namespace touchable {
@@ -35,6 +36,7 @@ private:
         return texture ? file_of(*texture, plane) : Result<std::string>(std::string());
     }
     Result<SceneDescription> with_pictures(FolderSource pictures);
+    Result<SceneDescription> with_own_scene_file();
     Result<SceneDescription> with_videos(const FolderSource& files);
     Result<SceneDescription> describe();
 
@@ -43,6 +45,7 @@ private:
     mpeg4::ClipNodes nodes_;
     std::shared_ptr<ReadPictures> pictures_ = std::make_shared<ReadPictures>();
     std::shared_ptr<VideoFile> video_;
+    std::vector<std::string> notes_;
 };
 
 Result<void> SceneTextClip::read_nodes() {
@@ -74,11 +77,29 @@ Result<std::string> SceneTextClip::file_of(const PlaneTexture& texture, const ch
 Result<SceneDescription> SceneTextClip::with_pictures(FolderSource pictures) {
     const auto first = pictures_->look(folder_ / pictures.depth);
     if (!first) return first.error();
-    auto described =
-        mpeg4::described_by(nodes_, (*first)->image.width, (*first)->image.height, (*first)->bits);
-    if (!described) return refuse(described.error().message);
+    auto described = !nodes_.scene_file.empty() ? with_own_scene_file()
+                                                : mpeg4::described_by(nodes_, (*first)->image.width,
+                                                                      (*first)->image.height, (*first)->bits);
+    if (!described && nodes_.scene_file.empty()) return refuse(described.error().message);
+    if (!described) return described;
     pictures.haptic_may_be_lossy = true;  // as the paper's own example is
     described->scene.folder = std::move(pictures);
+    return described;
+}
+
+/// As touchable wrote it, but for what somebody changed in the nodes since.
+Result<SceneDescription> SceneTextClip::with_own_scene_file() {
+    const std::string node = std::string("its WorldInfo ") + mpeg4::ClipNodes::scene_file_title;
+    auto described = parse_scene(nodes_.scene_file, source_.string() + ": " + node);
+    if (!described) return described;
+    described->scene.folder.reset();  // the nodes name the pictures
+    described->scene.video.reset();
+    const auto is_other = mpeg4::take_nodes(nodes_, described->scene);
+    if (!is_other) return refuse(is_other.error().message);
+    if (!*is_other) return described;
+    notes_.push_back("its nodes say another camera, other planes or ranges than " + node +
+                     ": the nodes stand");
+    if (auto valid = validate(*described); !valid) return refuse(valid.error().message);
     return described;
 }
 
@@ -131,7 +152,7 @@ Result<std::unique_ptr<ClipReader>> SceneTextClip::open(const std::optional<Scen
     if (auto read = read_nodes(); !read) return read.error();
     auto described = describe();
     if (!described) return described.error();
-    described->scene.name = source_.path().stem().string();
+    if (described->scene.name.empty()) described->scene.name = source_.path().stem().string();
     if (replacement) {
         SceneDescription other = *replacement;
         other.scene.folder = described->scene.folder;
@@ -139,7 +160,7 @@ Result<std::unique_ptr<ClipReader>> SceneTextClip::open(const std::optional<Scen
         described = std::move(other);
     }
     auto reader = described->scene.video ? open_video_clip(folder_, *described, colour, video_)
-                                         : open_image_folder(folder_, *described, {}, colour, pictures_);
+                                         : open_image_folder(folder_, *described, notes_, colour, pictures_);
     if (reader) (*reader)->add_input(source_.path());
     return reader;
 }

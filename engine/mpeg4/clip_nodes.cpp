@@ -1,5 +1,6 @@
 #include "engine/mpeg4/clip_nodes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <utility>
@@ -80,6 +81,40 @@ Result<std::optional<PlaneTexture>> NodeView::texture(const char* name) const {
     const Url* const url = std::get_if<Url>(&urls->front());
     if (!url) return wrong(std::string(name) + " is a PROTO whose url is none");
     return std::optional(PlaneTexture{*url, there.is("MovieTexture")});
+}
+
+/// Beside the Shape: what touchable wrote for itself, a line each; empty where it is a WorldInfo of others.
+std::string scene_file_in(const SceneTree& scene) {
+    const Field* children = scene.root->type == "Group" ? scene.root->field("children") : nullptr;
+    for (const FieldValue& each : children ? children->values : std::vector<FieldValue>()) {
+        const NodePtr* const child = std::get_if<NodePtr>(&each);
+        if (!child || !*child || (*child)->type != "WorldInfo") continue;
+        const NodeView world(scene, **child);
+        const auto title = world.value<std::string>("title");
+        const auto* const info = world.values("info");
+        if (!title || *title != ClipNodes::scene_file_title || !info) continue;
+        std::string text;
+        for (const FieldValue& line : *info) {
+            if (!std::holds_alternative<std::string>(line)) return {};
+            if (&line != &info->front()) text += '\n';
+            text += std::get<std::string>(line);
+        }
+        return text;
+    }
+    return {};
+}
+
+/// The same as a node.
+NodePtr scene_file_node(const std::string& text) {
+    Field info{"info", {}};
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        info.values.emplace_back(text.substr(at, end - at));
+        at = end + 1;
+    }
+    return std::make_shared<Node>(
+        Node{.type = "WorldInfo",
+             .fields = {std::move(info), {"title", {std::string(ClipNodes::scene_file_title)}}}});
 }
 
 /// The only Shape of a scene, or DepthImage; WorldInfo may stand beside it.
@@ -231,6 +266,7 @@ Result<ClipNodes> clip_nodes_of(const SceneTree& scene) {
     if (shape->is("DepthImage")) return from_depth_image(*shape);
     if (!shape->is("Shape")) return shape->wrong("must be a Shape");
     ClipNodes made;
+    made.scene_file = scene_file_in(scene);
     if (auto read = read_depth(*shape, made); !read) return read.error();
     if (auto read = read_appearance(*shape, made); !read) return read.error();
     return made;
@@ -256,7 +292,8 @@ SceneTree scene_of(const ClipNodes& nodes, int width, int height) {
     const Node shape{.type = "Shape",
                      .fields = {{"appearance", {std::make_shared<Node>(std::move(appearance))}},
                                 {"geometry", {std::make_shared<Node>(depth)}}}};
-    const Node root{.type = "Group", .fields = {{"children", {std::make_shared<Node>(shape)}}}};
+    Node root{.type = "Group", .fields = {{"children", {std::make_shared<Node>(shape)}}}};
+    if (!nodes.scene_file.empty()) root.fields[0].values.emplace_back(scene_file_node(nodes.scene_file));
     return {clip_prototypes(width, height), std::make_shared<Node>(root)};
 }
 

@@ -30,6 +30,10 @@ struct ClipNodes {
     std::optional<PlaneTexture> colour, haptic, height;
     HapticRanges ranges;    ///< stiffness in N/mm
     double max_height = 0;  ///< levels of depth
+    /// A scene file's text, which says what nodes cannot, to touchable alone: `info` of a WorldInfo of this
+    /// title.
+    std::string scene_file;
+    static constexpr const char* scene_file_title = "T3D_SCENE";
 };
 
 /// The one layout of nodes that is a touchable clip, as the paper wrote it or by prototypes of the paper's

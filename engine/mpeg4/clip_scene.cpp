@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/scene/scene_file.hpp"
 #include "engine/trigonometry.hpp"
 
 namespace touchable::mpeg4 {
@@ -39,6 +40,11 @@ double focal_length_in_pixels(double angle, int pixels) {
     return pixels / 2.0 * cosine(angle / 2) / sine(angle / 2);
 }
 
+/// Of a picture of depth, which has 8 or 16.
+int picture_bits(const Scene& scene) {
+    return scene.depth_bits > 8 ? 16 : 8;
+}
+
 Result<Camera> camera_of(const ClipNodes& nodes, int width, int height) {
     if (nodes.focal_length > 0 && nodes.pixel_width > 0)
         return camera_from_focal_length(nodes.focal_length, nodes.pixel_width, width, height);
@@ -71,25 +77,29 @@ ClipNodes nodes_from(const Scene& scene, StreamsBeside streams) {
     return nodes;
 }
 
-std::vector<std::string> unsaid_by_nodes(const Scene& scene) {
+std::vector<std::string> unsaid_by_nodes(const Scene& scene, StreamsBeside streams, Textures textures) {
     std::vector<std::string> unsaid;
-    const auto say = [&](bool is_so, const char* what) {
-        if (is_so) unsaid.emplace_back(what);
+    const auto say = [&](bool is_so, std::string what) {
+        if (is_so) unsaid.push_back(std::move(what));
     };
     const DepthCoding& depth = scene.depth;
     say(depth.kind != DepthCodingKind::linear || !depth.near_is_high,
         "depth that is not linear from far (black) to near (white)");
-    say(depth.kind == DepthCodingKind::linear && depth.code_max != (1U << scene.depth_bits) - 1,
-        "a white of depth that is not the largest number of its bits");
+    const bool are_tracks = textures == Textures::tracks;
+    const int bits = are_tracks ? scene.depth_bits : picture_bits(scene);
+    say(depth.kind == DepthCodingKind::linear && depth.code_max != (1U << bits) - 1,
+        "a white of depth that is not the largest number of its " + std::to_string(bits) + " bits");
     say(depth.semantics != DepthSemantics::range,
         "depth along the camera's axis instead of each pixel's ray");
     say(depth.invalid_code_count > 0, "values of depth that are holes");
-    say(scene.depth_bits > 8 || scene.height_coding.code_max > 255,
+    const bool is_high = scene.height_coding.code_max > 255;
+    say(are_tracks && (scene.depth_bits > 8 || is_high),
         "bits of depth and height below the high 8, which are tracks of their own");
+    say(!are_tracks && is_high, "height of more than 8 bits");
     say(scene.metres_per_unit != Scene().metres_per_unit, "lengths that are not millimetres");
     say(!is_in_the_middle(scene.camera, scene.width, scene.height),
         "a camera whose pixels are not square, or whose axis is not in the picture's middle");
-    say(scene.rate.own_times != nullptr, "frames at times of their own");
+    say(are_tracks && scene.rate.own_times != nullptr, "frames at times of their own");
     say(scene.lens.any(), "a lens that bends what it shows");
     say(scene.colour_camera.has_value(), "a camera of colour");
     say(scene.interpolation != FrameInterpolation::linear, "frames that stay as they are until the next one");
@@ -97,9 +107,10 @@ std::vector<std::string> unsaid_by_nodes(const Scene& scene) {
     say(!(scene.filter == FilterSettings()), "filters");
     say(scene.hole_stiffness.has_value(), "the stiffness of holes");
     const HapticProperties &felt = scene.default_properties, usual;
-    say(felt.stiffness != usual.stiffness || felt.static_friction != usual.static_friction ||
-            felt.dynamic_friction != usual.dynamic_friction,
-        "how it feels where it has no haptic picture");
+    say(!streams.haptic &&
+            (felt.stiffness != usual.stiffness || felt.static_friction != usual.static_friction ||
+             felt.dynamic_friction != usual.dynamic_friction),
+        "how it feels, as it has no haptic picture");
     return unsaid;
 }
 
@@ -121,6 +132,35 @@ Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int hei
     described.unstated = {.rate = true, .filters = all_unstated};
     if (auto valid = validate(described); !valid) return valid.error();
     return described;
+}
+
+ClipNodes nodes_of_pictures(const SceneDescription& described) {
+    const Scene& scene = described.scene;
+    const FolderSource& files = *scene.folder;
+    const auto picture = [](const std::string& file) {
+        return file.empty() ? std::nullopt : std::optional(PlaneTexture{{.file = file}, false});
+    };
+    ClipNodes nodes = nodes_from(scene);
+    nodes.depth = *picture(files.depth);
+    nodes.colour = picture(files.colour);
+    nodes.haptic = picture(files.haptic);
+    nodes.height = picture(files.height);
+    const auto as_text = [&](SceneDescription said) {
+        said.scene.folder.reset();
+        said.scene.video.reset();
+        said.scene.name = scene.name;
+        said.scene.rate = {};
+        said.unstated.rate = true;
+        return scene_to_json(said);
+    };
+    const SceneTree tree = scene_of(nodes, scene.width, scene.height);
+    const auto read = clip_nodes_of(tree);
+    const auto alone = read ? described_by(*read, scene.width, scene.height, picture_bits(scene))
+                            : Result<SceneDescription>(read.error());
+    std::string whole = as_text(described);
+    while (whole.ends_with('\n')) whole.pop_back();
+    if (!alone || as_text(*alone) != as_text(described)) nodes.scene_file = std::move(whole);
+    return nodes;
 }
 
 Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene) {

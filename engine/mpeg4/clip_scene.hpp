@@ -17,12 +17,18 @@ struct StreamsBeside {
     bool colour = false, haptic = false, height = false;
 };
 ClipNodes nodes_from(const Scene& scene, StreamsBeside streams = {});
+/// Where the textures are: tracks of 8 bits that change, or pictures of one moment, of 8 or 16 bits.
+enum class Textures { tracks, pictures };
 /// What they cannot, each as a person reads it: "frames at times of their own". Empty: they say all.
-std::vector<std::string> unsaid_by_nodes(const Scene& scene);
+std::vector<std::string> unsaid_by_nodes(const Scene& scene, StreamsBeside streams = {},
+                                         Textures textures = Textures::tracks);
 
 /// A clip that nothing but nodes describes: depth as the paper has it, white near, along the ray (Eq. 3), of
 /// so many bits, its rate left open. Lengths are millimetres.
 Result<SceneDescription> described_by(const ClipNodes& nodes, int width, int height, int bits);
+/// The same scene by nodes of pictures, and what those cannot say of it, to the last bit, as a scene file's
+/// text (ClipNodes::scene_file). Its name and rate are not needed: one frame is called as its file.
+ClipNodes nodes_of_pictures(const SceneDescription& described);
 /// A scene of which the nodes say something else than `nodes_from` it, as they say it; false where they
 /// agree, but for what four bytes round. An error where a clip cannot be what they say.
 Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene);

@@ -107,7 +107,8 @@ void TextWriter::values(FieldKind kind, const std::vector<FieldValue>& values, i
         value(values.front(), depth);
         return;
     }
-    const bool by_line = kind.type == FieldType::node;
+    const bool by_line =
+        kind.type == FieldType::node || (kind.type == FieldType::string && values.size() > 1);
     text_ += '[';
     for (const FieldValue& each : values) {
         if (by_line)

@@ -78,13 +78,14 @@ Result<ClipForm> read_form(const std::filesystem::path& out) {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (ending == ".mkv" || ending == ".mp4") return ClipForm::archive;
     if (ending == ".png") return ClipForm::still;
+    if (ending == ".bt") return ClipForm::scene_text;
     if (ending == ".gltf") return ClipForm::gltf;
     std::error_code ignored;
     if (ending.empty() || std::filesystem::is_directory(out, ignored)) return ClipForm::folder;
     return usage_error(
         "OUT '" + printable(out.string()) +
-        "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, or the name of a "
-        "folder, which ends in / if it has a dot");
+        "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, NAME.bt, or the "
+        "name of a folder, which ends in / if it has a dot");
 }
 
 /// An option that would do nothing is refused.
@@ -94,16 +95,16 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
         return usage_error(std::string(option) + " is for " + what);
     };
     const ClipForm form = typed.options.form;
-    const bool archive = form == ClipForm::archive || form == ClipForm::gltf, still = form == ClipForm::still;
+    const bool archive = form == ClipForm::archive || form == ClipForm::gltf, one_frame = is_one_frame(form);
     const char* why = "clips, NAME.mkv, NAME.mp4 and NAME.gltf; pictures keep every value";
     if (auto checked = only(!archive && typed.archive->count() > 0, "--archive", why); !checked.ok())
         return checked;
     if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
         !checked.ok())
         return checked;
-    const char* one = "clips and folders; NAME.png is one frame, --from says which";
-    if (auto checked = only(still && typed.to, "--to", one); !checked.ok()) return checked;
-    return only(still && typed.every_typed->count() > 0, "--every", one);
+    const char* one = "clips and folders; NAME.png and NAME.bt are one frame, --from says which";
+    if (auto checked = only(one_frame && typed.to, "--to", one); !checked.ok()) return checked;
+    return only(one_frame && typed.every_typed->count() > 0, "--every", one);
 }
 
 Result<ConvertOptions> read_words(const ConvertTyped& typed) {
@@ -145,7 +146,8 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
 }  // namespace
 
 void add_convert_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand("convert", "write a clip as a clip, a folder of pictures or one picture");
+    auto* sub = app.add_subcommand(
+        "convert", "write a clip as a clip, a folder of pictures, one picture or a static MPEG-4 scene");
     auto typed = std::make_shared<ConvertTyped>();
     ConvertOptions& options = typed->options;
     add_clip_options(*sub, typed->clip)->required();
@@ -153,7 +155,8 @@ void add_convert_command(CLI::App& app, Command& command) {
                     "NAME.mkv: a clip; NAME.mp4: the same as MPEG-4 has it; NAME.gltf: a glTF scene beside "
                     "its NAME.mp4, which any glTF viewer shows; a name without a dot, or that "
                     "ends in /: a folder of pictures that opens as it "
-                    "is; NAME.png: a depth picture, with its scene file NAME.json")
+                    "is; NAME.png: a depth picture, with its scene file NAME.json; NAME.bt: one frame as the "
+                    "paper sends a static scene, a text beside its pictures")
         ->required();
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, options.existing);

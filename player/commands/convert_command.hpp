@@ -22,11 +22,15 @@ struct ClipMoment {
 
 /// What a clip becomes, by its name.
 enum class ClipForm {
-    archive,  ///< NAME.mkv, NAME.mp4
-    folder,   ///< a name without an extension, or that ends in /
-    still,    ///< NAME.png: one frame
-    gltf      ///< NAME.gltf
+    archive,     ///< NAME.mkv, NAME.mp4
+    folder,      ///< a name without an extension, or that ends in /
+    still,       ///< NAME.png: one frame
+    scene_text,  ///< NAME.bt: one frame, as the paper sends a static scene
+    gltf         ///< NAME.gltf
 };
+inline bool is_one_frame(ClipForm form) {
+    return form == ClipForm::still || form == ClipForm::scene_text;
+}
 
 struct ConvertOptions {
     ClipChoice clip;  ///< of which filters do not count

@@ -56,12 +56,13 @@ std::string line(const std::string& name, const std::string& words) {
     return "  " + name + std::string(name.size() < 8 ? 8 - name.size() : 1, ' ') + words + "\n";
 }
 
-/// A still's files beside its depth.
+/// A still's files beside the one that was named.
 std::string files_beside(const ConvertOptions& options, const Converted& done) {
-    const auto files = still_files(options.out);
-    std::string words = files[1].string() + " describes it, and is what opens it";
+    const bool is_text = options.form == ClipForm::scene_text;
+    const auto opens_it = is_text ? options.out : still_files(options.out)[1];
+    std::string words = opens_it.string() + " describes it, and is what opens it";
     for (const TrackInfo& track : done.tracks)
-        if (track.role != "depth")
+        if (is_text || track.role != "depth")
             words += "; " + options.out.stem().string() + "_" + track.role + ".png is its " + track.role;
     return words;
 }
@@ -87,7 +88,7 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
     std::string text = options.out.string() + ": " + std::to_string(done.frames) +
                        (done.frames == 1 ? " frame, " : " frames, ") + std::to_string(scene.width) + "x" +
                        std::to_string(scene.height);
-    if (options.form != ClipForm::still)
+    if (!is_one_frame(options.form))
         text += worded(
             scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",
             scene.rate.per_second());
@@ -104,7 +105,7 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
     }
     if (!done.sound.empty()) text += line("sound", done.sound);
     if (done.forces) text += line("force", forces_in_words(*done.forces));
-    if (options.form == ClipForm::still) text += line("scene", files_beside(options, done));
+    if (is_one_frame(options.form)) text += line("scene", files_beside(options, done));
     if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
     for (const std::string& note : done.notes) text += line("note", note);
     return text;

@@ -16,6 +16,7 @@
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/sound/stored_sound.hpp"
 #include "engine/video/mp4_writer.hpp"
+#include "engine/video/scene_text_still.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/convert_report.hpp"
 #include "player/commands/plane_loss.hpp"
@@ -53,6 +54,20 @@ Result<void> check_folder(const ConvertOptions& options, const std::vector<Named
     return {};
 }
 
+/// An MPEG-4 scene of pictures is of one moment.
+Result<void> check_frames(const ConvertOptions& options, const ClipReader& clip) {
+    const auto frames = clip.frame_count();
+    if (options.form != ClipForm::scene_text || options.from || frames == 1) return {};
+    return usage_error("OUT " + options.out.string() + " is a scene of one frame, but the clip has " +
+                       (frames ? std::to_string(*frames) : "more, as far as it tells") +
+                       ": --from says which one; NAME.mp4 holds them all");
+}
+
+std::vector<fs::path> files_of_one_frame(const ConvertOptions& options) {
+    return options.form == ClipForm::scene_text ? described_still_files(options.out)
+                                                : still_files(options.out);
+}
+
 Result<void> check_places(const ConvertOptions& options, const ClipReader& reader) {
     std::vector<NamedFile> inputs;
     if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
@@ -60,8 +75,8 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
     if (options.form == ClipForm::folder) return check_folder(options, inputs);
     std::vector<NamedFile> outputs;
     if (options.form == ClipForm::archive) outputs.push_back({"OUT", options.out});
-    if (options.form == ClipForm::still)
-        for (const fs::path& file : still_files(options.out)) outputs.push_back({"OUT", file});
+    if (is_one_frame(options.form))
+        for (const fs::path& file : files_of_one_frame(options)) outputs.push_back({"OUT", file});
     if (options.form == ClipForm::gltf)
         for (const fs::path& file : gltf_clip_files(options.out)) outputs.push_back({"OUT", file});
     return check_outputs({outputs, options.existing}, inputs);
@@ -77,7 +92,7 @@ ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
         part.last = options.to->time_ns ? rate.frame_at(*options.to->time_ns - 1) : options.to->frame;
     const auto frames = clip.frame_count();
     if (options.to && options.to->time_ns && frames && *part.last >= *frames) part.last.reset();
-    if (options.form == ClipForm::still) part.last = part.first;
+    if (is_one_frame(options.form)) part.last = part.first;
     return part;
 }
 
@@ -87,7 +102,7 @@ Error as_named(Error error, const ConvertOptions& options, const fs::path& writt
     const bool is_file = options.form == ClipForm::archive;
     const std::string hidden = (is_file ? written : written.parent_path()).string();
     const fs::path folder = options.out.has_parent_path() ? options.out.parent_path() : fs::path(".");
-    const bool is_beside = options.form == ClipForm::still || options.form == ClipForm::gltf;
+    const bool is_beside = is_one_frame(options.form) || options.form == ClipForm::gltf;
     const std::string name = (is_beside ? folder : options.out).string();
     for (auto at = error.message.find(hidden); at != std::string::npos;
          at = error.message.find(hidden, at + name.size()))
@@ -130,7 +145,7 @@ private:
     Result<void> check_loss() const;
     void say_what_mpeg4_cannot(const Scene& scene) const;
     Result<void> open_writer();
-    bool is_one_frame() const;
+    bool is_of_one_frame() const;
     bool holds_video() const;
     std::optional<SoundPart> chosen_sound();
     RawFrame as_written(const RawFrame& frame) const;
@@ -207,22 +222,31 @@ std::optional<SoundPart> Conversion::chosen_sound() {
     return SoundPart{file, from_ns_, from_ns_ + rate.time_ns(frames)};
 }
 
-bool Conversion::is_one_frame() const {
+bool Conversion::is_of_one_frame() const {
     return source_->frame_count() == 1;
 }
 
 /// A glTF scene of one frame has pictures.
 bool Conversion::holds_video() const {
-    return options_.form == ClipForm::archive || (options_.form == ClipForm::gltf && !is_one_frame());
+    return options_.form == ClipForm::archive || (options_.form == ClipForm::gltf && !is_of_one_frame());
 }
 
 /// Before anything is written.
 void Conversion::say_what_mpeg4_cannot(const Scene& scene) const {
+    const bool is_text = options_.form == ClipForm::scene_text;
+    if (!is_text && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
+    mpeg4::StreamsBeside streams;
+    for (const TrackInfo& track : source_->tracks())
+        streams.haptic = streams.haptic || track.role == "haptic";
+    const auto textures = is_text ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;
     std::string all;
-    for (const std::string& each : mpeg4::unsaid_by_nodes(scene)) all += (all.empty() ? "" : "; ") + each;
+    for (const std::string& each : mpeg4::unsaid_by_nodes(scene, streams, textures))
+        all += (all.empty() ? "" : "; ") + each;
     if (!all.empty())
         std::cout << options_.out.string() << ": its MPEG-4 scene cannot say: " << all
-                  << ". touchable reads that from the file's tags; other programs do not." << std::endl;
+                  << ". touchable reads that from "
+                  << (is_text ? "a WorldInfo in the text" : "the file's tags") << "; other programs do not."
+                  << std::endl;
 }
 
 Result<void> Conversion::open_writer() {
@@ -230,8 +254,7 @@ Result<void> Conversion::open_writer() {
     if (options_.size)
         described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
     done_.scene = described.scene;
-    if (options_.form == ClipForm::archive && is_mp4_name(options_.out))
-        say_what_mpeg4_cannot(described.scene);
+    say_what_mpeg4_cannot(described.scene);
     auto writer = [&]() -> Result<std::unique_ptr<ClipWriter>> {
         const auto sound = chosen_sound();
         switch (options_.form) {
@@ -239,6 +262,8 @@ Result<void> Conversion::open_writer() {
                 return create_image_folder(options_.out, described, options_.existing);
             case ClipForm::still:
                 return create_still(options_.out, described, options_.existing);
+            case ClipForm::scene_text:
+                return create_scene_text(options_.out, described, options_.existing);
             case ClipForm::archive:
             case ClipForm::gltf:
                 break;
@@ -246,7 +271,7 @@ Result<void> Conversion::open_writer() {
         ClipStorage storage = options_.storage;
         storage.gives_colour = true;
         if (options_.form == ClipForm::gltf)
-            return create_gltf_clip(options_.out, described, is_one_frame(), storage, options_.existing,
+            return create_gltf_clip(options_.out, described, is_of_one_frame(), storage, options_.existing,
                                     sound);
         return create_named_clip(options_.out, described, storage, options_.existing, sound);
     }();
@@ -333,6 +358,7 @@ Result<void> Conversion::run(std::string& at_work) {
     auto clip = options_.clip.open();
     if (!clip.ok()) return clip.error();
     at_work = frames_in_words((*clip)->scene());
+    if (auto one = check_frames(options_, **clip); !one.ok()) return one;
     if (auto free = check_places(options_, **clip); !free.ok()) return free;
     done_.notes = remarks_with_options(remarks_of(**clip));
     part_ = part_of(options_, **clip);

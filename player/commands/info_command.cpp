@@ -317,11 +317,12 @@ std::string to_text(const ClipFacts& facts) {
 
 /// The clip's scene as MPEG-4 has it; what that cannot say stands before it.
 std::string mpeg4_text(const ClipFacts& facts) {
+    const mpeg4::StreamsBeside streams{facts.has_track("colour"), facts.has_track("haptic"),
+                                       facts.has_track("height")};
     std::string text;
-    for (const std::string& unsaid : mpeg4::unsaid_by_nodes(facts.scene))
+    for (const std::string& unsaid : mpeg4::unsaid_by_nodes(facts.scene, streams))
         text += "# An MPEG-4 scene cannot say: " + unsaid + '\n';
-    const mpeg4::ClipNodes nodes = mpeg4::nodes_from(
-        facts.scene, {facts.has_track("colour"), facts.has_track("haptic"), facts.has_track("height")});
+    const mpeg4::ClipNodes nodes = mpeg4::nodes_from(facts.scene, streams);
     return text + mpeg4::scene_text(mpeg4::scene_of(nodes, facts.scene.width, facts.scene.height));
 }
 

@@ -26,7 +26,7 @@ void require_same_nodes(const mpeg4::SceneTree& scene) {
     require(again->depth == nodes->depth && again->colour == nodes->colour &&
                 again->haptic == nodes->haptic && again->height == nodes->height &&
                 again->near == nodes->near && again->far == nodes->far &&
-                again->max_height == nodes->max_height,
+                again->max_height == nodes->max_height && again->scene_file == nodes->scene_file,
             "nodes are others when they are read again");
 }
 

@@ -3,12 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include "engine/frame/stored_code.hpp"
 #include "engine/import/open_clip.hpp"
 #include "engine/picture/image_file.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/video/scene_text_still.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/encoded_picture.hpp"
 
 namespace touchable::test {
 namespace {
@@ -112,6 +117,142 @@ TEST_F(SceneTextClips, ASceneFileMayCallItsDepthDisparities) {
                   .find("video.mkv: depth.coding disparity"),
               std::string::npos)
         << message(open_clip(folder / "scene.bt", folder / "other.json"));
+}
+
+bool says_of_it(const ClipReader& clip, const std::string& part) {
+    const auto notes = clip_notes(clip);
+    return std::ranges::any_of(notes,
+                               [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+/// A clip whose nodes cannot say all: cut short, of 12 bits, with holes.
+class WrittenSceneText : public ::testing::Test {
+protected:
+    void SetUp() override {
+        scene.depth.semantics = DepthSemantics::planar;
+        scene.depth.invalid_codes[0] = 0;
+        scene.depth.invalid_code_count = 1;
+        derive_valid_range(scene.depth);
+        scene.remarks = {{"guessed: the camera"}};
+    }
+    std::string write(Existing existing = Existing::keep) const {
+        auto writer = create_scene_text(file, scene, existing);
+        if (!writer) return writer.error().message;
+        if (auto written = (*writer)->write(test_frame(scene, 0, all_planes)); !written)
+            return written.error().message;
+        return message((*writer)->finish());
+    }
+    void change(const std::string& was, const std::string& is) const {
+        std::string text = read_bytes(file);
+        ASSERT_NE(text.find(was), std::string::npos) << was;
+        write_bytes(file, text.replace(text.find(was), was.size(), is));
+    }
+    TemporaryFolder folder;
+    std::filesystem::path file = folder / "my scene.bt";
+    Scene scene = small_scene(23, 14, 12);
+};
+
+TEST_F(WrittenSceneText, ComesBackWithAllThatNodesCannotSay) {
+    ASSERT_EQ(write(), "");
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        names.push_back(entry.path().filename().string());
+    std::ranges::sort(names);
+    EXPECT_EQ(names, (std::vector<std::string>{"my scene.bt", "my scene_colour.png", "my scene_depth.png",
+                                               "my scene_haptic.png", "my scene_height.png"}));
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    EXPECT_FALSE(says_of_it(**clip, "its nodes say another"));
+    EXPECT_TRUE(says_of_it(**clip, "guessed: the camera"));
+    Scene read = (*clip)->scene();
+    ASSERT_TRUE(read.folder);
+    read.folder.reset();
+    EXPECT_EQ(scene_to_json(read), scene_to_json(scene));
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 1U);
+    EXPECT_TRUE(same_frame(frames->front(), test_frame(scene, 0, all_planes)));
+}
+
+TEST_F(WrittenSceneText, NothingThatIsThereIsReplacedUnasked) {
+    write_bytes(folder / "my scene_height.png", "somebody's");
+    EXPECT_NE(write().find("my scene_height.png"), std::string::npos);
+    EXPECT_EQ(read_bytes(folder / "my scene_height.png"), "somebody's");
+    EXPECT_FALSE(std::filesystem::exists(file) || std::filesystem::exists(folder / "my scene_depth.png"));
+    EXPECT_EQ(write(Existing::replace), "");
+    EXPECT_EQ(message(open_clip(file)), "");
+    for (const char* name : {"a%d.bt", "a*.bt", "od:7.bt"}) {
+        file = folder / name;
+        EXPECT_NE(write(), "") << name;
+        EXPECT_FALSE(std::filesystem::exists(file));
+    }
+}
+
+TEST_F(WrittenSceneText, NodesThatWereEditedStandAndThatIsSaid) {
+    ASSERT_EQ(write(), "");
+    change("farPlane 200", "farPlane 300");  // of its prototype's values none is 200
+    change("maxHeight 0", "maxHeight 2");
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(says_of_it(
+        **clip, "its nodes say another camera, other planes or ranges than its WorldInfo T3D_SCENE"));
+    EXPECT_EQ((*clip)->scene().depth.far, 300);
+    EXPECT_EQ((*clip)->scene().height_coding.max_height, 2);
+    EXPECT_EQ((*clip)->scene().depth.semantics, DepthSemantics::planar);
+    change("farPlane 300", "farPlane 5");
+    EXPECT_NE(message(open_clip(file)).find("my scene.bt: depth.near"), std::string::npos)
+        << message(open_clip(file));
+}
+
+TEST_F(WrittenSceneText, OnlyPicturesThatNodesNameAreRead) {
+    ASSERT_EQ(write(), "");
+    const std::string whole = read_bytes(file);
+    change(R"("  \"interpolation)",
+           R"("  \"video\": {\"depth\": \"../elsewhere.mkv\"}," "  \"interpolation)");
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    EXPECT_FALSE((*clip)->scene().video);
+    EXPECT_EQ((*clip)->scene().folder->depth, "my scene_depth.png");
+    write_bytes(file, whole);
+    change(R"(\"touchable_scene\": 1,)", R"(\"touchable_scene\": 99,)");
+    EXPECT_NE(message(open_clip(file)).find("my scene.bt: its WorldInfo T3D_SCENE: touchable_scene"),
+              std::string::npos)
+        << message(open_clip(file));
+}
+
+TEST_F(WrittenSceneText, PicturesThatAreMissingOrOthersAreNamed) {
+    ASSERT_EQ(write(), "");
+    const auto picture = [&](const char* role) {
+        return folder / ("my scene_" + std::string(role) + ".png");
+    };
+    for (const char* role : {"depth", "haptic", "height", "colour"}) {
+        std::filesystem::rename(picture(role), folder / "aside");
+        EXPECT_NE(message(open_clip(file)).find("my scene_" + std::string(role) + ".png"), std::string::npos)
+            << role;
+        std::filesystem::rename(folder / "aside", picture(role));
+    }
+    const Image other{7, 5, 1, 3, Samples(105, 9)};
+    ASSERT_TRUE(write_png(picture("haptic"), other.view()).ok());
+    EXPECT_TRUE(says_of_it(**open_clip(file), "haptic is 7x5: resampled"));
+    const Image small{7, 5, 2, 1, Samples(70, 1)};
+    ASSERT_TRUE(write_png(picture("depth"), small.view()).ok());
+    EXPECT_NE(message(open_clip(file)).find("is 7x5, but the scene is 23x14"), std::string::npos)
+        << message(open_clip(file));
+}
+
+/// Grey in JPEG is read as depth, and what that does to it is said.
+TEST_F(SceneTextClips, DepthInJpegIsReadAndSaid) {
+    write_bytes(folder / "depth.jpg",
+                encoded("mjpeg", AV_PIX_FMT_YUVJ420P, text_wide, text_high, [](AVFrame& frame) {
+                    for (int plane = 0; plane < 3; ++plane)
+                        for (int y = 0; y < text_high / (plane > 0 ? 2 : 1); ++y)
+                            std::memset(frame.data[plane] + y * frame.linesize[plane], plane > 0 ? 128 : 100,
+                                        text_wide / (plane > 0 ? 2 : 1));
+                }));
+    const auto clip = open(scene_with(R"(ImageTexture { url "depth.jpg" })"));
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(says_of_it(**clip, "depth is stored as mjpeg, which changes values"));
+    EXPECT_EQ(read_all(**clip)->front().depth.sample(3, 1), 100);
 }
 
 TEST_F(SceneTextClips, NothingOutsideItsFolderIsRead) {

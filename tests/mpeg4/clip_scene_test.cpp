@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "engine/mpeg4/bifs.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "tests/mpeg4/example_scenes.hpp"
 
 namespace touchable::mpeg4 {
@@ -36,7 +38,7 @@ TEST(ClipScene, WhatNodesCannotSayIsSaid) {
              scene.depth.code_max = 511;
          }},
         {"white of depth", [](Scene& scene) { scene.depth.code_max = 254; }},
-        {"has no haptic picture", [](Scene& scene) { scene.default_properties.stiffness = 601; }},
+        {"as it has no haptic picture", [](Scene& scene) { scene.default_properties.stiffness = 601; }},
         {"has no haptic picture", [](Scene& scene) { scene.default_properties.static_friction = 0.5; }},
         {"has no haptic picture", [](Scene& scene) { scene.default_properties.dynamic_friction = 0.1; }},
         {"below the high 8", [](Scene& scene) { scene.height_coding.code_max = 1023; }},
@@ -58,6 +60,80 @@ TEST(ClipScene, WhatNodesCannotSayIsSaid) {
         const auto unsaid = unsaid_by_nodes(scene);
         ASSERT_EQ(unsaid.size(), 1U) << said;
         EXPECT_NE(unsaid[0].find(said), std::string::npos) << unsaid[0];
+    }
+}
+
+/// What is felt of a haptic picture is in its colours, and pictures may have 16 bits.
+TEST(ClipScene, OfPicturesTheirOwnBitsAreSaid) {
+    using enum Textures;
+    Scene scene = papers_clip();
+    scene.default_properties.stiffness = 1;
+    EXPECT_EQ(unsaid_by_nodes(scene, {.haptic = false}, pictures).size(), 1U);
+    EXPECT_TRUE(unsaid_by_nodes(scene, {.haptic = true}, pictures).empty());
+    for (const auto& [bits, code_max, are_all] :
+         {std::tuple{8, 255, true}, {8, 254, false}, {12, 4095, false}, {16, 65535, true}}) {
+        scene.depth_bits = bits;
+        scene.depth.code_max = static_cast<std::uint16_t>(code_max);
+        EXPECT_EQ(unsaid_by_nodes(scene, {.haptic = true}, pictures).empty(), are_all) << bits;
+    }
+    scene.height_coding.code_max = 65535;
+    EXPECT_EQ(unsaid_by_nodes(scene, {.haptic = true}, pictures),
+              std::vector<std::string>{"height of more than 8 bits"});
+}
+
+SceneDescription pictures_of(Scene scene) {
+    scene.folder = FolderSource{.depth = "d.png", .colour = "c.png", .haptic = "", .height = "h.png"};
+    SceneDescription described(std::move(scene));
+    described.unstated.filters = all_unstated;
+    return described;
+}
+
+TEST(ClipScene, NodesOfPicturesHaveASceneFileOnlyWhereTheyCannotSayAll) {
+    const ClipNodes plain = nodes_of_pictures(pictures_of(papers_clip()));
+    EXPECT_EQ(plain.scene_file, "");
+    EXPECT_EQ(plain.depth, (PlaneTexture{{.file = "d.png"}, false}));
+    EXPECT_EQ(plain.colour, (PlaneTexture{{.file = "c.png"}, false}));
+    EXPECT_FALSE(plain.haptic);
+    EXPECT_EQ(plain.height, (PlaneTexture{{.file = "h.png"}, false}));
+    const std::vector<std::function<void(SceneDescription&)>> changes{
+        [](SceneDescription& clip) { clip.scene.camera.fx = clip.scene.camera.fy = 50.0 + 1e-12; },
+        [](SceneDescription& clip) { clip.scene.depth.near += 1e-13; },
+        [](SceneDescription& clip) { clip.unstated.filters.median = false; },
+        [](SceneDescription& clip) { clip.scene.remarks.push_back({"guessed: all of it"}); },
+        [](SceneDescription& clip) {
+            clip.scene.name = "\"quoted\\\n";
+            clip.scene.depth.near_is_high = false;
+        }};
+    for (const auto& change : changes) {
+        SceneDescription clip = pictures_of(papers_clip());
+        change(clip);
+        const ClipNodes nodes = nodes_of_pictures(clip);
+        clip.scene.folder.reset();
+        clip.scene.rate = {};
+        clip.unstated.rate = true;
+        EXPECT_EQ(nodes.scene_file + "\n", scene_to_json(clip));
+        // By text and by bytes it stays the same.
+        const SceneTree tree = scene_of(nodes, 64, 48);
+        const auto read = clip_nodes_of(scene_from(scene_text(tree)));
+        ASSERT_TRUE(read.ok()) << read.error().message;
+        EXPECT_EQ(read->scene_file, nodes.scene_file);
+        const BifsConfig config = config_for(tree, 64, 48);
+        const auto bytes = encode_scene(tree, config);
+        ASSERT_TRUE(bytes.ok()) << bytes.error().message;
+        const auto decoded = decode_scene(*bytes, config);
+        ASSERT_TRUE(decoded.ok()) << decoded.error().message;
+        EXPECT_EQ(clip_nodes_of(*decoded)->scene_file, nodes.scene_file);
+    }
+}
+
+TEST(ClipScene, AWorldInfoOfOthersSaysNothing) {
+    for (const char* world :
+         {R"(WorldInfo { title "T3D_SCENE" })", R"(WorldInfo { title "mine" info ["{}"] })"}) {
+        const auto nodes = clip_nodes_of(
+            scene_from("Group { children [ " + std::string(world) +
+                       R"( Shape { geometry Depth { texture ImageTexture { url "d.png" } } } ] })"));
+        ASSERT_TRUE(nodes.ok()) << nodes.error().message;
+        EXPECT_EQ(nodes->scene_file, "");
     }
 }
 

@@ -115,6 +115,45 @@ TEST_F(Convert, MovingDepthOf12BitsFeelsTheSame) {
     expect_same_forces();
 }
 
+/// The paper's static scene: text and pictures feel as the clip that they were, to the bit.
+TEST_F(Convert, AStaticSceneFeelsTheSame) {
+    for (const char* bits : {"8", "12", "16"}) {
+        make_clip("globe", at("still.mkv"), {"--size", "64x48", "--frames", "1", "--bits", bits});
+        const std::string before = hash_of(at("still.mkv")), text = at("s" + std::string(bits) + ".bt");
+        const std::string told = convert({at("still.mkv"), text});
+        EXPECT_EQ(told.find(text + ": its MPEG-4 scene cannot say: "), 0U) << told;
+        EXPECT_EQ(says(told, "largest number of its 16 bits"), bits == std::string("12")) << told;
+        EXPECT_PRED2(says, told, "haptic  every value kept (png)");
+        EXPECT_PRED2(says, told, text + " describes it, and is what opens it");
+        EXPECT_EQ(hash_of(text), before) << bits;
+        convert({text, at("back.mkv"), "--exact-colour", "--overwrite"});
+        EXPECT_EQ(hash_of(at("back.mkv")), before) << bits;
+        fs::remove(at("still.mkv"));
+    }
+}
+
+TEST_F(Convert, AStaticSceneIsOfOneFrameAndReplacesNothing) {
+    make("moving");
+    const std::string text = at("out/scene.bt");
+    expect_refused(
+        {at("clip.mkv"), text},
+        "is a scene of one frame, but the clip has 6: --from says which one; NAME.mp4 holds them all");
+    expect_refused({at("clip.mkv"), text, "--from", "2", "--to", "3"}, "NAME.bt are one frame");
+    expect_refused({at("clip.mkv"), text, "--from", "2", "--archive", "small"}, "pictures keep every value");
+    convert({at("clip.mkv"), text, "--from", "2"});
+    convert({at("clip.mkv"), at("frame.png"), "--from", "2"});
+    EXPECT_EQ(hash_of(text), hash_of(at("frame.json")));
+    const std::string depth = file_contents(at("out/scene_depth.png"));
+    fs::remove(text);
+    const Outcome refused = run_convert({at("clip.mkv"), text, "--from", "4"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_PRED2(says, refused.err, "scene_depth.png");
+    EXPECT_EQ(file_contents(at("out/scene_depth.png")), depth);
+    EXPECT_FALSE(fs::exists(text));
+    convert({at("clip.mkv"), text, "--from", "4", "--overwrite"});
+    EXPECT_NE(file_contents(at("out/scene_depth.png")), depth);
+}
+
 TEST_F(Convert, DepthAsHueFeelsTheSame) {
     Scene scene;
     scene.width = 64;
